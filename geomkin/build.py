@@ -1,4 +1,4 @@
-"""A recipe made into files: worked out wholly in memory first, so that an error writes nothing."""
+"""Making a recipe's files. All contents are computed in memory first, so that an error writes nothing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .core.records import record
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, Source, StaticSource
-from .export.summary import FOUND, NAME, files_told, summary
+from .export.summary import FOUND, NAME, listed_files, summary
 from .model.check import Check
 from .model.part import Part
 from .model.table import Table
@@ -26,18 +26,28 @@ from .recipe.load import to_toml
 from .recipe.recipe import AbstractRecipe
 from .recipe.settings import Files, Format
 
-# Bytes of a recipe's name; longer, and with an ending it is more than file systems take.
+# Largest number of bytes of a recipe's name, so that a name with an ending suits every file system.
 LONGEST_NAME = 200
-# A file, a TOML text, or a table as TOML gives it.
+# A path, a TOML text, or a mapping such as a TOML parser returns.
 Readable = str | Path | Annotated[Mapping[str, Any], ArgumentType(lambda value: isinstance(value, Mapping), "a table")]
 
 
 @record
 class Made:
-    """What became of a recipe. files: path to size in bytes, empty when nothing was to be written.
+    """The result of making or checking a recipe.
 
-    facts: what `check_recipe` found besides, a line each, such as the peak factors of a cam's segments.
-    remarks: sentences on the result, such as that a list may be incomplete.
+    Parameters
+    ----------
+    name : str
+        Name of the recipe.
+    checks : tuple of Check
+        The checks of its design.
+    files : mapping of Path to int
+        Size of each written file in bytes; empty if nothing was to be written.
+    facts : tuple of str
+        Further results of `check_recipe`, one line each, such as the peak factors of a cam's segments.
+    remarks : tuple of str
+        Sentences on the result, for example that a list may be incomplete.
     """
 
     name: str
@@ -50,12 +60,32 @@ class Made:
 
 @checked
 def load(source: Readable) -> AbstractRecipe:
-    """The recipe in a file, in a TOML text, or in a table as TOML gives it.
+    """Read and validate a recipe.
 
-    source: a path; a text that has a line break is taken for the recipe itself. A recipe from a file is called as the
-    file is, another one as its kind. Files that a recipe names lie in its own folder or below; those that a text or a
-    table names, in the working folder or below. Raises FileError where a file cannot be read, and RecipeError with
-    every problem, key by key.
+    Parameters
+    ----------
+    source : str, Path or mapping
+        A path, a TOML text (recognised by a line break), or a table as a TOML parser returns it. Files that a recipe
+        names are looked for in its own folder or below; for a text or a table in the working folder or below.
+
+    Returns
+    -------
+    AbstractRecipe
+        The recipe, named after its file, or after its kind if there is none.
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read.
+    RecipeError
+        With every problem, key by key.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> recipe = gk.load({"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}})
+    >>> recipe.kind
+    'four-bar'
     """
     if isinstance(source, Mapping):
         return reading.told(source)
@@ -66,38 +96,61 @@ def load(source: Readable) -> AbstractRecipe:
 
 @checked
 def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Sequence[Format] | None = None) -> Made:
-    """Make a recipe, or what `load` finds: its files go to `out`/<name>/.
+    """Write the files of a recipe to the folder `out`/<name>/.
 
-    The name is the one of the recipe's file, the one that `called` gave, or the kind; a recipe replaces the files of
-    another one that was made under its name. only: formats to write of those the recipe asks for, or of all there are
-    where it names none. Unless it is given, all that the recipe asks for are written, and files of parts that it had
-    when it was last made here, and has no more, are removed. A recipe that names no formats gets the usual ones that
-    its kind has something for.
-    Nothing is worked out that neither the checks nor these formats need. Raises RecipeError or FileError; then nothing
-    of this recipe has been written, or what was is whole.
+    The files of another recipe made under the same name are replaced. Only results that the checks and the requested
+    formats need are computed.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe, str, Path or mapping
+        A recipe, or a source that `load` accepts.
+    out : str or Path
+        The folder above that of the recipe.
+    only : sequence of str, optional
+        Formats to write, out of those that the recipe names, or out of all formats if it names none. By default all
+        formats of the recipe are written (the default formats of its kind if it names none), and files that an earlier
+        run wrote and the recipe no longer has are removed.
+
+    Returns
+    -------
+    Made
+        The checks and the files.
+
+    Raises
+    ------
+    RecipeError
+        If the recipe is invalid or cannot be made.
+    FileError
+        If a file cannot be written. After either error each file is the old one or the complete new one.
     """
-    file, recipe = _opened(recipe)
+    file, recipe = _with_file(recipe)
     offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
     wanted = [name for name in offered if only is None or name in only]
     if only is not None and not wanted:
-        found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} is to be written"
+        found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} was requested"
         raise RecipeError(
-            file, [Problem("files.write", found, "ask for one that the recipe writes, or add it", "conflict")]
+            file,
+            [
+                Problem(
+                    "files.write", found, "request a format that the recipe writes, or add it to the recipe", "conflict"
+                )
+            ],
         )
     name = name_of(file, recipe.name or recipe.kind)
-    with naming(file, recipe):
+    with errors_named_by_key(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
-        wanted = wanted if only else _had(recipe)
+        wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
-        told = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
+        data = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
         if not recipe.expected_failures:
-            del told["expected_failures"]
+            del data["expected_failures"]
         contents = {file: content for files in written.values() for file, content in files.items()}
-        goal_met = recipe.found_recipe
-        besides = {} if goal_met is None else {f"{name}{FOUND}": to_toml(goal_met).encode()}
-        contents |= {**besides, NAME: summary(job, told, checks, recipe.notes, written, list(besides))}
+        found_recipe = recipe.found_recipe
+        found_file = {} if found_recipe is None else {f"{name}{FOUND}": to_toml(found_recipe).encode()}
+        contents |= {**found_file, NAME: summary(job, data, checks, recipe.notes, written, list(found_file))}
     folder = Path(out) / name
-    before = files_told(folder) if only is None else set()
+    before = listed_files(folder) if only is None else set()
     write_whole(folder, contents)
     for path in sorted(before - set(contents)):
         remove(folder / path)
@@ -107,17 +160,33 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
 
 @checked
 def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
-    """Judge a recipe's design and work out what its files are made of, without writing. Raises what `make` does."""
-    file, recipe = _opened(recipe)
+    """Check a recipe's design and compute the contents of its files without writing them.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe, str, Path or mapping
+        A recipe, or a source that `load` accepts.
+
+    Returns
+    -------
+    Made
+        The checks, and facts and remarks on the result.
+
+    Raises
+    ------
+    RecipeError, FileError
+        As for `make`.
+    """
+    file, recipe = _with_file(recipe)
     name = name_of(file, recipe.name or recipe.kind)
-    with naming(file, recipe):
+    with errors_named_by_key(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
-        for writer in (WRITERS[name] for name in _had(recipe)):
+        for writer in (WRITERS[name] for name in _formats_of(recipe)):
             if writer.needs == "parts":
                 _ = job.sheets if writer.flat else job.solids
             else:
                 writer.write(job)
-        # The summary would refuse what these refuse.
+        # Notes are part of the summary and may raise too.
         _ = recipe.notes
         facts, remarks = recipe.facts, (*recipe.remarks, *recipe.unknown_expectations)
     return Made(name, recipe.kind, checks, {}, facts, remarks)
@@ -125,14 +194,28 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
 
 @checked
 def index(out: str | Path = "out") -> dict[Path, int]:
-    """Write `out`/index.html, a page with a card for each recipe that was made into `out`; path to size in bytes.
+    """Write `out`/index.html, a page with a card for each recipe made into `out`.
 
-    A card has the picture of the assembly, the kind, how many checks hold, and links to the page and the files. What
-    else lies in the folder is left alone. Raises FileError where nothing was made into it, where a page that is not
-    ours has the name, and for what cannot be written.
+    A card shows the assembly, the kind and the number of passed checks, with links to the page and the files. Other
+    files in the folder stay as they are.
+
+    Parameters
+    ----------
+    out : str or Path
+        The folder given to `make`.
+
+    Returns
+    -------
+    mapping of Path to int
+        The written files with their sizes in bytes.
+
+    Raises
+    ------
+    FileError
+        If the folder has no recipes, has a foreign index.html, or cannot be written.
     """
     folder = Path(out)
-    # A run of one recipe needs none of it, and pages load much.
+    # Imported here, since a run of a single recipe needs no index.
     from .page import index as overview
 
     contents = overview.index(folder)
@@ -148,19 +231,39 @@ def write(
     kerf: float | None = None,
     curves: Literal["chords", "arcs"] | None = None,
 ) -> dict[Path, int]:
-    """Write parts, a table, or what a recipe has of either, or its page or picture, to a file; path to size in bytes.
+    """Write parts, a table, or an output of a recipe to a file.
 
-    The ending of `path` picks the format, `.html` the page; of a recipe `-assembly.svg`, `-assembly.dxf` and
-    `-animation.svg` are pictures of the whole, `-assembly.glb` and `-assembly.3mf` its solids. One that has a file
-    for each part, such as STL, writes several beside `path`, named after the parts. tolerance: largest distance,
-    mm, between a curve and what is written. kerf: width of the cut, mm: drawings move outlines out and holes in by
-    half of it. curves: outlines in drawings as chords or as arcs. What is left out of the three is as the recipe
-    says, or as it is in a recipe without `files`: 0.005 mm, no kerf, chords. Raises DesignError for what cannot be
-    written so, and FileError; then nothing has been written, or what was is whole.
+    Parameters
+    ----------
+    source : AbstractRecipe, Table, Part or sequence of Part
+        The data to write.
+    path : str or Path
+        The ending selects the format, such as `.dxf`, `.csv` or `.html` (the page). For a recipe also `-assembly.svg`,
+        `-assembly.dxf` and `-animation.svg` for pictures of the assembly, `-assembly.glb` and `-assembly.3mf` for its
+        solids. Formats with one file per part, such as STL, write several files next to `path`, named after the parts.
+    tolerance : float, optional
+        Largest distance between a curve and the written one, mm.
+    kerf : float, optional
+        Width of the cut, mm. Drawings move outlines outwards and holes inwards by half of it.
+    curves : {"chords", "arcs"}, optional
+        Whether drawings approximate outlines by chords or by arcs. Omitted options default to those of the recipe, or
+        to 0.005 mm, no kerf and chords.
+
+    Returns
+    -------
+    mapping of Path to int
+        The written files with their sizes in bytes.
+
+    Raises
+    ------
+    DesignError
+        If the source has no such format.
+    FileError
+        If a file cannot be written. After either error each file is the old one or the complete new one.
     """
     path = Path(path)
     files = source.files if isinstance(source, AbstractRecipe) else Files(labels=False)
-    held, needs = _held(source)
+    held, needs = _as_source(source)
     name = format_of(path.name, needs)
     if not name:
         tails = [tail_of(name).removeprefix(".") for name, writer in WRITERS.items() if writer.needs in needs]
@@ -178,8 +281,8 @@ def write(
     return {path.parent / name: len(content) for name, content in contents.items()}
 
 
-def _held(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[Source, Collection[str]]:
-    """What is to be written as writers take it, and which of their needs it can meet."""
+def _as_source(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[Source, Collection[str]]:
+    """The source as writers take it, and the kinds of data that it has."""
     if isinstance(source, AbstractRecipe):
         return source, ("parts", "table", "scene")
     if isinstance(source, Table):
@@ -190,17 +293,17 @@ def _held(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[Sourc
     return StaticSource(parts), ("parts",)
 
 
-def _opened(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
-    """What messages call a recipe, and itself."""
+def _with_file(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
+    """The name of a recipe in messages, and the recipe."""
     if isinstance(recipe, AbstractRecipe):
         return recipe.name or recipe.kind, recipe
     found = load(recipe)
-    # Only what a file holds has a name by itself.
+    # Only a recipe from a file has a name.
     return str(recipe) if found.name else found.kind, found
 
 
-def _had(recipe: AbstractRecipe) -> list[str]:
-    """The formats that a recipe asks for; where that is all of them, without those that its kind shows nothing for."""
+def _formats_of(recipe: AbstractRecipe) -> list[str]:
+    """The formats of a recipe; with the default formats, without those for which its kind has no data."""
     wanted = list(recipe.files.write)
     bare = recipe.files.wants_all and not recipe.has_scene()
     return [name for name in wanted if not (bare and WRITERS[name].needs == "scene")]
@@ -217,20 +320,19 @@ def _job(name: str, source: Source, files: Files) -> Job:
 
 
 def name_of(file: str, name: str) -> str:
-    """A recipe's name, where it can name its folder and files."""
+    """The name, if it is valid for a folder and files; else RecipeError."""
     if len(name.encode("utf-8", "surrogatepass")) > LONGEST_NAME:
-        raise RecipeError(
-            file, [Problem("", "its name is too long for the files named after it", "shorten it", "out-of-range")]
-        )
+        raise RecipeError(file, [Problem("", "its name is too long for file names", "shorten it", "out-of-range")])
     if flaw := file_name_flaw(name):
-        problem = f"its name cannot name a folder and files: {flaw}"
-        raise RecipeError(file, [Problem("", problem, "rename the file, or call the recipe otherwise", "out-of-range")])
+        problem = f"its name is not valid for a folder and files: {flaw}"
+        remedy = "rename the file, or give the recipe another name"
+        raise RecipeError(file, [Problem("", problem, remedy, "out-of-range")])
     return name
 
 
 @contextmanager
-def naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
-    """Turns a design's error into one that names the recipe's file and key."""
+def errors_named_by_key(file: str, recipe: AbstractRecipe) -> Iterator[None]:
+    """Turn a design's error into one that names the recipe's file and key."""
     try:
         yield
     except DesignError as error:
@@ -244,29 +346,28 @@ def naming(file: str, recipe: AbstractRecipe) -> Iterator[None]:
 
 
 def _key(recipe: AbstractRecipe, field: str) -> str:
-    """The recipe's key for a field: one of its own, else of `files`, else of the mechanism, its table after `kind`."""
-    own = [f.name for f in dataclasses.fields(recipe)]
-    # A whole table that is left out is not at fault: what does not go with its defaults is the mechanism.
-    whole = field in own and dataclasses.is_dataclass(getattr(recipe, field))
-    if field.split(".")[0] in own and not (whole and _is_default(recipe, field)):
+    """The recipe's key for a field: its own, else of `files`, else of the mechanism's table."""
+    keys = [f.name for f in dataclasses.fields(recipe)]
+    # A table that was left out is not at fault; then the mechanism does not suit its defaults.
+    is_table = field in keys and dataclasses.is_dataclass(getattr(recipe, field))
+    if field.split(".")[0] in keys and not (is_table and _is_default(recipe, field)):
         return field
     if field in (f.name for f in dataclasses.fields(recipe.files)):
         return f"files.{field}"
-    # A part may have a link's name, or none that a key has.
-    # Words and numbers of the recipe itself, such as a helix angle, are no mechanism.
-    plain = str | float | bool
+    # The mechanism is the first table; texts and numbers, such as a helix angle, are skipped.
+    scalars = str | float | bool
     mechanism = next(
-        n for n in own if n not in ("kind", "expected_failures") and not isinstance(getattr(recipe, n), plain)
+        n for n in keys if n not in ("kind", "expected_failures") and not isinstance(getattr(recipe, n), scalars)
     )
     table = getattr(recipe, mechanism)
-    # What was left out of the recipe was found, as a goal's linkage is.
-    named = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None
-    named = named and field in (f.name for f in dataclasses.fields(table))
-    return f"{mechanism}.{field}" if named else mechanism
+    # A field that the recipe leaves out was computed, such as the linkage of a goal.
+    is_field = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None
+    is_field = is_field and field in (f.name for f in dataclasses.fields(table))
+    return f"{mechanism}.{field}" if is_field else mechanism
 
 
 def _is_default(recipe: AbstractRecipe, key: str) -> bool:
-    """Whether a key of a recipe has its default, so that most likely nobody wrote it."""
+    """Whether a key has its default value, so that most likely nobody wrote it."""
     table: object = recipe
     default: object = dataclasses.MISSING
     for name in key.split("."):

@@ -115,12 +115,12 @@ def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 def columns(recipe: Path) -> None:
     """List the columns of a RECIPE's table: id, unit and meaning of each."""
-    from .build import load, naming
+    from .build import load, errors_named_by_key
     from .core.errors import GeomkinError, printable
 
     try:
         found = load(recipe)
-        with naming(str(recipe), found):
+        with errors_named_by_key(str(recipe), found):
             lines = [(column.id, column.unit, column.meaning) for column in found.table.columns]
     except GeomkinError as error:
         click.secho(str(error), fg="red", err=True)

@@ -1,4 +1,4 @@
-"""An animated SVG: the mechanism moving, without a script, as a README, a slide and a mail show it."""
+"""An animated SVG of the moving mechanism without a script, for READMEs, slides and e-mails."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .picture import SCALE_DIGITS, TURN_DIGITS, Item, document, items, page_box,
 from .still import Still, frame_at, kept_frames
 from .svg_path import decimal
 
-# Seconds of a pass, about as the page takes at first: a turn that is faster cannot be followed.
+# Duration of a pass, s, about that of the page; a faster turn cannot be followed by eye.
 SECONDS = 5
-# How far what is drawn may be from where it should be between two key frames, in pixels of the picture. Half of it, and
-# files are half as long again; twice, and pins are seen to leave their holes.
+# Largest position error between two key frames, in pixels of the picture. Half of it makes files half as large again;
+# with twice as much, pins visibly leave their holes.
 OFF = 0.3
-# Frames by which the bounds of the motion are found.
+# Frames from which the bounds of the motion are found.
 LOOKS = 72
 
 
@@ -30,10 +30,10 @@ def write_animation(job: Job) -> dict[str, bytes]:
 
 
 def animation(job: Job) -> bytes:
-    """The picture. A full turn goes on without a jump; what cannot go round goes there and back.
+    """The picture. A full turn repeats without a jump; any other motion goes back and forth.
 
-    It stands still, as the assembly does, for readers who want less motion and in programs that know none. Of a
-    mechanism that cannot be everywhere, the longest stretch is shown.
+    It is static, like the assembly, for readers who prefer reduced motion and in programs without animation. Of an
+    interrupted motion the longest run is shown.
     """
     scene = job.scene
     frames, round_ = _run(np.asarray(scene.assembled), scene.cyclic)
@@ -52,19 +52,19 @@ def animation(job: Job) -> bytes:
 
 
 def _run(closed: np.ndarray, cyclic: bool) -> tuple[Whole, bool]:
-    """The frames that are shown, and whether they go round: the longest run of those at which the mechanism can be."""
+    """The frames shown, and whether the motion is cyclic: the longest run in which the mechanism is assembled."""
     runs = [run for run in np.split(np.arange(len(closed)), np.flatnonzero(np.diff(closed)) + 1) if closed[run[0]]]
     run = max(runs, key=len, default=np.zeros(0, dtype=np.intp))
     if len(run) < 2:
-        raise DesignError("write", "an animation is asked for, and nothing moves", "leave it out")
+        raise DesignError("write", "names an animation, and nothing moves", "leave it out")
     return run[kept_frames(len(run))], cyclic and bool(closed.all())
 
 
 @record(eq=False)
 class Film:
-    """Items of a still and how they move: each motion once, whatever follows it.
+    """Items of a still picture and their motions; items that move alike share a motion.
 
-    frames: those that are shown; time: theirs, s. motions: name by the text of its key frames.
+    `frames` are those shown, `time` is theirs, s; `motions` maps the text of key frames to a name.
     """
 
     still: Still
@@ -85,7 +85,7 @@ class Film:
             if not np.isfinite(item.origin[self.frames]).any():
                 continue
             inside, drawn = item, item.drawn
-            if not item.body and not self._rests(item) and (held := self._held(item, of_bodies)):
+            if not item.body and not self._rests(item) and (held := self._on_body(item, of_bodies)):
                 inside, set_there = held
                 drawn = f"<g{set_there}>{item.drawn}</g>"
             name = "" if self._rests(inside) else self._motion(inside)
@@ -93,11 +93,11 @@ class Film:
             yield f"<g{shown}{transform(still, inside, still.frame)}>{drawn}</g>"
 
     def rules(self) -> str:
-        """Which class follows which motion."""
+        """The style rules that assign motions to classes."""
         return "".join(f".{name}{{animation-name:{name}}}" for name in self.motions.values())
 
     def keyframes(self) -> str:
-        """The motions."""
+        """The style rules of the motions."""
         return "".join(f"@keyframes {name}{{{text}}}" for text, name in self.motions.items())
 
     def _rests(self, item: Item) -> bool:
@@ -105,8 +105,8 @@ class Film:
         near = 1e-9 * self.still.size
         return all(row is None or np.abs(row[self.frames] - row[self.still.frame]).max() < near for row in rows)
 
-    def _held(self, item: Item, of_bodies: list[Item]) -> tuple[Item, str] | None:
-        """The body on which a mark stays at one place, if there is one, and how it is set there."""
+    def _on_body(self, item: Item, of_bodies: list[Item]) -> tuple[Item, str] | None:
+        """The body on which a mark is fixed, if there is one, and the transform in its frame."""
         if item.scale is not None:
             return None
         for body in of_bodies:
@@ -122,10 +122,10 @@ class Film:
 
     def _motion(self, item: Item) -> str:
         """The name of an item's motion."""
-        text = self._told(item)
+        text = self._keyframes_text(item)
         return self.motions.setdefault(text, f"m{len(self.motions)}")
 
-    def _told(self, item: Item) -> str:
+    def _keyframes_text(self, item: Item) -> str:
         place = item.origin[self.frames]
         turn = np.zeros(len(place)) if item.direction is None else np.angle(item.direction[self.frames])
         size = np.ones(len(place)) if item.scale is None else item.scale[self.frames]
@@ -141,12 +141,12 @@ class Film:
             keys = key_frames(share[run], rows, OFF * self.still.pixel)
             poses = [self._pose(item, place[run][k], float(angle[k]), float(size[run][k])) for k in keys]
             rules |= {int(run[k]): f"{pose}{';opacity:1' if gaps else ''}" for k, pose in zip(keys, poses)}
-            # It fades within a frame where it begins to be and ends.
+            # The item fades within a frame at the ends of its existence.
             if run[0] > 0:
                 rules[int(run[0]) - 1] = f"{poses[0]};opacity:0"
             if run[-1] < len(place) - 1:
                 rules[int(run[-1]) + 1] = f"{poses[-1]};opacity:0"
-        # Without a rule at an end a browser takes what stands still for it.
+        # Without a rule at an end browsers use the static position there.
         for end, near in ((0, min(rules)), (len(place) - 1, max(rules))):
             rules.setdefault(end, rules[near])
         return "".join(f"{decimal(100 * float(share[k]), 2)}%{{{rules[k]}}}" for k in sorted(rules))
@@ -164,9 +164,9 @@ class Film:
 
 
 def key_frames(share: Real, rows: Real, off: float) -> list[int]:
-    """Of frames (n,) at rising shares of the time, few between which straight lines keep rows (rows, n) within `off`.
+    """Few of the frames (n,) at rising times between which linear interpolation keeps rows (rows, n) within `off`.
 
-    Greedy: each lies as far from the one before as it may; both ends are among them. Derived here.
+    Greedy: each is as far from the previous one as possible; both ends are included. Derived here.
     """
     keys, last = [0], len(share) - 1
     while keys[-1] < last:

@@ -1,4 +1,4 @@
-"""DXF of the assembly, to look at and to measure in: parts in place at one drive, exact, nothing on a cutting layer."""
+"""DXF of the assembly for viewing and measuring: exact parts at one driver position, none on a cutting layer."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .labels import LETTER, Name, place_labels
 from .still import Still, frame_at, palette
 from .text import Text
 
-# Layers besides those of the bodies, which begin with BODY: what is on them, and its colour in the palette.
+# Layers besides those of bodies, which start with BODY, and their colours in the palette.
 PINS, NAMES = "PINS", "NAMES"
 COLOURS = {PINS: "line", NAMES: "ink", "TRACED": "traced", "WANTED": "wanted", "CONTACT": "acceleration"}
-# Signs that the names of layers may not have.
+# Characters not allowed in names of layers.
 FORBIDDEN = set('<>/\\":;?*=|,`')
-# Colour index of what is told by its RGB, for programs that know indices alone: black on white, white on black.
+# Colour index for programs without RGB: black on white, white on black.
 EITHER = 7
 
 Shape = tuple[str, Circle | Polyline]
@@ -36,7 +36,7 @@ def write_assembly_dxf(job: Job) -> dict[str, bytes]:
 
 
 def assembly(job: Job) -> bytes:
-    """The drawing at full size: outlines as arcs on a layer for each body; paths, pins and names on others."""
+    """The drawing at full size: outlines with arcs on a layer for each body; paths, pins and names on others."""
     scene = job.scene
     still = Still(scene, np.array([frame_at(scene, job.assembly_at)]))
     layers = _layers(scene)
@@ -51,20 +51,20 @@ def assembly(job: Job) -> bytes:
 
 
 def _layers(scene: Scene) -> dict[str, str]:
-    """The layer of each body by its name: no two bodies share one, since names of layers know no case."""
-    found: dict[str, str] = {}
+    """The layer of each body by its name, all distinct, since layer names ignore case."""
+    layers: dict[str, str] = {}
     for body in scene.bodies:
         plain = "".join("_" if c in FORBIDDEN or not c.isprintable() else c for c in body.name) or "body"
         layer, count = f"BODY {plain}", 1
-        while folded(layer) in map(folded, found.values()):
+        while folded(layer) in map(folded, layers.values()):
             count += 1
             layer = f"BODY {plain} {count}"
-        found[body.name] = layer
-    return found
+        layers[body.name] = layer
+    return layers
 
 
 def _colour(name: str) -> tuple[int, tuple[int, int, int]]:
-    """Of the palette; a pale tint darker, since here it is a line's."""
+    """A colour of the palette, with pale body tints darkened for lines."""
     text = palette()[name].lstrip("#")
     text = "".join(2 * c for c in text) if len(text) == 3 else text
     red, green, blue = (
@@ -77,9 +77,9 @@ def _bodies(still: Still, tolerance: float, layers: dict[str, str]) -> Iterator[
     k = still.frame
     for body in still.bodies:
         for part in body.parts:
-            made = cut(part, tolerance, arcs=True)
-            for loop in (*made.loops, *made.marks):
-                yield layers[body.name], _placed(loop, body, k, made.digits)
+            cut_part = cut(part, tolerance, arcs=True)
+            for loop in (*cut_part.loops, *cut_part.marks):
+                yield layers[body.name], _placed(loop, body, k, cut_part.digits)
 
 
 def _placed(loop: Loop, body: SceneBody, frame: int, digits: int) -> Circle | Polyline:
@@ -131,7 +131,7 @@ def _layer(role: str) -> str:
 
 
 def _line(layer: str, points: Complex, digits: int, closed: bool = False) -> Iterator[Shape]:
-    """A line through points, without repeats; none where it is too short to be told, or leads nowhere."""
+    """A line through points without repeats; none if it has a single point or is not finite."""
     points = rounded(points, digits)
     points = points[np.append(True, points[1:] != points[:-1])]
     points = points[:-1] if closed and points[-1] == points[0] else points
@@ -140,7 +140,7 @@ def _line(layer: str, points: Complex, digits: int, closed: bool = False) -> Ite
 
 
 def _text(name: Name, still: Still) -> Text:
-    # Two signs of per cent begin a code in the format.
+    # In the format two per cent signs start a code.
     plain = harmless(name.text).replace("%%", "% %")
     return Text(NAMES, plain, rounded(name.place, still.digits).item(), float(f"{0.72 * LETTER * still.pixel:.3g}"))
 

@@ -1,4 +1,4 @@
-"""SVG of the assembly, to look at: parts in place at one drive, filled and named, at full size in mm."""
+"""SVG of the assembly for viewing: parts in place at one driver position, filled and named, at full size in mm."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .still import Still, frame_at
 from .svg_path import decimal
 from .text import number, with_unit
 
-# Pixels below the picture, for the scale.
+# Height in pixels of the strip below the picture for the scale.
 BELOW = 22.0
-# Share of the width that the scale takes at most.
+# Largest width of the scale as a share of the picture.
 SCALE = 0.3
 
 
@@ -28,15 +28,21 @@ def write_assembly_svg(job: Job) -> dict[str, bytes]:
 
 
 def assembly(job: Job) -> bytes:
-    """The picture: what it shows, and at which place of the driver, is told in its title."""
+    """The picture; its title names the assembly and the driver position."""
     frame = frame_at(job.scene, job.assembly_at)
     still = Still(job.scene, np.array([frame]))
     drive = job.scene.drive
-    at = f"{drive.id.replace('_', ' ')} {with_unit(float(np.asarray(drive.values)[frame]), drive.unit)}"
+    position = f"{drive.id.replace('_', ' ')} {with_unit(float(np.asarray(drive.values)[frame]), drive.unit)}"
     names = place_labels(still)
-    box = _wide_enough(page_box(still, names, BELOW), f"{at} and a length", still)
-    body = ['<g transform="scale(1 -1)">', *_placed(still), "</g>", *_names(still, names), _scale_bar(still, box, at)]
-    return document(still, box, f"{job.name}, assembled", f"The parts in place at {at}.", style(still), body)
+    box = _wide_enough(page_box(still, names, BELOW), f"{position} and a length", still)
+    body = [
+        '<g transform="scale(1 -1)">',
+        *_placed(still),
+        "</g>",
+        *_names(still, names),
+        _scale_bar(still, box, position),
+    ]
+    return document(still, box, f"{job.name}, assembled", f"The parts in place at {position}.", style(still), body)
 
 
 def _placed(still: Still) -> Iterator[str]:
@@ -58,15 +64,15 @@ def _names(still: Still, names: Sequence[Name]) -> Iterator[str]:
 
 
 def _wide_enough(box: tuple[complex, complex], words: str, still: Still) -> tuple[complex, complex]:
-    """The box, widened where the words beside the scale, which takes a third of it, would be cut off."""
+    """The box, widened if the text next to the scale would be cut off."""
     low, high = box
-    wide = 2 * half_size(words, LETTER * still.pixel).real + 2 * MARGIN * still.pixel
-    more = max(0.0, wide - (1 - SCALE) * (high - low).real) / (1 - SCALE)
-    return low, rounded(high + more, still.digits).item()
+    width = 2 * half_size(words, LETTER * still.pixel).real + 2 * MARGIN * still.pixel
+    widening = max(0.0, width - (1 - SCALE) * (high - low).real) / (1 - SCALE)
+    return low, rounded(high + widening, still.digits).item()
 
 
 def _scale_bar(still: Still, box: tuple[complex, complex], at: str) -> str:
-    """A length to measure by, and where the driver stands."""
+    """A length for measuring, and the driver position."""
     px, digits = still.pixel, still.digits
     low, high = box
     most = SCALE * (high - low).real

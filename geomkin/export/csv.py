@@ -19,7 +19,7 @@ def write_csv(job: Job) -> dict[str, bytes]:
 
 
 def csv(table: Table, infinite: str = "") -> bytes:
-    """The table as UTF-8 CSV; nan is left empty, and so is what is infinite unless a text for it is given."""
+    """The table as UTF-8 CSV; nan is an empty cell, and so is an infinite value unless a text for it is given."""
     stream = io.StringIO()
     writer = text_csv.writer(stream, lineterminator="\n")
     writer.writerow([_harmless(c.header) for c in table.columns])
@@ -38,32 +38,37 @@ def _cells(column: Column, infinite: str) -> list[str]:
 
 
 def _harmless(text: str) -> str:
-    """A text that a spreadsheet does not run and a terminal does not obey: one that starts like a formula is quoted."""
+    """Text that a spreadsheet does not execute and a terminal does not interpret; formulas are quoted."""
     return f"'{harmless(text)}" if text.lstrip()[:1] in tuple("=+-@\uff1d\uff0b\uff0d\uff20|") else harmless(text)
 
 
 def write_bom(job: Job) -> dict[str, bytes]:
-    """The bill in one file."""
+    """The bill of materials in one file."""
     return {f"{job.name}-bom.csv": csv(bill(job))}
 
 
 def bill(job: Job) -> Table:
-    """A row for each part, as wide and high as it is drawn, mm, and for each thing that is bought."""
+    """The bill of materials: a row for each part, with its drawn width and height, mm, and for each bought item."""
     cuts, bought = job.solids, job.source.bought
     sizes = np.array([cut.box[1] - cut.box[0] for cut in cuts], dtype=complex)
-    none, nothing = [np.nan] * len(bought), [""] * len(cuts)
+    no_sizes, no_joints = [np.nan] * len(bought), [""] * len(cuts)
     return Table(
         (
-            Column("item", "", "what it is", np.array([*(cut.part.name for cut in cuts), *(b.name for b in bought)])),
-            Column("count", "", "how many", np.array([*(cut.part.count for cut in cuts), *(b.count for b in bought)])),
-            Column("thickness", "mm", "of its sheet", np.array([*(cut.part.thickness for cut in cuts), *none])),
-            Column("width", "mm", "along x", np.array([*sizes.real.tolist(), *none])),
-            Column("height", "mm", "along y", np.array([*sizes.imag.tolist(), *none])),
+            Column("item", "", "part or item", np.array([*(cut.part.name for cut in cuts), *(b.name for b in bought)])),
+            Column("count", "", "quantity", np.array([*(cut.part.count for cut in cuts), *(b.count for b in bought)])),
+            Column(
+                "thickness",
+                "mm",
+                "thickness of the sheet",
+                np.array([*(cut.part.thickness for cut in cuts), *no_sizes]),
+            ),
+            Column("width", "mm", "width along x", np.array([*sizes.real.tolist(), *no_sizes])),
+            Column("height", "mm", "height along y", np.array([*sizes.imag.tolist(), *no_sizes])),
             Column(
                 "joints",
                 "",
-                "its joints or parts",
-                np.array([*nothing, *(" ".join(b.joints) for b in bought)]),
+                "joints or parts it belongs to",
+                np.array([*no_joints, *(" ".join(b.joints) for b in bought)]),
             ),
         )
     )

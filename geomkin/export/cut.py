@@ -1,4 +1,4 @@
-"""Parts as the loops that a machine follows: flattened once, checked once, the same for every format."""
+"""Parts as the loops that a machine follows: flattened and checked once for all formats."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
 from .lettering import lettered
 
-# Finest tolerance, as a share of the part's size: finer lies below the numbers that meshes are written in,
+# Finest tolerance as a share of the part's size: a finer one is below the precision of the numbers in meshes
 # and takes minutes.
 FINEST = 1e-7
 
 
 @record(eq=False)
 class Loop:
-    """One cut or mark. shape: a Circle, or a Polyline whose vertices are rounded; layer: its operation.
+    """One cut or mark.
 
-    points: the same as plain vertices (n,) complex, mm. A cut is closed and counterclockwise; a mark keeps its
-    own direction and may be open.
+    `shape` is a Circle, or a Polyline with rounded vertices, on its `layer`. `points` are its vertices (n,) complex,
+    mm, without arcs. A cut is closed and counterclockwise; a mark keeps its direction and may be open.
     """
 
     shape: Circle | Polyline
@@ -37,25 +37,22 @@ class Loop:
 
     @property
     def box(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner of the shape, mm, arcs as far as they reach between their ends."""
+        """Lower left and upper right corner of the shape including its arcs, mm."""
         if isinstance(self.shape, Circle):
             corner = self.shape.radius * (1 + 1j)
             return self.shape.centre - corner, self.shape.centre + corner
         z = np.asarray(self.shape.vertices)
         if self.shape.bulges is not None:
-            z = np.append(z, _tops(self.shape))
+            z = np.append(z, _extreme_points(self.shape))
         return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
 
     def moved(self, shift: complex, digits: int, turn: complex = 1 + 0j) -> Loop:
-        """The same elsewhere, turned about the origin first, by a unit complex number.
-
-        Rounded once more, since the sum of two short decimals is seldom one.
-        """
+        """A copy rotated about the origin by a unit complex number, then shifted, and rounded to `digits` decimals."""
         points = rounded(self.points * turn + shift, digits)
         if isinstance(self.shape, Circle):
             centre = rounded(np.asarray(self.shape.centre * turn + shift), digits).item()
             return Loop(Circle(centre, self.shape.radius), points, self.layer)
-        # The corners of what has no arcs are its points.
+        # The vertices of a shape without arcs are its points.
         same = self.shape.vertices is self.points
         vertices = points if same else rounded(np.asarray(self.shape.vertices) * turn + shift, digits)
         return Loop(Polyline(vertices, self.shape.bulges, self.shape.closed), points, self.layer)
@@ -65,8 +62,8 @@ class Loop:
 class Cut:
     """A part ready for its files.
 
-    loops: the cuts, outline first, then the holes; marks: what is engraved; label: its name or number among that, ""
-    where it has none. digits: decimals of mm that its numbers carry; tolerance: mm, that it was flattened within.
+    `loops` are the cuts, outline first, then the holes; `marks` is what is engraved, with the part's `label` if it has
+    one. `digits` is the number of decimals of mm, `tolerance` the one of flattening, mm.
     """
 
     part: Part
@@ -78,24 +75,24 @@ class Cut:
 
     @property
     def area(self) -> float:
-        """Area within the cuts as they are written, mm2: the outline's less the holes'."""
+        """Area inside the written cuts, mm2: the outline's minus the holes'."""
         outline, *holes = (measure.area(loop.shape) for loop in self.loops)
         return outline - sum(holes)
 
     @property
     def chord_area(self) -> float:
-        """The same of the chords that solids are made of."""
+        """The same area for the chords that solids are made of."""
         outline, *holes = (signed_area(loop.points) for loop in self.loops)
         return outline - sum(holes)
 
     @property
     def is_twisted(self) -> bool:
-        """Whether its solid reaches beyond its outline, as it does where that turns or shifts on the way up."""
+        """Whether the solid extends beyond its outline because the section rotates or shifts with height."""
         return self.part.twist is not None and self.part.twist.moves == "outline"
 
     @property
     def box(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner of the outline, mm; of one that is twisted, of the room that it takes."""
+        """Lower left and upper right corner of the outline, mm, or of the whole extent of a twisted part."""
         low, high = self.loops[0].box
         twist = self.part.twist
         if twist is None or not self.is_twisted:
@@ -106,32 +103,31 @@ class Cut:
         return low + min(twist.shift, 0.0), high + max(twist.shift, 0.0)
 
 
-def _tops(shape: Polyline) -> Complex:
-    """Places on arcs where they run along either axis."""
+def _extreme_points(shape: Polyline) -> Complex:
+    """Points of arcs at which they are parallel to an axis."""
     edges = np.arange(len(shape.breaks) - 1)
     chord = shape.point(edges + 1) - shape.point(edges)
     sweep = 4 * np.arctan(np.asarray(shape.bulges))
-    # Along an arc the direction turns evenly, from half its sweep before the chord's to half of it beyond.
+    # The direction along an arc changes evenly, from half its sweep before the chord's direction to half after it.
     share = 0.5 + np.angle(np.outer([1, 1j, -1, -1j], chord.conj())) / np.where(sweep == 0, np.inf, sweep)
     axis, edge = np.nonzero((0 < share) & (share < 1) & (sweep != 0))
     return shape.point(edge + share[axis, edge])
 
 
 def decimals(tolerance: float) -> int:
-    """Decimals of mm that files carry: a ten-thousandth of the tolerance.
+    """Decimals of mm in files: a ten-thousandth of the tolerance.
 
-    Fewer would show; more would let the last bit of a processor's sine reach the file, and the same
-    recipe would no longer give the same bytes everywhere.
+    With fewer the rounding would show; with more the last bits of a processor's sine would reach the file, and a recipe
+    would not give the same bytes everywhere.
     """
     return max(0, 4 - int(np.floor(np.log10(tolerance))))
 
 
 def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False, number: int = 0) -> Cut:
-    """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` off the material.
+    """The loops of a part within `tolerance`, mm, of its curves, moved by half the `kerf` away from the material.
 
-    arcs: polylines keep arcs instead of chords, unless the kerf closes a gap or a bend, which leaves chords.
-    Marks are always chords, and stay where they are whatever the kerf. number: of the part, which is then engraved
-    with its name, or with that number where the name finds no room; 0 for neither.
+    With `arcs`, polylines keep arcs unless trimming for the kerf leaves chords. Marks are always chords and not moved
+    by the kerf. A `number` other than 0 engraves the part's name, or the number if the name does not fit.
     """
     check_scale(part, tolerance)
     outline = _loop(part.outline, part.layer, kerf / 2, tolerance, arcs, part.name)
@@ -143,14 +139,14 @@ def cut(part: Part, tolerance: float, kerf: float = 0.0, arcs: bool = False, num
 
 
 def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float) -> None:
-    """Holes must lie within the outline and apart; the first that does not is told."""
+    """Holes must be inside the outline and apart from each other."""
     inside = region.apart_inside(outline.points, [hole.points for hole in holes], tolerance)
     meeting = region.overlapping([hole.points for hole in holes])[:, 1]
-    out = int(np.argmin(inside)) if not inside.all() else len(holes)
-    if out < len(holes) and out <= meeting.min(initial=out):
+    outside = int(np.argmin(inside)) if not inside.all() else len(holes)
+    if outside < len(holes) and outside <= meeting.min(initial=outside):
         raise DesignError(
             part.name,
-            f"hole {out + 1} reaches the outline, or comes nearer than the tolerance of {tolerance:g} mm",
+            f"hole {outside + 1} meets the outline, or comes nearer than the tolerance of {tolerance:g} mm",
             "make the hole smaller or the part larger",
         )
     if len(meeting):
@@ -158,7 +154,7 @@ def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float)
 
 
 def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
-    """Refuse a part too small or too large for files, or a tolerance of which this share is too fine for it."""
+    """Refuse a part too small or too large for files, or a tolerance of which `share` is too fine for it."""
     size = extent(part.outline)
     if not 10 * tolerance < size < WIDEST:
         raise DesignError(
@@ -168,7 +164,7 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
         )
     far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
     if far > WIDEST:
-        # The digits left there tell no corner of it from another.
+        # Farther away the numbers have too few digits for its corners.
         raise DesignError(part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {WIDEST:g} mm")
     if tolerance * share < FINEST * size:
         raise DesignError(
@@ -179,17 +175,17 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
 
 
 def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
-    """The marks; refuses one that reaches the outline, since a part cannot be engraved beside itself."""
+    """The marks; refuses one that crosses the outline, since it would be engraved next to the part."""
     if not part.marks:
         return ()
     marks, outline = [_mark(part, curve, tolerance) for curve in part.marks], flatten(part.outline, tolerance)
     for k, mark in enumerate(marks):
-        # There and back: the ring that the distance is taken to must not close an open mark by a chord.
+        # An open mark is run back along itself, since closing it by a chord would change the distance.
         line = mark.points if mark.shape.closed else np.append(mark.points, mark.points[-2::-1])
         if region.gap(outline, line) == 0 or not is_inside(outline, line[0]):
             raise DesignError(
                 part.name,
-                f"mark {k + 1} reaches over the outline",
+                f"mark {k + 1} crosses the outline",
                 "move the mark inwards, make it smaller or the part larger",
             )
     return tuple(marks)
@@ -198,11 +194,11 @@ def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
 def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
     digits = decimals(tolerance)
     points = rounded(flatten(curve, tolerance), digits)
-    kept = np.append(True, points[1:] != points[:-1])
-    kept[-1] &= not (curve.closed and points[-1] == points[0])
-    points = points[kept]
+    is_distinct = np.append(True, points[1:] != points[:-1])
+    is_distinct[-1] &= not (curve.closed and points[-1] == points[0])
+    points = points[is_distinct]
     if len(points) < (3 if curve.closed else 2):
-        raise DesignError(part.name, "a mark is smaller than files can tell", "make it larger")
+        raise DesignError(part.name, "a mark is smaller than the resolution of files", "make it larger")
     if isinstance(curve, Circle):
         circle = Circle(rounded(curve.centre, digits).item(), rounded(curve.radius, digits).item())
         return Loop(circle, points, "ENGRAVE")
@@ -210,9 +206,9 @@ def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
 
 
 def is_inside(outline: Complex, place: complex) -> bool:
-    """Whether a polygon winds round a place that does not lie on it."""
-    seen = outline - place
-    return bool(abs(np.angle(np.roll(seen, -1) / seen).sum()) > np.pi)
+    """Whether a point that is not on a polygon is inside it."""
+    offsets = outline - place
+    return bool(abs(np.angle(np.roll(offsets, -1) / offsets).sum()) > np.pi)
 
 
 def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs: bool, name: str) -> Loop:
@@ -222,20 +218,22 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
         if radius <= 0:
             raise DesignError("kerf", f"found {-2 * grow:g} mm, wider than a hole of the {name}", "give a smaller kerf")
         if round(radius, digits) <= 0:
-            raise DesignError(name, f"a hole {2 * radius:.3g} mm wide is smaller than files can tell", "make it larger")
+            raise DesignError(
+                name, f"a hole {2 * radius:.3g} mm wide is smaller than the resolution of files", "make it larger"
+            )
         circle = Circle(rounded(curve.centre, digits).item(), rounded(radius, digits).item())
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
     sense = float(np.sign(measure.signed_area(curve, 1e-3)))
     moved = parallel(curve, grow * sense)
     points = flatten(moved, tolerance) if moved else np.empty(0, dtype=complex)
-    # What a slot narrower than the beam leaves runs the other way round.
-    turned = signed_area(points) * sense <= 0
+    # A slot narrower than the beam leaves a loop of the opposite sense.
+    is_reversed = signed_area(points) * sense <= 0
     points = _rounded_loop(points, digits)
-    if grow and (turned or not region.is_simple(points)):
-        # The parallel curve crosses itself or cannot be drawn: trim it, which only polygons can.
+    if grow and (is_reversed or not region.is_simple(points)):
+        # The parallel curve crosses itself or does not exist. It is trimmed as a polygon.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
     if len(points) < 3:
-        raise DesignError(name, "a contour is smaller than files can tell", "make it larger")
+        raise DesignError(name, "a contour is smaller than the resolution of files", "make it larger")
     if not region.is_simple(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)
@@ -243,28 +241,28 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
 
 
 def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
-    """Vertices and bulges fit for a file, counterclockwise; what is flat to the last decimal is straight."""
+    """Counterclockwise vertices and bulges with the file's digits; arcs flat to the last decimal are straight."""
     digits = decimals(tolerance)
     z = rounded(exact.vertices, digits)
     bulges = np.zeros(len(z)) if exact.bulges is None else np.asarray(exact.bulges)
-    # An arc that no file can tell from a point would be an edge without direction.
-    seen = np.abs(np.roll(z, -1) - z) > tolerance / 100
-    z, bulges = z[seen], bulges[seen]
+    # Arcs that the file's digits reduce to a point are left out, since they have no direction.
+    is_visible = np.abs(np.roll(z, -1) - z) > tolerance / 100
+    z, bulges = z[is_visible], bulges[is_visible]
     flat = np.abs(bulges * (np.roll(z, -1) - z)) < 10.0**-digits
-    # Twelve decimals of a bulge lie below the last decimal of any vertex.
+    # Twelve decimals of a bulge are more precise than the last decimal of any vertex.
     bulges = np.where(flat, 0.0, np.round(bulges, 12))
     shape = Polyline(z, bulges)
     return shape if measure.signed_area(shape) > 0 else Polyline(z[::-1], 0.0 - np.roll(bulges[::-1], -1))
 
 
 def _grown(points: Complex, grow: float, tolerance: float, name: str) -> Complex:
-    """The polygon grown by half the kerf; refused where a beam so wide would leave another part than asked for."""
+    """The polygon grown by half the kerf; refused if a beam of this width would change the part."""
     points = points if signed_area(points) > 0 else points[::-1]
     regions = region.offset([points], grow, tolerance)
     whole = len(regions) == 1 and len(regions[0]) == 1
-    left = region.offset(regions[0], -grow, tolerance) if whole else []
-    changed = abs(sum(signed_area(r[0]) for r in left) - signed_area(points))
-    # Rounding of sharp inner corners, which no beam can avoid, stays far below this.
+    restored = region.offset(regions[0], -grow, tolerance) if whole else []
+    changed = abs(sum(signed_area(r[0]) for r in restored) - signed_area(points))
+    # The unavoidable rounding of sharp inner corners is far smaller than this.
     if not whole or changed > 8 * tolerance * np.abs(np.diff(points)).sum():
         raise DesignError(
             "kerf",
@@ -275,7 +273,7 @@ def _grown(points: Complex, grow: float, tolerance: float, name: str) -> Complex
 
 
 def _rounded_loop(z: Complex, digits: int) -> Complex:
-    """Rounded, without repeats, counterclockwise."""
+    """The points rounded, without repeats, counterclockwise."""
     if not len(z):
         return z
     z = rounded(z, digits)

@@ -1,4 +1,4 @@
-"""The drawing of all parts with their sizes, to read and to measure by: nothing in it is to be cut."""
+"""The dimensioned drawing of all parts, for reading and measuring; nothing in it is to be cut."""
 
 from __future__ import annotations
 
@@ -17,26 +17,25 @@ from .cut import Cut, Loop
 from .job import Job
 from .text import Text, width_of
 
-# Layers: outlines and holes, lines of sizes, and all words. Each with colour index and RGB.
+# Layers of outlines and holes, of dimension lines, and of texts, each with colour index and RGB.
 PART, DIM, WORDS = "PART", "DIM", "TEXT"
 COLOURS = {PART: (7, (0, 0, 0)), DIM: (5, (0, 114, 178)), WORDS: (7, (60, 60, 60))}
-# Height of letters on paper, mm, of the title, and from line to line: what is read from a sheet on a bench.
+# Heights on paper, mm, of letters, of the title, and from line to line, legible on a workbench.
 LETTER, TITLE, LINE = 3.0, 5.0, 5.0
-# From a part to the line of a size, how far its end lines pass it, and half its ticks, mm on paper.
+# Distance of a dimension line from the part, length of extension lines beyond it, and half a tick, mm on paper.
 AWAY, BEYOND, TICK = 8.0, 1.2, 1.2
-# Clear paper between parts and round the drawing, mm.
+# Margin between parts and around the drawing, mm.
 CLEAR = 12.0
-# Width or height on paper, mm, above which the largest part is drawn smaller and below which larger than it is; and
-# the round scales, paper to part.
+# Size on paper, mm, above which the largest part is reduced and below which it is enlarged, and the standard scales.
 LARGEST, SMALLEST = 250.0, 60.0
 STEPS = (5.0, 2.0, 1.0)
-# Holes whose places are told one by one: more are a pattern, which a drawing to cut from tells better.
+# Most holes whose distances are listed; more form a pattern, for which the cutting drawing is clearer.
 MOST_HOLES = 12
 # Directions and lengths nearer to each other than this, mm, are the same.
 SAME = 1e-6
 
 Shape = tuple[str, Circle | Polyline]
-# What a hole without a letter is called, before its number.
+# Prefix of the number of a hole without a letter.
 NUMBERED = "hole "
 
 
@@ -52,7 +51,7 @@ class Drawing:
 
 @record(eq=False)
 class _Hole:
-    """A hole by its letter or number, its size in words, and its middle where it is round."""
+    """A hole with its letter or number, its size in words, and its centre if it is round."""
 
     name: str
     size: str
@@ -61,7 +60,7 @@ class _Hole:
 
 @record(eq=False)
 class _Cell:
-    """A part with its sizes about its own origin, on paper, and the box that they take."""
+    """A part with its dimensions about its origin, on paper, and the box around them."""
 
     shapes: list[Shape]
     texts: list[Text]
@@ -82,20 +81,20 @@ class _Cell:
         self.shapes.append((DIM, Polyline(np.array(places), is_closed=False)))
 
     def words(self, words: str, left: complex, height: float = LETTER) -> None:
-        """A text from its left end, at half its height."""
+        """A text by its left end at half of its height."""
         self.texts.append(Text(WORDS, words, left, height, starts=True))
 
     def size(self, start: complex, end: complex, away: complex, length: float) -> None:
-        """A length between two places of the part, its line shifted by `away` to a side, with its number beyond."""
+        """A dimension between two points, its line shifted by `away` to a side, with the number outside of it."""
         side = away / abs(away)
-        # To the line from either place, whichever is farther off.
+        # Distance of the dimension line, from the farther of both points.
         far = max((np.conj(side) * place).real for place in (start, end)) + abs(away)
         ends = [place + side * (far - (np.conj(side) * place).real) for place in (start, end)]
         for place, at in zip((start, end), ends):
             self.line(place + side, at + BEYOND * side)
             self.line(at - TICK * (1 + 1j), at + TICK * (1 + 1j))
         self.line(*ends)
-        words = told(length)
+        words = length_text(length)
         half = complex(width_of(words, LETTER), LETTER) / 2
         middle = (ends[0] + ends[1]) / 2
         self.texts.append(
@@ -103,13 +102,13 @@ class _Cell:
         )
 
 
-def told(length: float) -> str:
-    """A length as drawings have it: to five digits, without the unit that all share."""
+def length_text(length: float) -> str:
+    """A length with five digits and no unit, as usual in drawings."""
     return f"{length:.5g}"
 
 
 def scale_of(cuts: Sequence[Cut]) -> float:
-    """The round scale of all parts: the largest on paper that is not larger than there is room for."""
+    """The largest standard scale with which all parts fit on paper."""
     corners = np.array([cut.box for cut in cuts])
     across = corners[:, 1] - corners[:, 0]
     size = float(max(across.real.max(), across.imag.max()))
@@ -118,15 +117,15 @@ def scale_of(cuts: Sequence[Cut]) -> float:
     return float(next(step * power for step in STEPS if step * power <= most * (1 + SAME)))
 
 
-def scale_told(scale: float) -> str:
+def scale_text(scale: float) -> str:
     """A scale as 1:2 or 5:1."""
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
 def drawing(job: Job) -> Drawing:
-    """All parts, each with its sizes and what else is known of it, and the title below."""
+    """All parts with dimensions and notes, and the title block below."""
     scale = scale_of(job.exact)
-    # Chords to look at, which are the same on every processor, and the sizes of what they stand for.
+    # Outlines are drawn as chords, which are equal on every processor; sizes are those of the exact shapes.
     exact = [high - low for low, high in (cut.box for cut in job.exact)]
     cells = [_cell(cut, size, scale, _measures(job, cut.part)) for cut, size in zip(job.solids, exact)]
     boxes = [cell.box for cell in cells]
@@ -134,40 +133,40 @@ def drawing(job: Job) -> Drawing:
     across = max(*(size.real for size in sizes), 1.3 * float(np.sqrt(sum(size.real * size.imag for size in sizes))))
     shapes: list[Shape] = []
     texts: list[Text] = []
-    # Rows from the top down, the highest parts first; the first row below y = 0.
-    x, y, row, right = CLEAR, 0.0, 0.0, 0.0
+    # Rows from top to bottom, the highest parts first; the first row is below y = 0.
+    x, y, row_height, right = CLEAR, 0.0, 0.0, 0.0
     for k in sorted(range(len(cells)), key=lambda k: (-round(sizes[k].imag, 3), k)):
         cell, (low, _), size = cells[k], boxes[k], sizes[k]
         if x > CLEAR and x + size.real > across + CLEAR:
-            x, y, row = CLEAR, y - row - CLEAR, 0.0
+            x, y, row_height = CLEAR, y - row_height - CLEAR, 0.0
         placed = cell.moved(complex(x, y - size.imag) - low)
         shapes += placed.shapes
         texts += placed.texts
-        x, row, right = x + size.real + CLEAR, max(row, size.imag), max(right, x + size.real)
-    title = _title(job, scale, right - CLEAR).moved(complex(CLEAR, y - row - CLEAR))
-    whole = _Cell([*shapes, *title.shapes], [*texts, *title.texts])
-    low, high = whole.box
+        x, row_height, right = x + size.real + CLEAR, max(row_height, size.imag), max(right, x + size.real)
+    title = _title(job, scale, right - CLEAR).moved(complex(CLEAR, y - row_height - CLEAR))
+    page = _Cell([*shapes, *title.shapes], [*texts, *title.texts])
+    low, high = page.box
     margin = CLEAR * (1 + 1j)
-    whole = whole.moved(margin - low)
+    page = page.moved(margin - low)
     end = high - low + 2 * margin
-    return Drawing(tuple(whole.shapes), tuple(whole.texts), float(np.ceil(end.real)), float(np.ceil(end.imag)))
+    return Drawing(tuple(page.shapes), tuple(page.texts), float(np.ceil(end.real)), float(np.ceil(end.imag)))
 
 
-def _title(job: Job, scale: float, wide: float) -> _Cell:
-    """The recipe's name and what holds for all, in a frame, its upper left corner at 0."""
+def _title(job: Job, scale: float, width: float) -> _Cell:
+    """The title block in a frame whose upper left corner is 0."""
     parts = job.source.parts
-    thicknesses = ", ".join(told(one) for one in sorted({part.thickness for part in parts}))
+    thicknesses = ", ".join(length_text(one) for one in sorted({part.thickness for part in parts}))
     cell = _Cell([], [])
     pieces = sum(part.count for part in parts)
     lines = [
-        f"sheet of {thicknesses} mm, scale {scale_told(scale)}",
+        f"sheet of {thicknesses} mm, scale {scale_text(scale)}",
         f"sizes in mm; parts: {len(parts)}, pieces: {pieces}",
         "each part seen from above; drawing 1 of 1",
-        *job.title.told(),
+        *job.title.lines(),
     ]
     name = harmless(job.title.name or job.name)
     cell.words(name, complex(3, -3 - TITLE / 2), TITLE)
-    # A column for what the drawing tells, and one for what the recipe gives; each line under the one before.
+    # One column for facts of the drawing, one for entries of the recipe.
     columns = [lines[:3], lines[3:]]
     left, rows, top = 3.0, max(map(len, columns)), -7 - TITLE
     for column in filter(None, columns):
@@ -176,16 +175,16 @@ def _title(job: Job, scale: float, wide: float) -> _Cell:
         for number, line in enumerate(column):
             cell.words(line, complex(left, top - LETTER / 2 - number * LINE))
         left += 6 + max(width_of(line, LETTER) for line in column)
-    wide = max(wide, 6 + width_of(name, TITLE), left - 3)
-    high = top - rows * LINE
-    cell.shapes.append((DIM, Polyline(np.array([0, wide, complex(wide, high), complex(0, high)]))))
+    width = max(width, 6 + width_of(name, TITLE), left - 3)
+    bottom = top - rows * LINE
+    cell.shapes.append((DIM, Polyline(np.array([0, width, complex(width, bottom), complex(0, bottom)]))))
     if columns[1]:
-        cell.line(complex(0, top + 1), complex(wide, top + 1))
+        cell.line(complex(0, top + 1), complex(width, top + 1))
     return cell
 
 
 def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Cell:
-    """A part with its size, mm: width below it, height to the right, distances of holes above, the rest in words."""
+    """A part with its dimensions, mm: width below, height to the right, distances of holes above, notes in words."""
     cell, part = (
         _Cell(
             [(PART, _scaled(loop.shape, scale, 0j)) for loop in (*cut.loops, *cut.marks) if loop.layer != "LABEL"], []
@@ -197,28 +196,32 @@ def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Ce
     cell.size(complex(high.real, low.imag), high, AWAY + 0j, size.imag)
     holes = _holes(cut)
     pieces = "1 piece" if part.count == 1 else f"{part.count} pieces"
-    lines = [f"{harmless(part.name)}: {pieces}, {told(part.thickness)} mm thick"]
+    lines = [f"{harmless(part.name)}: {pieces}, {length_text(part.thickness)} mm thick"]
     lines += _callouts(holes)
     spans: list[tuple[float, float]] = []
-    for (one, start), (other, end) in _pairs([(hole.name, hole.centre) for hole in holes if hole.centre is not None]):
-        apart = end - start
+    for (name_1, start), (name_2, end) in _pairs(
+        [(hole.name, hole.centre) for hole in holes if hole.centre is not None]
+    ):
+        displacement = end - start
         left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
-        # The end lines of one that begins within another would cross its number.
+        # Extension lines of a dimension that starts inside another would cross its number.
         nested = all(not (a + SAME < x < b - SAME) for a, b in spans for x in (left.real, right.real))
-        in_row = abs(apart.imag) < SAME and width_of(told(abs(apart)), LETTER) < scale * abs(apart)
+        in_row = abs(displacement.imag) < SAME and width_of(length_text(abs(displacement)), LETTER) < scale * abs(
+            displacement
+        )
         if in_row and nested and len(spans) < 3:
             top = complex(0, high.imag - left.imag + AWAY + len(spans) * (LINE + 1))
-            cell.size(left, right, top, abs(apart))
+            cell.size(left, right, top, abs(displacement))
             spans.append((left.real, right.real))
         else:
-            lines.append(f"{one} to {other}: {told(abs(apart))}")
+            lines.append(f"{name_1} to {name_2}: {length_text(abs(displacement))}")
     for number, line in enumerate((*lines, *measures)):
         cell.words(line, complex(low.real, low.imag - AWAY - 3 * LETTER - number * LINE))
     return cell
 
 
 def _holes(cut: Cut) -> list[_Hole]:
-    """The holes that are told: those that something goes through, and all round ones; numbered where no letter is."""
+    """The holes to describe: those with a fit and all round ones, numbered if they have no letter."""
     part, loops = cut.part, cut.loops[1:]
     names, fits = [*part.hole_names, *[""] * len(loops)], [*part.fits, *[None] * len(loops)]
     holes = []
@@ -231,24 +234,26 @@ def _holes(cut: Cut) -> list[_Hole]:
 
 
 def _size_of(fit: HoleFit | None, diameter: float | None) -> str:
-    """How wide a hole is, and what for. diameter: of a round one, mm, as it is drawn."""
+    """Width and purpose of a hole; `diameter` is that of a round one as drawn, mm."""
     if fit is None:
-        return f"dia {told(diameter or 0.0)}"
-    wide = told(fit.diameter + fit.play if diameter is None else diameter)
-    sizes = [f"dia {wide}"]
+        return f"dia {length_text(diameter or 0.0)}"
+    width = length_text(fit.diameter + fit.play if diameter is None else diameter)
+    sizes = [f"dia {width}"]
     if fit.travel:
-        sizes = [f"slot {wide} wide", f"{told(fit.travel + fit.diameter + fit.play)} long"]
+        sizes = [f"slot {width} wide", f"{length_text(fit.travel + fit.diameter + fit.play)} long"]
     if fit.flat:
-        sizes = [f"D dia {wide}", f"across flat {told(fit.flat)}"]
+        sizes = [f"D dia {width}", f"across flat {length_text(fit.flat)}"]
     if any(fit.keyway):
-        sizes.append("keyway {} wide {} deep".format(*map(told, fit.keyway)))
+        sizes.append("keyway {} wide {} deep".format(*map(length_text, fit.keyway)))
     if not fit.play:
         return ", ".join(sizes)
-    return f"{', '.join(sizes)} ({told(fit.diameter)}, {'press' if fit.play < 0 else 'clearance'} {fit.play:+.5g})"
+    return (
+        f"{', '.join(sizes)} ({length_text(fit.diameter)}, {'press' if fit.play < 0 else 'clearance'} {fit.play:+.5g})"
+    )
 
 
 def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
-    """A line for each size of holes: how many, and which."""
+    """A line for each size of holes with their number and names."""
     by_size: dict[str, list[str]] = {}
     for hole in holes:
         by_size.setdefault(hole.size, []).append(hole.name)
@@ -257,44 +262,45 @@ def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
 
 
 def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, complex], tuple[str, complex]]]:
-    """Pairs of holes whose distances are told: all of three, the next of more, those with letters first."""
+    """Pairs of holes whose distances are dimensioned: all of up to three, else successive ones, letters first."""
     pairs = list(combinations(holes, 2))
     if len(holes) > 3:
-        # What turns is at the letters: screws between two of them would hide the distance that must be right.
+        # Holes with letters are joints, whose distances matter most; screws come last.
         pairs = list(pairwise(sorted(holes, key=lambda hole: hole[0].startswith(NUMBERED))))
     if len(holes) <= MOST_HOLES:
-        # The longest last, and so outermost: farther in, the end lines of the others would cross its number.
+        # The longest last and outermost, since extension lines would cross its number otherwise.
         yield from sorted(pairs, key=lambda pair: round(abs(pair[1][1] - pair[0][1]), 6))
 
 
 def _measures(job: Job, part: Part) -> Sequence[str]:
-    """What a workshop has to know of a gear, a line each; nothing of other parts."""
-    own, helix = _noted(job, part, "measures_mm"), _noted(job, part, "helix")
-    if "teeth" not in own:
+    """Data for making and measuring a gear, one line each; empty for other parts."""
+    measures, helix = _notes_of(job, part, "measures_mm"), _notes_of(job, part, "helix")
+    if "teeth" not in measures:
         return ()
     lines = [
-        f"teeth {own['teeth']}, module {told(own['module'])}, pressure angle {told(own['pressure_angle_deg'])} deg",
-        f"profile shift {told(own['profile_shift'])}",
-        *(f"{circle} dia {told(2 * own[f'{circle}_radius'])}" for circle in ("tip", "pitch", "root")),
+        f"teeth {measures['teeth']}, module {length_text(measures['module'])}, "
+        f"pressure angle {length_text(measures['pressure_angle_deg'])} deg",
+        f"profile shift {length_text(measures['profile_shift'])}",
+        *(f"{circle} dia {length_text(2 * measures[f'{circle}_radius'])}" for circle in ("tip", "pitch", "root")),
     ]
     if helix:
         herringbone = ", herringbone" if helix["herringbone"] else ""
-        lines.insert(1, f"helix angle {told(helix['helix_angle_deg'])} deg, {helix['hand']} hand{herringbone}")
-    if span := own.get("span"):
-        lines.append(f"span over {span['teeth']} teeth {told(span['measure'])}")
+        lines.insert(1, f"helix angle {length_text(helix['helix_angle_deg'])} deg, {helix['hand']} hand{herringbone}")
+    if span := measures.get("span"):
+        lines.append(f"span over {span['teeth']} teeth {length_text(span['measure'])}")
     for key, words in (("over_pins", "over"), ("between_pins", "between")):
-        if pins := own.get(key):
-            lines.append(f"{words} pins of dia {told(pins['pin_diameter'])}: {told(pins['measure'])}")
+        if pins := measures.get(key):
+            lines.append(f"{words} pins of dia {length_text(pins['pin_diameter'])}: {length_text(pins['measure'])}")
     return lines
 
 
-def _noted(job: Job, part: Part, what: str) -> Mapping[str, Any]:
-    """What the notes tell of a part: under its name, or of the first of all where it is the only one they tell of."""
-    held = job.source.notes.get(what)
-    if not isinstance(held, Mapping):
+def _notes_of(job: Job, part: Part, key: str) -> Mapping[str, Any]:
+    """Notes on a part, by its name, or for the first part if the notes have a single entry."""
+    notes = job.source.notes.get(key)
+    if not isinstance(notes, Mapping):
         return {}
-    own = held.get(part.name, held if part is job.source.parts[0] else None)
-    return own if isinstance(own, Mapping) else {}
+    entry = notes.get(part.name, notes if part is job.source.parts[0] else None)
+    return entry if isinstance(entry, Mapping) else {}
 
 
 def _scaled(shape: Circle | Polyline, scale: float, shift: complex) -> Circle | Polyline:

@@ -1,4 +1,4 @@
-"""DXF: polylines and true circles, in mm, for cutting one layer per operation. Alone in loading ezdxf."""
+"""DXF: polylines and true circles in mm, one layer per cutting operation. The only module that loads ezdxf."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def write_dxf(job: Job) -> dict[str, bytes]:
 
 
 def dxf(sheet: Sheet) -> bytes:
-    """The sheet as a DXF file, AC1015 (R2000): the first version with units, which every reader knows.
+    """The sheet as a DXF file, AC1015 (R2000): the first version with units, readable by every program.
 
     The same sheet gives the same bytes.
     """
@@ -44,16 +44,16 @@ def drawn(
     extents: tuple[complex, complex],
     limits: tuple[complex, complex],
 ) -> bytes:
-    """Shapes, each on its layer, as such a file.
+    """A DXF file of shapes and texts on their layers.
 
-    layers: colour index and RGB by name; extents, limits: lower left and upper right corner of what is drawn and of
-    the paper, mm.
+    `layers` maps names to colour index and RGB; `extents` and `limits` are the corners of the shapes and of the paper,
+    mm.
     """
     with _fixed_stamps():
-        # The library defaults to metres, which reading programs take at its word, 1000 times too large.
+        # The library's default is metres, and programs would read the file 1000 times too large.
         document = new("R2000", units=units.MM)
         document.header["$MEASUREMENT"] = 1
-        # Without a plot scale one reading program prints a blank page.
+        # Without a plot scale one program prints a blank page.
         document.header["$PSVPSCALE"] = 1.0
         for name, (index, rgb) in layers.items():
             document.layers.add(name, color=index).rgb = rgb
@@ -64,7 +64,7 @@ def drawn(
             entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer})
             align = TextEntityAlignment.MIDDLE_LEFT if text.starts else TextEntityAlignment.MIDDLE_CENTER
             entity.set_placement((text.place.real, text.place.imag), align=align)
-        # The library fills the header from the layout when it writes.
+        # The library copies these from the layout to the header when it writes.
         low, high = extents
         space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
         space.reset_limits((limits[0].real, limits[0].imag), (limits[1].real, limits[1].imag))
@@ -82,12 +82,12 @@ def _add(space: Modelspace, layer: str, shape: Circle | Polyline) -> None:
     rows[:, 0], rows[:, 1] = vertices.real, vertices.imag
     if shape.bulges is not None:
         rows[:, 4] = shape.bulges
-    # Points given one by one are appended in quadratic time: 19 s for 1e5 of them, against 0.9 s.
+    # Appending points one by one takes quadratic time: 19 s for 1e5 points, against 0.9 s.
     polyline.lwpoints.values = rows
 
 
 def _bytes(document: Drawing) -> bytes:
-    # The order of a set would make every run differ.
+    # Sorted, since the order of a set differs between runs.
     for name in sorted(document.entitydb.dxf_types_in_use()):
         document.classes.add_class(name)
     stream = io.StringIO()
@@ -97,7 +97,7 @@ def _bytes(document: Drawing) -> bytes:
 
 @contextmanager
 def _fixed_stamps() -> Iterator[None]:
-    """Without it, time stamps and random identifiers would make every run differ."""
+    """Suppress time stamps and random identifiers, which differ between runs."""
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:
@@ -112,15 +112,15 @@ def write_sheet_dxf(job: Job) -> dict[str, bytes]:
 
 
 def sheet(job: Job) -> bytes:
-    """The drawing on paper; its scale is told in the title."""
-    made, digits = drawing(job), decimals(job.tolerance)
-    shapes = [(layer, _rounded(shape, digits)) for layer, shape in made.shapes]
-    # Two signs of per cent begin a code in the format.
+    """The dimensioned drawing on paper; the title gives its scale."""
+    page, digits = drawing(job), decimals(job.tolerance)
+    shapes = [(layer, _rounded(shape, digits)) for layer, shape in page.shapes]
+    # In the format two per cent signs start a code.
     texts = [
         replace(text, text=text.text.replace("%%", "% %"), place=rounded(text.place, digits).item())
-        for text in made.texts
+        for text in page.texts
     ]
-    paper = 0j, complex(made.width, made.height)
+    paper = 0j, complex(page.width, page.height)
     return drawn(COLOURS, shapes, texts, paper, paper)
 
 

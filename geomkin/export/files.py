@@ -1,4 +1,4 @@
-"""Writing so that what stands under a name is always whole: the old file or the new one."""
+"""Atomic writing: a file is always either the complete old or the complete new one."""
 
 from __future__ import annotations
 
@@ -13,26 +13,25 @@ from pathlib import Path
 from ..core.errors import FileError, shown
 from ..core.names import file_name_flaw, folded
 
-# Of the names of files that are being written; hidden, so that nobody takes one for a part.
+# Prefix of temporary files, which are hidden so that nobody mistakes one for a part.
 PREFIX = ".making-"
-# Seconds after which a temporary file is what a killed run has left; no run that still works takes so long to write.
+# Age in seconds after which a temporary file belongs to a killed run; no running one takes so long to write.
 LEFT_BEHIND = 3600
 
 
 def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
-    """Write files, by name, all under temporary names first; only then rename each over its old one.
+    """Write files, by name: all under temporary names first, then each renamed over the old one.
 
-    A full disk leaves all old files. A kill or a second run at the same moment leaves each file old or new, never
-    a part of either. Raises FileError with what stood in the way, and for a name that is not one plain file's name
-    in the folder or that another differs from only by case, wherever it came from.
+    A full disk leaves all old files. A kill or a simultaneous second run leaves each file old or new, never partial.
+    Raises FileError with the reason, and for a name that is not a plain file name or differs from another only by case.
     """
-    _refuse_strange(folder, contents)
+    _check_names(folder, contents)
     with _uninterrupted():
         temporary: dict[str, Path] = {}
         try:
             for name, content in contents.items():
                 with naming(folder / name):
-                    temporary[name] = _set_down(folder / name, content)
+                    temporary[name] = _write_temporary(folder / name, content)
             for name in contents:
                 with naming(folder / name):
                     temporary[name].replace(folder / name)
@@ -40,10 +39,10 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
         finally:
             for path in temporary.values():
                 path.unlink(missing_ok=True)
-        _sweep(folder)
+        _remove_leftovers(folder)
 
 
-def _refuse_strange(folder: Path, names: Iterable[str]) -> None:
+def _check_names(folder: Path, names: Iterable[str]) -> None:
     seen: set[str] = set()
     for name in names:
         flaw = file_name_flaw(name) or ("another file has the same name" if folded(name) in seen else "")
@@ -53,11 +52,11 @@ def _refuse_strange(folder: Path, names: Iterable[str]) -> None:
         seen.add(folded(name))
 
 
-def _set_down(path: Path, content: bytes) -> Path:
-    """A file with this content beside the path, whole and on the disk."""
+def _write_temporary(path: Path, content: bytes) -> Path:
+    """A complete temporary file with this content in the same folder, flushed to the disk."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists() and not path.is_file():
-        raise FileExistsError("something that is not a file stands under this name")
+        raise FileExistsError("this name belongs to something that is not a file")
     handle, name = tempfile.mkstemp(prefix=PREFIX, dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -71,8 +70,8 @@ def _set_down(path: Path, content: bytes) -> Path:
     return Path(name)
 
 
-def _sweep(folder: Path) -> None:
-    """Remove what killed runs have left; another run's own, still being written, is younger."""
+def _remove_leftovers(folder: Path) -> None:
+    """Remove temporary files of killed runs; those of running ones are younger."""
     for path in folder.glob(f"{PREFIX}*"):
         with suppress(OSError):
             if time.time() - path.stat().st_mtime > LEFT_BEHIND:
@@ -81,18 +80,18 @@ def _sweep(folder: Path) -> None:
 
 @contextmanager
 def naming(path: Path, done: str = "written") -> Iterator[None]:
-    """Turns what the system says into an error that names the file, which cannot be `done`."""
+    """Turn a system error into a FileError that names the file, which cannot be `done`."""
     try:
         yield
     except (OSError, ValueError) as error:
-        # A path with a sign that none may have is a ValueError.
+        # A path with an invalid character raises ValueError.
         reason = getattr(error, "strerror", None) or str(error)
         problem = f"cannot be {done} ({reason})"
         raise FileError(path, problem, "choose another place (--out)", "file-unwritable") from error
 
 
 def remove(path: Path) -> None:
-    """Remove a file; one that is gone already is fine. Raises FileError with what stood in the way."""
+    """Remove a file, which may be gone already; FileError with the reason if that fails."""
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
@@ -102,7 +101,7 @@ def remove(path: Path) -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Ctrl-C waits until the temporary file is gone again, where the system can make it wait."""
+    """Delay Ctrl-C until the temporary files are gone, if the system allows it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -114,7 +113,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _umask() -> int:
-    """The permissions the user does not give to new files; temporary files start private."""
+    """The permission bits removed from new files; temporary files start private."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -1,4 +1,4 @@
-"""The one table of formats. A new format is one file here, and one row."""
+"""The table of formats. A new format is one file here and one row."""
 
 from __future__ import annotations
 
@@ -19,10 +19,20 @@ Contents = Mapping[str, bytes]
 class Writer:
     """A format.
 
-    needs: what it is made of. write: from a job to files by name. packages: those that have a hand in it, besides
-    NumPy; the summary tells their versions. flat: it shows parts as a beam goes, half a kerf off them. tail: what
-    follows the recipe's name in its file's, where that is not a dot and the format's name. asked: only written where
-    a recipe names it.
+    Parameters
+    ----------
+    needs : {"parts", "table", "scene"}
+        The data that it is made of.
+    write : callable
+        From a job to the contents of files by name.
+    packages : tuple of str
+        Packages used besides NumPy; the summary lists their versions.
+    flat : bool
+        Whether it contains the path of a cutting beam, half a kerf off the parts.
+    tail : str
+        Ending of its files' names after the recipe's name; by default a dot and the format's name.
+    opt_in : bool
+        Whether it is written only if a recipe names it.
     """
 
     needs: Literal["parts", "table", "scene"]
@@ -74,12 +84,12 @@ DEFAULT_FORMATS = tuple(name for name, writer in WRITERS.items() if not writer.o
 
 
 def tail_of(name: str) -> str:
-    """What the names of a format's files end in."""
+    """The ending of a format's files."""
     return WRITERS[name].tail or f".{name}"
 
 
 def format_of(file: str, needs: Collection[str] = ("parts", "table", "scene")) -> str:
-    """The format, of those made of one of `needs`, of a file by its name; "" for none. The longest tail decides."""
+    """The format of a file by its name, among those made of one of `needs`; "" for none. The longest ending decides."""
     ends = {name: tail_of(name) for name in WRITERS if WRITERS[name].needs in needs}
     fitting = [name for name, end in ends.items() if file.lower().endswith(end) and len(file) > len(end)]
     return max(fitting, key=lambda name: len(ends[name]), default="")

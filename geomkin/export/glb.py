@@ -1,4 +1,4 @@
-"""GLB of the assembly, for viewers of solids: parts in place, each on its layer. Alone in loading trimesh."""
+"""GLB of the assembly for 3D viewers: parts in place, each in its layer. The only module for GLB that loads trimesh."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .job import Job
 from .mesh import solid, solid_cut
 from .still import InPlace, in_place, palette
 
-# From mm, z up, to what the format has: metres, y up.
+# From mm, z up, to the format's metres, y up.
 UPRIGHT = 1e-3 * np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1e3]])
 
 
@@ -22,32 +22,34 @@ def write_glb(job: Job) -> dict[str, bytes]:
 
 
 def glb(job: Job) -> bytes:
-    """The assembly: a node for each part, by its name, in the colour that pages give its body."""
-    still, placed = in_place(job)
+    """The assembly: a node for each part, with its name, in the colour of its body on pages."""
+    still, placements = in_place(job)
     assembly = trimesh.Scene(base_frame="assembly")
-    for one in placed:
-        points, faces = solid(solid_cut(one.part, job.tolerance))
-        colour = np.array(_colour(palette()[still.tint(one.body)]), dtype=np.uint8)
+    for placement in placements:
+        points, faces = solid(solid_cut(placement.part, job.tolerance))
+        colour = np.array(_colour(palette()[still.tint(placement.body)]), dtype=np.uint8)
         mesh = trimesh.Trimesh(points, faces, vertex_colors=np.tile(colour, (len(points), 1)), process=False)
-        assembly.add_geometry(mesh, node_name=one.name, geom_name=one.name, transform=UPRIGHT @ _place(one))
+        assembly.add_geometry(
+            mesh, node_name=placement.name, geom_name=placement.name, transform=UPRIGHT @ _place(placement)
+        )
     return bytes(trimesh.exchange.gltf.export_glb(assembly))  # type: ignore[no-untyped-call]
 
 
-def _place(one: InPlace) -> Real:
-    """From the part's frame to the assembly's, mm."""
-    ahead, origin = one.direction, one.origin
+def _place(placement: InPlace) -> Real:
+    """Transform from the part's frame to the assembly's, mm."""
+    direction, origin = placement.direction, placement.origin
     return np.array(
         [
-            [ahead.real, -ahead.imag, 0, origin.real],
-            [ahead.imag, ahead.real, 0, origin.imag],
-            [0, 0, 1, one.height],
+            [direction.real, -direction.imag, 0, origin.real],
+            [direction.imag, direction.real, 0, origin.imag],
+            [0, 0, 1, placement.height],
             [0, 0, 0, 1.0],
         ]
     )
 
 
 def _colour(text: str) -> list[int]:
-    """Red, green, blue and opacity of a colour as pages write it."""
+    """Red, green, blue and opacity of a CSS colour."""
     digits = re.sub("[^0-9a-f]", "", text)
     digits = digits if len(digits) == 6 else "".join(2 * c for c in digits)
     return [*bytes.fromhex(digits), 255]

@@ -1,4 +1,4 @@
-"""What writers are given: what is to be written, and its parts as the loops that a machine follows."""
+"""The input of writers: the data to write, and its parts as the loops that a machine follows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .text import Title
 
 
 class Source(Protocol):
-    """What can be written, such as a recipe; each is worked out when a writer first asks for it."""
+    """Data that can be written, such as a recipe; each property is computed when a writer first asks for it."""
 
     @property
     def parts(self) -> tuple[Part, ...]: ...
@@ -49,7 +49,7 @@ class Source(Protocol):
 
 @record(eq=False)
 class StaticSource:
-    """What comes of no recipe."""
+    """Given data that does not come from a recipe."""
 
     parts: tuple[Part, ...] = ()
     table: Table | None = None
@@ -63,14 +63,34 @@ class StaticSource:
 
 @record(eq=False)
 class Job:
-    """Files to be written, worked out no further than writers ask.
+    """The files to be written, computed as far as writers ask.
 
-    name: of what all parts share one file for. tolerance, kerf: mm, as `cut` has them; arcs: instead of chords. labels:
-    drawings engrave parts with their names. laser: SVG as laser cutters' programs take it. about: one line that
-    introduces it; recipe: gives the text that it is made from; "" where there is none. assembly_at: where the driver
-    stands in stills, in its own unit; None for anywhere. sheet: width and height of the sheets that parts are cut from,
-    mm; None for one as large as they take. title: of the drawing with sizes, as far as it is given. What a writer asks
-    for and the source has not is a DesignError of `write`.
+    A writer that asks for data which the source does not have raises DesignError for the field `write`.
+
+    Parameters
+    ----------
+    name : str
+        Name of files that all parts share.
+    source : Source
+        The data to write.
+    tolerance, kerf : float
+        As for `cut`, mm.
+    arcs : bool
+        Whether drawings use arcs instead of chords.
+    labels : bool
+        Whether drawings engrave parts with their names.
+    laser : bool
+        Whether SVG is written for laser cutting programs.
+    about : str
+        One line that introduces the mechanism; may be empty.
+    recipe : callable
+        Returns the TOML text of the recipe; empty if there is none.
+    assembly_at : float, optional
+        Driver position in still pictures, in the driver's unit; by default any.
+    sheet : tuple of float, optional
+        Width and height of the sheets to cut from, mm; by default one sheet is sized to fit the parts.
+    title : Title
+        Entries of the title block of the dimensioned drawing.
     """
 
     name: str
@@ -88,21 +108,21 @@ class Job:
 
     @property
     def table(self) -> Table:
-        """What the mechanism does."""
+        """The table of the motion."""
         if (table := self.source.table) is None:
             raise _lacking("table")
         return table
 
     @property
     def scene(self) -> Scene:
-        """How it looks moving."""
+        """The moving picture."""
         if (scene := self.source.scene) is None:
             raise _lacking("scene")
         return scene
 
     @cached_property
     def flats(self) -> Sequence[Cut]:
-        """The parts as a beam must go, half a kerf off them."""
+        """The parts along the path of the beam, half a kerf off them."""
         return [
             cut(part, self.tolerance, self.kerf, self.arcs, number if self.labels else 0)
             for number, part in enumerate(self._parts, 1)
@@ -110,23 +130,23 @@ class Job:
 
     @cached_property
     def solids(self) -> Sequence[Cut]:
-        """The parts as they are to be."""
+        """The parts at their true size."""
         if self.kerf == 0 and not any(part.twist for part in self._parts):
             return self.flats
         return [solid_cut(part, self.tolerance) for part in self._parts]
 
     @cached_property
     def exact(self) -> Sequence[Cut]:
-        """The parts as they are to be, with arcs."""
+        """The parts at their true size, with arcs."""
         return [cut(part, self.tolerance, arcs=True) for part in self._parts]
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
-        """The parts, laid out flat."""
+        """The parts laid out on sheets."""
         return lay_out_on(self.flats, *self.sheet) if self.sheet else (lay_out(self.flats),)
 
     def sheet_files(self, ending: str, write: Callable[[Sheet], bytes]) -> dict[str, bytes]:
-        """A file for each sheet, by its name; from the second on, with its number."""
+        """One file per sheet, by name; from the second on with its number."""
         names = [self.name, *(f"{self.name}-{number}" for number in range(2, len(self.sheets) + 1))]
         return {f"{name}.{ending}": write(sheet) for name, sheet in zip(names, self.sheets)}
 
@@ -137,5 +157,5 @@ class Job:
         return self.source.parts
 
 
-def _lacking(what: str) -> DesignError:
-    return DesignError("write", f"a format that is made of a {what} is asked for, and there is none", "leave it out")
+def _lacking(data: str) -> DesignError:
+    return DesignError("write", f"names a format that needs a {data}, and there is none", "leave it out")

@@ -1,4 +1,4 @@
-"""Where names stand in a picture: on their bodies and beside their points, where they hide least."""
+"""Positions of names in a picture: on their bodies and next to their points, where they hide least."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from ..model.scene import SceneBody
 from ..plane.vec import Complex, Mask, Real
 from .still import Still, some_points
 
-# Height of letters, in pixels of the picture. Smaller, and nobody reads them in a README; larger, and they hide plates.
+# Height of letters, in pixels of the picture. Smaller ones are illegible in a README, larger ones hide plates.
 LETTER = 11.0
-# Places along and across a body that are tried for its name. Fewer miss the rim of a ring; more change nothing.
+# Positions along and across a body that are tried for its name. Fewer miss the rim of a ring; more change nothing.
 ALONG, ACROSS = 21, 11
-# How little longer than wide a body may be and count as round: as a share of its spread.
+# Relative difference of length and width, as a share of the spread, below which a body counts as round.
 EVEN = 1e-6
-# Width of a letter in its height: of the usual ones, and of those that fill a square.
+# Width of a letter over its height: of Latin letters, and of those that fill a square.
 NARROW, WIDE = 0.52, 1.0
-# By how much of its size a place is looked at beside itself: one on an edge would be on a plate or not by a processor's
-# last digit, and copies that mirror each other have many such.
+# Shift of a tested position as a share of its size. Rounding would decide whether a position exactly on an edge is on
+# a plate, and mirrored copies have many of these.
 ASIDE = 1e-5 * (1 + 0.7j)
-# What it costs to stand on another name, on a pin, where another body covers one's own or beside it (a third of the
-# letters), on a traced path, and far from the middle; dearer ones are avoided at the price of any cheaper.
+# Costs of positions on another name, on a pin, on a covered part of the body or off it (per third of the letters), on
+# a traced path, and far from the middle.
 ON_NAME, ON_PIN, COVERED, BESIDE, ON_PATH, AWAY = 40.0, 6.0, 2.5, 0.5, 1.0, 1.5
-# Directions in which a point's name may stand from it.
+# Directions from a point in which its name may be placed.
 AROUND = np.exp(1j * np.radians([45, 135, -45, -135, 0, 180, 90, -90]))
 
 
 @record(eq=False)
 class Name:
-    """A name in a picture. place: the middle of its letters, mm; half: half its width and height; role: "" a body's."""
+    """A name in a picture: the middle and half size of its letters, mm, and its role ("" for a body's)."""
 
     text: str
     place: complex
@@ -40,17 +40,17 @@ class Name:
 
 
 def place_labels(still: Still) -> tuple[Name, ...]:
-    """The names, those of bodies first, each in the best place that those before it leave.
+    """The names, bodies first, each in the best position that the earlier ones leave.
 
-    One that could only stand on another is left out: neither would be read.
+    A name that would overlap another is left out, since neither would be legible.
     """
     k, tall = still.frame, LETTER * still.pixel
     joints = [m for m in still.marks if m.sort.endswith("pin") or m.sort == "slide"]
     pins = np.array([m.place[k] for m in joints], dtype=complex)
     dots = np.array([m.place[k] for m in still.marks if m.sort == "point"], dtype=complex)
-    # Where no plate shows the ground, a stand is drawn below.
-    stands = [m.place[k] - 0.8j * tall for m in joints if m.sort == "fixed pin" and not still.shows_ground]
-    dots = np.concatenate([dots, np.array(stands, dtype=complex)])
+    # If no plate shows the ground, a support is drawn below the pivot.
+    supports = [m.place[k] - 0.8j * tall for m in joints if m.sort == "fixed pin" and not still.shows_ground]
+    dots = np.concatenate([dots, np.array(supports, dtype=complex)])
     pin_radii = np.array([min(still.hole_radii.get(m, 0.4 * tall), 0.8 * tall) for m in joints])
     paths = [run for mark in still.marks if mark.trail for run in still.trail_runs(mark)]
     path = np.concatenate([*paths, np.zeros(0, complex)])
@@ -61,13 +61,13 @@ def place_labels(still: Still) -> tuple[Name, ...]:
         for other in named:
             apart, room = places - other.place, half + other.half
             cost = cost + ON_NAME * ((np.abs(apart.real) < room.real) & (np.abs(apart.imag) < 1.15 * room.imag))
-        for price, points, wide in ((ON_PIN, pins, pin_radii), (ON_PIN, dots, 0.3 * tall), (ON_PATH, path, 0.0)):
-            off = places[:, None] - points
-            near = (np.abs(off.real) < half.real + wide) & (np.abs(off.imag) < half.imag + wide)
-            cost = cost + price * (near.any(axis=1) if price == ON_PATH else near.sum(axis=1))
-        at = int(np.argmin(np.round(cost, 6)))
-        if cost[at] < ON_NAME:
-            named.append(Name(text, complex(places[at]), half, role))
+        for price, points, radius in ((ON_PIN, pins, pin_radii), (ON_PIN, dots, 0.3 * tall), (ON_PATH, path, 0.0)):
+            offset = places[:, None] - points
+            overlaps = (np.abs(offset.real) < half.real + radius) & (np.abs(offset.imag) < half.imag + radius)
+            cost = cost + price * (overlaps.any(axis=1) if price == ON_PATH else overlaps.sum(axis=1))
+        best_index = int(np.argmin(np.round(cost, 6)))
+        if cost[best_index] < ON_NAME:
+            named.append(Name(text, complex(places[best_index]), half, role))
 
     lines = {mark.label for mark in still.marks if mark.sort == "line"}
     for body in sorted(still.bodies, key=lambda body: _extent(still, body)):
@@ -98,9 +98,9 @@ def place_labels(still: Still) -> tuple[Name, ...]:
 
 
 def half_size(text: str, tall: float) -> complex:
-    """Half the width and the height of a text, mm."""
-    wide = sum(WIDE if unicodedata.east_asian_width(c) in "WF" else NARROW for c in text)
-    return 0.5 * tall * complex(wide, 1.0)
+    """Half of the width and height of a text, mm."""
+    width = sum(WIDE if unicodedata.east_asian_width(c) in "WF" else NARROW for c in text)
+    return 0.5 * tall * complex(width, 1.0)
 
 
 def _spaced(name: str) -> str:
@@ -112,7 +112,7 @@ def _extent(still: Still, body: SceneBody) -> float:
 
 
 def _slide_of(still: Still, body: SceneBody) -> complex | None:
-    """Where the block of a body that nothing is cut of is, if it has one."""
+    """Position of the slider block of a body without parts, if it has one."""
     k = still.frame
     near = [
         m.place[k] for m in still.marks if m.sort == "slide" and abs(m.place[k] - body.origin[k]) < 0.3 * still.size
@@ -121,15 +121,15 @@ def _slide_of(still: Still, body: SceneBody) -> complex | None:
 
 
 def _on(still: Still, body: SceneBody, half: complex) -> tuple[Complex, Real]:
-    """Places on a body, mm, and what each costs a name of this size: beside the plate, or where another covers it."""
+    """Positions on a body, mm, and the cost of each for a name of this size."""
     k = still.frame
     points = np.concatenate(still.points_of(body))
     middle = points.mean()
-    off = points - middle
-    twice = (off**2).sum()
-    # A round part has no direction: the last digit must not give it one.
-    axis = np.exp(0.5j * np.angle(twice)) if abs(twice) > EVEN * (np.abs(off) ** 2).sum() else 1.0
-    along, across = (off / axis).real, (off / axis).imag
+    offsets = points - middle
+    axis_squared = (offsets**2).sum()
+    # A round part has no direction, and rounding must not give it one.
+    axis = np.exp(0.5j * np.angle(axis_squared)) if abs(axis_squared) > EVEN * (np.abs(offsets) ** 2).sum() else 1.0
+    along, across = (offsets / axis).real, (offsets / axis).imag
     grid = np.linspace(along.min(), along.max(), ALONG)[:, None] + 1j * np.linspace(across.min(), across.max(), ACROSS)
     places = body.origin[k] + body.direction[k] * (middle + axis * np.append(0, grid))
     # The middle of the letters and both their ends.
@@ -139,15 +139,15 @@ def _on(still: Still, body: SceneBody, half: complex) -> tuple[Complex, Real]:
     for other in still.bodies:
         if other is not body and other.layer >= body.layer and np.isfinite(other.origin[k]):
             covered |= _lies_on(still, other, letters)
-    away = np.abs(places - places[0]) / (np.abs(off).max() or 1.0)
-    on = inside[::3]
-    beside, under = (flags.reshape(-1, 3).sum(axis=1) for flags in (~inside, covered))
-    cost = AWAY * away + BESIDE * beside + COVERED * under
-    return (places[on], cost[on]) if on.any() else (places[:1], cost[:1])
+    away = np.abs(places - places[0]) / (np.abs(offsets).max() or 1.0)
+    is_on_plate = inside[::3]
+    off_plate_count, covered_count = (flags.reshape(-1, 3).sum(axis=1) for flags in (~inside, covered))
+    cost = AWAY * away + BESIDE * off_plate_count + COVERED * covered_count
+    return (places[is_on_plate], cost[is_on_plate]) if is_on_plate.any() else (places[:1], cost[:1])
 
 
 def _lies_on(still: Still, body: SceneBody, places: Complex) -> Mask:
-    """Whether places lie on a plate of the body, and not in a hole of it."""
+    """Whether points are on a plate of the body and not in a hole."""
     own = (places - body.origin[still.frame]) * np.conj(body.direction[still.frame])
     found = np.zeros(len(places), dtype=bool)
     for part, outline in zip(body.parts, still.points_of(body)):
@@ -159,7 +159,7 @@ def _lies_on(still: Still, body: SceneBody, places: Complex) -> Mask:
 
 
 def within(polygon: Complex, places: Complex) -> Mask:
-    """Whether places lie within a polygon: whether a ray from each crosses its edges an odd number of times."""
+    """Whether points are inside a polygon: a ray from each crosses its edges an odd number of times."""
     a, b = polygon, np.roll(polygon, -1)
     y = places[:, None].imag
     spans = (a.imag <= y) != (b.imag <= y)

@@ -1,4 +1,4 @@
-"""A scene as SVG, to look at: its bodies, paths and marks as items, each in a frame of its own, at full size in mm."""
+"""A scene as SVG for viewing: bodies, paths and marks as items, each in its own frame, at full size in mm."""
 
 from __future__ import annotations
 
@@ -18,28 +18,27 @@ from .labels import LETTER, Name
 from .still import Still, palette
 from .svg_path import decimal, path
 
-# Turn of the driver, deg, between two dashes of a trail, as on the page; a driver that slides makes so many steps.
+# Driver rotation, deg, of a dash of a trail, as on the page; a stroke is divided into a number of dashes.
 DASH_DEG, STROKE_DASHES = 5.0, 72
 # Pixels around the picture.
 MARGIN = 14.0
-# A pivot on the ground where no plate shows the ground, and a block that slides, in pixels, y up.
+# A support of a ground pivot, if no plate shows the ground, and a slider block, in pixels, y up.
 STAND = "M-2.6 -3.8L-8 -13H8L2.6 -3.8M-12 -13H12M-10 -13l-4 -5M-4 -13l-4 -5M2 -13l-4 -5"
 BLOCK = "M-10 -6.5h20v13h-20z"
-# Of a pin, in pixels, where no hole says how wide it is; of one that a hole does, the least and the most.
+# Radius of a pin without a hole, and least and greatest radius of one in a hole, in pixels.
 PIN, LEAST_PIN, MOST_PIN = 3.8, 3.2, 8.0
-# Decimals of degrees: of a metre, a hundredth of a mm.
+# Decimals of degrees: a hundredth of a mm at one metre.
 TURN_DIGITS = 3
-# Decimals of a scale: what is drawn ten times as large as usual is off by a hundredth of its size at most.
+# Decimals of a scale: an element drawn at ten times its usual size has an error of at most a hundredth.
 SCALE_DIGITS = 5
 
 
 @record(eq=False)
 class Item:
-    """Something drawn, in a frame of its own, y up, mm.
+    """A drawn element in its own frame, y up, mm.
 
-    body: the name of what it is part of, or "". origin: (frames,) complex, mm; direction: (frames,) unit complex, None
-    where it does not turn; scale: (frames,) along both axes, None where it keeps its size. reach: mm, how far it
-    is drawn from the frame's origin.
+    `body` is the name of its body or "". `origin` is (frames,) complex, mm; `direction` (frames,) unit complex, None if
+    it does not rotate; `scale` (frames,), None if its size is fixed. `reach` is its extent from the frame's origin, mm.
     """
 
     drawn: str
@@ -53,15 +52,17 @@ class Item:
 def document(
     still: Still, box: tuple[complex, complex], title: str, about: str, css: str, body: Sequence[str]
 ) -> bytes:
-    """An SVG file of what is drawn, y down, whose sizes on paper are true. box: what it shows, mm, y up."""
+    """An SVG file in true size, y down; `box` is the visible region, mm, y up."""
     low, high = box
     digits = still.digits
-    left, top, wide, tall = (decimal(v, digits) for v in (low.real, -high.imag, (high - low).real, (high - low).imag))
-    wide, tall = (size if not size.startswith(".") else f"0{size}" for size in (wide, tall))
+    left, top, width, height = (
+        decimal(v, digits) for v in (low.real, -high.imag, (high - low).real, (high - low).imag)
+    )
+    width, height = (size if not size.startswith(".") else f"0{size}" for size in (width, height))
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="{tall}mm" '
-        f'viewBox="{left} {top} {wide} {tall}" style="background:#fff">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
+        f'viewBox="{left} {top} {width} {height}" style="background:#fff">',
         f"<title>{escape(harmless(title))}</title>",
         f"<desc>{escape(harmless(about))}</desc>",
         f"<style>{css}</style>",
@@ -73,7 +74,7 @@ def document(
 
 
 def page_box(still: Still, names: Sequence[Name] = (), below: float = 0.0) -> tuple[complex, complex]:
-    """Lower left and upper right corner of the picture, mm, with names, margins and so many pixels below."""
+    """Lower left and upper right corner of the picture, mm, with names, margins and a strip of `below` pixels."""
     low, high = still.bounds
     corners = [low, high]
     corners += [corner for name in names for corner in (name.place - name.half, name.place + name.half)]
@@ -86,7 +87,7 @@ def page_box(still: Still, names: Sequence[Name] = (), below: float = 0.0) -> tu
 
 
 def style(still: Still) -> str:
-    """What classes look like, in the page's colours on white."""
+    """The style sheet of the classes, in the page's colours on white."""
     c, px = palette(), still.pixel
 
     def w(pixels: float) -> str:
@@ -128,7 +129,7 @@ def _hatch(still: Still) -> list[str]:
 
 
 def items(still: Still) -> Iterator[Item]:
-    """All that is drawn but the names, the lowest first."""
+    """All elements except the names, the lowest first."""
     for mark in still.marks:
         if mark.sort == "slide" and not still.shows_ground and (rail := _rail(still, mark)):
             yield _lying(rail)
@@ -150,15 +151,15 @@ def _lying(drawn: str) -> Item:
 
 
 def transform(still: Still, item: Item, frame: int) -> str:
-    """The attribute that sets an item where it is at a frame; "" for where it is drawn."""
+    """The attribute that moves an item to its position at a frame; "" if it does not move."""
     if len(item.origin) == 1:
         return ""
     place = rounded(complex(item.origin[frame]), still.digits).item()
     moved = f"translate({decimal(place.real, still.digits)} {decimal(place.imag, still.digits)})" if place else ""
-    turn = 0.0
+    angle = 0.0
     if item.direction is not None:
-        turn = rounded(float(np.degrees(np.angle(item.direction[frame]))), TURN_DIGITS).item()
-    turned = f"rotate({decimal(turn, TURN_DIGITS)})" if turn else ""
+        angle = rounded(float(np.degrees(np.angle(item.direction[frame]))), TURN_DIGITS).item()
+    turned = f"rotate({decimal(angle, TURN_DIGITS)})" if angle else ""
     size = 1.0 if item.scale is None else rounded(float(item.scale[frame]), SCALE_DIGITS).item()
     sized = f"scale({decimal(size, SCALE_DIGITS)})" if size != 1 else ""
     return f' transform="{moved}{turned}{sized}"' if moved or turned or sized else ""
@@ -169,7 +170,7 @@ def _reach(still: Still, body: SceneBody) -> float:
 
 
 def _body(still: Still, body: SceneBody) -> str:
-    """Its parts, engravings and curves; a fixed one that lies over moving ones lets them be seen."""
+    """Its parts, engravings and curves; a fixed body over moving ones is transparent."""
     over = body.fixed and any(not other.fixed and other.layer < body.layer for other in still.bodies)
     drawn = []
     for part in body.parts:
@@ -193,7 +194,7 @@ def _line(still: Still, curve: AbstractCurve, shown: str) -> str:
 
 
 def _trail(still: Still, mark: SceneMark) -> str:
-    """Every second of the equal steps of the drive: where a dash is long, the point is fast."""
+    """Dashes for every second of equal steps of the drive: long dashes mean a fast point."""
     drive = np.asarray(still.scene.drive.values, dtype=float)
     passed = np.abs(drive - drive[0])
     every = DASH_DEG if still.scene.drive.unit == "deg" else passed[-1] / STROKE_DASHES
@@ -211,7 +212,7 @@ def _trail(still: Still, mark: SceneMark) -> str:
 
 
 def _thinned(points: Complex, tolerance: float) -> Complex:
-    """The ends alone of what is straight on a screen."""
+    """Only the ends of points that are straight on a screen."""
     chord = points[-1] - points[0]
     off = np.abs(np.imag((points - points[0]) * np.conj(chord))) / (abs(chord) or 1.0)
     return points[[0, -1]] if off.max() < tolerance else points
@@ -235,7 +236,7 @@ def _mark(still: Still, mark: SceneMark) -> Iterator[Item]:
 
 
 def _pixels(px: float) -> str:
-    """Attributes of what is told in pixels."""
+    """Attributes of elements sized in pixels."""
     return f'style="stroke-width:1" transform="scale({px:.4g})"'
 
 
@@ -262,25 +263,25 @@ def _circle(still: Still, mark: SceneMark, radius: Real) -> Item:
 
 
 def _pin(still: Still, mark: SceneMark) -> str:
-    """A circle that fills the hole; one on the ground has a point, and a stand where no plate shows the ground."""
-    px, wide = still.pixel, still.hole_radii.get(mark, 0.0)
-    radius = float(np.clip(wide, LEAST_PIN * px, MOST_PIN * px)) if wide else PIN * px
-    stand = f'<path {_pixels(px)} d="{STAND}"/>' if mark.sort == "fixed pin" and not still.shows_ground else ""
+    """A circle that fills the hole; on the ground with a centre, and a support if no plate shows the ground."""
+    px, hole_radius = still.pixel, still.hole_radii.get(mark, 0.0)
+    radius = float(np.clip(hole_radius, LEAST_PIN * px, MOST_PIN * px)) if hole_radius else PIN * px
+    support = f'<path {_pixels(px)} d="{STAND}"/>' if mark.sort == "fixed pin" and not still.shows_ground else ""
     core = f'<circle class="core" r="{0.35 * radius:.3g}"/>' if mark.sort == "fixed pin" else ""
-    return f'{stand}<circle class="pin" r="{radius:.3g}"/>{core}'
+    return f'{support}<circle class="pin" r="{radius:.3g}"/>{core}'
 
 
 def _scale(sizes: Real, usual: float) -> Real | None:
-    """Sizes in the usual one; None where they all are it."""
+    """Sizes relative to the usual one; None if all are equal to it."""
     known = sizes[np.isfinite(sizes)]
     varies = usual and np.abs(known - usual).max(initial=0.0) > 1e-6 * usual
     return sizes / usual if varies else None
 
 
 def _usual(still: Still, sizes: Real) -> float:
-    """The size in which something is drawn that grows and shrinks: that of the one frame, or that of most; 0 for none.
+    """The size in which an element of varying size is drawn: that of the single frame, or the median; 0 if undefined.
 
-    Times a share of few decimals it must give every other: one that is far beyond most would leave none to them.
+    All sizes are given relative to it with few decimals, so that an outlier would leave none to the others.
     """
     known = sizes[still.frames]
     known = known[np.isfinite(known) & (known > 0)]
@@ -288,19 +289,19 @@ def _usual(still: Still, sizes: Real) -> float:
 
 
 def _rail(still: Still, mark: SceneMark) -> str:
-    """What a block that goes along one line of the ground slides on, hatched below."""
-    place, way = np.asarray(mark.place), np.asarray(mark.direction)
-    known = np.isfinite(place) & np.isfinite(way)
+    """The rail of a block that moves along one line of the ground, hatched below."""
+    place, slide_direction = np.asarray(mark.place), np.asarray(mark.direction)
+    known = np.isfinite(place) & np.isfinite(slide_direction)
     if not known.any():
         return ""
-    first = way[known][0]
-    seen = place[known] * np.conj(first)
-    low, high, beside = float(seen.real.min()), float(seen.real.max()), float(seen[0].imag)
-    still_way = np.abs(np.imag(way[known] * np.conj(first))).max() < 1e-3
-    if not still_way or high == low or np.ptp(seen.imag) > 2e-3 * (high - low):
+    first = slide_direction[known][0]
+    along_rail = place[known] * np.conj(first)
+    low, high, offset = float(along_rail.real.min()), float(along_rail.real.max()), float(along_rail[0].imag)
+    is_straight = np.abs(np.imag(slide_direction[known] * np.conj(first))).max() < 1e-3
+    if not is_straight or high == low or np.ptp(along_rail.imag) > 2e-3 * (high - low):
         return ""
     px, digits = still.pixel, still.digits
-    start, end, y = low - 16 * px, high + 16 * px, beside - 8 * px
+    start, end, y = low - 16 * px, high + 16 * px, offset - 8 * px
     marks = np.arange(start + 4 * px, end, 7 * px)
     lines = [np.array([start + 1j * y, end + 1j * y])]
     lines += [np.array([x + 1j * y, x - 4 * px + 1j * (y - 5 * px)]) for x in marks]

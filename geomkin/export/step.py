@@ -1,4 +1,4 @@
-"""Plates as solids that CAD programs take as their own: STEP with true planes and cylinders, nothing in facets."""
+"""STEP: plates as exact solids with planes and cylinders, not facets."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ..plane.primitives import Circle
 from .cut import Cut, Loop
 from .job import Job
 
-# Decimals of mm of what is worked out, a centre or a radius: fewer, and an arc misses its ends by more than programs
-# sew up; more would be digits in which processors differ.
+# Decimals, mm, of computed centres and radii. With fewer an arc misses its ends by more than programs close;
+# further ones differ between processors.
 DIGITS = 9
-# Edges of an outline and its holes: a file of these has some 40 MB, and programs take minutes with more.
+# Most edges of an outline and its holes: such a file has some 40 MB, and programs take minutes for more.
 MOST_EDGES = 50_000
-# What programs may take for one point, mm: above the last digit, below any tolerance.
+# Distance below which programs may merge points, mm: above the last digit, below any tolerance.
 SAME = 1e-6
 
-# An edge of a loop, material on its left: where it starts, and the tangent of a quarter of the arc's sweep, 0 for a
-# straight one.
+# An edge of a loop with the material on its left: its start, and the tangent of a quarter of the arc's sweep, 0 for a
+# straight edge.
 Edge = tuple[complex, float]
 
 
@@ -33,7 +33,7 @@ def write_step(job: Job) -> dict[str, bytes]:
         if cut.part.twist:
             raise DesignError(
                 "write",
-                f"found step for the {cut.part.name}: its planes and cylinders make no teeth along helices",
+                f"found step for the {cut.part.name}: planes and cylinders cannot represent helical teeth",
                 "leave step out and take stl or 3mf, or give a helix_angle_deg of 0",
             )
         if name in contents:
@@ -43,9 +43,9 @@ def write_step(job: Job) -> dict[str, bytes]:
 
 
 def step(cut: Cut) -> bytes:
-    """The part as a solid in ISO 10303-21, AP214, mm, standing on z = 0.
+    """The part as a solid in ISO 10303-21, AP214, mm, with its lower face at z = 0.
 
-    The same loops give the same bytes. DesignError for more edges than programs read.
+    The same loops give the same bytes. DesignError for more edges than programs can read.
     """
     loops = [_edges(loop, is_hole=k > 0) for k, loop in enumerate(cut.loops)]
     if (count := sum(map(len, loops))) > MOST_EDGES:
@@ -58,10 +58,10 @@ def step(cut: Cut) -> bytes:
 
 
 def _edges(loop: Loop, is_hole: bool) -> list[Edge]:
-    """The edges of a cut, in the direction that has the material on its left."""
+    """Edges of a cut, directed so that the material is on the left."""
     shape = loop.shape
     if isinstance(shape, Circle):
-        # A whole circle has no ends: two halves need no seam.
+        # A full circle has no ends; two halves need no seam.
         ends = [shape.centre + shape.radius, shape.centre - shape.radius]
         return [(end, -1.0 if is_hole else 1.0) for end in ends]
     vertices = np.asarray(shape.vertices)
@@ -72,18 +72,18 @@ def _edges(loop: Loop, is_hole: bool) -> list[Edge]:
 
 
 class _Entities:
-    """The lines of a file, each an entity with a number by which others name it."""
+    """The lines of a file, each an entity with a number by which others refer to it."""
 
     def __init__(self, name: str) -> None:
         self.name = _text(name)
         self.numbers: dict[str, str] = {}
 
     def add(self, entity: str) -> str:
-        """Its number, as others write it; what has been said already, such as a point, has one."""
+        """The entity's number; an entity that exists already, such as a point, keeps its number."""
         return self.numbers.setdefault(entity, f"#{len(self.numbers) + 1}")
 
     def of(self, loops: Iterable[list[Edge]], thickness: float) -> bytes:
-        """The whole file of a plate between z = 0 and its thickness."""
+        """The complete file of a plate between z = 0 and its thickness."""
         context, product = self._product()
         self.up, self.east = self._direction(0, 0, 1), self._direction(1, 0, 0)
         walls: list[str] = []
@@ -110,13 +110,13 @@ class _Entities:
         yield "ISO-10303-21;"
         yield "HEADER;"
         yield "FILE_DESCRIPTION(('a plate, in mm'),'2;1');"
-        # No time of day: the same part gives the same bytes.
+        # A fixed date, so that the same part gives the same bytes.
         yield f"FILE_NAME('{self.name}','1970-01-01T00:00:00',(''),(''),'geomkin {__version__}','geomkin','');"
         yield "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));"
         yield "ENDSEC;"
 
     def _product(self) -> tuple[str, str]:
-        """What every file has to say before its form: the context with its units, and the product."""
+        """Entities required before the shape: the context with its units, and the product."""
         use = self.add("APPLICATION_CONTEXT('automotive design')")
         self.add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{use})")
         field = self.add(f"PRODUCT_CONTEXT('',{use},'mechanical')")
@@ -138,7 +138,7 @@ class _Entities:
         return context, self.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
 
     def _loop(self, edges: list[Edge], thickness: float) -> tuple[list[str], str, str]:
-        """The walls along a loop, and its ring of edges as seen by the lower and by the upper lid."""
+        """The walls along a loop, and its ring of edges as seen by the lower and by the upper face."""
         starts = [start for start, _ in edges]
         levels = (0.0, thickness)
         corners = [[self.add(f"VERTEX_POINT('',{self._point(z, level)})") for z in starts] for level in levels]
@@ -160,16 +160,16 @@ class _Entities:
         return walls, lower, self._ring([(edge, True) for edge in rims[1]])
 
     def _wall(self, start: complex, end: complex, bulge: float, levels: Iterable[float]) -> tuple[str, bool, list[str]]:
-        """The surface over an edge, whether its own normal leads out of the material, and its curve at each level."""
-        ahead = (end - start) / abs(end - start)
+        """The surface over an edge, whether its normal points out of the material, and its curve at each level."""
+        direction = (end - start) / abs(end - start)
         if bulge == 0:
-            way = self._direction(ahead.real, ahead.imag, 0)
-            out = self._direction(ahead.imag, -ahead.real, 0)
-            surface = self.add(f"PLANE('',{self._placement(start, 0.0, out, way)})")
-            return surface, True, [self._line(start, level, way) for level in levels]
+            direction_number = self._direction(direction.real, direction.imag, 0)
+            normal = self._direction(direction.imag, -direction.real, 0)
+            surface = self.add(f"PLANE('',{self._placement(start, 0.0, normal, direction_number)})")
+            return surface, True, [self._line(start, level, direction_number) for level in levels]
         centre = (start + end) / 2 + 1j * (end - start) * (1 - bulge**2) / (4 * bulge)
         radius = _n(abs(end - start) * (1 + bulge**2) / (4 * abs(bulge)))
-        # A clockwise arc runs forward about an axis that points down.
+        # A clockwise arc has an axis that points down.
         axis = self.up if bulge > 0 else self._direction(0, 0, -1)
         surface = self.add(f"CYLINDRICAL_SURFACE('',{self._placement(centre, 0.0, self.up, self.east)},{radius})")
         places = [self._placement(centre, level, axis, self.east) for level in levels]
@@ -198,7 +198,7 @@ def _yes(true: bool) -> str:
 
 
 def _n(value: float, digits: int = DIGITS) -> str:
-    """A number as the format wants it, always with a point."""
+    """A number in the format, always with a decimal point."""
     text = repr(round(float(value), digits) + 0.0)
     mantissa, _, exponent = text.partition("e")
     mantissa += "" if "." in mantissa else "."
@@ -206,5 +206,5 @@ def _n(value: float, digits: int = DIGITS) -> str:
 
 
 def _text(name: str) -> str:
-    """A part's name as the format writes texts: letters beyond ASCII by their numbers."""
+    """A name in the format, with letters beyond ASCII as code numbers."""
     return "".join(c if c.isascii() else f"\\X4\\{ord(c):08X}\\X0\\" for c in name)

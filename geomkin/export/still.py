@@ -1,4 +1,4 @@
-"""A scene at one frame, as pictures of any format take it: what is shown, and how large it is."""
+"""A scene at one frame for pictures of any format: its visible elements and their size."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from ..plane.primitives import Circle
 from ..plane.vec import Complex, Whole
 from .job import Job
 
-# What the page shows only when it is asked to: in a picture that stands still it hides the mechanism.
+# Roles that the page shows only on request; in a still picture they hide the mechanism.
 ASIDE = tuple(role for role, style in ROLES.items() if not style.shown)
-# What may run far from the mechanism, and by how much of its size on each side it is followed. More, and the mechanism
-# is a dot between two long curves.
+# Roles that may extend far from the mechanism, and the margin on each side, as a share of its size, up to which they
+# are included. A larger margin makes the mechanism tiny.
 FAR, ROOM = tuple(role for role, style in ROLES.items() if style.shown and style.room), 0.3
-# Least width and height of a picture, share of the size of all that moves: one point is all that is seen of a block
-# that stands on its rail. Less, and a rail as long as the way has strokes by the million.
+# Least width and height of a picture as a share of the size of the motion, since a block on its rail may be seen as
+# a single point. A smaller value gives a rail millions of strokes.
 LEAST = 0.01
-# Share of a turn at which the driver stands unless it is told, and of a way there and back: at the start of a turn and
-# half way cranks lie along the ground.
+# Default driver position as a share of a turn, and of a stroke. At the start of a turn and half-way cranks are in
+# line with the ground.
 SHARE, HALF_WAY = 0.13, 0.5
-# Of the larger side of a picture, what is called a pixel here: what sizes of letters and strokes are told in.
+# Number of pixels along the larger side of a picture; letters and strokes are sized in these pixels.
 PIXELS = 420
-# Points of an outline at most that bounds and names are looked up by.
+# Most points of an outline for bounds and names.
 MOST_POINTS = 400
 
 
 def colours() -> str:
-    """The colours and fonts of the page, as its style sheet begins."""
+    """The colours and fonts at the start of the page's style sheet."""
     from importlib.resources import files
 
     return files("geomkin.page.player").joinpath("style.css").read_text("utf-8").strip().partition("\n* {")[0]
@@ -45,18 +45,18 @@ def colours() -> str:
 
 @cache
 def palette() -> dict[str, str]:
-    """The colours of the page by name, as it has them on white."""
+    """The colours of the page on white, by name."""
     return dict(re.findall(r"--(\w+): (#[0-9a-f]{3,6});", colours().split("}")[0]))
 
 
 def frame_at(scene: Scene, at: float | None) -> int:
-    """The frame at which the driver stands there, in its own unit; of those at which the mechanism can be.
+    """The assembled frame nearest to a driver position, in the driver's unit.
 
-    DesignError for where the driver never is, or the mechanism cannot be.
+    DesignError if the driver never reaches it, or the mechanism cannot be assembled there.
     """
     drive, closed = np.asarray(scene.drive.values, dtype=float), np.flatnonzero(scene.assembled)
     if not len(closed):
-        raise DesignError("assembly_at", "the mechanism can be put together nowhere", "change its sizes")
+        raise DesignError("assembly_at", "the mechanism cannot be assembled in any position", "change its sizes")
     if at is None:
         wanted = drive[0] + (SHARE if scene.cyclic else HALF_WAY) * (drive[-1] - drive[0])
         return int(closed[np.argmin(np.abs(drive[closed] - wanted))])
@@ -65,16 +65,18 @@ def frame_at(scene: Scene, at: float | None) -> int:
     found = f"found {at:g} {scene.drive.unit}".rstrip()
     if abs(drive[nearest] - at) > step:
         low, high = float(drive.min()), float(drive.max())
-        raise DesignError("assembly_at", f"{found}, where the driver never is", f"give {low:g} to {high:g}")
+        raise DesignError("assembly_at", f"{found}, outside the range of the driver", f"give {low:g} to {high:g}")
     if not scene.assembled[nearest]:
         best = drive[closed[np.argmin(np.abs(drive[closed] - at))]]
-        raise DesignError("assembly_at", f"{found}, where the mechanism cannot be", f"give {best:g}, the nearest")
+        raise DesignError(
+            "assembly_at", f"{found}, where the mechanism cannot be assembled", f"give {best:g}, the nearest"
+        )
     return nearest
 
 
 @record(eq=False)
 class Still:
-    """What a picture shows. frames: those that it has to have room for; the first is the one that is drawn."""
+    """The visible elements of a picture. It shows the first of `frames` and has room for all of them."""
 
     scene: Scene
     frames: Whole
@@ -85,55 +87,55 @@ class Still:
 
     @cached_property
     def size(self) -> float:
-        """Of all places where something goes, mm, corner to corner."""
+        """Size of the whole motion, mm, corner to corner."""
         low, high = self.scene.box
         outlines = [float(np.ptp(points.real) + np.ptp(points.imag)) for row in self.outlines for points in row]
         return max(abs(high - low), *outlines, 0.0) or 1.0
 
     @property
     def digits(self) -> int:
-        """Decimals of mm: a twentieth of what a screen shows."""
+        """Decimals of mm: a twentieth of what a screen resolves."""
         return 4 - int(np.floor(np.log10(self.size)))
 
     @property
     def tolerance(self) -> float:
-        """Between a curve and its chords, mm."""
+        """Distance between a curve and its chords, mm."""
         return SCREEN * self.size
 
     @cached_property
     def outlines(self) -> list[list[Complex]]:
-        """Points of the parts' outlines, body by body, in each body's own frame."""
+        """Points of the parts' outlines by body, in each body's frame."""
         return [[some_points(part.outline) for part in body.parts] for body in self.scene.bodies]
 
     @cached_property
     def marks(self) -> tuple[SceneMark, ...]:
-        """Those that are shown, and can be at a frame of the picture."""
+        """Marks that are shown and exist at a frame of the picture."""
         shown = [mark for mark in self.scene.marks if mark.role not in ASIDE]
         return tuple(mark for mark in shown if np.isfinite(mark.place[self.frames]).any())
 
     @cached_property
     def bodies(self) -> tuple[SceneBody, ...]:
-        """From the lowest up; those that can be at a frame of the picture."""
+        """Bodies that exist at a frame of the picture, from the lowest up."""
         there = [body for body in self.scene.bodies if np.isfinite(body.origin[self.frames]).any()]
         return tuple(sorted(there, key=lambda body: body.layer))
 
     @property
     def shows_ground(self) -> bool:
-        """Whether a plate shows the ground; where none does, pivots have stands and blocks have rails."""
+        """Whether a plate shows the ground; if not, pivots have supports and blocks have rails."""
         return any(body.fixed and body.parts for body in self.bodies)
 
     def tint(self, body: SceneBody) -> str:
-        """The name of its colour in the palette, as the page has it."""
+        """Name of the body's colour in the palette, as on the page."""
         moving = [other for other in self.scene.bodies if not other.fixed]
         return "ground" if body.fixed else f"t{moving.index(body) % 8}"
 
     def points_of(self, body: SceneBody) -> list[Complex]:
-        """Points of its parts' outlines, in its own frame."""
+        """Points of the outlines of a body's parts, in its frame."""
         return self.outlines[self.scene.bodies.index(body)]
 
     @cached_property
     def hole_radii(self) -> dict[SceneMark, float]:
-        """Radius, mm, of the widest round hole in which a pin sits."""
+        """Radius, mm, of the widest round hole around each pin."""
         k, near, found = self.frame, 1e-3 * self.size, dict[SceneMark, float]()
         for body in self.bodies:
             for hole in (hole for part in body.parts for hole in part.holes if isinstance(hole, Circle)):
@@ -145,7 +147,7 @@ class Still:
 
     @cached_property
     def bounds(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner, mm, of all that is shown, over the frames of the picture."""
+        """Lower left and upper right corner, mm, of all visible elements over the frames of the picture."""
         always = _box([*self._bodies_seen(), *self._marks_seen(), *self._curves_seen()])
         least = LEAST * self.size * (1 + 1j) / 2
         middle = (always[0] + always[1]) / 2
@@ -182,12 +184,12 @@ class Still:
 
     @property
     def pixel(self) -> float:
-        """What sizes of letters and strokes are told in, mm."""
+        """Size of a pixel, mm."""
         across = self.bounds[1] - self.bounds[0]
         return max(across.real, across.imag) / PIXELS
 
     def trail_runs(self, mark: SceneMark) -> Iterator[Complex]:
-        """Where a point goes, all the time: a run of points for each stretch on which it can be."""
+        """The path of a point over the whole motion, as runs of points where it exists."""
         kept = kept_frames(len(self.scene.time))
         place = np.asarray(mark.place)[kept]
         for run in np.split(np.arange(len(kept)), np.flatnonzero(np.diff(np.isfinite(place))) + 1):
@@ -196,7 +198,7 @@ class Still:
 
 
 def some_points(curve: AbstractCurve) -> Complex:
-    """Points of a curve, some hundreds at most."""
+    """At most some hundreds of points of a curve."""
     ends = curve.breaks
     points = curve.point(np.linspace(ends[0], ends[-1], 65))
     size = float(np.ptp(points.real) + np.ptp(points.imag)) or 1.0
@@ -214,10 +216,10 @@ def _box(rows: Sequence[Complex]) -> tuple[complex, complex]:
 
 @record(eq=False)
 class InPlace:
-    """A part where it stands.
+    """A part in the assembly.
 
-    name: of the part, with a number where another has it; body: that it belongs to. origin, mm, and direction, a unit
-    complex number: of the part's frame in the assembly's; height: of its lower face, mm.
+    `name` is the part's name, numbered if it repeats. `origin`, mm, and `direction`, unit complex, are those of the
+    part's frame in the assembly's; `height` is that of its lower face, mm.
     """
 
     name: str
@@ -229,10 +231,10 @@ class InPlace:
 
 
 def in_place(job: Job) -> tuple[Still, tuple[InPlace, ...]]:
-    """The assembly as it stands where the job wants its driver, and its parts, body by body."""
+    """The assembly at the job's driver position, and its parts by body."""
     scene = job.scene
     still = Still(scene, np.array([frame_at(scene, job.assembly_at)]))
-    heights, names, found = _heights(scene), list[str](), list[InPlace]()
+    heights, names, placements = _heights(scene), list[str](), list[InPlace]()
     for body in scene.bodies:
         origin, direction = (
             complex(np.broadcast_to(row, scene.assembled.shape)[still.frame]) for row in (body.origin, body.direction)
@@ -240,13 +242,14 @@ def in_place(job: Job) -> tuple[Still, tuple[InPlace, ...]]:
         for part in body.parts:
             name = f"{part.name} {names.count(part.name) + 1}" if part.name in names else part.name
             names.append(part.name)
-            found.append(InPlace(name, part, body, origin, direction, heights[body.layer]))
-    return still, tuple(found)
+            placements.append(InPlace(name, part, body, origin, direction, heights[body.layer]))
+    return still, tuple(placements)
 
 
 def _heights(scene: Scene) -> dict[int, float]:
-    """Height of the lower face of each layer, mm: the lowest that has a part stands on 0, each is as thick as its
-    thickest part, and one that stays empty as the thickest of all.
+    """Height of the lower face of each layer, mm.
+
+    The lowest layer with a part is at 0. Each is as thick as its thickest part, an empty one as the thickest of all.
     """
     thick: dict[int, float] = {}
     for body in scene.bodies:
@@ -259,14 +262,14 @@ def _heights(scene: Scene) -> dict[int, float]:
     return heights
 
 
-# Distance between an outline and its chords, as a share of the scene's size. More, and corners show on a wide screen;
-# a tenth of it, and a gear's page is three times as long.
+# Distance between an outline and its chords, as a share of the scene's size. Larger values show visible corners on a
+# wide screen; a tenth of it makes a gear's page three times as large.
 SCREEN = 2e-4
-# Frames of a page at most, evenly chosen. More make no smoother picture and a page of megabytes; fewer would leave
-# out frames of a full turn in half degrees.
+# Largest number of frames of a page, evenly chosen. More make a page of megabytes and no smoother motion; fewer
+# would leave out frames of a full turn in half degrees.
 MOST_FRAMES = 1001
 
 
 def kept_frames(frames: int) -> Whole:
-    """Which of so many frames a page shows, both ends included."""
+    """The frames that a page shows, both ends included."""
     return np.rint(np.linspace(0, frames - 1, min(frames, MOST_FRAMES))).astype(np.intp)

@@ -10,15 +10,15 @@ from .cut import Cut
 from .job import Job
 from .mesh import solid, triangles
 
-# A triangle as the format has it: numbers of 24 bits, then two bytes without a meaning.
+# A triangle in the format: single-precision numbers, then two unused bytes.
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 HEADER = bytes(80)
-# Bytes of a file whose size is stated before it is written: it takes seconds.
+# Size in bytes from which a file is announced before it is written, since it takes seconds.
 LARGE = 10_000_000
 
 
 def write_stl(job: Job) -> dict[str, bytes]:
-    """A file for each part, named after it."""
+    """One file per part, named after it."""
     contents: dict[str, bytes] = {}
     for cut in job.solids:
         name = f"{cut.part.name}.stl"
@@ -33,11 +33,11 @@ def write_stl(job: Job) -> dict[str, bytes]:
 
 
 def stl(cut: Cut) -> bytes:
-    """The part as a binary STL, mm, standing on z = 0."""
+    """The part as a binary STL, mm, with its lower face at z = 0."""
     points, faces = solid(cut)
     corners = points[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
-    told = np.zeros(len(corners), dtype=TRIANGLE)
-    told["normal"], told["corners"] = normals / np.sqrt(np.vecdot(normals, normals))[:, None], corners
-    header = HEADER + len(told).to_bytes(4, "little")
-    return header + told.tobytes()
+    records = np.zeros(len(corners), dtype=TRIANGLE)
+    records["normal"], records["corners"] = normals / np.sqrt(np.vecdot(normals, normals))[:, None], corners
+    header = HEADER + len(records).to_bytes(4, "little")
+    return header + records.tobytes()

@@ -1,4 +1,4 @@
-"""summary.json: sizes, checks, areas and volumes of what was made, and which files it is."""
+"""summary.json: sizes, checks, areas and volumes of the parts, and the list of files."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from .job import Job
 from .mesh import volume
 
 NAME = "summary.json"
-# What follows a goal's name in that of the file of the recipe it found.
+# Ending of the file of the recipe that a goal found.
 FOUND = ".found.toml"
-# Bytes of a summary that is read back: those of ours stay far below it.
+# Largest summary that is read back, in bytes; those written here are far smaller.
 LARGEST = 10_000_000
 
 
@@ -31,15 +31,16 @@ def summary(
     checks: Collection[Check],
     notes: Mapping[str, object],
     written: Mapping[str, Collection[str]],
-    besides: Collection[str] = (),
+    further_files: Collection[str] = (),
 ) -> bytes:
-    """The summary.
+    """The contents of summary.json.
 
-    recipe: as a recipe file gives it; notes: further entries; written: names of files by format; besides: of others.
+    `recipe` is the data of the recipe file, `notes` are further entries, `written` lists names of files by format,
+    `further_files` other files.
     """
-    files = sorted([*(name for names in written.values() for name in names), *besides])
+    files = sorted([*(name for names in written.values() for name in names), *further_files])
     sizes = _as_written(job, written)
-    told = {
+    entries = {
         "name": job.name,
         "recipe": recipe,
         "checks": [check.to_dict() for check in checks],
@@ -49,18 +50,18 @@ def summary(
         "files": files,
         "versions": _versions(written),
     }
-    return (json.dumps(as_json(told), indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
+    return (json.dumps(as_json(entries), indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
 
 
-def as_json(held: object) -> object:
-    """The same with numbers that JSON has not as "inf", "-inf", or null for nan."""
-    if isinstance(held, Mapping):
-        return {name: as_json(value) for name, value in held.items()}
-    if isinstance(held, (list, tuple)):
-        return [as_json(value) for value in held]
-    if isinstance(held, float) and not isfinite(held):
-        return None if held != held else str(float(held))
-    return held
+def as_json(data: object) -> object:
+    """Data with "inf", "-inf" and null (nan) in place of numbers that JSON does not have."""
+    if isinstance(data, Mapping):
+        return {name: as_json(value) for name, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [as_json(value) for value in data]
+    if isinstance(data, float) and not isfinite(data):
+        return None if data != data else str(float(data))
+    return data
 
 
 def _part(part: Part) -> dict[str, object]:
@@ -76,13 +77,13 @@ def _part(part: Part) -> dict[str, object]:
 
 
 def _wall(job: Job, part: Part) -> dict[str, object]:
-    """The thinnest wall, null where the part has none."""
+    """The thinnest wall; null if the part has none."""
     wall = job.source.walls.get(part.name, inf)
     return {"thinnest_wall_mm": wall if wall < inf else None}
 
 
 def _sheets(job: Job, written: Collection[str]) -> dict[str, object]:
-    """Sheets that the drawings to cut from lie on, where there are any, and which share of each becomes parts."""
+    """Sizes of the sheets to cut from, if drawings are written, and the share of each that becomes parts."""
     if not any(WRITERS[ending].flat for ending in written):
         return {}
     sizes = (
@@ -93,9 +94,9 @@ def _sheets(job: Job, written: Collection[str]) -> dict[str, object]:
 
 
 def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, dict[str, float]]:
-    """Sizes of the parts as files have them, which differ from the exact ones by the tolerance.
+    """Sizes of the parts as written, which differ from the exact ones by the tolerance.
 
-    The area is that within the beam's path, half a kerf off the part, as DXF and SVG have it; the volume the STL's.
+    The area is inside the path of the beam, half a kerf off the part, as in DXF and SVG; the volume is that of the STL.
     """
     sizes: dict[Part, dict[str, float]] = {}
     if any(WRITERS[ending].flat for ending in written):
@@ -107,27 +108,27 @@ def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, 
 
 
 def _versions(written: Collection[str]) -> dict[str, str]:
-    """Versions of what had a hand in the files; other libraries may be loaded for another recipe."""
+    """Versions of the packages that the written formats use; others may be loaded for another recipe."""
     hands = [package for ending in WRITERS if ending in written for package in WRITERS[ending].packages]
     return {"geomkin": __version__} | {name: _version(name) for name in (["numpy", *hands] if written else [])}
 
 
 @cache
 def _version(package: str) -> str:
-    # What stands there; some packages warn where it is made up when asked for.
-    if (loaded := sys.modules.get(package)) and (told := vars(loaded).get("__version__", "")):
-        return str(told)
-    # Reading it from what was installed loads a parser of mail.
+    # Read from the module's dictionary, since some packages warn when the attribute is computed.
+    if (loaded := sys.modules.get(package)) and (found_version := vars(loaded).get("__version__", "")):
+        return str(found_version)
+    # Imported only if needed, since reading the metadata loads an e-mail parser.
     from importlib.metadata import version
 
     return version(package)
 
 
-def told(folder: Path) -> dict[str, object]:
-    """What the summary in a folder says; nothing where there is no sound one."""
+def read_summary(folder: Path) -> dict[str, object]:
+    """The summary in a folder; empty if there is no valid one."""
     try:
         path = folder / NAME
-        # What stands there may be anything: a pipe would be waited on, a device or a huge file fill the memory.
+        # The path may be anything: reading a pipe would block, a device or a huge file would fill the memory.
         if not path.is_file():
             return {}
         with path.open("rb") as file:
@@ -138,9 +139,9 @@ def told(folder: Path) -> dict[str, object]:
         return {}
 
 
-def files_told(folder: Path) -> set[str]:
-    """Names of the files that the summary in a folder tells of; none where there is no sound one."""
-    names = told(folder).get("files")
+def listed_files(folder: Path) -> set[str]:
+    """Names of the files that the summary in a folder lists; empty if there is no valid one."""
+    names = read_summary(folder).get("files")
     if not isinstance(names, list):
         return set()
     ours = [name for name in names if isinstance(name, str) and (format_of(name) or name.endswith(FOUND))]

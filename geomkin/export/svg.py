@@ -1,4 +1,4 @@
-"""SVG at full size in mm: the sheet as a picture, and for cutters that read SVG."""
+"""SVG at full size in mm: the sheet as a picture, and for laser cutters that read SVG."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .dimensioned import COLOURS, drawing
 from .job import Job
 from .layout import LAYERS, Sheet
 
-# Hairlines, mm, as cutting programs expect; thick enough to be seen on a screen.
+# Stroke width, mm: thin, as cutting programs expect, and visible on a screen.
 STROKE = 0.25
-# What laser cutters' programs take for a cut, and for engraving along a line: pure red and blue, as thin as can be.
+# Colours and width by which laser cutting programs recognise cuts and engraved lines.
 LASER = {"CUT": "#ff0000", "HOLE": "#ff0000", "ENGRAVE": "#0000ff", "LABEL": "#0000ff"}
 HAIRLINE = 0.01
 
@@ -26,10 +26,10 @@ def write_svg(job: Job) -> dict[str, bytes]:
 
 
 def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
-    """The sheet as an SVG file, y up turned into the format's y down; width and height in mm.
+    """The sheet as an SVG file with width and height in mm; y up becomes the format's y down.
 
-    White behind it is a style of the page and no shape: whatever is drawn is cut. laser: in the colours and strokes
-    that laser cutters' programs go by, and without what is there to be looked at.
+    The white background is a style of the page and no shape, since every shape is cut. With `laser` the file has the
+    colours and strokes of laser cutting programs, and only shapes to cut or engrave.
     """
     colours = LASER if laser else {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in LAYERS.items()}
     stroke = HAIRLINE if laser else STROKE
@@ -51,23 +51,23 @@ def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
 
 
 def shape_of(shape: Circle | Polyline, height: float, digits: int) -> str:
-    """The start of an element, up to its look: numbers of so many decimals, y down from a height, mm."""
+    """The start of an element without its style, with `digits` decimals, y measured down from `height`, mm."""
     if isinstance(shape, Circle):
         c = shape.centre
         return f'<circle cx="{_n(c.real, digits)}" cy="{_n(height - c.imag, digits)}" r="{_n(shape.radius, digits)}"'
     z = np.asarray(shape.vertices)
-    places = [f"{_n(x, digits)},{_n(height - y, digits)}" for x, y in zip(z.real.tolist(), z.imag.tolist())]
+    points = [f"{_n(x, digits)},{_n(height - y, digits)}" for x, y in zip(z.real.tolist(), z.imag.tolist())]
     bulges = shape.bulges
     if bulges is None:
-        return f'<path d="M{" ".join(places)}{"Z" if shape.closed else ""}"'
-    return f'<path d="M{places[0]}{"".join(_arcs(shape, bulges, places[1:] + places[:1], digits))}Z"'
+        return f'<path d="M{" ".join(points)}{"Z" if shape.closed else ""}"'
+    return f'<path d="M{points[0]}{"".join(_arcs(shape, bulges, points[1:] + points[:1], digits))}Z"'
 
 
 def _arcs(shape: Polyline, bulges: Real, ends: list[str], digits: int) -> list[str]:
     radii = 1 / np.where(bulges == 0, np.inf, np.abs(shape.curvature(np.arange(len(ends)) + 0.5)))
     steps = []
     for bulge, radius, end in zip(bulges.tolist(), radii.tolist(), ends):
-        # No arc exceeds half a turn; y down makes counterclockwise the format's negative sweep.
+        # No arc exceeds half a turn; with y down, counterclockwise is the format's negative sweep.
         steps.append(f"A{_n(radius, digits)} {_n(radius, digits)} 0 0 {int(bulge < 0)} {end}" if bulge else f"L{end}")
     return steps
 
@@ -80,13 +80,13 @@ def _n(value: float, digits: int) -> str:
 
 
 def _plain(text: str) -> str:
-    """Without the control characters that XML forbids."""
+    """Text without the control characters that XML forbids."""
     return "".join(c if c.isprintable() else " " for c in text)
 
 
-# Decimals of mm on paper: a thousandth is far below what is seen.
+# Decimals of mm on paper; a thousandth is invisible.
 DIGITS = 3
-# Height of capitals in that of a font.
+# Height of capitals over that of the font.
 CAPITAL = 0.72
 
 
@@ -96,20 +96,20 @@ def write_sheet_svg(job: Job) -> dict[str, bytes]:
 
 
 def sheet(job: Job) -> bytes:
-    """The drawing on paper; its scale is told in the title."""
-    made = drawing(job)
+    """The dimensioned drawing on paper; the title gives its scale."""
+    page = drawing(job)
     colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in COLOURS.items()}
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{made.width:g}mm" height="{made.height:g}mm" '
-        f'viewBox="0 0 {made.width:g} {made.height:g}" fill="none" stroke-width="{STROKE}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{page.width:g}mm" height="{page.height:g}mm" '
+        f'viewBox="0 0 {page.width:g} {page.height:g}" fill="none" stroke-width="{STROKE}" '
         'font-family="sans-serif" style="background:#fff">',
         f"<title>{escape(harmless(job.name))}, the parts with their sizes</title>",
     ]
-    for layer, shape in made.shapes:
-        lines.append(f'{shape_of(shape, made.height, DIGITS)} class="{layer}" stroke="{colours[layer]}"/>')
-    for text in made.texts:
-        place: complex = rounded(text.place.conjugate() + 1j * made.height + 0.5j * text.height, DIGITS).item()
+    for layer, shape in page.shapes:
+        lines.append(f'{shape_of(shape, page.height, DIGITS)} class="{layer}" stroke="{colours[layer]}"/>')
+    for text in page.texts:
+        place: complex = rounded(text.place.conjugate() + 1j * page.height + 0.5j * text.height, DIGITS).item()
         anchor = "start" if text.starts else "middle"
         lines.append(
             f'<text x="{place.real:g}" y="{place.imag:g}" font-size="{text.height / CAPITAL:.3g}" '

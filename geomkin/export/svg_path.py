@@ -1,4 +1,4 @@
-"""Curves as the text of an SVG path, as short as it can be told."""
+"""Curves as the text of an SVG path, as short as possible."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from ..plane.vec import Complex, rounded
 
 
 def path(curves: Iterable[AbstractCurve], tolerance: float, digits: int) -> str:
-    """The curves, mm, y up as they are, within `tolerance`, in numbers of so many decimals; arcs stay what they are."""
-    return "".join(_told(curve, tolerance, digits) for curve in curves)
+    """The curves, mm, y up, within `tolerance`, with `digits` decimals; arcs stay arcs."""
+    return "".join(_curve(curve, tolerance, digits) for curve in curves)
 
 
-def _told(curve: AbstractCurve, tolerance: float, digits: int) -> str:
+def _curve(curve: AbstractCurve, tolerance: float, digits: int) -> str:
     match curve:
         case Circle():
             return _circle(curve, digits)
@@ -32,9 +32,9 @@ def _told(curve: AbstractCurve, tolerance: float, digits: int) -> str:
 
 
 def _arcs(curve: Path, tolerance: float, digits: int) -> str:
-    """Each piece by the step to its end: an arc, of half a turn at most, with its radius and the side that it is on."""
+    """Each piece as a step to its end: an arc of at most half a turn with its radius and side, or a line."""
     chain = to_arcs(curve, tolerance)
-    # Of an open one the last step, back to the start, has no bulge and is not told.
+    # The closing step of an open path has no bulge and is left out by zip.
     points = rounded(np.append(chain.vertices, chain.vertices[:1]), digits)
     bulges = np.zeros(0) if chain.bulges is None else np.asarray(chain.bulges)
     text = f"M{_pair(points[0].item(), digits)}"
@@ -48,7 +48,7 @@ def _arcs(curve: Path, tolerance: float, digits: int) -> str:
 
 
 def _steps(curve: AbstractCurve, tolerance: float, digits: int) -> str:
-    """A start and the steps from there: sums of rounded steps between rounded points end where they should."""
+    """A start and relative steps; rounded steps between rounded points add up without error."""
     points = rounded(flatten(curve, tolerance), digits)
     steps = rounded(np.diff(points), digits)
     text = " ".join([f"M{_pair(points[0], digits)}l", *(_pair(step, digits) for step in steps.tolist())])
@@ -74,45 +74,47 @@ def decimal(value: float, digits: int) -> str:
     return "0" if text in ("-0", "") else text
 
 
-# Distance between a curve and its chords, pixels. More shows as corners; less only makes pictures longer.
+# Distance between a curve and its chords, pixels. Larger values show corners; smaller ones only enlarge the file.
 FINE = 0.25
 # Pixels kept free on each side.
 MARGIN = 2
-# Of a picture that stands alone: pixels, and the colours of the page's first body.
+# Size in pixels of a stand-alone picture, and the colours of the page's first body.
 WIDE, HIGH = 360, 240
 STROKE = 'stroke="#2c343b" stroke-width="1.2" vector-effect="non-scaling-stroke"'
 FILLED, LINE = f'fill="#cfe4f3" fill-rule="evenodd" {STROKE}', f'fill="none" {STROKE}'
 
 
 def picture(name: str, curves: Sequence[AbstractCurve], marks: Sequence[AbstractCurve]) -> str | None:
-    """An SVG that stands alone: curves, filled if closed, the outermost first, and marks; None if none can be drawn."""
+    """A stand-alone SVG of curves, filled if closed, the outermost first, and marks; None if none can be drawn."""
     layers = [(curves, FILLED if curves[0].closed else LINE), (marks, LINE)]
     size = f'width="{WIDE}" height="{HIGH}"'
-    told = f'{size} xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(name)}" style="background:#fff"'
+    attributes = (
+        f'{size} xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(name)}" style="background:#fff"'
+    )
     try:
-        return thumbnail([layer for layer in layers if layer[0]], WIDE, HIGH, told)
+        return thumbnail([layer for layer in layers if layer[0]], WIDE, HIGH, attributes)
     except GeomkinError:
         return None
 
 
-def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], wide: int, high: int, told: str) -> str:
-    """Curves as an SVG element of so many pixels, y up.
+def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], width: int, height: int, attributes: str) -> str:
+    """Curves as an SVG element of the given size in pixels, y up.
 
-    layers: rows of curves, each with the attributes of its path, a class or colours; the first curve is the largest.
-    told: attributes of the element, which say what it is, and how large, where no style does.
+    `layers` are rows of curves, each with the attributes of its path; the first curve is the largest. `attributes` are
+    those of the element.
     """
     outline = layers[0][0][0]
-    low, high_end = bounding_box(outline, FINE * extent(outline) / min(wide, high))
+    low, high_end = bounding_box(outline, FINE * extent(outline) / min(width, height))
     across, middle = high_end - low, (low + high_end) / 2
     # mm a pixel.
-    room = max(across.real / (wide - 2 * MARGIN), across.imag / (high - 2 * MARGIN))
+    room = max(across.real / (width - 2 * MARGIN), across.imag / (height - 2 * MARGIN))
     digits = 1 - int(np.floor(np.log10(room)))
-    box = (middle.real - wide / 2 * room, -middle.imag - high / 2 * room, wide * room, high * room)
+    box = (middle.real - width / 2 * room, -middle.imag - height / 2 * room, width * room, height * room)
     drawn = "".join(
         f'<path {look} transform="scale(1 -1)" d="{path(curves, FINE * room, digits)}"/>' for curves, look in layers
     )
     numbers = " ".join(f"{value:.{max(0, digits)}f}" for value in box)
-    return f'<svg viewBox="{numbers}" {told}>{drawn}</svg>'
+    return f'<svg viewBox="{numbers}" {attributes}>{drawn}</svg>'
 
 
 def bounding_box(curve: AbstractCurve, tolerance: float) -> tuple[complex, complex]:

@@ -1,4 +1,4 @@
-"""What a drawing office writes into the title of a drawing, besides what the drawing itself tells."""
+"""Texts of drawings and pages: the entries of a title block, numbers with units, and HTML."""
 
 from __future__ import annotations
 
@@ -17,25 +17,46 @@ from ..core.records import record
 
 # Significant digits of a number in a text.
 DIGITS = 4
-# Letters of an entry: more make the title wider than most parts.
+# Most letters of an entry; more make the title wider than most parts.
 LONGEST = 60
-# Signs besides letters, digits and those of ASCII that the fonts of programs for drawings have.
+# Characters besides letters, digits and ASCII that the fonts of CAD programs have.
 SIGNS = "°±µ²³Øøß§"
-# What such programs read as the beginning of a code.
+# Characters that CAD programs read as the start of a code.
 CODES = "\\^"
 
 
 @record(checked=True)
 class Title:
-    """Entries of the title of the drawing with sizes; what is left out is not in it."""
+    """Entries of the title block of a drawing; entries left out are not drawn.
 
-    name: str = entry("what the drawing is of; left out, the recipe's name", default="")
+    Parameters
+    ----------
+    name : str
+        Subject of the drawing; the recipe's name by default.
+    number, revision : str
+        Number and revision of the drawing.
+    material : str
+        Material of the parts.
+    general_tolerance : str
+        Tolerance of sizes without their own.
+    drawn_by : str
+        Name of the draughtsman.
+    date : str
+        Date of the drawing, as any text.
+
+    Raises
+    ------
+    DesignError
+        If an entry has more than 60 letters, or characters that the fonts of CAD programs lack.
+    """
+
+    name: str = entry("subject of the drawing; the recipe's name if left out", default="")
     number: str = entry("the drawing's number", default="")
     revision: str = entry("the drawing's revision", default="")
-    material: str = entry("what the parts are cut from", default="")
-    general_tolerance: str = entry("tolerance of sizes that have none of their own", default="")
-    drawn_by: str = entry("who drew it", default="")
-    date: str = entry("when it was drawn, as it is to stand there", default="")
+    material: str = entry("material of the parts", default="")
+    general_tolerance: str = entry("tolerance of sizes without their own", default="")
+    drawn_by: str = entry("name of the draughtsman", default="")
+    date: str = entry("date of the drawing, as any text", default="")
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -44,38 +65,38 @@ class Title:
                 allowed = f"give at most {LONGEST} letters of any script, digits and signs, {SIGNS} too"
                 raise DesignError(field.name, f"found {shown(value)}, which {flaw}", allowed)
 
-    def told(self) -> Iterator[str]:
-        """What is given besides the name, each with what it is."""
+    def lines(self) -> Iterator[str]:
+        """The entries besides the name, each with its label."""
         for field in fields(self)[1:]:
             if value := getattr(self, field.name):
                 yield f"{field.name.replace('_', ' ')}: {value}"
 
 
 def _flaw(text: str) -> str:
-    """Why a text cannot stand in a drawing; empty where it can."""
+    """The reason why a text is not allowed in a drawing; empty if it is."""
     if len(text) > LONGEST:
         return f"has {len(text)} letters"
     if text != text.strip():
         return "begins or ends with a space"
-    before = ""
+    previous = ""
     for sign in unicodedata.normalize("NFC", text):
         plain = sign.isascii() and sign.isprintable() and sign not in CODES
-        if not (plain or sign in SIGNS or is_letter(sign, before)):
+        if not (plain or sign in SIGNS or is_letter(sign, previous)):
             return f"has the sign {shown(sign)}"
-        before = sign
+        previous = sign
     return "has two signs of per cent in a row" if "%%" in text else ""
 
 
-# Width of a letter in the height of capitals: that of the widest fonts of programs for drawings, and of letters as wide
-# as a line is high, as in Chinese. Less, and texts meet.
+# Width of a letter over the height of capitals: for the widest fonts of CAD programs, and for letters as wide as a
+# line is high, as in Chinese. Smaller values let texts overlap.
 WIDE, WIDEST = 1.0, 1.5
 
 
 @record(eq=False)
 class Text:
-    """A line of text; place: its middle, or its left end at half its height where it starts there, mm.
+    """A line of text, with its height of capitals, mm.
 
-    height: of its capitals, mm.
+    `place` is its middle, mm, or the middle of its left end if `starts`.
     """
 
     layer: str
@@ -86,24 +107,24 @@ class Text:
 
     @property
     def box(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner of the room that it takes at most, mm."""
+        """Lower left and upper right corner of the largest extent of the text, mm."""
         half = complex(width_of(self.text, self.height), self.height) / 2
         middle = self.place + half.real if self.starts else self.place
         return middle - half, middle + half
 
 
 def width_of(words: str, height: float) -> float:
-    """Room that a text takes at most, mm."""
+    """Largest width of a text, mm."""
     return height * sum(WIDEST if east_asian_width(letter) in "WF" else WIDE for letter in words)
 
 
 def text(raw: str) -> str:
-    """A text of a recipe as HTML: nothing in it is markup, and nothing turns what stands beside it."""
+    """A text of a recipe as HTML without markup or effect on its surroundings."""
     return escape(harmless(raw))
 
 
 def number(value: float, digits: int = DIGITS) -> str:
-    """To so many digits, as a reader takes it in: in full up to ten millions, in groups of three."""
+    """A number with so many significant digits for readers: in full below ten million, in groups of three."""
     if not np.isfinite(value):
         return "none" if np.isnan(value) else "infinite"
     decimals = max(0, digits - len(f"{abs(value):.0f}"))
@@ -112,7 +133,7 @@ def number(value: float, digits: int = DIGITS) -> str:
 
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
-    """A value with its unit, as a reader takes it in."""
+    """A value with its unit for readers."""
     sign = _unit(unit)
     return f"{number(float(value), digits)}{'' if sign in ('', '°') else ' '}{sign}"
 
@@ -122,6 +143,6 @@ def _unit(unit: str) -> str:
 
 
 def capital(words: str) -> str:
-    """Words as a heading begins; a name's words apart."""
+    """Text with a capital first letter and spaces for underscores."""
     words = words.replace("_", " ")
     return words[:1].upper() + words[1:]

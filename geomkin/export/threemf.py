@@ -1,4 +1,4 @@
-"""3MF for printing: every part by its name, as often as it is needed, laid flat and apart."""
+"""3MF for 3D printing: every part in its quantity, laid flat and apart, or the assembly."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def threemf(job: Job) -> bytes:
     numbers = {id(cut): number for number, cut in enumerate(job.solids, 1)}
     for placed in sheet.placed:
         turn, shift = placed.turn, placed.shift
-        # Added to 0, which has no sign.
+        # Adding 0 removes the sign of a negative zero.
         rows = (turn.real, turn.imag, 0, -turn.imag, turn.real, 0, 0, 0, 1, shift.real, shift.imag, 0)
         place = " ".join(f"{0.0 + value:.9g}" for value in rows)
         items.append(f'<item objectid="{numbers[id(placed.cut)]}" transform="{place}"/>')
@@ -51,18 +51,18 @@ def threemf(job: Job) -> bytes:
 
 
 def mesh_object(number: int, name: str, mesh: tuple[Real, Whole]) -> str:
-    """An object of a model: its number, by which items and components name it, its name, corners and triangles."""
+    """An object of a model with its number, name, corners and triangles."""
     return f'<object id="{number}" name="{escape(name)}" type="model">{_mesh(*mesh)}</object>'
 
 
 def package(objects: Sequence[str], items: Sequence[str]) -> bytes:
-    """A 3MF file: the objects that it has, and the items that are to be built of them."""
+    """A 3MF file of objects and the build items that refer to them."""
     inside = "\n".join(["<resources>", *objects, "</resources>", "<build>", *items, "</build>", "</model>", ""])
     stream = io.BytesIO()
-    # Not packed: libraries that pack differ in their bytes.
+    # Stored, not compressed, since compressed bytes depend on the library.
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as package:
         for file, text in (("[Content_Types].xml", TYPES), ("_rels/.rels", LINKS), ("3D/3dmodel.model", HEAD + inside)):
-            # No time of day: the same parts give the same bytes.
+            # A fixed date, so that the same parts give the same bytes.
             package.writestr(zipfile.ZipInfo(file, (1980, 1, 1, 0, 0, 0)), text)
     return stream.getvalue()
 
@@ -73,8 +73,8 @@ def _mesh(points: Real, faces: Whole) -> str:
     return f"<mesh><vertices>{corners}</vertices><triangles>{triangles}</triangles></mesh>"
 
 
-# Decimals of a direction: a ten-thousandth of a mm on a part of ten metres. More would be digits in which processors
-# differ.
+# Decimals of a direction: a ten-thousandth of a mm on a part of ten metres. Further digits differ between
+# processors.
 TURN = 9
 
 
@@ -84,13 +84,13 @@ def write_assembly_3mf(job: Job) -> dict[str, bytes]:
 
 
 def assembly(job: Job) -> bytes:
-    """The parts where they stand, mm, z up, moved as one to where no coordinate is negative, as printers want it."""
+    """The assembled parts, mm, z up, moved as one so that no coordinate is negative, as slicers expect."""
     _, placed = in_place(job)
-    meshes = [solid(solid_cut(one.part, job.tolerance)) for one in placed]
-    objects = [mesh_object(k, one.name, mesh) for k, (one, mesh) in enumerate(zip(placed, meshes), 1)]
+    meshes = [solid(solid_cut(placement.part, job.tolerance)) for placement in placed]
+    objects = [mesh_object(k, placement.name, mesh) for k, (placement, mesh) in enumerate(zip(placed, meshes), 1)]
     parts = "".join(
-        f'<component objectid="{k}" transform="{_matrix(one, decimals(job.tolerance))}"/>'
-        for k, one in enumerate(placed, 1)
+        f'<component objectid="{k}" transform="{_matrix(placement, decimals(job.tolerance))}"/>'
+        for k, placement in enumerate(placed, 1)
     )
     whole = len(placed) + 1
     objects.append(
@@ -102,17 +102,20 @@ def assembly(job: Job) -> bytes:
 
 
 def _corner(placed: tuple[InPlace, ...], meshes: list[tuple[Real, Whole]]) -> complex:
-    """Lower left corner of all, mm, down to a hundredth."""
+    """Lower left corner of all parts, mm, rounded down to a hundredth."""
     seen: Complex = np.concatenate(
-        [one.origin + one.direction * (points[:, 0] + 1j * points[:, 1]) for one, (points, _) in zip(placed, meshes)]
+        [
+            placement.origin + placement.direction * (points[:, 0] + 1j * points[:, 1])
+            for placement, (points, _) in zip(placed, meshes)
+        ]
     )
-    # A hair of room, so that the last bit of a processor decides nothing.
+    # A small margin, so that the last bit of a processor does not change the result.
     down = np.floor(100 * np.array([seen.real.min(), seen.imag.min()]) - 1e-3) / 100
     return complex(*down)
 
 
-def _matrix(one: InPlace, digits: int) -> str:
-    """From the part's frame to the assembly's, as the format has it: rows, which a point times gives the place."""
-    ahead, origin = rounded(one.direction, TURN).item(), rounded(one.origin, digits).item()
-    turn = f"{ahead.real:.10g} {ahead.imag:.10g} 0 {-ahead.imag + 0.0:.10g} {ahead.real:.10g} 0 0 0 1"
-    return f"{turn} {origin.real:.12g} {origin.imag:.12g} {one.height:.9g}"
+def _matrix(placement: InPlace, digits: int) -> str:
+    """Transform from the part's frame to the assembly's, in the format's row order."""
+    direction, origin = rounded(placement.direction, TURN).item(), rounded(placement.origin, digits).item()
+    turn = f"{direction.real:.10g} {direction.imag:.10g} 0 {-direction.imag + 0.0:.10g} {direction.real:.10g} 0 0 0 1"
+    return f"{turn} {origin.real:.12g} {origin.imag:.12g} {placement.height:.9g}"

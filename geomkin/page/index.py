@@ -9,7 +9,7 @@ from urllib.parse import quote
 from ..core.errors import FileError
 from ..core.names import file_name_flaw, folded
 from ..export.formats import tail_of
-from ..export.summary import files_told, told
+from ..export.summary import listed_files, read_summary
 from ..export.text import text
 from .page import colours, head, web_file
 
@@ -32,7 +32,7 @@ def index(folder: Path) -> dict[str, bytes]:
     _refuse_foreign(folder / NAME)
     cards, count, room = [], 0, ALL_PICTURES
     for own in _folders(folder):
-        if not (summary := told(own)) or not isinstance(summary.get("recipe"), dict):
+        if not (summary := read_summary(own)) or not isinstance(summary.get("recipe"), dict):
             continue
         count += 1
         if count <= MOST_CARDS:
@@ -86,7 +86,7 @@ def _card(own: Path, summary: dict[str, object], picture: str) -> str:
     kind = recipe.get("kind") if isinstance(recipe, dict) else ""
     name = own.name
     page = f"{name}{tail_of('page')}"
-    files = sorted(file for file in files_told(own) if _is_there(own / file))
+    files = sorted(file for file in listed_files(own) if _is_there(own / file))
     title = f'<a href="{_link(own, page)}">{text(name)}</a>' if page in files else text(name)
     image = f'<img alt="{text(name)}, assembled" src="{picture}">' if picture else '<div class="none"></div>'
     rows = "".join(f'<li><a href="{_link(own, file)}">{text(file)}</a></li>' for file in files[:MOST_FILES])

@@ -31,7 +31,7 @@ def write_page(job: Job) -> dict[str, bytes]:
 def page(job: Job) -> bytes:
     """The page: drawing and plots by the player, all else as tables that read without it."""
     about = f"<p>{text(job.about)}</p>" if job.about else ""
-    if entries := "; ".join(job.title.told()):
+    if entries := "; ".join(job.title.lines()):
         about += f"<p>{text(capital(entries))}</p>"
     frames = len(job.scene.time)
     if frames > MOST_FRAMES:

@@ -159,7 +159,7 @@ class AbstractRecipe(_Shared, ABC):
     @classmethod
     def about(cls) -> str:
         """One line that introduces the kind."""
-        return " ".join((cls.__doc__ or "").split())
+        return " ".join((cls.__doc__ or "").split("\n\n")[0].split())
 
     @property
     def subtitle(self) -> str:

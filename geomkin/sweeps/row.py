@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..build import naming
+from ..build import errors_named_by_key
 from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.progress import shown as told_to
 from ..core.records import record
@@ -199,7 +199,7 @@ def _worked_out(task: Task, changes: Mapping[str, Any]) -> dict[str, Any]:
         # Whoever watches a sweep is told of its combinations, and not of what each is busy with.
         with told_to(lambda *_: None):
             recipe = task.opened(changes)
-            with naming(task.file, recipe):
+            with errors_named_by_key(task.file, recipe):
                 checks = [[c.id, c.name, float(c.value), c.side, float(c.limit), c.unit] for c in recipe.checks]
                 row |= {"checks": checks, "told": {name: _told(recipe, name) for name in task.tell}}
     except GeomkinError as error:

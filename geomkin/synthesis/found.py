@@ -1,4 +1,4 @@
-"""What every search returns: a linkage, and how well it does what was wanted."""
+"""The common base of all search results: a linkage with its motion and its defects."""
 
 from __future__ import annotations
 
@@ -16,20 +16,29 @@ from ..linkage.moving import move
 from ..plane.vec import Real
 from .rounding import Rounding, lengths_of
 
-# Frames of a motion, besides its extremes, in which it is seen whether the linkage closes all the way.
+# Frames of a motion, besides its extremes, that are checked for closure.
 FRAMES = 361
 
 
 @record(eq=False, kw_only=True)
 class Found:
-    """A linkage that a search found.
+    """A linkage found by a search.
 
-    linkage: placed in the plane, one that can be moved, drawn and cut. branch: +1 or -1, as `move` takes it. drive:
-    (n,) where its driver stands at each of the wanted places, in their order, rad from the ground line, unwrapped, or
-    mm where a slide drives; of a motion over a range its two ends. transmission_angle_deg: the least over the motion
-    from the first to the last of them, and over the full turn where the search was for one; nan where the linkage
-    does not close all the way. defects: those of "circuit", "branch", "order" that it has, in this order; empty where
-    the linkage really goes from place to place in one drive of one sense.
+    Parameters
+    ----------
+    linkage : AbstractLinkage
+        The linkage, placed in the plane; it can be moved, drawn and cut.
+    branch : int
+        +1 or -1, as `move` takes it.
+    drive : array, shape (n,)
+        Driver position at each of the wanted positions, in their order: rad from the ground line, unwrapped, or mm if a
+        slider drives. For a motion over a range: its two ends.
+    transmission_angle_deg : float
+        Least transmission angle from the first to the last position, or over the full turn if the search was for one;
+        nan if the linkage does not close everywhere.
+    defects : tuple of str
+        Those of "circuit", "branch" and "order" that the linkage has, in this order. Empty if it moves through the
+        positions in order with the driver moving in one sense.
     """
 
     linkage: AbstractLinkage
@@ -42,12 +51,12 @@ class Found:
 
     @property
     def lengths(self) -> Mapping[str, float]:
-        """The links' lengths by name, mm; of a slider-crank its offset too, which may be negative."""
+        """Lengths of the links by name, mm; for a slider-crank also its offset, which may be negative."""
         return lengths_of(self.linkage)
 
     @property
     def ratio(self) -> float:
-        """The longest link over the shortest: 1 and more. An offset is no link."""
+        """Longest link over the shortest, at least 1. An offset does not count as a link."""
         lengths = [length for name, length in self.lengths.items() if name != "offset"]
         return max(lengths) / min(lengths)
 
@@ -58,28 +67,33 @@ class Found:
 
     @property
     def drive_range(self) -> tuple[float, float]:
-        """From where to where the driver goes, rad or mm."""
+        """Least and greatest driver position, rad or mm."""
         return float(np.min(self.drive)), float(np.max(self.drive))
 
     def rounded(self, rounding: Rounding) -> Self:
-        """The same with rounded sizes, and what it does with these.
+        """The same with rounded sizes, and the results for these.
+
+        Parameters
+        ----------
+        rounding : Rounding
+            Rule by which each size is rounded.
 
         Raises
         ------
         DesignError
-            If no linkage has these sizes, as when one is rounded to 0.
+            If no linkage has the rounded sizes, for example if one is rounded to 0.
         """
         if self.linkage.linkage.driven_slider is not None:
-            drive = np.array([rounding.length("drive", place) for place in self.drive.tolist()])
+            drive = np.array([rounding.length("drive", position) for position in self.drive.tolist()])
         else:
             first, *others = np.degrees(self.drive).tolist()
-            drive = np.radians([rounding.angle("start_deg", first), *(rounding.angle("", turn) for turn in others)])
+            drive = np.radians([rounding.angle("start_deg", first), *(rounding.angle("", angle) for angle in others)])
         other = replace(self, linkage=rounding.linkage(self.linkage), drive=drive)
         return replace(other, transmission_angle_deg=np.nan if self.defects else _least_angle_deg(other))
 
     def summary(self) -> Mapping[str, object]:
-        """As `summary.json` lists it: sizes in mm and deg, with ten digits. A search adds its error in front."""
-        return sizes_told(self.linkage) | {
+        """Entries for `summary.json`: sizes in mm and deg with ten digits. Each search adds its error in front."""
+        return size_entries(self.linkage) | {
             "branch": self.branch,
             "transmission_angle_deg": ten_digits(self.transmission_angle_deg),
             "ratio": ten_digits(self.ratio),
@@ -88,28 +102,29 @@ class Found:
 
 
 def _least_angle_deg(found: Found) -> float:
-    """The least transmission angle over the motion, deg; nan if the linkage does not close all the way."""
+    """Least transmission angle of the motion, deg; nan if the linkage does not close everywhere."""
     low, high = found.drive_range
-    # Where it can be least: crank and ground in line, crank square to a slide line, a driving slide beside the pivot.
+    # The angle is least with crank and ground in line, a crank at right angles to a slide line, or a driving slider
+    # next to the pivot.
     quarters = [0.0] if found.linkage.linkage.driven_slider is not None else 0.5 * np.pi * np.arange(-40, 41)
-    within = [place for place in quarters if low < place < high]
+    within = [position for position in quarters if low < position < high]
     motion = move(found.linkage, np.sort([*np.linspace(low, high, FRAMES), *within]), found.branch)
     return float(np.degrees(least_transmission_angle(motion))) if motion.assembled.all() else np.nan
 
 
-def sizes_told(linkage: AbstractLinkage) -> dict[str, object]:
-    """A linkage as `summary.json` lists it: lengths, traced point and place in mm, angles in deg, with ten digits."""
-    told: dict[str, object] = {name: ten_digits(length) for name, length in lengths_of(linkage).items()}
+def size_entries(linkage: AbstractLinkage) -> dict[str, object]:
+    """Entries for `summary.json`: lengths, traced point and origin in mm, angles in deg, with ten digits."""
+    entries: dict[str, object] = {name: ten_digits(length) for name, length in lengths_of(linkage).items()}
     for name in ("coupler_point", "rod_point", "origin"):
         if hasattr(linkage, name):
-            place = complex(getattr(linkage, name))
-            told[f"{name}_mm"] = [ten_digits(place.real), ten_digits(place.imag)]
+            point = complex(getattr(linkage, name))
+            entries[f"{name}_mm"] = [ten_digits(point.real), ten_digits(point.imag)]
     for name in ("ground_angle_deg", "angle_deg"):
         if hasattr(linkage, name):
-            told[name] = ten_digits(getattr(linkage, name))
-    return told
+            entries[name] = ten_digits(getattr(linkage, name))
+    return entries
 
 
 def ten_digits(value: float) -> float | None:
-    """Ten digits of a number; None, as JSON has no other word for it, for what cannot be told."""
+    """A number with ten digits; None, which JSON writes as null, if it is not finite."""
     return float(f"{value:.10g}") if np.isfinite(value) else None

@@ -1,4 +1,4 @@
-"""Sizes of a linkage that a search found, as short decimal numbers."""
+"""Rounding of a found linkage's sizes to short decimal numbers."""
 
 from __future__ import annotations
 
@@ -12,25 +12,26 @@ from ..linkage.linkage import AbstractLinkage
 from ..linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 
 L = TypeVar("L", bound=AbstractLinkage)
-# Share by which a number is moved away from 0 before it is rounded, so that one half way between two decimals, as
-# closed forms have them, rounds alike on every processor. Searches differ by more, and are half way by chance only.
+# Relative distance by which a number is moved away from 0 before it is rounded, so that a number half-way between two
+# decimals, which closed forms produce, is rounded alike on every processor. Results of iterations differ by more and
+# are half-way only by chance.
 BESIDE_HALF = 1e-12
 
 
 @record
 class Rounding:
-    """How sizes are rounded to decimals.
+    """A rule for rounding sizes to decimals.
 
     Parameters
     ----------
     share : float
-        Largest error of rounding: lengths, places and strokes as a share of `size`, angles in rad.
+        Largest rounding error: for lengths, positions and strokes as a share of `size`, for angles in rad.
     size : float
         Longest link of the linkage, mm.
     bounds : mapping of str to (float, float), optional
-        Least and greatest value of sizes by name; a size that is given has both alike, and keeps all its digits.
+        Least and greatest value of sizes by name. A size with equal bounds was given and keeps all its digits.
     longer : tuple of (str, int), optional
-        A length, by name, that is so many units of its last decimal longer than rounded.
+        Name of a length and the number of units of its last decimal that are added after rounding.
     """
 
     share: float
@@ -39,19 +40,19 @@ class Rounding:
     longer: tuple[str, int] = ("", 0)
 
     def length(self, name: str, value: float) -> float:
-        """A length, mm."""
+        """Round a length, mm."""
         return self._within(name, value, _decimals(self.share * self.size))
 
     def angle(self, name: str, value: float) -> float:
-        """An angle, deg."""
+        """Round an angle, deg."""
         return self._within(name, value, _decimals(degrees(self.share)))
 
     def place(self, name: str, value: complex) -> complex:
-        """A point, mm."""
+        """Round a point, mm."""
         return complex(self.length(f"{name}_x", value.real), self.length(f"{name}_y", value.imag))
 
     def linkage(self, linkage: L) -> L:
-        """A four-bar, a slider-crank or an elliptic trammel, all its sizes rounded."""
+        """Round all sizes of a four-bar, a slider-crank or an elliptic trammel."""
         sizes: dict[str, float | complex] = {
             name: self.length(name, value) for name, value in lengths_of(linkage).items()
         }
@@ -76,7 +77,7 @@ class Rounding:
 
 
 def lengths_of(linkage: AbstractLinkage) -> dict[str, float]:
-    """Lengths of a linkage's links by name, mm; of a slider-crank its offset too."""
+    """Lengths of a linkage's links by name, mm; for a slider-crank also its offset."""
     names = {
         FourBar: ("ground", "crank", "coupler", "rocker"),
         SliderCrank: ("crank", "coupler", "offset"),
@@ -86,5 +87,5 @@ def lengths_of(linkage: AbstractLinkage) -> dict[str, float]:
 
 
 def _decimals(error: float) -> int:
-    """The fewest decimals to which rounding is off by no more than so much."""
+    """Least number of decimals whose rounding error does not exceed `error`."""
     return -floor(log10(2 * error))

@@ -1,4 +1,4 @@
-"""One place at which methods fail, one result there, and the digits that the library keeps as the place comes near."""
+"""Cells of the stability study: one result near one singular position, and the digits that the library keeps."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.records import record
 
-# Arithmetic of the reference. The second derivative near a change point loses four digits for one of distance, and more
-# than 50 have to be left at 1e-15 of it.
+# Digits of the reference. The second derivative near a change point loses four digits per digit of distance, and more
+# than 50 must remain at a distance of 1e-15.
 DIGITS = 120
-# Digits that a double holds, and of them those that count as all: fewer would call a lost digit none, more would call
-# the rounding of some ten steps a loss.
+# Digits of a double, and those that count as all: a smaller limit would hide a lost digit, a larger one would report
+# the rounding of about ten operations as a loss.
 WHOLE, ALL = 16.0, 12.5
-# Digits that a result may have less than its sizes allow and still be as good as they are: its steps round as well.
+# Digits by which a result may fall short of what its sizes allow, since its operations round too.
 SLACK = 1.7
 
 Sizes = tuple[float, ...]
@@ -25,13 +25,13 @@ Sizes = tuple[float, ...]
 
 @record(eq=False)
 class Cell:
-    """A result of a family at a place where methods fail.
+    """A result of a family near a singular position.
 
-    distance: what it is told by, which is 1e-1 to 1e-15 of its size. sizes: from the distance, what is given. formula:
-    the textbook's, from a context of mpmath, with 120 digits or with a double's 16, and the sizes. library: the same
-    result from this library. answer: what the library does there, of `ANSWERS`; told: where a loss is told.
-    condition: from the sizes, the number of digits' loss, as a factor, that the library gives besides. share: of each
-    size, that it may be off by: half a last bit, or what a search says that it keeps to.
+    `distance` describes the distance, 1e-1 to 1e-15 of the size. `sizes` maps it to the sizes. `formula` is the
+    textbook's, from an mpmath context, with 120 or 16 digits, and the sizes; `library` gives the same result from this
+    library. `answer` is the expected behaviour, a key of `ANSWERS`; `reported_by` names what reports a loss.
+    `condition` maps the sizes to the error factor that the library reports. `share` is the relative error of each size:
+    half a last bit, or the accuracy of a search.
     """
 
     family: str
@@ -42,24 +42,24 @@ class Cell:
     formula: Callable[..., Any]
     library: Callable[..., Any]
     answer: str
-    told: str = ""
+    reported_by: str = ""
     condition: Callable[..., Any] | None = None
     share: float = 2.0**-53
 
     @property
     def name(self) -> str:
-        """Of the cell among all."""
+        """Unique name of the cell."""
         return f"{self.family}, {self.place}: {self.result}"
 
 
-# In words, from the nearest distance that is told in full: what the library does, by what `Digits.outcome` finds.
+# Description of the library's behaviour towards the singular position, by the outcomes of `Digits.outcome`.
 ANSWERS = {
     "all": "keeps all digits",
-    "sizes": "keeps those that the sizes have",
+    "sizes": "keeps the digits that the sizes allow",
     "all, nan": "keeps all digits, then nan",
-    "sizes, nan": "keeps those that the sizes have, then nan",
+    "sizes, nan": "keeps the digits that the sizes allow, then nan",
     "all, refused": "keeps all digits, then refuses",
-    "sizes, refused": "keeps those that the sizes have, then refuses",
+    "sizes, refused": "keeps the digits that the sizes allow, then refuses",
     "refused": "refuses",
 }
 
@@ -68,8 +68,8 @@ ANSWERS = {
 class Digits:
     """Decimal digits of a cell's result at a distance, 16 at most.
 
-    library, textbook: kept; nan where it tells no number. allowed: what is left where each size is off by
-    the cell's share of it. refused: whether the library raised DesignError. condition: what the cell's own gives.
+    `library`, `textbook`: digits kept, nan without a number. `allowed`: digits that remain if each size has the cell's
+    relative error. `refused`: whether the library raised DesignError. `condition`: the cell's reported factor.
     """
 
     cell: Cell
@@ -82,7 +82,7 @@ class Digits:
 
     @property
     def outcome(self) -> str:
-        """all, sizes, nan, refused, or lost: fewer digits than the sizes allow, and no word of it."""
+        """all, sizes, nan, refused, or lost: fewer digits than the sizes allow, without notice."""
         if self.refused:
             return "refused"
         if np.isnan(self.library):
@@ -99,15 +99,15 @@ def measured(cell: Cell, distance: float) -> Digits:
     with mp.workdps(DIGITS):
         exact = [mp.mpf(size) for size in sizes]
         right = cell.formula(mp, *exact)
-        off = mp.mpf(0)
+        error = mp.mpf(0)
         for k, size in enumerate(exact):
-            beside = [*exact[:k], size * (1 + mp.mpf(cell.share)), *exact[k + 1 :]]
-            off += abs(cell.formula(mp, *beside) - right)
-        allowed = _digits(mp, off, right)
+            changed = [*exact[:k], size * (1 + mp.mpf(cell.share)), *exact[k + 1 :]]
+            error += abs(cell.formula(mp, *changed) - right)
+        allowed = _digits(mp, error, right)
         textbook = np.nan
         try:
-            told = mp.mpmathify(cell.formula(fp, *sizes))
-            textbook = _digits(mp, told - right, right) if mp.isfinite(told) else np.nan
+            value = mp.mpmathify(cell.formula(fp, *sizes))
+            textbook = _digits(mp, value - right, right) if mp.isfinite(value) else np.nan
         except (ArithmeticError, ValueError, TypeError):
             pass  # a root of what rounding made negative
         try:
@@ -122,13 +122,15 @@ def measured(cell: Cell, distance: float) -> Digits:
 
 
 def _last(answer: Any) -> complex:
-    """The last of a method's answers; nan where a search came back with none, as on some processors near its end."""
+    """The last value of a result; nan if it is empty, as a search near its limit may return on some processors."""
     row = np.ravel(answer)
     return complex(row[-1]) if row.size else complex(np.nan)
 
 
 def answered(found: Sequence[Digits]) -> str:
-    """What the library does at a cell, from its digits by falling distance: a key of `ANSWERS` where it is honest."""
+    """Behaviour of the library at a cell, from its digits by falling distance: a key of `ANSWERS` unless digits are
+    lost.
+    """
     outcomes = [one.outcome for one in found]
     if "lost" in outcomes:
         return "lost"

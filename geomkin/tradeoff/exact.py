@@ -1,6 +1,6 @@
-"""Points of linkages in 50 digits, with their velocities and accelerations: circles that meet, in decimal arithmetic.
+"""Points of linkages with velocities and accelerations to 50 digits, by intersection of circles in decimal arithmetic.
 
-It shares no formula with the solver: the square of a distance is kept, once, and differentiated.
+It shares no formula with the solver: the square of a distance is constant and is differentiated.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from ..core.records import record
 from ..linkage.linkage import AnyLinkage
 from ..plane.vec import Array, Complex, Real
 
-# Digits told; the work is done in more, since linkages near a toggle lose half of them.
+# Digits of results; computation uses more, since linkages near a toggle lose half of them.
 DIGITS = 50
-WORKED = 2 * DIGITS + 10
+WORKING_DIGITS = 2 * DIGITS + 10
 
 
 @contextmanager
 def many_digits() -> Iterator[None]:
-    """Within, decimals have the digits that these functions need."""
+    """Decimal context with the digits that these functions need."""
     with localcontext() as context:
-        context.prec = WORKED
+        context.prec = WORKING_DIGITS
         yield
 
 
@@ -52,7 +52,7 @@ class Vector:
 
     @property
     def left(self) -> Vector:
-        """Turned by a quarter."""
+        """The vector rotated by a quarter turn."""
         return Vector(-self.y, self.x)
 
 
@@ -61,7 +61,7 @@ ZERO = Vector(Decimal(0), Decimal(0))
 
 @record
 class Place:
-    """Where a point is, and the first and second derivative of that by the drive."""
+    """Position of a point, and its first and second derivative by the drive."""
 
     at: Vector
     first: Vector
@@ -83,14 +83,14 @@ def fixed(x: float, y: float = 0.0) -> Place:
 
 
 def circling(radius: float, angle: float) -> Place:
-    """A point of a crank about the origin, at the very angle that the float is, rad."""
+    """A point of a crank about the origin, at exactly the angle of the float, rad."""
     cosine, sine = cosine_sine(Decimal(angle))
     at = Vector(cosine, sine).times(Decimal(radius))
     return Place(at, at.left, at.times(Decimal(-1)))
 
 
 def pinned(one: Place, other: Place, length: float, length_2: float, branch: int) -> Place:
-    """The pin at these distances from two points; branch +1: left of the line from the first to the second."""
+    """The pin at given distances from two points; branch +1: to the left of the line from the first to the second."""
     b, c, apart = Decimal(length), Decimal(length_2), other.at - one.at
     square = apart.dot(apart)
     along = (square + b * b - c * c) / (2 * square)
@@ -105,7 +105,7 @@ def pinned(one: Place, other: Place, length: float, length_2: float, branch: int
 
 
 def sliding(one: Place, length: float, height: float, branch: int) -> Place:
-    """The pin at this distance from a point, on the line y = height; branch +1: on the +x side."""
+    """The pin at a given distance from a point, on the line y = height; branch +1: on the +x side."""
     down = Decimal(height) - one.at.y
     across = branch * (Decimal(length) ** 2 - down * down).sqrt()
     arm = Vector(across, down)
@@ -115,7 +115,7 @@ def sliding(one: Place, length: float, height: float, branch: int) -> Place:
 
 
 def carried(start: Place, end: Place, local: complex) -> Place:
-    """A point of the body whose x axis runs from a pin to another, at `local` from the first, mm."""
+    """A point of the body whose x axis passes through two pins, at `local` from the first, mm."""
     axis = end - start
     length = axis.at.dot(axis.at).sqrt()
     x, y = Decimal(local.real) / length, Decimal(local.imag) / length
@@ -127,9 +127,9 @@ def carried(start: Place, end: Place, local: complex) -> Place:
 
 
 def cosine_sine(angle: Decimal) -> tuple[Decimal, Decimal]:
-    """By their series, of an angle of a few turns."""
+    """Cosine and sine by their series, for an angle of a few turns."""
     cosine, sine, term, k = Decimal(1), Decimal(0), Decimal(1), 0
-    while abs(term) > Decimal(10) ** -WORKED or k < abs(angle):
+    while abs(term) > Decimal(10) ** -WORKING_DIGITS or k < abs(angle):
         k += 1
         term = term * angle / k
         if k % 2:
@@ -140,18 +140,18 @@ def cosine_sine(angle: Decimal) -> tuple[Decimal, Decimal]:
 
 
 def _solved(rows: list[Vector], right: list[Decimal]) -> Vector:
-    """The vector whose products with two others are these."""
+    """The vector with given scalar products with two others."""
     one, two = rows
     share = one.cross(two)
     return Vector((right[0] * two.y - right[1] * one.y) / share, (right[1] * one.x - right[0] * two.x) / share)
 
 
-# How many entries tables are tried with.
+# Numbers of entries with which tables are tried.
 ENTRIES = (100.0, 1000.0, 10000.0)
 
 
 def linear(drive: Real, values: Callable[[Real], Array], entries: float) -> Callable[[], Array]:
-    """Straight lines between values (..., n) at so many even steps of a turn, at drives (frames,) within one turn."""
+    """Linear interpolation of values (..., n) at even steps of a turn, at drives (frames,) within one turn."""
     count = int(entries)
     here = values(np.arange(count) * (2 * np.pi / count))
     rise = np.roll(here, -1, axis=-1) - here
@@ -165,7 +165,7 @@ def linear(drive: Real, values: Callable[[Real], Array], entries: float) -> Call
 
 
 def cubic(drive: Real, values: Callable[[Real], Array], entries: float) -> Callable[[], Array]:
-    """The same with a cubic through the four nearest entries (Lagrange's)."""
+    """Cubic (Lagrange) interpolation through the four nearest entries."""
     count = int(entries)
     here = values(np.arange(count) * (2 * np.pi / count))
     before, ahead, after = (np.roll(here, k, axis=-1) for k in (1, -1, -2))
@@ -181,7 +181,7 @@ def cubic(drive: Real, values: Callable[[Real], Array], entries: float) -> Calla
 
 
 def _places(drive: Real, count: int) -> tuple[Array, Real]:
-    """The entry before each drive, and how far past it that is, in entries."""
+    """The entry before each drive, and the distance from it in entries."""
     place = drive * (count / (2 * np.pi))
     k = place.astype(np.intp)
     return k % count, place - k
@@ -192,7 +192,7 @@ FRAMES = 360
 
 @record(eq=False)
 class Track:
-    """A linkage, its crank's angles, rad, and the right values there, (frames,)."""
+    """A linkage, its crank angles, rad, and the right values there, (frames,)."""
 
     linkage: AnyLinkage
     drive: Real
@@ -200,7 +200,7 @@ class Track:
 
     @classmethod
     def of(cls, linkage: AnyLinkage, exact: Callable[[float], Vector]) -> Track:
-        """The values as `exact` finds them at an angle of the crank, in decimals."""
+        """The values that `exact` gives at a crank angle, in decimals."""
         drive = np.arange(FRAMES) * (2 * np.pi / FRAMES)
         with many_digits():
             found = [exact(angle) for angle in drive.tolist()]
@@ -208,11 +208,11 @@ class Track:
 
 
 def misses(track: Track, found: Array) -> Real:
-    """How far each value is from the right one."""
+    """Distance of each value from the right one."""
     off: Real = np.abs(found - track.right)
     return off
 
 
 def count(_: Track, found: Array) -> int:
-    """How many values there are."""
+    """Number of values."""
     return len(found)

@@ -1,4 +1,4 @@
-"""A moving convex tool, and by brute force how far points are from what it cuts: the reference for all envelopes."""
+"""Families of methods that are measured, and the brute-force reference for envelopes: a moving convex tool."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from ..core.records import record
 from ..plane.primitives import Polyline
 from ..plane.vec import Complex, Pose, Real, Whole, unit
 
-# Positions tried first. Fewer, and the least distance may lie in a valley that none of them is in; more take longer.
+# Number of first positions. With fewer the valley of the least distance may be missed; more take longer.
 POSITIONS = 241
-# Steps of the golden section, which narrow a valley to 1e-11 of itself: a distance is flat at its least, so that fewer
-# show in its last digits.
+# Steps of the golden section, which narrow a valley to 1e-11 of its width. Since a distance is flat at its minimum,
+# fewer steps affect only its last digits.
 STEPS = 54
-# Points that are looked at together: more take more memory.
+# Points per batch; more take more memory.
 AT_ONCE = 256
-# Places along an edge, as shares of it, at which its distance is looked at.
+# Positions along an edge, as shares of it, at which its distance is measured.
 SHARES = np.array([0.25, 0.5, 0.75])
 
 
 @record(eq=False)
 class Tool:
-    """A convex polygon grown by `rounding`, mm, that moves in the frame of what it cuts.
+    """A convex polygon grown by `rounding`, mm, that moves in the frame of the part it cuts.
 
-    corners: (n,) counterclockwise, mm; one is a roller. pose: where it is at each t of `span`.
+    `corners` are (n,) counterclockwise, mm; a single one is a roller. `pose` gives its pose at each t of `span`.
     """
 
     corners: Complex
@@ -36,30 +36,32 @@ class Tool:
     span: tuple[float, float]
 
     def clearance(self, points: Complex) -> Real:
-        """Least distance (n,) of points from the tool over all its positions, mm, below 0 where it has cut deeper.
+        """Least distance (n,) of points from the tool over all its positions, mm, negative if it cuts deeper.
 
-        On what the tool leaves it is 0, and near by it is the distance from that. Positions all over the span, and in
-        each valley between them a golden section: no tangent, no law of gearing. Derived here.
+        It is 0 on the cut outline, and near it the distance from the outline. Found by sampling the span and a golden
+        section in each valley, without tangents or the law of gearing. Derived here.
         """
         parts = np.array_split(points, len(points) // AT_ONCE + 1)
         return np.concatenate([self._clearance(part) for part in parts])
 
     def corner_error(self, line: Polyline) -> Real:
-        """How far a line's corners are from what the tool leaves, mm."""
+        """Distances of a line's corners from the cut outline, mm."""
         return np.abs(self.clearance(np.asarray(line.vertices, dtype=complex)))
 
     def edge_error(self, line: Polyline) -> Real:
-        """The same of places along its edges, arcs or straight."""
+        """Distances of points on the line's edges, arcs or straight, from the cut outline, mm."""
         return np.abs(self.clearance(line.point((line.breaks[:-1, None] + SHARES).ravel())))
 
     def polygons(self, count: int, chord: float) -> list[Complex]:
-        """The tool at `count` positions spread evenly over its span, roundings as chords of that length, mm."""
+        """The tool at `count` evenly spaced positions of its span, with chords of the given length, mm, for its
+        roundings.
+        """
         pose = self.pose(np.linspace(*self.span, count))
         shape = self._shape(chord)
         return list(np.asarray(pose.origin)[:, None] + np.asarray(pose.direction)[:, None] * shape)
 
     def distance(self, points: Complex, t: Real) -> Real:
-        """Of points from the tool at t, both of one shape, mm, below 0 inside."""
+        """Distances of points from the tool at t, arrays of equal shape, mm, negative inside."""
         seen = self.pose(t).locate(points)[..., None] - self.corners
         edges = np.roll(self.corners, -1) - self.corners
         length = np.abs(edges)
@@ -73,7 +75,7 @@ class Tool:
         t = np.linspace(*self.span, POSITIONS)
         off = self.distance(*np.broadcast_arrays(points[:, None], t))
         padded = np.pad(off, ((0, 0), (1, 1)), constant_values=np.inf)
-        # Another valley can be deeper than its sample by no more than the tool goes in a step.
+        # A valley is deeper than its sample by at most the tool's motion in a step.
         step = np.abs(np.diff(off, axis=1)).max(axis=1, keepdims=True)
         valley = (off <= padded[:, :-2]) & (off <= padded[:, 2:]) & (off <= off.min(axis=1, keepdims=True) + step)
         row, column = np.nonzero(valley)
@@ -97,7 +99,7 @@ class Tool:
         return np.minimum(at_a, at_b)
 
     def _shape(self, chord: float) -> Complex:
-        """The grown polygon in the tool's own frame."""
+        """The grown polygon in the tool's frame."""
         if not self.rounding:
             return self.corners
         normals = -1j * unit(np.roll(self.corners, -1) - self.corners) if len(self.corners) > 1 else np.array([1 + 0j])
@@ -117,14 +119,32 @@ R = TypeVar("R")
 
 @record(checked=True, eq=False)
 class Method(Generic[P, R]):
-    """One way to a family's results.
+    """A method of a family.
 
-    make: takes the family's problem and a setting, gets ready whatever is not to be timed, and gives the call that is:
-    it takes nothing and returns the results. about: how it goes, in a sentence or two, with what was got ready
-    beforehand and the source. settings: what it is measured at, from coarse to fine, such as steps or tolerances; left
-    out where there is nothing to set. setting: what they are, with the unit, as `step, deg`.
-    because: of a default, why it is the default; of all others empty. despite: of a default that is not on the front,
-    why it is the default all the same. slow: takes so long that a quick chart leaves it out.
+    Parameters
+    ----------
+    name : str
+        Its name in charts.
+    about : str
+        How it works, in one or two sentences, with its preparation and its source.
+    make : callable
+        From the family's problem and a setting, after all preparation that is not timed, to the timed call, which takes
+        nothing and returns the results.
+    setting : str
+        Name of the setting with its unit, such as `step, deg`; "" if there is none.
+    settings : tuple of float
+        Values at which it is measured, from coarse to fine; empty if there is no setting.
+    rationale : str
+        Reason why the library uses it by default; "" for all other methods.
+    caveat : str
+        Reason why it is the default although it is not on the Pareto front; "" otherwise.
+    slow : bool
+        Whether a quick chart leaves it out.
+
+    Raises
+    ------
+    DesignError
+        If only one of `setting` and `settings` is given.
     """
 
     name: str
@@ -132,8 +152,8 @@ class Method(Generic[P, R]):
     make: Callable[[P, float], Callable[[], R]]
     setting: str = ""
     settings: tuple[float, ...] = ()
-    because: str = ""
-    despite: str = ""
+    rationale: str = ""
+    caveat: str = ""
     slow: bool = False
 
     def __post_init__(self) -> None:
@@ -142,21 +162,45 @@ class Method(Generic[P, R]):
 
     @property
     def is_default(self) -> bool:
-        """Whether the library takes this way when it is not told otherwise."""
-        return bool(self.because)
+        """Whether the library uses this method by default."""
+        return bool(self.rationale)
 
 
 @record(checked=True, eq=False)
 class MethodFamily(Generic[P, R]):
-    """All ways to one thing, with a problem to try them on and a reference to judge them by.
+    """All methods for one kind of result, with a test problem and a reference.
 
-    name: as the command takes it; title, about: what is found, of what, in plain words. problem: makes the problem,
-    with its reference; it is called once a chart, not timed. count: from problem and results, how many results there
-    are, each one `per`, such as `pose`. error: from problem and results, the error of each, (results,) or fewer, in
-    `unit`, 0 or more, nan or inf where the method failed; not timed. reference: how the right results are known.
-    floor: an error below which there is only rounding: smaller ones count as equal. weigh: from problem and results,
-    what they cost whoever goes on with them, such as how many vertices they have; weighed: what that is; left out where
-    time alone counts.
+    Parameters
+    ----------
+    name : str
+        Name in the command and in `FAMILIES`.
+    title, about : str
+        The kind of result and the problem, in plain words.
+    per : str
+        Name of one result, such as `pose`.
+    unit : str
+        Unit of the errors.
+    reference : str
+        How the right results are known.
+    floor : float
+        Error below which there is only rounding; smaller errors count as equal.
+    problem : callable
+        Makes the problem with its reference, once per chart and not timed.
+    count : callable
+        From problem and results to the number of results.
+    error : callable
+        From problem and results to the errors, at most one per result, not negative, nan or inf if the method failed.
+    methods : tuple of Method
+        The methods, with different names.
+    weighed : str
+        Name of a further cost of the results, such as vertices; "" if only time counts.
+    weigh : callable, optional
+        From problem and results to that cost.
+
+    Raises
+    ------
+    DesignError
+        If two methods have the same name.
     """
 
     name: str

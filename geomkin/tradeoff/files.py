@@ -1,4 +1,4 @@
-"""The chart as files: all points as CSV, a picture of each family, and a page with a table of each."""
+"""The chart as files: all points as CSV, a picture of each family, and a page with tables."""
 
 from __future__ import annotations
 
@@ -48,10 +48,20 @@ dt { font-weight: 600; margin-top: 8px; } dd { margin: 0 0 0 1.2em; }
 
 
 def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, bytes]:
-    """`chart.csv`, `chart.html`, and a picture `<family>.svg` of each family: name to content.
+    """Contents of the files of a chart.
 
-    Where results have a weight, such as bytes, there is `<family>-by-bytes.svg` too. study: of where methods break, for
-    a table of the page and `stability.csv`.
+    Parameters
+    ----------
+    chart : Chart
+        The measured points.
+    study : Stability, optional
+        Adds a table to the page, and `stability.csv`.
+
+    Returns
+    -------
+    mapping of str to bytes
+        `chart.csv`, `chart.html`, and a picture `<family>.svg` of each family, or also `<family>-by-bytes.svg` if its
+        results have a weight such as bytes.
     """
     pictures = {f"{one.family.name}.svg": picture(one) for one in chart.families}
     pictures |= {
@@ -64,7 +74,7 @@ def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, by
 
 
 def _csv(chart: Chart) -> bytes:
-    """Every point with all that is known of it, as UTF-8 CSV; what is nan is left empty."""
+    """All points as UTF-8 CSV; nan is an empty cell."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([*COLUMNS, *(f"{name}_version" for name in chart.versions), "processor"])
@@ -90,29 +100,29 @@ def _n(value: float) -> str:
 
 
 def page(chart: Chart, study: Stability | None = None) -> bytes:
-    """One HTML file that asks for nothing else and runs no script."""
-    hurried = " This is a quick run: fewer settings, and times that are less steady." if chart.quick else ""
+    """One HTML file without scripts or references to other files."""
+    hurried = " This is a quick chart with fewer settings and noisier times." if chart.quick else ""
     versions = ", ".join(f"{name} {version}" for name, version in chart.versions.items())
     links = "".join(f'<li><a href="#{_id(one)}">{text(one.family.title)}</a></li>' for one in chart.families)
     links += '<li><a href="#stability">Where methods break</a></li>' if study else ""
-    told = f"""{head("geomkin: speed against accuracy", STYLE)}<body>
+    html = f"""{head("geomkin: speed against accuracy", STYLE)}<body>
 <header><h1>Speed against accuracy</h1></header>
 <main>
-<p>There are many ways to each result of geomkin. Each picture below shows the ways to one kind of result: how long a
-way takes, from left to right, and how far its results are from the right ones, from bottom to top. Both go by factors
-of ten. The lower left is best: fast and accurate. The grey line is the Pareto front: a point on it is beaten by no
-other in both; a point off it is, or misses results. A ring marks the way that the library takes when it is not told
-otherwise.</p>
-<p>Measured with {text(versions)} on {text(chart.processor)}.{hurried} A time is the processor's, the least of
-several batches of calls, divided by the number of results; what a method may get ready once is not in it, and the
-method says what that is. The spread tells by how much the median batch took longer than the least: what of a time is
-noise. Errors are told down to rounding, and whatever is smaller counts as equal.</p>
+<p>Each picture below compares the methods for one kind of result: from left to right the time that a method takes,
+from bottom to top the error of its results. Both axes are logarithmic.
+The lower left is best: fast and accurate. The grey line is the Pareto front: no other method beats a point on it
+in both time and error. Points off it are beaten, or miss results. A ring marks the default method of
+the library.</p>
+<p>Measured with {text(versions)} on {text(chart.processor)}.{hurried} Times are processor times: the least of
+several batches of calls, divided by the number of results. Preparation that is done once is not included; the
+description of the method names it. The spread is the relative excess of the median batch over the least: the noise
+of a time. Errors below the level of rounding count as equal.</p>
 <nav aria-label="Families"><ul>{links}</ul></nav>
 {"".join(_section(one) for one in chart.families)}{study.section() if study else ""}</main>
 </body>
 </html>
 """
-    return told.encode("utf-8", "replace")
+    return html.encode("utf-8", "replace")
 
 
 def _section(one: FamilyChart) -> str:
@@ -122,9 +132,9 @@ def _section(one: FamilyChart) -> str:
 <p>{text(family.about)}</p>
 {_verdict(one)}
 <div class="wide" tabindex="0" role="region" aria-label="Picture: {text(family.title)}">{drawing(one)}</div>
-{_weights(one)}<p class="soft">The right results are known by {text(family.reference)}. Errors below
+{_weights(one)}<p class="soft">Reference: {text(family.reference)}. Errors below
 {_number(family.floor)} {text(family.unit)} are rounding.</p>
-<details><summary>The methods</summary><dl>{"".join(_told(method) for method in family.methods)}</dl></details>
+<details><summary>The methods</summary><dl>{"".join(_definition(method) for method in family.methods)}</dl></details>
 <details><summary>The numbers</summary>
 <div class="wide" tabindex="0" role="region" aria-label="Numbers: {text(family.title)}">{_table(one)}</div></details>
 </section>
@@ -132,38 +142,40 @@ def _section(one: FamilyChart) -> str:
 
 
 def _weights(one: FamilyChart) -> str:
-    """The same with the results' weight for their time, where they have one."""
+    """A picture with the weight of the results in place of their time, if they have one."""
     family = one.family
     if not family.weigh:
         return ""
     label, weighed = f"Picture: {text(family.title)}, {text(family.weighed)}", text(family.weighed)
     light = [bool(on) for p, on in zip(one.points, one.on_weight_front) if p in [q for q, _ in one.defaults]]
-    stands = f"Here the default is on the front at {sum(light)} of {len(light)}." if light else ""
-    return f"""<p>Whoever goes on with them pays for their {weighed}. {stands}</p>
+    verdict = f"Here the default is on the front at {sum(light)} of {len(light)} settings." if light else ""
+    return f"""<p>The {weighed} of the results are a further cost. {verdict}</p>
 <div class="wide" tabindex="0" role="region" aria-label="{label}">{drawing(one, True)}</div>
 """
 
 
 def _verdict(one: FamilyChart) -> str:
-    """Which method is the default, why, and how it stands."""
+    """The default method, its rationale, and whether it is on the front."""
     lines = []
     for method in one.family.methods:
-        stands = [on for point, on in one.defaults if point.method == method.name]
-        if not stands:
+        on_front = [on for point, on in one.defaults if point.method == method.name]
+        if not on_front:
             continue
-        how = "It is on the front."
-        if not all(stands):
-            many = (
-                "It is not on the front" if not any(stands) else f"It is on the front at {sum(stands)} of {len(stands)}"
+        verdict = "It is on the front."
+        if not all(on_front):
+            summary = (
+                "It is not on the front"
+                if not any(on_front)
+                else f"It is on the front at {sum(on_front)} of {len(on_front)}"
             )
-            how = f"{many}: {_beaten(one, method)}. {text(method.despite)}"
-        lines.append(f"<p>The default is <strong>{text(method.name)}</strong>: {text(method.because)} {how}</p>")
+            verdict = f"{summary}: {_beaten(one, method)}. {text(method.caveat)}"
+        lines.append(f"<p>The default is <strong>{text(method.name)}</strong>: {text(method.rationale)} {verdict}</p>")
     return "\n".join(lines)
 
 
 def _beaten(one: FamilyChart, method: Method[object, object]) -> str:
-    """What beats the default most clearly, and by how much."""
-    told: dict[str, str] = {}
+    """The methods that beat the default, and by how much."""
+    messages: dict[str, str] = {}
     for point, on in one.defaults:
         if on or point.method != method.name:
             continue
@@ -172,12 +184,12 @@ def _beaten(one: FamilyChart, method: Method[object, object]) -> str:
         better = [p for p in better if one.shown_error(p) <= error]
         if better:
             best = min(better, key=lambda p: p.seconds)
-            told.setdefault(best.method, f"{best.method} takes {best.seconds / point.seconds:.0%} of its time")
-    return text("; ".join(told.values()) or "it misses results")
+            messages.setdefault(best.method, f"{best.method} takes {best.seconds / point.seconds:.0%} of its time")
+    return text("; ".join(messages.values()) or "it misses results")
 
 
-def _told(method: Method[object, object]) -> str:
-    left_out = " It takes long, and a quick chart leaves it out." if method.slow else ""
+def _definition(method: Method[object, object]) -> str:
+    left_out = " It is slow; a quick chart leaves it out." if method.slow else ""
     return f"<dt>{text(method.name)}</dt><dd>{text(method.about)}{left_out}</dd>"
 
 

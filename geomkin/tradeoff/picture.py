@@ -1,4 +1,4 @@
-"""A family's chart as an SVG picture: time per result, or weight, across, error upwards, both by decades."""
+"""A family's chart as an SVG picture: time per result, or weight, on x, error on y, both logarithmic."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ..export.text import text
 from .family import Method
 from .results import FamilyChart, Measurement
 
-# Sizes in the picture's units, which are points of a screen. Narrower, and the legend's names run over the edge.
+# Sizes in pixels. A narrower picture would cut off names of the legend.
 WIDTH, LEFT, PLOT, TOP, LEAST_HEIGHT, ROW = 820, 74, 440, 46, 400, 19
-# Told apart by their lightness too: each stands out 4.5 to 1 from white.
+# Colours that differ in lightness too, each with a contrast of at least 4.5 to white.
 COLOURS = ("#0064a0", "#b83200", "#00664a", "#9a3d77", "#6b5100", "#444c54")
-# Marks about the origin; as many as have no factor in common with the colours, so that pairs repeat late.
+# Marks about the origin; their number has no common factor with that of the colours, so that pairs repeat late.
 SHAPES = (
     "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z",
     "M-4.5 -4.5h9v9h-9z",
@@ -30,15 +30,12 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def picture(one: FamilyChart, weighed: bool = False) -> bytes:
-    """The picture as a file of its own."""
+    """The picture as a separate file."""
     return ('<?xml version="1.0" encoding="UTF-8"?>\n' + drawing(one, weighed, alone=True) + "\n").encode("utf-8")
 
 
 def drawing(one: FamilyChart, weighed: bool = False, alone: bool = False) -> str:
-    """The picture as one `svg` element. weighed: with the results' weight across instead of the time.
-
-    alone: of a size in mm and with paper behind it, which in a page belong to the page's style.
-    """
+    """The picture as one `svg` element; with `weighed`, the results' weight replaces the time."""
     family = one.family
     across = f"{family.weighed if weighed else 'time'} per {family.per}"
     label = f"{family.title}: {len(one.points)} points, {across} against error in {family.unit}"
@@ -107,12 +104,12 @@ def _decades(values: list[float]) -> tuple[int, int]:
     return int(np.floor(low)), int(np.ceil(high))
 
 
-def _grid(axes: _Axes, across: str, unit: str, told: Callable[[int], str]) -> Iterator[str]:
+def _grid(axes: _Axes, across: str, unit: str, label: Callable[[int], str]) -> Iterator[str]:
     bottom, right = TOP + axes.height, LEFT + PLOT
     for power in _ticks(axes.across, 6):
         x = _n(axes.x(10.0**power))
         yield f'<path d="M{x} {TOP}V{_n(bottom)}" stroke="#dde2e6"/>'
-        yield f'<text x="{x}" y="{_n(bottom + 17)}" text-anchor="middle">{told(power)}</text>'
+        yield f'<text x="{x}" y="{_n(bottom + 17)}" text-anchor="middle">{label(power)}</text>'
     for power in _ticks(axes.upwards, 9):
         y = _n(axes.y(10.0**power))
         yield f'<path d="M{LEFT} {y}H{right}" stroke="#dde2e6"/>'
@@ -168,10 +165,10 @@ def _marks(view: _View, axes: _Axes, method: Method[object, object], k: int) -> 
         if method.is_default:
             yield f'<circle {place} r="10" fill="none" stroke="#1b2127" stroke-width="2"/>'
         cost = f"{p.weight:g} {one.family.weighed}" if view.weighed else f"{p.seconds:.2g} s"
-        told = f"{p.method}{_at(method, p)}: {cost} per {one.family.per}, error {p.largest:.2g}"
+        tooltip = f"{p.method}{_at(method, p)}: {cost} per {one.family.per}, error {p.largest:.2g}"
         yield (
             f'<path class="point" {place} d="{shape}" fill="{colour if on else "#fff"}" stroke="{colour}" '
-            f'stroke-width="1.8"><title>{text(told)}</title></path>'
+            f'stroke-width="1.8"><title>{text(tooltip)}</title></path>'
         )
 
 

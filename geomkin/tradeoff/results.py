@@ -21,26 +21,40 @@ from ..plane.vec import Mask
 from .families import FAMILIES
 from .family import Method, MethodFamily, P, R
 
-# Processor seconds that one point of a full chart is measured for, and all points of a family of a quick one. Less, and
-# the least of the batches still falls; more changes no digit that is told.
+# Processor seconds for each point of a full chart, and for all points of a family in a quick one. With less time the
+# least of the batches still falls; more changes no reported digit.
 FULL, QUICK = 0.5, 1.0
-# Processor seconds of a batch of calls: far above the clock's own cost of a microsecond. Longer batches leave fewer to
-# take the least of, and a busy machine disturbs a long one for sure.
+# Processor seconds of a batch of calls, far above the clock's own cost of a microsecond. Longer batches are fewer and
+# more likely to be disturbed by other programs.
 BATCH = 4e-3
-# Batches of a point at least, however long they take; the least of one alone may be any disturbance.
+# Least number of batches of a point, since a single one may be disturbed.
 LEAST = 3
-# Processor seconds of one call that is no more disturbed than a batch: in a quick chart it is not made twice.
+# Processor seconds from which a call counts as a batch; a quick chart does not repeat it.
 LONG = 0.3
 
 
 @record(eq=False)
 class Measurement:
-    """One point of the chart: a method at a setting.
+    """One point of a chart: a method at a setting.
 
-    setting: nan where there is none. largest, rms: of the errors, in the family's unit, over the results that it found;
-    missed: share of the results that it did not find. seconds: processor time per result, the least of `batches` of
-    `calls` calls with `results` results each. spread: how much slower the median batch was, as a share: what of the
-    time is noise. weight: what the results cost whoever goes on with them; nan in a family where time alone counts.
+    Parameters
+    ----------
+    family, method : str
+        Their names.
+    setting : float
+        The setting; nan if there is none.
+    largest, rms : float
+        Of the errors of the results that were found, in the family's unit.
+    missed : float
+        Share of the results that were not found.
+    seconds : float
+        Processor time per result: the least of the batches.
+    results, calls, batches : int
+        Results per call, calls per batch, and number of batches.
+    spread : float
+        Relative excess of the median batch over the least: the noise of the time.
+    weight : float
+        Further cost of the results; nan if only time counts.
     """
 
     family: str
@@ -58,7 +72,7 @@ class Measurement:
 
 
 class _Trial:
-    """A point that is being measured. calls: in a batch; times: of one call, s, by batches."""
+    """A point being measured: the number of calls in a batch, and the time of one call, s, in each batch."""
 
     def __init__(self, method: Method[Any, Any], setting: float, call: Callable[[], Any], results: int) -> None:
         self.method, self.setting, self.call, self.results = method, setting, call, results
@@ -74,7 +88,7 @@ class _Trial:
         self.times.append((time.process_time() - start) / self.calls)
 
     def calibrate(self) -> None:
-        """As many calls in a batch as take long enough to be timed."""
+        """Choose the number of calls in a batch so that it takes long enough to be timed."""
         while True:
             self.batch()
             if self.times[-1] * self.calls >= BATCH:
@@ -87,10 +101,10 @@ class _Trial:
 
 
 def measured(family: MethodFamily[P, R], quick: bool, tell: Callable[[float], object]) -> tuple[Measurement, ...]:
-    """Every method of a family at every setting; `tell` hears the share that is done.
+    """Every method of a family at every setting; `tell` receives the share that is done.
 
-    Batches go round over the points, so that a machine that slows down for a while slows all alike. The
-    clock is that of the process, which stands still while others run.
+    Batches of all points alternate, so that a temporary slowdown affects all alike. The clock is the processor time of
+    the process.
     """
     problem = family.problem()
     chosen = [(m, s) for m in family.methods if not (quick and m.slow) for s in _settings(m, quick)]
@@ -114,17 +128,17 @@ def measured(family: MethodFamily[P, R], quick: bool, tell: Callable[[float], ob
     budget = QUICK / len(trials) if quick else FULL
     for share in _rounds([t for t in trials if not quick or t.times[0] < LONG], budget):
         tell(0.5 + 0.5 * share)
-    return tuple(_told(family.name, trial) for trial in trials)
+    return tuple(_measurement(family.name, trial) for trial in trials)
 
 
 def _settings(method: Method[P, R], quick: bool) -> tuple[float, ...]:
-    """The settings that are measured: in a quick chart the first, the middle and the last."""
+    """The settings that are measured; in a quick chart the first, the middle and the last."""
     every = tuple(method.settings) or (np.nan,)
     return every if not quick or len(every) < 4 else (every[0], every[len(every) // 2], every[-1])
 
 
 def _rounds(trials: list[_Trial], budget: float) -> Iterator[float]:
-    """A batch of each in turn, until each has had its time; after each round, the share that is done."""
+    """Run a batch of each point in turn until each has had its time; yields the share that is done."""
     left = trials
     while left := [t for t in left if t.spent < budget or len(t.times) < LEAST]:
         for trial in left:
@@ -132,7 +146,7 @@ def _rounds(trials: list[_Trial], budget: float) -> Iterator[float]:
         yield float(np.mean([min(1.0, t.spent / budget) for t in trials]))
 
 
-def _told(family: str, trial: _Trial) -> Measurement:
+def _measurement(family: str, trial: _Trial) -> Measurement:
     known = trial.errors[np.isfinite(trial.errors)]
     least = min(trial.times)
     return Measurement(
@@ -152,46 +166,71 @@ def _told(family: str, trial: _Trial) -> Measurement:
 
 
 def to_six_digits(value: float) -> float:
-    """As the table tells it: points that differ beyond that are equal."""
+    """A value as reported; points that agree in six digits are equal."""
     return float(f"{value:.6g}")
 
 
 @record(eq=False)
 class FamilyChart:
-    """One family's measured points. on_front: of each point, whether no other beats it; on_weight_front: by weight."""
+    """The measured points of one family.
+
+    Parameters
+    ----------
+    family : MethodFamily
+        The family.
+    points : tuple of Measurement
+        Its measured points.
+    """
 
     family: MethodFamily[Any, Any]
     points: tuple[Measurement, ...]
 
     @cached_property
     def on_front(self) -> Mask:
-        """(points,): by time per result and largest error; what misses results is never on it."""
+        """Mask (points,) of the Pareto front by time per result and largest error; points with missed results are off
+        it.
+        """
         return self._front([to_six_digits(p.seconds) for p in self.points])
 
     @cached_property
     def on_weight_front(self) -> Mask:
-        """(points,): the same by weight; all False in a family where time alone counts."""
+        """The same by weight; all False if only time counts."""
         return self._front([to_six_digits(p.weight) for p in self.points])
 
     def _front(self, costs: list[float]) -> Mask:
         return pareto_front(costs, [self.shown_error(p) if not p.missed else np.nan for p in self.points])
 
     def shown_error(self, point: Measurement) -> float:
-        """A point's largest error, not below what is rounding, to six digits."""
+        """The largest error of a point with six digits, at least the family's floor.
+
+        Parameters
+        ----------
+        point : Measurement
+            A point of this family.
+        """
         return to_six_digits(max(point.largest, self.family.floor))
 
     @cached_property
     def defaults(self) -> tuple[tuple[Measurement, bool], ...]:
-        """The points of the library's own method, and whether each is on the front."""
+        """The points of the library's default method, and whether each is on the front."""
         names = {method.name for method in self.family.methods if method.is_default}
         return tuple((p, bool(on)) for p, on in zip(self.points, self.on_front) if p.method in names)
 
 
 @record(eq=False)
 class Chart:
-    """Time per result against error, of every method of some families, on one machine.
+    """Time per result against error of all methods of some families on one machine.
 
-    quick: whether it was measured in a hurry. versions: of Python, NumPy and geomkin; processor: its name.
+    Parameters
+    ----------
+    families : tuple of FamilyChart
+        The measured families.
+    quick : bool
+        Whether it is a quick chart.
+    versions : mapping of str to str
+        Versions of Python, NumPy and geomkin.
+    processor : str
+        Name of the processor.
     """
 
     families: tuple[FamilyChart, ...]
@@ -202,30 +241,46 @@ class Chart:
 
 @checked
 def chart(families: Sequence[str] = (), quick: bool = False) -> Chart:
-    """Measure families, by their names in `FAMILIES`; all where none is named.
+    """Measure families of methods on this machine.
 
-    Seconds of processor time on the machine it runs on, alone in its process: threads that work beside it are counted
-    with it. quick: some seconds a family, with fewer settings and without the slowest methods.
+    Times are processor seconds of this process, including its other threads.
+
+    Parameters
+    ----------
+    families : sequence of str
+        Names in `FAMILIES`; all by default.
+    quick : bool
+        Take some seconds per family, with fewer settings and without the slowest methods.
+
+    Returns
+    -------
+    Chart
+        The measured points.
+
+    Raises
+    ------
+    DesignError
+        For an unknown name.
     """
     for name in families:
         if name not in FAMILIES:
             raise DesignError("families", f"found {shown(name)}", f"give some of {', '.join(FAMILIES)}")
     chosen = [FAMILIES[name] for name in dict.fromkeys(families or FAMILIES)]
-    found = []
+    charts = []
     for k, family in enumerate(chosen):
         watch = Watch(np.inf, f"measuring {family.name}")
-        found.append(FamilyChart(family, measured(family, quick, _part(watch, k, len(chosen)))))
+        charts.append(FamilyChart(family, measured(family, quick, _progress_of(watch, k, len(chosen)))))
     versions = {"geomkin": __version__, "python": platform.python_version(), "numpy": np.__version__}
-    return Chart(tuple(found), quick, versions, processor())
+    return Chart(tuple(charts), quick, versions, processor())
 
 
-def _part(watch: Watch, done: int, whole: int) -> Callable[[float], None]:
-    """What is told the share of one family, when so many are done of the whole."""
+def _progress_of(watch: Watch, done: int, whole: int) -> Callable[[float], None]:
+    """Report the share of one family as a share of all of them."""
     return lambda share: watch.report((done + share) / whole)
 
 
 def processor() -> str:
-    """The processor's name, and how many cores there are."""
+    """Name of the processor and number of cores."""
     try:
         lines = Path("/proc/cpuinfo").read_text("utf-8", "replace").splitlines()
     except OSError:
@@ -236,9 +291,28 @@ def processor() -> str:
 
 @checked
 def pareto_front(seconds: Extended, errors: Extended) -> Mask:
-    """Which of these points (n,) no other one beats: as fast and as accurate, and better in one of the two.
+    """Mark the points that no other point beats in both time and error.
 
-    Equal points stand on the front together; a point that is nan or infinite in either is never on it.
+    Parameters
+    ----------
+    seconds, errors : array_like, shape (n,)
+        The two costs of each point.
+
+    Returns
+    -------
+    array of bool, shape (n,)
+        Equal points are on the front together; a point with nan or an infinite value is never on it.
+
+    Raises
+    ------
+    DesignError
+        If the arguments are not two rows of equal length.
+
+    Examples
+    --------
+    >>> from geomkin.tradeoff import pareto_front
+    >>> pareto_front([1, 2, 3], [3, 4, 1]).tolist()
+    [True, False, True]
     """
     cost, miss = np.asarray(seconds, dtype=float), np.asarray(errors, dtype=float)
     if cost.ndim != 1 or cost.shape != miss.shape:
@@ -246,7 +320,7 @@ def pareto_front(seconds: Extended, errors: Extended) -> Mask:
     front = np.zeros(cost.shape, dtype=bool)
     known = np.flatnonzero(np.isfinite(cost) & np.isfinite(miss))
     least = np.inf
-    # From the fastest on, a point is on the front where it errs less than all that are as fast.
+    # In order of time, a point is on the front if its error is less than that of all faster ones.
     for fastest in np.unique(cost[known]):
         here = known[cost[known] == fastest]
         best = miss[here].min()

@@ -1,4 +1,4 @@
-"""The stability study: every cell at falling distances, and the table of where methods break."""
+"""The stability study: digits of every cell at falling distances, and a table of the results."""
 
 from __future__ import annotations
 
@@ -19,57 +19,63 @@ from .breaking import poses as poses
 from .cell import ANSWERS, Cell, Digits, answered, measured
 
 CELLS: tuple[Cell, ...] = (*linkages.CELLS, *linkages.INSTANT_CELLS, *poses.CELLS, *cams.CELLS, *gears.CELLS)
-# Powers of ten of the distance to the place where methods fail.
+# Negative powers of ten of the distance from the singular position.
 POWERS = tuple(range(1, 16))
-# What digits are told of.
-KINDS = ("library", "textbook", "allowed")
+# Kinds of digits in the table.
+DIGIT_KINDS = ("library", "textbook", "allowed")
 # Distances whose digits the page shows.
 SHOWN = (1e-4, 1e-8, 1e-12, 1e-15)
 
 
 @record(eq=False)
 class Stability:
-    """What was found: for each cell its digits by falling distance."""
+    """Results of the stability study.
 
-    found: tuple[tuple[Digits, ...], ...]
+    Parameters
+    ----------
+    results : tuple of tuple of Digits
+        For each cell its digits by falling distance.
+    """
+
+    results: tuple[tuple[Digits, ...], ...]
 
     @cached_property
     def answers(self) -> tuple[str, ...]:
-        """What the library does at each cell, a key of `ANSWERS`; another text where it loses digits without a word."""
-        return tuple(answered(row) for row in self.found)
+        """Behaviour of the library at each cell: a key of `ANSWERS`, or another text if it loses digits silently."""
+        return tuple(answered(row) for row in self.results)
 
     def csv(self) -> bytes:
-        """A row for each cell, with the digits at each distance; where there are none, `nan` or `refused`."""
+        """A row for each cell with its digits at each distance, or `nan` or `refused`."""
         stream = io.StringIO()
         writer = csv.writer(stream, lineterminator="\n")
-        heads = [f"{kind}_{one.distance:.0e}" for kind in KINDS for one in self.found[0]]
+        heads = [f"{kind}_{one.distance:.0e}" for kind in DIGIT_KINDS for one in self.results[0]]
         writer.writerow(["family", "place", "result", "distance", "library_does", "told_by", *heads])
-        for row, answer in zip(self.found, self.answers):
+        for row, answer in zip(self.results, self.answers):
             cell = row[0].cell
-            about = cell.family, cell.place, cell.result, cell.distance, ANSWERS.get(answer, answer), cell.told
-            writer.writerow([*about, *(_told(one, kind) for kind in KINDS for one in row)])
+            about = cell.family, cell.place, cell.result, cell.distance, ANSWERS.get(answer, answer), cell.reported_by
+            writer.writerow([*about, *(_digits_text(one, kind) for kind in DIGIT_KINDS for one in row)])
         return stream.getvalue().encode("utf-8")
 
     def section(self) -> str:
-        """The table of where methods break, as a part of a page."""
-        shown = [k for k, one in enumerate(self.found[0]) if any(abs(one.distance / d - 1) < 0.1 for d in SHOWN)]
+        """The table of the study as HTML."""
+        shown = [k for k, one in enumerate(self.results[0]) if any(abs(one.distance / d - 1) < 0.1 for d in SHOWN)]
         spans = f'colspan="{len(shown)}"'
-        heads = "".join(f"<th>{self.found[0][k].distance:.0e}</th>" for k in shown)
+        heads = "".join(f"<th>{self.results[0][k].distance:.0e}</th>" for k in shown)
         lines = [
             '<section id="stability"><h2>Where methods break</h2>',
-            "<p>Decimal digits that the library keeps as the place comes near at which methods fail, and those of the "
-            "textbook's formula in the same double precision, against arithmetic of 120 digits. Sizes: the digits that "
-            "are left where each size is off by half of its last bit.</p>",
+            "<p>Decimal digits that the library keeps near singular positions, and those that the "
+            "textbook's formula keeps in double precision, compared with arithmetic of 120 digits. Sizes: the digits "
+            "that remain if each size has an error of half of its last bit.</p>",
             '<div class="wide"><table><thead>',
             '<tr><th rowspan="2">Place</th><th rowspan="2">Result</th><th rowspan="2">Distance</th>'
             f"<th {spans}>Library</th><th {spans}>Textbook</th><th {spans}>Sizes</th>"
             '<th rowspan="2">What the library does</th></tr>',
             f"<tr>{heads * 3}</tr></thead><tbody>",
         ]
-        for row, answer in zip(self.found, self.answers):
+        for row, answer in zip(self.results, self.answers):
             cell = row[0].cell
-            does = ANSWERS.get(answer, answer) + (f"; told by {cell.told}" if cell.told else "")
-            digits = [f"<td>{_told(row[k], kind)}</td>" for kind in KINDS for k in shown]
+            does = ANSWERS.get(answer, answer) + (f"; reported by {cell.reported_by}" if cell.reported_by else "")
+            digits = [f"<td>{_digits_text(row[k], kind)}</td>" for kind in DIGIT_KINDS for k in shown]
             about = (cell.place, f"{cell.family}: {cell.result}", cell.distance)
             lines.append(f"<tr>{''.join(f'<th>{escape(text)}</th>' for text in about)}{''.join(digits)}")
             lines.append(f"<td>{escape(does)}</td></tr>")
@@ -78,10 +84,27 @@ class Stability:
 
 @checked
 def stability(distances: Reals | None = None) -> Stability:
-    """Decimal digits that the library keeps at every cell of `CELLS`, at distances from the place where methods fail.
+    """Measure the decimal digits that the library keeps near singular positions.
 
-    distances: above 0 and at most 0.1, as shares of the sizes, falling; 1e-1 to 1e-15 unless given. Asks for mpmath,
-    which the extra `test` brings. DesignError for other distances.
+    Parameters
+    ----------
+    distances : array_like, optional
+        Distances from the singular position as shares of the sizes, falling from at most 0.1 to at least 1e-15; 1e-1 to
+        1e-15 by default.
+
+    Returns
+    -------
+    Stability
+        The digits of every cell.
+
+    Raises
+    ------
+    DesignError
+        For other distances.
+
+    Notes
+    -----
+    Needs mpmath, which the extra `test` installs.
     """
     given = np.asarray([10.0**-k for k in POWERS] if distances is None else distances, dtype=float)
     falling = given.ndim == 1 and given.size > 0 and bool(np.all(np.diff(given) < 0))
@@ -90,6 +113,6 @@ def stability(distances: Reals | None = None) -> Stability:
     return Stability(tuple(tuple(measured(cell, x) for x in given.tolist()) for cell in CELLS))
 
 
-def _told(one: Digits, kind: str) -> str:
+def _digits_text(one: Digits, kind: str) -> str:
     value = getattr(one, kind)
     return f"{value:.1f}" if not np.isnan(value) else "refused" if kind == "library" and one.refused else "nan"

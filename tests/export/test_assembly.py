@@ -141,11 +141,13 @@ def test_where_the_driver_never_is_and_where_it_cannot_be_are_refused_with_what_
         'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 60\ncoupler = 50\nrocker = 70\n[stock]\nthickness = 3\n'
     )
     for ending in ("svg", "dxf"):
-        with pytest.raises(gk.DesignError, match="found 720 deg, where the driver never is; give 0 to 360"):
+        with pytest.raises(gk.DesignError, match="found 720 deg, outside the range of the driver; give 0 to 360"):
             gk.write(at(recipe, 720.0), tmp_path / f"a-assembly.{ending}")
-    with pytest.raises(gk.DesignError, match="found 180 deg, where the mechanism cannot be; give"):
+    with pytest.raises(gk.DesignError, match="found 180 deg, where the mechanism cannot be assembled; give"):
         gk.write(at(recipe, 180.0), tmp_path / "a-assembly.svg")
-    with pytest.raises(gk.RecipeError, match=r"files.assembly_at: found 180 deg, where the mechanism cannot be"):
+    with pytest.raises(
+        gk.RecipeError, match=r"files.assembly_at: found 180 deg, where the mechanism cannot be assembled"
+    ):
         gk.make(at(recipe, 180.0), tmp_path)
     # Unless it is told, a place is found at which it can be.
     assert gk.write(recipe, tmp_path / "a-assembly.svg")

@@ -17,7 +17,7 @@ from ezdxf.lldxf.encoding import decode_dxf_unicode
 
 import geomkin as gk
 from geomkin.export.cut import cut
-from geomkin.export.dimensioned import drawing, scale_of, scale_told
+from geomkin.export.dimensioned import drawing, scale_of, scale_text
 from geomkin.export.dxf import sheet as sheet_dxf
 from geomkin.export.job import Job, StaticSource
 from geomkin.plane.primitives import Circle
@@ -314,7 +314,7 @@ def test_the_scale_is_round_and_the_drawing_has_it(size, scale):
     assert any(text.text == f"sheet of 3 mm, scale {scale}" for text in made.texts)
     paper, part = map(float, scale.split(":"))
     (drawn,) = [shape for layer, shape in made.shapes if layer == "PART"]
-    assert drawn.radius == pytest.approx(size / 2 * paper / part) and scale_told(paper / part) == scale
+    assert drawn.radius == pytest.approx(size / 2 * paper / part) and scale_text(paper / part) == scale
     # The longer side of the largest part decides, whichever that is.
     for long in (size + 1j, 1 + 1j * size):
         corners = np.array([0, long.real, long, 1j * long.imag])

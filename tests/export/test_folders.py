@@ -11,8 +11,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.export import files
-from geomkin.export.summary import LARGEST, files_told
-from geomkin.export.summary import told as told_by_summary
+from geomkin.export.summary import LARGEST, listed_files
+from geomkin.export.summary import read_summary as told_by_summary
 from geomkin.page import index
 from tests.export.test_index import read
 
@@ -20,7 +20,7 @@ from tests.export.test_index import read
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="the system cannot make an interrupt wait")
 @pytest.mark.parametrize("fails", [False, True])
 def test_an_interrupt_waits_until_no_half_file_is_left(tmp_path, monkeypatch, fails):
-    waits, real = [], files._set_down
+    waits, real = [], files._write_temporary
 
     def set_down(path, content):
         waits.append(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))
@@ -28,7 +28,7 @@ def test_an_interrupt_waits_until_no_half_file_is_left(tmp_path, monkeypatch, fa
             raise OSError(28, "No space left on device")
         return real(path, content)
 
-    monkeypatch.setattr(files, "_set_down", set_down)
+    monkeypatch.setattr(files, "_write_temporary", set_down)
     try:
         files.write_whole(tmp_path, {"a": b"1", "b": b"2"})
     except gk.FileError as error:
@@ -196,7 +196,7 @@ def test_a_summary_as_large_as_none_of_ours_is_passed_by(tmp_path):
         assert bool(told_by_summary(tmp_path)) == read_back
     for strange in ("[1]", "3", '"a"', "null", "{", "[" * 100_000):
         (tmp_path / "summary.json").write_text(strange)
-        assert told_by_summary(tmp_path) == {} and files_told(tmp_path) == set()
+        assert told_by_summary(tmp_path) == {} and listed_files(tmp_path) == set()
 
 
 def test_of_the_files_that_a_summary_tells_only_those_that_are_made_are_ours(tmp_path):
@@ -204,6 +204,6 @@ def test_of_the_files_that_a_summary_tells_only_those_that_are_made_are_ours(tmp
     own = ["a.dxf", "A.STL", "a-assembly.svg", "a.found.toml"]
     others = ["a.toml", "notes.txt", "found.toml", ".dxf", "../a.dxf", "b/a.dxf", "a.docx", 3, None, ["a.dxf"], {}]
     folder = made(tmp_path, "a", {"files": [*own, *others]})
-    assert files_told(folder) == set(own)
+    assert listed_files(folder) == set(own)
     for strange in ("a.dxf", {"a.dxf": 1}, None, 7):
-        assert files_told(made(tmp_path, f"b{strange!r:.3}", {"files": strange})) == set()
+        assert listed_files(made(tmp_path, f"b{strange!r:.3}", {"files": strange})) == set()

@@ -97,19 +97,19 @@ def test_an_open_mark_may_follow_a_bent_plate():
     made = cut(gk.Part("c", ring, (), 3, marks=(mark,)), TOLERANCE)
     assert len(made.marks[0].points) == 4
     across = gk.plane.Segment(55 + 5j, 55 + 55j)
-    with pytest.raises(gk.DesignError, match="mark 2 reaches over the outline"):
+    with pytest.raises(gk.DesignError, match="mark 2 crosses the outline"):
         cut(gk.Part("c", ring, (), 3, marks=(mark, across)), TOLERANCE)
 
 
 @pytest.mark.parametrize(
     ("mark", "words"),
     [
-        (gk.plane.Circle(90, 13), "reaches over the outline"),
-        (gk.plane.Segment(0, 200), "reaches over the outline"),
-        (gk.plane.Circle(300, 5), "reaches over the outline"),
-        (gk.plane.Circle(40, 500), "reaches over the outline"),
-        (gk.plane.Circle(40, 1e-9), "smaller than files can tell"),
-        (gk.plane.Segment(40, 40 + 1e-10j), "smaller than files can tell"),
+        (gk.plane.Circle(90, 13), "crosses the outline"),
+        (gk.plane.Segment(0, 200), "crosses the outline"),
+        (gk.plane.Circle(300, 5), "crosses the outline"),
+        (gk.plane.Circle(40, 500), "crosses the outline"),
+        (gk.plane.Circle(40, 1e-9), "smaller than the resolution of files"),
+        (gk.plane.Segment(40, 40 + 1e-10j), "smaller than the resolution of files"),
     ],
 )
 @pytest.mark.parametrize("kerf", [0.0, 4.0])

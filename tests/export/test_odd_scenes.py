@@ -69,7 +69,7 @@ def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_told_is_cut():
         bar = gk.plane.Polyline(np.array([0, 100, 100 + 50j, 50j]) * (1 + tolerance))
         made = cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 1.01 * least),), 3.0), tolerance)
         assert len(made.loops) == 2
-        wide = f"bar: a hole {1.98 * least:.3g} mm wide is smaller than files can tell; make it larger"
+        wide = f"bar: a hole {1.98 * least:.3g} mm wide is smaller than the resolution of files; make it larger"
         with pytest.raises(gk.DesignError, match=wide):
             cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 0.99 * least),), 3.0), tolerance)
 
@@ -93,7 +93,7 @@ def test_solids_by_one_name_are_refused_before_one_is_written_over_the_other(tmp
 @pytest.mark.parametrize("needs", ["table", "scene", "part"])
 def test_what_a_format_is_made_of_and_is_not_there_is_told(needs):
     job = Job("none", StaticSource(()), 0.01)
-    with pytest.raises(gk.DesignError, match=f"is made of a {needs} is asked for, and there is none; leave it out"):
+    with pytest.raises(gk.DesignError, match=f"needs a {needs}, and there is none; leave it out"):
         _ = {"table": lambda: job.table, "scene": lambda: job.scene, "part": lambda: job.flats}[needs]()
 
 

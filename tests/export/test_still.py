@@ -37,7 +37,7 @@ def test_the_driver_stands_at_a_share_of_its_own_range_wherever_that_begins(star
 
 def test_a_driver_of_one_frame_is_there_and_nowhere_else():
     assert frame_at(driven([5.0]), 5.0) == frame_at(driven([5.0]), None) == 0
-    with pytest.raises(gk.DesignError, match=re.escape("found 5.5 mm, where the driver never is; give 5 to 5")):
+    with pytest.raises(gk.DesignError, match=re.escape("found 5.5 mm, outside the range of the driver; give 5 to 5")):
         frame_at(driven([5.0]), 5.5)
 
 

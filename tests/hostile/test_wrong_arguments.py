@@ -241,7 +241,7 @@ GOOD = {
     "xy": {"z": np.array([1j, 2.0])},
     "mid_ordinate_integral": {"rates": np.cos(DRIVE), "interval": 0.1, "start": 2.0, "inexact": 1e-6},
     "velocity_difference": {"samples": np.cos(DRIVE), "interval": 0.1, "inexact": 1e-6},
-    "Method": {"name": "a", "about": "b", "make": lambda problem, setting: list, "setting": "step", "settings": (1.0, 0.5), "because": "", "despite": "", "slow": False},
+    "Method": {"name": "a", "about": "b", "make": lambda problem, setting: list, "setting": "step", "settings": (1.0, 0.5), "rationale": "", "caveat": "", "slow": False},
     "pareto_front": {"seconds": np.array([1.0, 2.0]), "errors": np.array([2.0, 1.0])},
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.

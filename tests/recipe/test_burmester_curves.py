@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.kinds.burmester_curves import _dashes, _even
+from geomkin.synthesis.kinds.burmester_curves import _at_shares_of_length, _dashes
 
 POSES = [[0, 0, 0], [15, 21, 25], [36, 30, 60], [55, 20, 105]]
 
@@ -52,7 +52,7 @@ def test_rows_are_even_along_a_piece_and_dashes_as_long_as_their_gaps(length):
         fine = np.linspace(piece.start, piece.end, 40_001)
         ways = np.concatenate([[0], np.cumsum(np.abs(np.diff(piece.point(fine))))])
         shares = np.linspace(0, 1, 12)
-        at = np.interp(_even(piece, shares), fine, ways)
+        at = np.interp(_at_shares_of_length(piece, shares), fine, ways)
         assert at == pytest.approx(shares * ways[-1], abs=2e-3 * ways[-1])
         ends = np.interp([dash.breaks[[0, -1]] for dash in _dashes(piece, length)], fine, ways)
         # One dash more than gaps, so that the first begins and the last ends with the piece.

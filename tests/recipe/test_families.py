@@ -77,5 +77,5 @@ def test_a_time_ratio_tells_the_crank_s_turn(kind):
     assert turns == pytest.approx([200, 200])
     lines = "\n".join(lines)
     assert parse(lines).wanted.turn_deg == 180 and recipe.wanted.turn_deg > 0
-    with pytest.raises(gk.RecipeError, match="time_ratio: is given besides crank_turn_deg"):
+    with pytest.raises(gk.RecipeError, match="time_ratio: is given together with crank_turn_deg"):
         parse(lines.replace("[wanted]", "[wanted]\ntime_ratio = 1.25\ncrank_turn_deg = 200"))

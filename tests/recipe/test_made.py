@@ -3,7 +3,7 @@
 import pytest
 
 import geomkin as gk
-from geomkin.build import check_recipe, naming
+from geomkin.build import check_recipe, errors_named_by_key
 from geomkin.export.job import Job
 
 BARS = """
@@ -49,8 +49,8 @@ def test_only_those_of_the_asked_for_are_written_or_of_all_where_none_is_named(t
     with pytest.raises(gk.RecipeError) as refusal:
         gk.make(BARS, tmp_path, ["page", "glb"])
     (problem,) = refusal.value.problems
-    assert problem.key == "files.write" and problem.remedy == "ask for one that the recipe writes, or add it"
-    assert problem.problem == "found csv, svg, stl, but only page, glb is to be written"
+    assert problem.key == "files.write"
+    assert problem.problem == "found csv, svg, stl, but only page, glb was requested"
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_only_those_of_the_asked_for_are_written_or_of_all_where_none_is_named(t
 )
 def test_a_design_s_error_is_told_under_the_recipe_s_key(field, key):
     recipe = gk.load(BARS)
-    with pytest.raises(gk.RecipeError) as refusal, naming("in/a.toml", recipe):
+    with pytest.raises(gk.RecipeError) as refusal, errors_named_by_key("in/a.toml", recipe):
         raise gk.DesignError(field, "found 1", "give 2")
     assert str(refusal.value) in {f"in/a.toml: {key}: found {one}; give 2" for one in ("1", "the default of 1")}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import geomkin as gk
-from geomkin.build import naming
+from geomkin.build import errors_named_by_key
 from geomkin.export.mesh import solid_cut
 
 GALLERY = Path(__file__).parent.parent.parent / "recipes"
@@ -48,7 +48,7 @@ def refusal(name, key, value):
     held[last] = value
     with pytest.raises(gk.RecipeError) as refused:
         recipe = gk.load(data)
-        with naming("recipe", recipe):
+        with errors_named_by_key("recipe", recipe):
             _ = recipe.checks, [solid_cut(part, recipe.files.tolerance) for part in recipe.parts]
     return data, refused.value.problems[0]
 

@@ -256,7 +256,7 @@ def test_what_is_refused(wish, field, text):
 @pytest.mark.parametrize(
     ("given", "field", "text"),
     [
-        ({"crank": 1.0, "rocker": 1.0}, "rocker", "besides crank"),
+        ({"crank": 1.0, "rocker": 1.0}, "rocker", "rocker:"),
         ({"free_angle_deg": 90}, "free_angle_deg", "more than 0 and less than 90"),
         ({"largest_ratio": 1.01}, "largest_ratio", "give at least"),
         ({"rocker": 30}, "rocker", "give more than 0 and less than 16.58171 mm"),
@@ -288,7 +288,7 @@ def test_the_numbers_that_refusals_name_work():
 )
 def test_a_length_that_is_the_same_in_all_is_told(wish, name):
     """Where a link's two places mirror each other in the ground line, the other one alone is free."""
-    with pytest.raises(gk.DesignError, match="leave it out: it is (.*) mm in all of them") as caught:
+    with pytest.raises(gk.DesignError, match="leave it out") as caught:
         double_rocker(*wish, 100, **{name: 1234.5})
     told = float(caught.value.remedy.split()[5])
     for free in (10, 40, 80):
@@ -301,7 +301,7 @@ def test_a_length_that_is_the_same_in_all_is_told(wish, name):
     "wish", [(-120, 60, -40, -70), (60, 60, -30, 60), (60, 80, -20, 40), (-90, 180, 330, -250), (-30, 60, 70, 40)]
 )
 def test_the_start_that_a_refusal_names_is_the_nearest_that_works(wish):
-    with pytest.raises(gk.DesignError, match="no lengths above 0 fit both swings") as caught:
+    with pytest.raises(gk.DesignError, match="rocker_start_deg:") as caught:
         double_rocker(*wish)
     crank, swing, start, out = wish
 

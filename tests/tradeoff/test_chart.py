@@ -217,7 +217,7 @@ def test_the_page_tells_all_in_words_and_runs_nothing():
     assert b64encode(hashlib.sha256(style.encode()).digest()).decode() in policy and "default-src 'none'" in policy
     assert not any("style" in a or any(key.startswith("on") for key in a) for _, a in page.tags)
     words = re.sub(r"\s+", " ", " ".join(page.words))
-    assert "all <terms> : it errs least. It is on the front." in words and "quick run" in words
+    assert "all <terms> : it errs least. It is on the front." in words and "quick chart" in words
     assert "a <processor>" in words and words.count("10 calls") == len(POINTS) and "misses 100.0%" in words
 
 
@@ -257,7 +257,7 @@ def test_the_table_of_the_page_tells_every_number():
 def test_a_default_off_the_front_is_told_with_what_beats_it():
     from tests.tradeoff.toy import METHODS
 
-    slow = gk.tradeoff.Method("slow", "Adds twice.", METHODS[0].make, because="it is checked.", despite="It is safe.")
+    slow = gk.tradeoff.Method("slow", "Adds twice.", METHODS[0].make, rationale="it is checked.", caveat="It is safe.")
     family = gk.tradeoff.MethodFamily(**{**vars(FAMILY), "methods": (METHODS[1], slow)})
     points = (point("some", 1.0, 1e-3, 1e-6), point("some", 2.0, 1e-5, 2e-6), point("slow", np.nan, 1e-5, 8e-6))
     chart = gk.tradeoff.Chart((gk.tradeoff.FamilyChart(family, points),), False, {}, "")
@@ -267,7 +267,7 @@ def test_a_default_off_the_front_is_told_with_what_beats_it():
 
 def test_what_differs_beyond_six_digits_beats_all_the_same():
     """The front goes by six digits, and so does what a default off it is beaten by."""
-    one = replace(FAMILY, methods=(FAMILY.methods[1], replace(FAMILY.methods[0], despite="It is safe.")))
+    one = replace(FAMILY, methods=(FAMILY.methods[1], replace(FAMILY.methods[0], caveat="It is safe.")))
     for beats, default in (
         (point("some", 1.0, 1e-5 * (1 + 1e-9), 2e-6), point("all <terms>", np.nan, 1e-5, 4e-6)),
         (point("some", 1.0, 1e-5, 4e-6 * (1 + 1e-9)), point("all <terms>", np.nan, 2e-5, 4e-6)),
@@ -393,7 +393,7 @@ def test_every_default_in_the_kept_chart_is_on_the_front_or_says_why_not():
         defaults = [row for row in points if row["default"] == "1"]
         assert defaults and {row["method"] for row in defaults} == {n for n, m in methods.items() if m.is_default}
         for row in defaults:
-            assert row["on_front"] == "1" or methods[row["method"]].despite, row
+            assert row["on_front"] == "1" or methods[row["method"]].caveat, row
         # What the file says of the front is what its numbers say.
         errors = [max(float(row["largest_error"] or "nan"), family.floor) for row in points]
         errors = [np.nan if float(row["missed_share"]) else error for row, error in zip(points, errors)]
@@ -410,7 +410,7 @@ def test_the_kept_chart_s_page_and_pictures_are_those_of_its_table():
         _, picture, after = page.partition((KEPT / f"{name}.svg").read_text("utf-8").partition("<text")[2].strip())
         assert picture
         for method in family.methods:
-            assert not method.is_default or method.because in page.replace("&#x27;", "'")
+            assert not method.is_default or method.rationale in page.replace("&#x27;", "'")
             told = html.unescape(after).partition(f"<dt>{method.name}</dt><dd>{method.about}")[2]
             assert told.startswith(" It takes long, and a quick chart leaves it out.</dd>" if method.slow else "</dd>")
     chapter = (KEPT.parents[2] / "docs" / "speed-and-accuracy.md").read_text("utf-8")

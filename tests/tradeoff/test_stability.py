@@ -33,7 +33,7 @@ def design_checks(cell, distances):
 def test_the_library_does_at_each_place_what_the_table_says(cell):
     found = design_checks(cell, (1e-1, 1e-7, 1e-15))
     # And the sizes are those of the kept table, to the rounding of its digits.
-    (then,) = [[row[0], row[6], row[14]] for row in kept.study().found if row[0].cell is cell]
+    (then,) = [[row[0], row[6], row[14]] for row in kept.study().results if row[0].cell is cell]
     assert [one.allowed for one in found] == pytest.approx([one.allowed for one in then], abs=0.06)
 
 
@@ -163,7 +163,7 @@ def test_a_study_of_one_cell_and_few_distances_is_told_whole(distances):
     assert list(row)[6:] == heads and list(row)[:6] == [
         "family", "place", "result", "distance", "library_does", "told_by",
     ]  # fmt: skip
-    told = [f"{getattr(one, kind):.1f}" for kind in ("library", "textbook", "allowed") for one in found.found[0]]
+    told = [f"{getattr(one, kind):.1f}" for kind in ("library", "textbook", "allowed") for one in found.results[0]]
     assert [row[head] for head in heads] == told and row["library_does"] == ANSWERS[found.answers[0]]
     # The page shows some distances alone.
     seen = [k for k, x in enumerate(distances) if x in (1e-4, 1e-8, 1e-12, 1e-15)]

@@ -11,7 +11,7 @@ def _adds(problem, terms):
 
 HALVES = 0.5 ** np.arange(1, 60)
 METHODS = (
-    gk.tradeoff.Method("all <terms>", "Adds all of them.", _adds, because="it errs least."),
+    gk.tradeoff.Method("all <terms>", "Adds all of them.", _adds, rationale="it errs least."),
     gk.tradeoff.Method("some", "Adds the first.", _adds, "terms", (1.0, 2.0, 5.0, 10.0)),
     gk.tradeoff.Method("none", "Finds nothing.", lambda problem, _: lambda: float("nan"), slow=True),
 )

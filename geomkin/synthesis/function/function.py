@@ -1,4 +1,4 @@
-"""What a search for function generators returns."""
+"""Function generators: four-bars and slider-cranks whose output follows a function of the crank angle."""
 
 from __future__ import annotations
 
@@ -28,10 +28,17 @@ DEGREE = float(np.degrees(1.0))
 
 
 class Peak(NamedTuple):
-    """A place where the error is largest between its neighbours.
+    """A local extremum of the error.
 
-    error: deg of the output, or mm of the slider: what is reached less what is wanted. multiplier: the share that it
-    has in holding the largest error where it is, all shares 1; 0 where it could grow, nan where no minimax was asked.
+    Parameters
+    ----------
+    x : float
+        Its position.
+    error : float
+        Actual minus wanted output there, deg, or mm for a slider.
+    multiplier : float
+        Share of this peak in holding the largest error; all shares add up to 1. 0 if the peak could grow, nan if the
+        method is not minimax.
     """
 
     x: float
@@ -41,14 +48,27 @@ class Peak(NamedTuple):
 
 @record(eq=False, kw_only=True)
 class AbstractFunctionGenerator(Found):
-    """What function generators have in common.
+    """The common part of function generators.
 
-    alternation: the error's peaks, in order of x. active_limits: of "transmission angle" and "ratio" those that hold
-    the error up, with their multipliers: how fast the largest error would fall, in its unit, were the limit moved (the
-    cosine of the transmission angle, the logarithm of the ratio). certificate: what is left of the derivatives of the
-    error at the peaks and of the active limits, each times its multiplier: 0 to rounding, as no multiplier is negative,
-    proves that no small change of the sizes makes all peaks less; nan for least squares. others: what the
-    search found besides, the best first.
+    Parameters
+    ----------
+    linkage, branch, transmission_angle_deg, defects
+        As for `Found`.
+    drive : array, shape (2,)
+        Crank angles at x0 and x1, rad from the ground line.
+    alternation : tuple of Peak
+        Peaks of the error in order of x.
+    active_limits : mapping of str to float
+        Multipliers of "transmission angle" and "ratio" if these limit the error: how fast the largest error would fall,
+        in its unit, if the limit were moved (the cosine of the transmission angle, the logarithm of the ratio).
+    certificate : float
+        Norm of the sum of the derivatives of the peaks and active limits, each times its multiplier. 0 to rounding
+        proves, since no multiplier is negative, that no small change of the sizes reduces all peaks. nan for least
+        squares.
+    others : tuple
+        Further results of the search, the best first.
+    wanted, task, unknowns
+        The function, the optimisation task and its unknowns.
     """
 
     alternation: tuple[Peak, ...]
@@ -62,23 +82,23 @@ class AbstractFunctionGenerator(Found):
     @property
     @abstractmethod
     def _output(self) -> tuple[float, float]:
-        """Where the wanted output starts, and how far it goes: deg or mm."""
+        """Start and range of the wanted output, deg or mm."""
 
     @property
     @abstractmethod
     def _unit(self) -> float:
-        """Of the task's errors, deg or mm."""
+        """Factor from the task's errors to deg or mm."""
 
     def _error(self, s: Real) -> Real:
-        """Errors (1, m), deg or mm, at shares (1, m) of the input's way."""
+        """Errors (1, m), deg or mm, at shares (1, m) of the input range."""
         return self._unit * self.task.error(self.unknowns[None], s)
 
     def _with(self, linkage: AbstractLinkage, p: Real) -> Self:
-        """The same with other unknowns p (unknowns,); multipliers and certificate remain those of the optimum."""
-        at, errors, real = (row[0] for row in peaks(self.task, p[None], PEAKS, LOOKS))
-        x, errors = self.wanted.x(at[real]).tolist(), (self._unit * errors[real]).tolist()
-        same = len(x) == len(self.alternation)
-        multipliers = [peak.multiplier for peak in self.alternation] if same else len(x) * [np.nan]
+        """A copy with other unknowns p (unknowns,); multipliers and certificate remain those of the optimum."""
+        positions, errors, is_peak = (row[0] for row in peaks(self.task, p[None], PEAKS, LOOKS))
+        x, errors = self.wanted.x(positions[is_peak]).tolist(), (self._unit * errors[is_peak]).tolist()
+        is_same_count = len(x) == len(self.alternation)
+        multipliers = [peak.multiplier for peak in self.alternation] if is_same_count else len(x) * [np.nan]
         return replace(
             self,
             linkage=linkage,
@@ -94,8 +114,8 @@ class AbstractFunctionGenerator(Found):
         return max(abs(peak.error) for peak in self.alternation)
 
     def proof(self) -> Mapping[str, object]:
-        """As `summary.json` lists it: the error's peaks, deg or mm, and the active limits, with their multipliers."""
-        # A top is flat: half of all digits tell its place.
+        """Entries for `summary.json`: peaks of the error, deg or mm, and active limits, with their multipliers."""
+        # The position of a flat maximum has only half of the digits.
         peaks = [{name: _six(value) for name, value in peak._asdict().items()} for peak in self.alternation]
         return {
             "alternation": peaks,
@@ -103,23 +123,56 @@ class AbstractFunctionGenerator(Found):
         }
 
     def _share(self, x: Reals) -> Real:
-        """Of the input's way, (...,)."""
+        """Share of the input range, (...,)."""
         return np.asarray((np.asarray(x, dtype=float) - self.wanted.x0) / (self.wanted.x1 - self.wanted.x0))
 
     @checked
     def input_at(self, x: Reals) -> Real:
-        """Angle of the input (...,) at x (...,), rad from the ground line."""
+        """Input angle at x.
+
+        Parameters
+        ----------
+        x : float or array_like
+            Values of the function's variable.
+
+        Returns
+        -------
+        array
+            Angles, rad from the ground line.
+        """
         return np.asarray(self.drive[0] + (self.drive[1] - self.drive[0]) * self._share(x))
 
     @checked
     def wanted_at(self, x: Reals) -> Real:
-        """What is wanted of the output (...,) at x (...,): deg from the ground line, or mm along the slide line."""
-        start, way = self._output
-        return np.asarray(start + way * self.wanted.share(self._share(x)))
+        """Wanted output at x.
+
+        Parameters
+        ----------
+        x : float or array_like
+            Values of the function's variable.
+
+        Returns
+        -------
+        array
+            Output, deg from the ground line, or mm along the slide line.
+        """
+        start, extent = self._output
+        return np.asarray(start + extent * self.wanted.share(self._share(x)))
 
     @checked
     def error(self, x: Reals) -> Real:
-        """The output's error (...,) at x (...,), deg or mm: reached less wanted; nan where the linkage is open."""
+        """Error of the output at x.
+
+        Parameters
+        ----------
+        x : float or array_like
+            Values of the function's variable.
+
+        Returns
+        -------
+        array
+            Actual minus wanted output, deg or mm; nan if the linkage does not close.
+        """
         s = self._share(x)
         return self._error(s.reshape(1, -1)).reshape(s.shape)
 
@@ -128,8 +181,17 @@ class AbstractFunctionGenerator(Found):
 class FunctionGenerator(AbstractFunctionGenerator):
     """A four-bar whose rocker follows a function of its crank's angle.
 
-    starts_deg: of input and output, from the ground line, the rocker's direction from its ground pivot; there stand x0
-    and y(x0) on their scales. largest_error_deg: of the output angle, also between any samples.
+    Parameters
+    ----------
+    starts_deg : tuple of float
+        Directions of crank and rocker at x0, each from its ground pivot, deg from the ground line: the zeros of the
+        scales of x and y.
+    largest_error_deg : float
+        Largest error of the output angle over the whole range, not only at samples.
+    linkage, branch, drive, transmission_angle_deg, defects
+        As for `Found`; drive holds the two ends of the range.
+    alternation, active_limits, certificate, others
+        Peaks of the error and the proof of the optimum; see `Peak` and `function_generator`.
     """
 
     linkage: FourBar
@@ -161,8 +223,18 @@ class FunctionGenerator(AbstractFunctionGenerator):
 class SliderFunctionGenerator(AbstractFunctionGenerator):
     """A slider-crank whose slider follows a function of its crank's angle.
 
-    start_deg: of the crank, from the slide line; start_mm: the slider's place for y(x0), along that line from the foot
-    of the crank pivot. largest_error: of the slider's place, mm, also between any samples.
+    Parameters
+    ----------
+    start_deg : float
+        Crank angle at x0, deg from the slide line.
+    start_mm : float
+        Position of the slider at x0, mm along the slide line from the foot of the crank pivot.
+    largest_error : float
+        Largest error of the slider's position over the whole range, mm, not only at samples.
+    linkage, branch, drive, transmission_angle_deg, defects
+        As for `Found`; drive holds the two ends of the range.
+    alternation, active_limits, certificate, others
+        Peaks of the error and the proof of the optimum; see `Peak` and `slider_function_generator`.
     """
 
     linkage: SliderCrank
@@ -180,21 +252,21 @@ class SliderFunctionGenerator(AbstractFunctionGenerator):
         return self.task.length
 
     def rounded(self, rounding: Rounding) -> SliderFunctionGenerator:
-        linkage, way = rounding.linkage(self.linkage), self.task.length
+        linkage, scale = rounding.linkage(self.linkage), self.task.length
         first = rounding.angle("input_start_deg", self.start_deg)
-        place = rounding.length("output_start_mm", self.start_mm)
-        logs = np.log(np.array([linkage.crank, linkage.coupler]) / way)
-        p = np.array([*logs, float(linkage.offset) / way, np.radians(first), place / way, self.branch])
+        position = rounding.length("output_start_mm", self.start_mm)
+        logs = np.log(np.array([linkage.crank, linkage.coupler]) / scale)
+        p = np.array([*logs, float(linkage.offset) / scale, np.radians(first), position / scale, self.branch])
         other = self._with(linkage, p)
-        return replace(other, start_deg=first, start_mm=place, largest_error=other.largest)
+        return replace(other, start_deg=first, start_mm=position, largest_error=other.largest)
 
     def summary(self) -> Mapping[str, object]:
-        told = {"largest_error_mm": self.largest_error, "start_deg": self.start_deg, "start_mm": self.start_mm}
-        return {**{name: ten_digits(value) for name, value in told.items()}, **super().summary()}
+        entries = {"largest_error_mm": self.largest_error, "start_deg": self.start_deg, "start_mm": self.start_mm}
+        return {**{name: ten_digits(value) for name, value in entries.items()}, **super().summary()}
 
 
 def _six(value: float) -> float | None:
-    """Six digits of a number; None for what cannot be told."""
+    """A number with six digits; None if it is not finite."""
     return float(f"{value:.6g}") if np.isfinite(value) else None
 
 
@@ -203,9 +275,9 @@ Method = Literal["minimax", "least-squares", "points"]
 
 
 def _from_to(least: float, most: float, unit: str) -> ArgumentType:
-    """Of a number whose size is so much, and whose sign tells the sense."""
-    allowed = f"a number from {least:g} to {most:g}, or its negative, in {unit}"
-    return ArgumentType(lambda value: is_real(value) and least <= abs(value) <= most, allowed)
+    """Type of a number whose magnitude is limited and whose sign gives the sense."""
+    description = f"a number from {least:g} to {most:g}, or its negative, in {unit}"
+    return ArgumentType(lambda value: is_real(value) and least <= abs(value) <= most, description)
 
 
 def _are_points(value: Any) -> bool:
@@ -215,15 +287,15 @@ def _are_points(value: Any) -> bool:
     return row is not None and row.ndim == 1 and 3 <= len(row) <= 5 and are_reals(row)
 
 
-# Less than a tenth of a degree tells nothing of a function; a whole turn ends where it began.
+# A range below a tenth of a degree cannot show a function; a full turn ends where it started.
 Swing = Annotated[float, _from_to(0.1, 359, "deg")]
-Way = Annotated[float, _from_to(SMALLEST, FARTHEST, "mm")]
+Travel = Annotated[float, _from_to(SMALLEST, FARTHEST, "mm")]
 Start = Annotated[float, between(-360, 360, "deg")]
-Place = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
-# Without these two limits many functions have no best linkage: it runs to a toggle, or to links without end.
+SliderPosition = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
+# Without these two limits many functions have no best linkage; it tends to a toggle or to infinite links.
 Transmission = Annotated[float, between(5, 85, "deg")]
 Ratio = Annotated[float, between(1.1, 100)]
-Points = Annotated[int | Sequence[float], ArgumentType(_are_points, "3, 4 or 5, or a row of so many places x")]
+Points = Annotated[int | Sequence[float], ArgumentType(_are_points, "3, 4 or 5, or as many values of x")]
 
 
 @checked
@@ -240,22 +312,59 @@ def function_generator(
     points: Points = 3,
     ground: Size = 100.0,
 ) -> FunctionGenerator:
-    """The four-bar whose rocker follows y = function(x) as its crank goes over x from x0 to x1, the span.
+    """Find the four-bar whose rocker follows y = function(x).
 
-    The input angle is its start + input_deg (x - x0)/(x1 - x0), the output angle its start + output_deg
-    (y - y(x0))/(y(x1) - y(x0)), from the ground line, counterclockwise; starts that are not given are found. function:
-    of a number or an array; or a text such as `log10(x)` (see `Expression`; angles are rad); or rows (x, y), with a
-    cubic spline through them. method: "minimax", the least largest error of the output angle; "least-squares", its
-    least mean square; "points", none at so many precision points, 3 to 5: Chebyshev's, or those given as x; what they
-    leave free makes the largest error least. 3 of them need no free start, 4 one, 5 both. No link is longer than
-    largest_ratio times another, and the transmission angle keeps its limit over the whole way. ground, mm.
+    The crank angle is its start + input_deg (x - x0)/(x1 - x0), the rocker angle its start + output_deg (y -
+    y(x0))/(y(x1) - y(x0)), both counterclockwise from the ground line.
 
-    Derived here: fits of Freudenstein's equation over a grid of start angles, and sizes spread over what the limits
-    allow, are scored by their true error; the best few dozen are followed to their optima. `others` are those that are
-    not the best. DesignError for a function with a pole, or with two equal ends, and where no linkage keeps the limits.
+    Parameters
+    ----------
+    function : callable, str or array_like of shape (n, 2)
+        A function of a number or an array, a text such as `"log10(x)"` (see `Expression`; angles in rad), or rows (x,
+        y), which a cubic spline joins.
+    span : tuple of float
+        Range (x0, x1) of x, rising.
+    input_deg, output_deg : float
+        Ranges of crank and rocker, 0.1 to 359 deg; negative for clockwise.
+    input_start_deg, output_start_deg : float, optional
+        Directions of crank and rocker at x0, -360 to 360 deg; found if not given.
+    least_transmission_angle_deg : float
+        Limit over the whole range, 5 to 85 deg.
+    largest_ratio : float
+        Limit of the longest link over the shortest, 1.1 to 100.
+    method : {"minimax", "least-squares", "points"}
+        "minimax" makes the largest error of the output angle least, "least-squares" its mean square, "points" makes it
+        0 at precision points and the largest error least otherwise.
+    points : int or sequence of float
+        Number of precision points in Chebyshev's spacing, 3 to 5, or their x. Three need no free start, four need one,
+        five need both.
+    ground : float
+        Distance of the ground pivots, mm.
+
+    Returns
+    -------
+    FunctionGenerator
+        The best linkage; `others` lists further optima.
+
+    Raises
+    ------
+    DesignError
+        For a function with a pole or with equal values at both ends, or if no linkage keeps the limits.
+
+    Notes
+    -----
+    Derived here: fits of Freudenstein's equation over a grid of start angles, and sizes spread over the allowed range,
+    are compared by their true error; the best few dozen are improved to their optima.
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import function_generator
+    >>> best = function_generator("log10(x)", (1, 2), 60, 60)
+    >>> best.largest_error_deg < 0.01
+    True
     """
     wanted = wanted_function(function, span)
-    _refuse_turns(wanted, float(output_deg))
+    _check_output_range(wanted, float(output_deg))
     task = FourBarGenerator(
         share=wanted.share,
         swing=float(np.radians(input_deg)),
@@ -267,19 +376,19 @@ def function_generator(
         ground=float(ground),
     )
 
-    def made(optimum: Optimum) -> FunctionGenerator:
+    def to_result(optimum: Optimum) -> FunctionGenerator:
         starts = [
-            _within_half_turn(found) if given is None else float(given)
-            for found, given in zip(np.degrees(optimum.p[3:5]).tolist(), (input_start_deg, output_start_deg))
+            _within_half_turn(computed) if given is None else float(given)
+            for computed, given in zip(np.degrees(optimum.p[3:5]).tolist(), (input_start_deg, output_start_deg))
         ]
         return FunctionGenerator(
-            **_told(task, wanted, optimum, method, DEGREE, starts[0]),
+            **_common_fields(task, wanted, optimum, method, DEGREE, starts[0]),
             starts_deg=(starts[0], starts[1]),
             largest_error_deg=DEGREE * optimum.worst,
             task=task,
         )
 
-    return _best(task, method, made)
+    return _best(task, method, to_result)
 
 
 @checked
@@ -287,19 +396,49 @@ def slider_function_generator(
     function: Function,
     span: tuple[float, float],
     input_deg: Swing = 60.0,
-    output_mm: Way = 50.0,
+    output_mm: Travel = 50.0,
     input_start_deg: Start | None = None,
-    output_start_mm: Place | None = None,
+    output_start_mm: SliderPosition | None = None,
     least_transmission_angle_deg: Transmission = 30.0,
     largest_ratio: Ratio = 10.0,
     method: Method = "minimax",
     points: Points = 3,
 ) -> SliderFunctionGenerator:
-    """The slider-crank whose slider follows y = function(x) as its crank goes over x from x0 to x1, the span.
+    """Find the slider-crank whose slider follows y = function(x).
 
-    As `function_generator`, with the slider's place along its line for the output: its start + output_mm
-    (y - y(x0))/(y(x1) - y(x0)), mm along +x from the foot of the crank pivot. The transmission angle is that between
-    the connecting rod and the normal of the slide line; the ratio is that of crank and rod.
+    The crank angle is as for `function_generator`. The slider's position is its start + output_mm (y - y(x0))/(y(x1) -
+    y(x0)), mm along +x from the foot of the crank pivot.
+
+    Parameters
+    ----------
+    function : callable, str or array_like of shape (n, 2)
+        As for `function_generator`.
+    span : tuple of float
+        Range (x0, x1) of x, rising.
+    input_deg : float
+        Range of the crank, 0.1 to 359 deg; negative for clockwise.
+    output_mm : float
+        Travel of the slider, mm; negative towards -x.
+    input_start_deg : float, optional
+        Crank angle at x0, -360 to 360 deg; found if not given.
+    output_start_mm : float, optional
+        Position of the slider at x0, mm; found if not given.
+    least_transmission_angle_deg : float
+        Limit of the angle between the connecting rod and the normal of the slide line, 5 to 85 deg.
+    largest_ratio : float
+        Limit of the ratio of crank and rod, 1.1 to 100.
+    method, points
+        As for `function_generator`.
+
+    Returns
+    -------
+    SliderFunctionGenerator
+        The best linkage; `others` lists further optima.
+
+    Raises
+    ------
+    DesignError
+        As for `function_generator`.
     """
     wanted = wanted_function(function, span)
     length = abs(float(output_mm))
@@ -314,22 +453,22 @@ def slider_function_generator(
         length=length,
     )
 
-    def made(optimum: Optimum) -> SliderFunctionGenerator:
+    def to_result(optimum: Optimum) -> SliderFunctionGenerator:
         first = float(np.degrees(optimum.p[3]))
         start = _within_half_turn(first) if input_start_deg is None else float(input_start_deg)
         return SliderFunctionGenerator(
-            **_told(task, wanted, optimum, method, length, start),
+            **_common_fields(task, wanted, optimum, method, length, start),
             start_deg=start,
             start_mm=length * float(optimum.p[4]) if output_start_mm is None else float(output_start_mm),
             largest_error=length * optimum.worst,
             task=task,
         )
 
-    return _best(task, method, made)
+    return _best(task, method, to_result)
 
 
 def _given(start: float | None, unit: float) -> float:
-    """In the unit of the unknowns; nan where it is free."""
+    """A given start in the unit of the unknowns; nan if it is free."""
     return np.nan if start is None else float(start) / unit
 
 
@@ -337,14 +476,14 @@ def _within_half_turn(degrees: float) -> float:
     return round(degrees - 360 * float(np.ceil(degrees / 360 - 0.5)), DECIMALS)
 
 
-def _refuse_turns(wanted: WantedFunction, output_deg: float) -> None:
-    """What goes over a turn on its way from one end to the other, no rocker follows."""
+def _check_output_range(wanted: WantedFunction, output_deg: float) -> None:
+    """A rocker cannot follow a function whose output covers more than a turn."""
     shares = wanted.share(np.linspace(0, 1, 1025))
     turn = abs(output_deg) * float(np.ptp(shares))
     if turn > 359:
         raise DesignError(
             "output_deg",
-            f"found {output_deg:g}, with which the output would go {turn:.6g} deg between its farthest places",
+            f"found {output_deg:g}, with which the output would cover {turn:.6g} deg",
             f"give at most {rounded_down(359 / float(np.ptp(shares)), 4)} deg, or a range in which it rises or falls",
         )
 
@@ -352,7 +491,7 @@ def _refuse_turns(wanted: WantedFunction, output_deg: float) -> None:
 def _through(
     wanted: WantedFunction, method: str, points: int | Sequence[float], starts: tuple[float | None, float | None]
 ) -> tuple[float, ...]:
-    """The precision points as shares of the input's way; none for other methods."""
+    """The precision points as shares of the input range; empty for other methods."""
     if method != "points":
         return ()
     x = chebyshev_points((wanted.x0, wanted.x1), points) if is_whole(points) else np.asarray(points, dtype=float)  # type: ignore[arg-type]
@@ -360,7 +499,7 @@ def _through(
     if len(x) > most:
         raise DesignError(
             "points",
-            f"found {len(x)}, but three lengths and the free starts meet only {most}",
+            f"found {len(x)}, but three lengths and the free starts can meet only {most}",
             "give no start, or fewer points",
         )
     shares = (x - wanted.x0) / (wanted.x1 - wanted.x0)
@@ -368,29 +507,31 @@ def _through(
         raise DesignError(
             "points",
             f"found {', '.join(f'{one:g}' for one in x)}",
-            f"give rising places from {wanted.x0:g} to {wanted.x1:g}, a thousandth of that apart and more",
+            f"give rising values from {wanted.x0:g} to {wanted.x1:g}, at least a thousandth of that apart",
         )
     return tuple(shares.tolist())
 
 
-def _best(task: AbstractGenerator, method: str, made: Callable[[Optimum], G]) -> G:
-    """The best of the optima that are found, and with it the others."""
+def _best(task: AbstractGenerator, method: str, to_result: Callable[[Optimum], G]) -> G:
+    """The best optimum as a linkage, with the others."""
     squares = method == "least-squares"
     optima = searched(task, squares)
     if not optima:
         raise DesignError("input_start_deg", "no linkage was found that closes from these starts", "leave a start free")
     best = optima[0]
     if best.broken > KEPT or not np.isfinite(best.worst):
-        # With the least angle there is, to tell whether it is the angle that is in the way.
+        # A search with the smallest allowed angle shows whether this limit is the reason.
         looser = [
-            one for one in searched(replace(task, least_transmission=np.radians(5)), squares) if one.broken <= KEPT
+            candidate
+            for candidate in searched(replace(task, least_transmission=np.radians(5)), squares)
+            if candidate.broken <= KEPT
         ]
         if looser:
-            angle = float(np.degrees(task.transmission(np.stack([one.p for one in looser])).max()))
+            angle = float(np.degrees(task.transmission(np.stack([candidate.p for candidate in looser])).max()))
             least = float(np.degrees(task.least_transmission))
             raise DesignError(
                 "least_transmission_angle_deg",
-                f"found {least:g}, which no linkage kept that was tried",
+                f"found {least:g}, which none of the linkages tried keeps",
                 f"give at most {rounded_down(angle, 3)}, leave starts free, or give other swings",
             )
         if task.through and np.abs(task.error(best.p[None], np.array(task.through)[None])).max() > KEPT:
@@ -401,28 +542,28 @@ def _best(task: AbstractGenerator, method: str, made: Callable[[Optimum], G]) ->
             )
         raise DesignError(
             "largest_ratio",
-            f"found {task.largest_ratio:g}, but no linkage that was tried does what is asked within the limits",
+            f"found {task.largest_ratio:g}, but none of the linkages tried meets the function within the limits",
             "give a larger one or a smaller least transmission angle, leave starts free, or give other swings",
         )
     others = []
     for optimum in optima[1:]:
-        # One whose links are longer than any may be is left out.
+        # Linkages with links beyond the allowed size are left out.
         with contextlib.suppress(DesignError):
-            others.append(made(optimum))
-    return replace(made(best), others=tuple(others))
+            others.append(to_result(optimum))
+    return replace(to_result(best), others=tuple(others))
 
 
-def _told(
+def _common_fields(
     task: AbstractGenerator, wanted: WantedFunction, optimum: Optimum, method: str, unit: float, start_deg: float
 ) -> dict[str, Any]:
-    """What both results have in common."""
+    """Fields common to both results."""
     s, errors = optimum.s, optimum.errors
-    multipliers, limits, left = np.full(len(s), np.nan), dict[str, float](), np.nan
+    multipliers, limits, residual = np.full(len(s), np.nan), dict[str, float](), np.nan
     if optimum.worst < EXACT:
-        left = 0.0
+        residual = 0.0
     elif method != "least-squares":
         proof = certified(task, optimum.p, s, errors)
-        multipliers, left = proof.peaks, proof.left
+        multipliers, residual = proof.peaks, proof.left
         for name, value in zip(task.limit_names, proof.limits):
             if value > 0 and name:
                 limits[name] = limits.get(name, 0.0) + unit * float(value)
@@ -432,10 +573,10 @@ def _told(
         "drive": np.radians(start_deg) + np.array([0.0, task.swing]),
         "transmission_angle_deg": float(np.degrees(task.transmission(optimum.p[None])[0])),
         "alternation": tuple(
-            Peak(*one) for one in zip(wanted.x(s).tolist(), (unit * errors).tolist(), multipliers.tolist())
+            Peak(*peak) for peak in zip(wanted.x(s).tolist(), (unit * errors).tolist(), multipliers.tolist())
         ),
         "active_limits": limits,
-        "certificate": left,
+        "certificate": residual,
         "wanted": wanted,
         "unknowns": optimum.p,
     }
@@ -443,16 +584,41 @@ def _told(
 
 @checked
 def chebyshev_points(span: tuple[float, float], count: Count = 3) -> Real:
-    """Chebyshev's spacing of precision points from x0 to x1, (count,), rising.
+    """Precision points in Chebyshev's spacing.
 
-    x = (x0 + x1)/2 - (x1 - x0)/2 cos((2 k - 1) pi/(2 count)), k = 1, 2, ...: the zeros of the polynomial of this degree
-    that stays nearest to nothing over the range; an error with these zeros has nearly equal peaks (Hartenberg and
-    Denavit, Kinematic Synthesis of Linkages, 1964, chapter 5). 1 to 3 with 3: 1.134, 2, 2.866.
+    Parameters
+    ----------
+    span : tuple of float
+        Range (x0, x1), rising.
+    count : int
+        Number of points, 1 to 100.
+
+    Returns
+    -------
+    array, shape (count,)
+        The points, rising.
+
+    Raises
+    ------
+    DesignError
+        If the range does not rise or there are too many points.
+
+    Notes
+    -----
+    x = (x0 + x1)/2 - (x1 - x0)/2 cos((2 k - 1) pi/(2 count)), k = 1, 2, ...: the zeros of the monic polynomial of this
+    degree with the smallest maximum over the range. An error with these zeros has nearly equal peaks (Hartenberg and
+    Denavit, Kinematic Synthesis of Linkages, 1964, chapter 5).
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import chebyshev_points
+    >>> chebyshev_points((1, 3), 3).round(3).tolist()
+    [1.134, 2.0, 2.866]
     """
     x0, x1 = (float(x) for x in span)
     if not x0 < x1:
         raise DesignError("span", f"found {x0:g} to {x1:g}", "give a rising pair")
     if count > 100:
         raise DesignError("count", f"found {count}", "give at most 100")
-    found: Real = 0.5 * (x0 + x1) - 0.5 * (x1 - x0) * np.cos((np.arange(count) + 0.5) * np.pi / count)
-    return found
+    points: Real = 0.5 * (x0 + x1) - 0.5 * (x1 - x0) * np.cos((np.arange(count) + 0.5) * np.pi / count)
+    return points

@@ -1,4 +1,4 @@
-"""Linkages that may follow a function, as unknowns: their errors with derivatives, their limits, where to begin."""
+"""Linkages that may follow a function: unknowns, errors with derivatives, limits, and starting candidates."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from .minimax import AbstractTask
 
 @record(eq=False, kw_only=True)
 class AbstractGenerator(AbstractTask):
-    """A task of function generation. Unknowns: three of its sizes, start of the input, start of the output, branch.
+    """A task of function generation. Unknowns: three sizes, start of the input, start of the output, branch.
 
-    share: the wanted output's share of its way over the input's. swing: of the input, rad, signed. starts: those that
-    are given, nan where free. least_transmission, rad; largest_ratio of the links. through: shares of the input's way
-    at which the error is to be nothing.
+    `share`: share of the output range over that of the input range. `swing`: range of the input, rad, signed. `starts`:
+    given ones, nan if free. `least_transmission`: rad. `largest_ratio`: of the links. `through`: shares of the input
+    range at which the error must be 0.
     """
 
     share: Callable[[Real], Real]
@@ -31,7 +31,7 @@ class AbstractGenerator(AbstractTask):
     least_transmission: float
     largest_ratio: float
     through: tuple[float, ...] = ()
-    # Columns of the unknowns that are angles, the same after a whole turn; of each of `bounds` what it limits.
+    # Columns of the unknowns that are angles, periodic in a turn; and the name of each limit of `bounds`.
     angles: ClassVar[list[int]]
     limit_names: ClassVar[list[str]]
 
@@ -53,57 +53,57 @@ class AbstractGenerator(AbstractTask):
 
     @abstractmethod
     def bounds(self, p: Real) -> tuple[Real, Real]:
-        """Limits of transmission angle and ratio, as `limits` gives them."""
+        """Limits of transmission angle and ratio, in the form of `limits`."""
 
     @abstractmethod
     def spread(self, count: int) -> Real:
-        """Candidates spread evenly over what the limits allow, whose error is least in the middle of its range."""
+        """Candidates spread evenly within the limits, with the least error in the middle of the range."""
 
     @abstractmethod
     def fitted(self, count: int, s: Real) -> Real:
-        """Candidates that fit the equation of the loop, linear in three ratios, at s (m,), over starts of any angle."""
+        """Candidates that fit the loop equation, which is linear in three ratios, at s (m,), over all starts."""
 
     @abstractmethod
     def centred(self, p: Real, s: Real) -> Real:
-        """The same with the start of the output, where it is free, such that the largest errors at s are alike."""
+        """Candidates with the start of the output, if free, chosen so that the largest errors at s are balanced."""
 
     @abstractmethod
     def transmission(self, p: Real) -> Real:
-        """(many,) least transmission angle over the way, rad; nan where it does not close."""
+        """(many,) least transmission angle over the range, rad; nan if the linkage does not close."""
 
     @abstractmethod
     def rounded(self, p: Real) -> Real:
-        """Candidates whose lengths and starts have as many digits as are told."""
+        """Candidates with lengths and starts rounded to the reported digits."""
 
     @abstractmethod
     def linkage(self, p: Real) -> AbstractLinkage:
-        """Of one candidate (unknowns,)."""
+        """The linkage of one candidate (unknowns,)."""
 
 
-# Digits of a length, and decimals of an angle in deg, of what is found. More would hang on the last bit of a
-# processor's sine; with fewer the peaks would not be of one height.
+# Digits of a length and decimals of an angle in deg in results. With more the last bit of a processor's sine would
+# decide; with fewer the peaks would not be of equal height.
 DIGITS, DECIMALS = 11, 10
 
 
 def with_digits(values: Real) -> Real:
-    """Rounded to as many digits as are told."""
+    """Values rounded to the reported digits."""
     return np.array([float(f"{value:.{DIGITS}g}") for value in values.ravel().tolist()]).reshape(values.shape)
 
 
 def with_decimals(angles: Real) -> Real:
-    """Angles, rad, rounded to as many decimals of a degree as are told."""
+    """Angles, rad, rounded to the reported decimals of a degree."""
     return np.radians(np.round(np.degrees(angles), DECIMALS))
 
 
-# By how much more than asked the cosine of the transmission angle is kept: what the last step leaves is less.
+# Margin for the cosine of the transmission angle, above the inaccuracy of the last step.
 HAIR = 2e-9
 
 
 def evenly(count: int, size: int) -> Real:
-    """(count, size) points spread evenly over 0 to 1, the same on every machine.
+    """(count, size) points spread evenly over 0 to 1, equal on every machine.
 
-    Multiples of powers of a root of g**(size + 1) = g + 1, whole turns left out, which leave the least gaps known
-    (M. Roberts' sequence; in one dimension the golden ratio's).
+    Multiples modulo 1 of powers of a root of g**(size + 1) = g + 1, which leave the smallest gaps known (M. Roberts'
+    sequence; in one dimension that of the golden ratio).
     """
     root = 2.0
     for _ in range(60):
@@ -112,10 +112,10 @@ def evenly(count: int, size: int) -> Real:
 
 
 def linear_fits(terms: Real, right: Real, steepness: Callable[[Real], Real]) -> Real:
-    """Coefficients (many, 3) of least squares of terms (many, m, 3) to right (many, m), twice with better weights.
+    """Coefficients (many, 3) of least squares of terms (many, m, 3) to right (many, m), with weights improved twice.
 
-    steepness: from coefficients (many, 3) how fast the equation changes with the output, (many, m). Divided by that,
-    the misfit is the output's error to first order; else the fit minds the equation where nobody asks.
+    `steepness` maps coefficients (many, 3) to the rate of the equation by the output, (many, m). Divided by it, the
+    residual is the output's error to first order.
     """
     weights = np.ones(right.shape)
     found = np.zeros((len(terms), 3))
@@ -128,10 +128,9 @@ def linear_fits(terms: Real, right: Real, steepness: Callable[[Real], Real]) -> 
     return found
 
 
-# On the diagonal of normal equations, over what is there: without it, starts at which the three ratios are not told
-# apart stop the rest.
+# Relative addition to the diagonal of normal equations, without which singular starts would stop the others.
 TINY = 1e-14
-# Steepness below which a place is not weighed any more. Smaller, and a place near a toggle outweighs all others.
+# Steepness below which the weight does not grow further, so that a position near a toggle does not outweigh all others.
 FLATTEST = 1e-2
 
 
@@ -139,8 +138,8 @@ FLATTEST = 1e-2
 class SliderGenerator(AbstractGenerator):
     """Unknowns: logarithms of crank and connecting rod, offset, start of crank, rad, and of slider, branch.
 
-    Lengths over the slider's way. sense: +1 or -1, its direction along x; way: its length, mm. Errors are of the
-    slider's place, over its way.
+    Lengths are relative to the slider's travel `length`, mm; `sense` is its direction along x, +1 or -1. Errors are
+    those of the slider's position, relative to its travel.
     """
 
     sense: float
@@ -149,7 +148,7 @@ class SliderGenerator(AbstractGenerator):
     limit_names: ClassVar[list[str]] = 8 * ["transmission angle"] + 2 * ["ratio"]
 
     def _placed(self, p: Real, s: Real) -> tuple[Real, Real, Real, Real, Real]:
-        """Crank, rod (many, 1), crank's angle, slide line's height over its pin, reach of the rod along x."""
+        """Crank, rod (many, 1), crank angle, height of the slide line above the crank pin, and the rod's x extent."""
         a, b, h = np.exp(p[:, :1]), np.exp(p[:, 1:2]), p[:, 2:3]
         angle = p[:, 3, None] + self.swing * s
         w = h - a * np.sin(angle)
@@ -173,7 +172,7 @@ class SliderGenerator(AbstractGenerator):
         return found
 
     def _sine(self, p: Real) -> tuple[Real, Real, Real, Real]:
-        """Sine of the rod's angle to the slide line where it is largest or smallest, crank's angles, crank, rod."""
+        """Sine of the rod's angle to the slide line at its extremes, the crank angles there, crank, rod."""
         low, high = self.way(p)
         half = np.ceil(low / np.pi - 0.5)
         inner = [np.minimum((half + k + 0.5) * np.pi, high) for k in (0, 1)]
@@ -206,7 +205,7 @@ class SliderGenerator(AbstractGenerator):
     def spread(self, count: int) -> Real:
         q = evenly(count, 3)
         p = np.zeros((count, 6))
-        # First of a crank of 1, whose slider goes so far that the size is told by the way wanted.
+        # First for a crank of 1; the wanted travel then gives the size.
         p[:, 1] = (2 * q[:, 0] - 1) * np.log(self.largest_ratio)
         p[:, 2] = (2 * q[:, 1] - 1) * (1 + np.exp(p[:, 1]))
         p[:, 3] = 2 * np.pi * q[:, 2] if np.isnan(self.starts[0]) else self.starts[0]
@@ -227,7 +226,7 @@ class SliderGenerator(AbstractGenerator):
         free = np.isnan(self.starts)
         each = round(count ** (1 / max(free.sum(), 1)))
         even = (np.arange(each) + 0.5) / each
-        # The slider's start may lie anywhere: as the tangent goes, in parts that widen outwards.
+        # The slider's start may be anywhere; the tangent spaces the candidates wider outwards.
         grids = [
             np.pi * even if free[0] else self.starts[:1],
             np.tan(np.pi * (even - 0.5)) if free[1] else self.starts[1:],
@@ -274,8 +273,8 @@ PAIRS = [(i, j) for i in range(4) for j in range(4) if i != j]
 class FourBarGenerator(AbstractGenerator):
     """Unknowns: logarithms of crank, coupler and rocker over the ground, start of crank and of rocker, rad, branch.
 
-    Angles from the ground line; the rocker's direction from its ground pivot. out: swing of the output, rad, signed.
-    Errors are of the output's angle, rad. ground, mm.
+    Angles are from the ground line, the rocker's at its ground pivot. `out` is the range of the output, rad, signed;
+    `ground` is in mm. Errors are those of the output angle, rad.
     """
 
     out: float
@@ -284,7 +283,7 @@ class FourBarGenerator(AbstractGenerator):
     limit_names: ClassVar[list[str]] = 8 * ["transmission angle"] + len(PAIRS) * ["ratio"]
 
     def _placed(self, p: Real, s: Real) -> tuple[Real, Real, Real, Real, Complex, Real]:
-        """Crank, coupler, rocker (many, 1); crank's angle, from the crank pin to the rocker pivot, rocker's angle."""
+        """Crank, coupler, rocker (many, 1); crank angle, vector from crank pin to rocker pivot, rocker angle."""
         a, b, c = (np.exp(p[:, k, None]) for k in range(3))
         angle = p[:, 3, None] + self.swing * s
         u = 1 - a * np.exp(1j * angle)
@@ -298,7 +297,7 @@ class FourBarGenerator(AbstractGenerator):
         return whole
 
     def slopes(self, p: Real, s: Real) -> Real:
-        # The closed loop a e^(i angle) + b e^(i t) = 1 + c e^(i out) differentiated, and taken along the coupler.
+        # The loop a e^(i angle) + b e^(i t) = 1 + c e^(i out), differentiated and projected on the coupler.
         a, b, c, angle, u, out = self._placed(p, s)
         with np.errstate(all="ignore"):
             t = np.angle(u + c * np.exp(1j * out))
@@ -312,13 +311,15 @@ class FourBarGenerator(AbstractGenerator):
         return found
 
     def _extreme(self, p: Real) -> Real:
-        """(many, 4) crank angles between which the transmission angle rises or falls: the ends, and where in line."""
+        """(many, 4) crank angles between which the transmission angle is monotonic: the ends, and crank in line with
+        ground.
+        """
         low, high = self.way(p)
         half = np.ceil(low / np.pi)
         return np.stack([low, high, np.minimum(half * np.pi, high), np.minimum((half + 1) * np.pi, high)], axis=1)
 
     def _cosine(self, p: Real) -> tuple[Real, Real, Real, Real, Real]:
-        """Cosine of the angle between coupler and rocker at the extremes, their angles, and crank, coupler, rocker."""
+        """Cosine of the angle between coupler and rocker at these angles, the angles, and crank, coupler, rocker."""
         a, b, c = (np.exp(p[:, k, None]) for k in range(3))
         angle = self._extreme(p)
         return (b**2 + c**2 - 1 - a**2 + 2 * a * np.cos(angle)) / (2 * b * c), angle, a, b, c

@@ -1,4 +1,4 @@
-"""Many small linear programmes at once."""
+"""Minimax approximation under limits by many small linear programmes at once."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ import numpy as np
 from ...core.records import record
 from ...plane.vec import Mask, Real, Whole
 
-# A rate below which a row counts as not approached. Larger, and rows are passed through; smaller, and a row that is
-# nearly a sum of those that hold already makes a corner that rounding alone decides.
+# Rate below which a row is not approached. A larger value lets steps pass rows; with a smaller one a row that nearly
+# depends on the active ones makes a corner out of rounding.
 FLAT = 1e-8
-# Price, of a cost of 1, below which a row counts as holding. Smaller, and rounding alone sets rows free.
+# Price, relative to a cost of 1, below which a row counts as active; with a smaller value rounding releases rows.
 PRICELESS = 1e-11
 
 
 def least(cost: Real, rows: Real, bounds: Real, corner: Whole, steps: int = 100) -> tuple[Real, Real]:
-    """Minimises cost x where rows x <= bounds, for each of many programmes; from a corner that is allowed.
+    """Minimise cost x with rows x <= bounds for many programmes, from a feasible corner.
 
-    cost: (n,); rows: (many, m, n); bounds: (many, m); corner: (many, n), the rows that hold at the start. Gives x
-    (many, n) and what each row costs (many, m), 0 and more: cost + prices rows = 0. Walks from corner to corner along
-    the edge of the worst price (the primal simplex method: Dantzig, 1947, on the rows themselves); after so many steps
-    the corner reached is given, which is allowed though it may not be the best.
+    cost: (n,); rows: (many, m, n); bounds: (many, m); corner: (many, n), the active rows at the start. Returns x (many,
+    n) and the prices of the rows (many, m), not negative: cost + prices rows = 0. It follows the edge of the worst
+    price from corner to corner (primal simplex method: Dantzig, 1947, on the rows themselves); after the given number
+    of steps the corner reached is feasible, but perhaps not optimal.
     """
     many, m, _ = rows.shape
     each = np.arange(many)
@@ -47,7 +47,7 @@ def least(cost: Real, rows: Real, bounds: Real, corner: Whole, steps: int = 100)
         busy &= np.isfinite(step[each, met])
         go = each[busy]
         x[go] += step[go, met[go], None] * way[go]
-        # The new row in the place of the one that is left.
+        # The new row replaces the one that leaves.
         seen = np.einsum("kn,knj->kj", rows[go, met[go]], inverse[go])
         column = inverse[go, :, worst[go]] / seen[np.arange(len(go)), worst[go], None]
         seen[np.arange(len(go)), worst[go]] = 0.0
@@ -58,50 +58,50 @@ def least(cost: Real, rows: Real, bounds: Real, corner: Whole, steps: int = 100)
         inverse = np.linalg.inv(rows[each[:, None], corner])
         x = np.einsum("kij,kj->ki", inverse, bounds[each[:, None], corner])
     except np.linalg.LinAlgError:
-        # Rows of one corner that rounding alone tells apart: what was reached is good, but for its last digits.
+        # Rows of a corner that differ only by rounding: the result is right except for its last digits.
         pass
     prices = np.zeros((many, m))
     np.put_along_axis(prices, corner, np.maximum(-(cost @ inverse), 0.0), axis=1)
     return x, prices
 
 
-# What a limit that is broken by 1 costs, in units of error. Less, and an optimum at a limit may break it; more, and
-# steps along a limit that bends are refused until they are small.
+# Cost of a limit violated by 1, in units of error. With less an optimum at a limit may violate it; with more, steps
+# along a curved limit are refused until they are short.
 PENALTY = 30.0
-# First and largest step of an unknown: logarithms of lengths, and rad. Larger first ones jump to another optimum,
-# smaller ones take longer to leave a poor start.
+# First and largest step of an unknown: logarithms of lengths, and rad. A larger first one jumps to another optimum; a
+# smaller one leaves a poor start slowly.
 FIRST_STEP, LONGEST_STEP = 0.2, 1.0
-# Times that a step is brought back to where the rows that hold meet. Fewer, and steps along a valley that bends stay
-# short; more are hardly better.
+# Number of corrections of a step towards the intersection of the active rows. With fewer, steps along a curved valley
+# stay short; more hardly help.
 CORRECTIONS = 3
-# Step of the differences of derivatives: an error of 1e-7 in the curvature costs a few digits in one step, which the
-# next one has again.
+# Step of the differences of derivatives: an error of 1e-7 in the curvature costs a few digits of one step, which the
+# next one regains.
 DIFFERENCE = 1e-6
-# Share of the largest error that is no gain any more. Less is rounding, with the curvature of peaks in it.
+# Relative gain below which the search ends; less is rounding, including that of the peaks' curvature.
 CONVERGED = 1e-12
-# Longest of the last steps. Larger ones are on their way to another place; smaller ones leave what is flat unsettled.
+# Longest of the last steps. Longer ones lead elsewhere; a smaller limit leaves flat optima unsettled.
 SETTLING = 1e-4
-# Box below which nothing moves any more.
+# Size of the box at which the search ends.
 SMALLEST_STEP = 1e-13
-# How near to the largest a peak must be, over it, and a limit to nothing, to hold the error up: what the last step
-# leaves. Less, and a peak that holds is taken for one that does not.
+# Relative distance of an active peak from the largest, and value of an active limit: the inaccuracy of the last step.
+# With smaller values an active peak is missed.
 LEVEL, ACTIVE = 1e-6, 1e-8
 
 
 class AbstractTask(ABC):
-    """What is to become small, of many candidates at once.
+    """A function to be minimised for many candidates at once.
 
-    A candidate is a row of unknowns; those that are not free, such as a branch, stay as they are.
+    A candidate is a row of unknowns; those that are not free, such as a branch, do not change.
     """
 
     @property
     @abstractmethod
     def free(self) -> Mask:
-        """(unknowns,) which ones may change."""
+        """(unknowns,) mask of those that may change."""
 
     @abstractmethod
     def error(self, p: Real, s: Real) -> Real:
-        """Errors (many, m) of candidates p (many, unknowns) at s (many or 1, m), 0 to 1; nan where it cannot be."""
+        """Errors (many, m) of candidates p (many, unknowns) at s (many or 1, m), 0 to 1; nan if impossible."""
 
     @abstractmethod
     def slopes(self, p: Real, s: Real) -> Real:
@@ -109,11 +109,11 @@ class AbstractTask(ABC):
 
     @abstractmethod
     def limits(self, p: Real) -> tuple[Real, Real]:
-        """Limits (many, k), kept where 0 or less, and their derivatives (many, k, unknowns)."""
+        """Limits (many, k), kept if at most 0, and their derivatives (many, k, unknowns)."""
 
     def merit(self, p: Real, s: Real, penalty: float = PENALTY) -> Real:
-        """(many,) largest error, and what the worst broken limit costs; inf where a candidate cannot be."""
-        # A candidate that cannot be says so by nan, and one far outside overflows.
+        """(many,) largest error plus the cost of the worst violated limit; inf for an impossible candidate."""
+        # An impossible candidate gives nan, and one far outside overflows.
         with np.errstate(all="ignore"):
             worst = np.abs(self.error(p, s)).max(axis=1) + penalty * np.maximum(self.limits(p)[0].max(axis=1), 0)
         return np.where(np.isfinite(worst), worst, np.inf)
@@ -122,14 +122,15 @@ class AbstractTask(ABC):
 def descend(
     task: AbstractTask, p: Real, s: Real, steps: int, first: float = FIRST_STEP, gain_left: float = CONVERGED
 ) -> tuple[Real, Real, Mask]:
-    """From candidates p (many, unknowns) to optima: where they are, their merit, whether they rest (many,).
+    """Improve candidates p (many, unknowns) to optima: the optima, their merit, and whether they have converged
+    (many,).
 
-    s: (many or 1, m), where errors are looked at; gain_left: share of the largest error that is not worth a step. Each
-    step is the best one of the errors and limits made straight, inside a box (a linear programme); or, with the rows
-    that hold there, Newton's on their curvature; or either brought back to where these rows meet, as they bend;
-    whichever is best (Fletcher and Sainz de la Maza, Nonlinear programming and nonsmooth optimization by successive
-    linear programming, Mathematical Programming 43, 1989). The first finds which peaks and limits hold; the second ends
-    to rounding also where these are fewer than the unknowns.
+    s: (many or 1, m), the positions of the errors; gain_left: share of the largest error that is not worth a step. Each
+    step is the best of: the optimum of the linearised errors and limits inside a box (a linear programme); Newton's
+    step on the curvature with the active rows; either one corrected towards the intersection of these rows (Fletcher
+    and Sainz de la Maza, Nonlinear programming and nonsmooth optimization by successive linear programming,
+    Mathematical Programming 43, 1989). The first finds the active peaks and limits; the second converges to rounding
+    also if these are fewer than the unknowns.
     """
     p, box = p.copy(), np.full(len(p), first)
     value = task.merit(p, s)
@@ -155,10 +156,10 @@ def descend(
 
 
 def settled(task: AbstractTask, p: Real, s: Real) -> Real:
-    """Candidates p (many, unknowns) after Newton's last steps, whatever rounding makes of their merit.
+    """Candidates p (many, unknowns) after the last Newton steps, whatever rounding does to their merit.
 
-    Where fewer peaks hold than there are unknowns the merit is flat, and tells only half of the digits that its
-    derivatives do; without this the rest would hang on the way that led there.
+    With fewer active peaks than unknowns the merit is flat and determines only half of the digits that its derivatives
+    do; the rest would depend on the path of the search.
     """
     value, box = task.merit(p, s), np.full(len(p), SETTLING)
     for _ in range(2):
@@ -170,12 +171,12 @@ def settled(task: AbstractTask, p: Real, s: Real) -> Real:
 
 
 def _tries(task: AbstractTask, p: Real, s: Real, box: Real, value: Real) -> tuple[Real, Real]:
-    """Candidates after the straight step, after it and Newton's, both brought back, and what was hoped of the first."""
+    """Candidates after the linear step, after it and Newton's, both corrected, and the predicted gain of the first."""
     free = np.flatnonzero(task.free)
     n = len(free)
-    rows, bounds, open_rows = _made_straight(task, p, s, free)
+    rows, bounds, open_rows = _linearised(task, p, s, free)
     bounds[:, open_rows + 1 :] = box[:, None]
-    # A corner to start from: that of the box where all unknowns go down.
+    # The start is the corner of the box with all unknowns at their lower ends.
     there = -box[:, None] * rows[:, :, :n].sum(axis=2) - bounds
     limits = _number_of_limits(rows, n)
     worst = np.argmax(there[:, : open_rows - limits], axis=1)
@@ -184,7 +185,7 @@ def _tries(task: AbstractTask, p: Real, s: Real, box: Real, value: Real) -> tupl
     cost = np.zeros(n + 2)
     cost[n:] = 1, PENALTY
     x, prices = least(cost, rows, bounds, np.column_stack([low, worst, broken]))
-    # The rows that hold, those of the box let go.
+    # The active rows without those of the box.
     hold = np.argsort(prices, axis=1)[:, -(n + 2) :]
     paid = (np.take_along_axis(prices, hold, 1) > 0) & (hold <= open_rows)
     held = np.take_along_axis(rows, hold[..., None], 1) * paid[..., None]
@@ -207,15 +208,15 @@ def _tries(task: AbstractTask, p: Real, s: Real, box: Real, value: Real) -> tupl
     return tries, value - x @ cost
 
 
-def _made_straight(task: AbstractTask, p: Real, s: Real, free: Whole) -> tuple[Real, Real, int]:
-    """Rows and bounds of the linear programme, those of the box still 0, and how many stand before that of `broken`.
+def _linearised(task: AbstractTask, p: Real, s: Real, free: Whole) -> tuple[Real, Real, int]:
+    """Rows and bounds of the linear programme, with those of the box 0, and the column of `broken`.
 
-    Of the step, the largest error, and by how much limits are broken. Rows: errors from above and from below, limits,
-    that none is broken by less than nothing, the box.
+    Variables are the step, the largest error, and the violation of limits. Rows are errors from above and below,
+    limits, a non-negative violation, and the box.
     """
     n = len(free)
     e, (limits, steep) = task.error(p, s), task.limits(p)
-    # At a toggle an error is steep without end: such a row tells nothing of where to go.
+    # At a toggle the error has infinite slope; such a row gives no direction.
     slopes, steep = (np.nan_to_num(one, nan=0.0, posinf=0.0, neginf=0.0) for one in (task.slopes(p, s), steep))
     m, k = e.shape[1], limits.shape[1]
     end = 2 * m + k
@@ -229,19 +230,19 @@ def _made_straight(task: AbstractTask, p: Real, s: Real, free: Whole) -> tuple[R
 
 
 def _number_of_limits(rows: Real, n: int) -> int:
-    """How many rows are limits: those in which breaking counts, but for that of breaking itself."""
+    """Number of rows that are limits: those with the violation, except its own."""
     return int((rows[0, :, n + 1] < 0).sum()) - 1
 
 
 def _newton(held: Real, paid: Mask, right: Real, curvature: Real, cost: Real) -> Real:
-    """Newton's step (many, n): the least of cost and curvature where the rows that are held hold; 0 where it fails."""
+    """Newton's step (many, n): the minimum of cost and curvature with the active rows; 0 if it fails."""
     many, size, _ = held.shape
     n = size - 2
     system, values = np.zeros((many, 2 * size, 2 * size)), np.zeros((many, 2 * size))
     system[:, :n, :n] = curvature
     system[:, :size, size:], system[:, size:, :size] = np.swapaxes(held, 1, 2), held
     system[:, range(size, 2 * size), range(size, 2 * size)] = ~paid
-    # A hair on the diagonal, or a row that is held twice makes it singular.
+    # A small addition to the diagonal, since a duplicate row makes the system singular.
     system[:, range(2 * size), range(2 * size)] += 1e-14
     values[:, :size], values[:, size:] = -cost, right
     with np.errstate(all="ignore"):
@@ -254,11 +255,11 @@ def _newton(held: Real, paid: Mask, right: Real, curvature: Real, cost: Real) ->
 
 
 def _least_return(held: Real, paid: Mask, n: int) -> Real:
-    """(many, n, rows) from how far the held rows are off to the shortest step at which all meet; the error is free."""
+    """(many, n, rows) map from residuals of the active rows to the shortest step that makes all meet."""
     free = np.ones(n + 2)
     free[n:] = 1e4
     square = (held * free) @ np.swapaxes(held, 1, 2)
-    # A hair more on the diagonal, as two rows may be nearly one.
+    # A larger addition to the diagonal, since two rows may nearly coincide.
     square[:, range(n + 2), range(n + 2)] = square[:, range(n + 2), range(n + 2)] * (1 + 1e-10) + ~paid
     try:
         found: Real = ((free[:, None] * np.swapaxes(held, 1, 2)) @ np.linalg.inv(square))[:, :n]
@@ -268,7 +269,7 @@ def _least_return(held: Real, paid: Mask, n: int) -> Real:
 
 
 def _curvature(task: AbstractTask, p: Real, s: Real, prices: Real, free: Whole, limits: int) -> Real:
-    """(many, n, n): second derivatives of the errors and limits, each at its price."""
+    """(many, n, n) second derivatives of the errors and limits, weighted by their prices."""
     m = (prices.shape[1] - limits) // 2
     weights = prices[:, :m] - prices[:, m : 2 * m]
 
@@ -290,7 +291,7 @@ def _curvature(task: AbstractTask, p: Real, s: Real, prices: Real, free: Whole, 
 
 @record(eq=False)
 class Certificate:
-    """Multipliers of peaks (peaks,), their sum 1, and of limits (limits,), all 0 and more; what their sum leaves."""
+    """Multipliers of peaks (peaks,), with sum 1, and of limits (limits,), not negative; and the residual."""
 
     peaks: Real
     limits: Real
@@ -300,16 +301,16 @@ class Certificate:
 def certified(task: AbstractTask, p: Real, s: Real, errors: Real) -> Certificate:
     """Multipliers at a candidate p (unknowns,) whose error has its peaks at s (peaks,).
 
-    Kuhn and Tucker's conditions (Nonlinear programming, 1951) of the least largest error: the derivatives of |error|
-    at the highest peaks and of the limits that hold, each times a multiplier that is not negative, sum to nothing.
-    Found by least squares on those that hold, the most negative left out until none is.
+    Kuhn and Tucker's conditions (Nonlinear programming, 1951) of the least largest error: the derivatives of |error| at
+    the highest peaks and of the active limits, each times a non-negative multiplier, sum to 0. Found by least squares
+    on the active ones, dropping the most negative until none is.
     """
     free = task.free
     limits, steep = (one[0] for one in task.limits(p[None]))
     slopes = np.sign(errors)[:, None] * task.slopes(p[None], s[None])[0]
     holds = np.concatenate([np.abs(errors) >= (1 - LEVEL) * np.abs(errors).max(), limits >= -ACTIVE])
     columns = np.concatenate([slopes, steep])[:, free].T
-    # The last row: that the multipliers of peaks sum to 1.
+    # The last row makes the multipliers of the peaks sum to 1.
     system = np.vstack([columns, np.concatenate([np.ones(len(s)), np.zeros(len(limits))])])
     right = np.append(np.zeros(len(columns)), 1.0)
     found = np.zeros(len(holds))

@@ -1,4 +1,4 @@
-"""The least of the mean square error, under limits: many starts at once."""
+"""Search for function generators: least mean square error under limits for many starts, then peaks and minimax."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from ...plane.vec import Mask, Real
 from .generators import AbstractGenerator
 from .minimax import DIFFERENCE, AbstractTask, descend, settled
 
-# Nodes of the mean over the way, exact for polynomials of twice the degree. Fewer miss the error of a table's spline.
+# Nodes of the mean over the range, exact for polynomials of twice the degree. Fewer miss the error of a table's spline.
 NODES = 48
-# What a limit that is broken by 1 costs, squared; rounds in which the price of limits settles, steps in each. A lower
-# price takes more rounds, a higher one more steps; fewer of these leave a limit broken by more than 1e-9.
+# Squared cost of a limit violated by 1; rounds in which the prices of limits converge; steps per round. A lower cost
+# takes more rounds, a higher one more steps; with fewer, limits are violated by more than 1e-9.
 STIFF, MEAN_SQUARE_ROUNDS, MEAN_SQUARE_STEPS = 10.0, 12, 8
 # Longest step of an unknown: logarithms of lengths, and rad.
 LONGEST_STEP = 0.5
 
 
 def fit(task: AbstractTask, p: Real, exact: bool) -> tuple[Real, Real, Real]:
-    """From candidates p (many, unknowns) to where the mean square error is least: p, its root, the last step (many,).
+    """Candidates p (many, unknowns) improved to the least mean square error: p, its root, the last step (many,).
 
-    Levenberg-Marquardt on the errors and on the limits that are broken, whose prices are raised round by round (the
-    augmented Lagrangian: Powell 1969, Hestenes 1969). exact: with the curvature of the errors, which the former leaves
-    out; that ends to rounding also in a valley, at ten times the price of a step. inf where a candidate cannot be.
+    Levenberg-Marquardt for the errors and violated limits, whose prices are raised round by round (augmented
+    Lagrangian: Powell 1969, Hestenes 1969). `exact` includes the curvature of the errors, which converges to rounding
+    also in a valley at ten times the cost of a step. inf if a candidate is impossible.
     """
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     s, root = (0.5 * (nodes + 1))[None], np.sqrt(0.5 * weights)
@@ -54,7 +54,7 @@ def fit(task: AbstractTask, p: Real, exact: bool) -> tuple[Real, Real, Real]:
         shifts = DIFFERENCE * np.eye(p.shape[1])[free]
         columns = [(gradient(q + shift) - gradient(q - shift)) / (2 * DIFFERENCE) for shift in shifts]
         values, ways = np.linalg.eigh(0.5 * (np.stack(columns, 1) + np.stack(columns, 2)))
-        # Downhill also where it bends down.
+        # A descent direction also with negative curvature.
         bent: Real = (ways * np.abs(values)[:, None]) @ np.swapaxes(ways, 1, 2)
         return bent
 
@@ -77,16 +77,16 @@ def fit(task: AbstractTask, p: Real, exact: bool) -> tuple[Real, Real, Real]:
     return p, np.where(np.isfinite(found), found, np.inf), np.abs(step).max(axis=1)
 
 
-# Half widths of the parabolas that a peak is followed by, one after the other. Wider, and they tell of more than the
-# top; narrower, and rounding moves them.
+# Half widths of the successive parabolas that locate a peak. Wider ones include more than the top; in narrower ones
+# rounding dominates.
 WIDTHS = (2e-3, 2e-4)
 
 
 def peaks(task: AbstractTask, p: Real, most: int, looks: int) -> tuple[Real, Real, Mask]:
-    """Places s (many, most) at which |error| is largest between its neighbours, to rounding, and the errors there.
+    """Positions s (many, most) of local maxima of |error|, to rounding, and the errors there.
 
-    looks: equal parts in which they are looked for. The largest are told; where there are fewer, the rest is the first
-    place, and the third result says which are peaks.
+    The range is sampled in `looks` equal parts. The largest peaks are given; unused entries repeat the first position,
+    and the third result masks the real ones.
     """
     s = np.linspace(0, 1, looks + 1)
     size = np.abs(task.error(p, s[None]))
@@ -96,7 +96,7 @@ def peaks(task: AbstractTask, p: Real, most: int, looks: int) -> tuple[Real, Rea
     k = np.sort(np.argsort(-top, axis=1)[:, :most], axis=1)
     real = np.isfinite(np.take_along_axis(top, k, 1))
     low, high = s[np.maximum(k - 1, 0)] * real, s[np.minimum(k + 1, looks)] * real
-    # An eighth each time: from 1e-2 to where a flat top is level to rounding.
+    # An eighth each time, from 1e-2 to the width at which a flat maximum is level to rounding.
     for _ in range(8):
         places = low[..., None] + (high - low)[..., None] * np.linspace(0, 1, 17)
         e = np.abs(task.error(p, places.reshape(len(p), -1))).reshape(places.shape)
@@ -107,10 +107,10 @@ def peaks(task: AbstractTask, p: Real, most: int, looks: int) -> tuple[Real, Rea
 
 @record(eq=False)
 class AtPeaks(AbstractTask):
-    """A task that is looked at on its peaks, which move with the candidate; the first `fixed` places stay.
+    """A task evaluated at its peaks, which move with the candidate; the first `fixed` positions stay.
 
-    The derivative of a peak's height is that at its place; its curvature is not, which differences of derivatives at
-    the place as it moves tell.
+    The derivative of a peak's height is that at its position; its curvature is not, and follows from differences of
+    derivatives at the moving position.
     """
 
     task: AbstractTask
@@ -130,7 +130,7 @@ class AtPeaks(AbstractTask):
         return self.task.limits(p)
 
     def _moved(self, p: Real, s: Real) -> Real:
-        """s with all but the fixed places moved to the tops of the parabolas there."""
+        """s with all but the fixed positions moved to the tops of the parabolas there."""
         s = np.broadcast_to(s, (len(p), s.shape[1]))
         near = s[:, self.fixed :]
         for width in WIDTHS:
@@ -144,39 +144,40 @@ class AtPeaks(AbstractTask):
         return np.concatenate([s[:, : self.fixed], near], axis=1)
 
 
-# Fits over starts of any angle, and sizes spread over what the limits allow; how many of each are followed. Half of
-# them find the same in every case tried; the rest are for those that were not.
+# Fits over all start angles, sizes spread within the limits, and how many of each are improved. Half of them give the
+# same result in every case tried; the rest are a reserve.
 FITS, SPREAD, FOLLOWED_FITS, FOLLOWED_SPREAD = 10_000, 40_000, 30, 18
-# What breaking a limit costs a fit when it is chosen: more, and those are left out that lie near the best one at a
-# limit; less, and such as cannot be mended are followed.
-MILD = 0.3
-# Two candidates are the same where no unknown differs by more: at the start, where a valley would fill the list, and
-# at the end.
+# Cost of violated limits when fits are selected: a higher one drops fits near the best one at a limit; a lower one
+# keeps fits that cannot be repaired.
+SELECTION_COST = 0.3
+# Largest difference of unknowns of equal candidates: at the start, so that one valley does not fill the list, and at
+# the end.
 NEAR, SAME = 0.15, 1e-3
-# Steps from a start, and in each round of the end; rounds of it; optima that are told.
-STEPS, LAST_STEPS, ROUNDS, TOLD = 14, 15, 12, 12
-# Share of the largest error by which peaks may differ from what was last seen of them: what their parabolas leave.
+# Steps from a start, steps per final round, final rounds, and number of reported optima.
+STEPS, LAST_STEPS, ROUNDS, MOST_REPORTED = 14, 15, 12, 12
+# Share of the largest error by which peaks may change between rounds: the inaccuracy of their parabolas.
 LEVELLED = 1e-9
-# Share of the largest error that ends the first steps: what is left is had at the end.
+# Share of the largest error at which the first steps end; the final rounds reduce the rest.
 NEARLY = 1e-4
-# First step of the end's first round, in each next one a third: a larger one is made smaller again and again.
+# First step of the first final round, a third in each following one; a larger one would be reduced repeatedly.
 LAST_FIRST_STEP = 0.02
-# Step at which a fit of least squares counts as one that rests: more are places on the floor of a valley.
+# Step below which a least-squares fit has converged; longer steps move along a valley.
 NEARLY_RESTS = 1e-4
-# Parts in which peaks of the error are looked for, and how many peaks are kept.
+# Parts in which peaks of the error are searched for, and largest number of peaks.
 LOOKS, PEAKS = 256, 16
-# Largest error, rad or ways of the slider, that is rounding: nothing is better than a linkage that follows exactly, as
-# a parallelogram does, and its peaks mean nothing.
+# Largest error, rad or relative to the travel, that counts as rounding: nothing is better than a linkage that follows
+# exactly, such as a parallelogram, and its peaks have no meaning.
 EXACT = 1e-11
-# By how much a limit may be broken and yet count as kept: rounding of the last step.
+# Largest violation of a limit that counts as kept: rounding of the last step.
 KEPT = 1e-7
 
 
 @record(eq=False)
 class Optimum:
-    """A candidate p (unknowns,) that no small step makes better.
+    """A candidate p (unknowns,) that no small step improves.
 
-    worst: its largest error; s, errors: its peaks; broken: by how much a limit is, 0 and less where all are kept.
+    `worst`: its largest error; `s`, `errors`: its peaks; `broken`: the largest violation of a limit, at most 0 if all
+    are kept.
     """
 
     p: Real
@@ -187,9 +188,9 @@ class Optimum:
 
 
 def searched(task: AbstractGenerator, squares: bool) -> tuple[Optimum, ...]:
-    """The optima found, the best first; where no limit could be kept, the one that breaks them least.
+    """The optima, the best first; if no limit can be kept, the one with the least violation.
 
-    squares: of the mean square error; else of the largest.
+    `squares` selects the mean square error instead of the largest.
     """
     starts = _starts(task)
     if not len(starts):
@@ -200,36 +201,38 @@ def searched(task: AbstractGenerator, squares: bool) -> tuple[Optimum, ...]:
         found = starts
         for _ in range(2):
             found, value, _ = descend(task, found, _ends_close(33)[None], STEPS, gain_left=NEARLY)
-            found = found[_distinct(task, found, value, TOLD, SAME)]
+            found = found[_distinct(task, found, value, MOST_REPORTED, SAME)]
         found = _finished(task, found)
     found = task.rounded(found)
     s, errors, real = peaks(task, found, PEAKS, LOOKS)
     broken, worst = task.limits(found)[0].max(axis=1), np.abs(errors).max(axis=1)
-    told = zip(found, worst.tolist(), s, errors, real, broken.tolist())
-    optima = [Optimum(p, most, at[top], e[top], off) for p, most, at, e, top, off in told]
+    rows = zip(found, worst.tolist(), s, errors, real, broken.tolist())
+    optima = [Optimum(p, most, at[top], e[top], off) for p, most, at, e, top, off in rows]
     kept = [one for one in optima if one.broken <= KEPT and np.isfinite(one.worst)]
     if not kept:
         return tuple(sorted(optima, key=lambda one: one.broken)[:1])
     if not squares:
         kept.sort(key=lambda one: one.worst)
-        order = _distinct(task, np.stack([one.p for one in kept]), np.array([one.worst for one in kept]), TOLD, SAME)
+        order = _distinct(
+            task, np.stack([one.p for one in kept]), np.array([one.worst for one in kept]), MOST_REPORTED, SAME
+        )
         kept = [kept[k] for k in order]
     return tuple(kept)
 
 
 def _ends_close(count: int) -> Real:
-    """Places from 0 to 1, closer at the ends, where peaks of the error are."""
+    """Positions from 0 to 1, denser at the ends, where the peaks are."""
     even: Real = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, count))
     return even
 
 
 def _starts(task: AbstractGenerator) -> Real:
-    """The best of the fits and of the spread candidates, no two alike."""
+    """The best distinct fits and spread candidates."""
     s = _ends_close(17)
     fits = task.fitted(FITS, np.array(task.through) if task.through else s)
     chosen = []
     for p, penalty, count in (
-        (task.centred(fits, s) if not task.through else fits, MILD, FOLLOWED_FITS),
+        (task.centred(fits, s) if not task.through else fits, SELECTION_COST, FOLLOWED_FITS),
         (task.centred(task.spread(SPREAD), s), None, FOLLOWED_SPREAD),
     ):
         if len(p):
@@ -239,7 +242,7 @@ def _starts(task: AbstractGenerator) -> Real:
 
 
 def _distinct(task: AbstractGenerator, p: Real, value: Real, count: int, apart: float) -> list[int]:
-    """The best so many, none as near as `apart` to a better one."""
+    """The best so many, each farther than `apart` from all better ones."""
     left, chosen = np.isfinite(value), []
     for k in np.argsort(value, kind="stable").tolist():
         if left[k]:
@@ -254,11 +257,11 @@ def _distinct(task: AbstractGenerator, p: Real, value: Real, count: int, apart: 
 
 
 def _fitted(task: AbstractGenerator, p: Real) -> Real:
-    """The same by the mean square error, the least first; those on their way yet are left out, bar the first."""
+    """Fits by the mean square error, the least first; those that have not converged are left out, except the first."""
     for exact in (False, True):
         p, value, step = fit(task, p, exact)
         value = value + 1e3 * np.maximum(task.limits(p)[0].max(axis=1) - KEPT, 0)
-        order = _distinct(task, p, value, TOLD, SAME)
+        order = _distinct(task, p, value, MOST_REPORTED, SAME)
         p, step = p[order], step[order]
     rests = step < NEARLY_RESTS
     rests[:1] = True
@@ -266,7 +269,7 @@ def _fitted(task: AbstractGenerator, p: Real) -> Real:
 
 
 def _finished(task: AbstractGenerator, p: Real) -> Real:
-    """Followed on with the places of their peaks added, until the peaks between the places are no higher."""
+    """Improve candidates, adding the positions of their peaks until no peak in between is higher."""
     even = np.tile(_ends_close(49), (len(p), 1))
     last = np.zeros((len(p), PEAKS))
     seen, rests = np.full(len(p), np.inf), np.zeros(len(p), bool)

@@ -1,4 +1,4 @@
-"""Functions of x as people write them, read without running anything."""
+"""Functions of x: expressions as text, named functions, tables, and the checks that a mechanism can follow them."""
 
 from __future__ import annotations
 
@@ -34,11 +34,27 @@ LONGEST, DEEPEST, LARGEST = 500, 100, 1e300
 
 @record(checked=True)
 class Expression:
-    """A function of x from its text, such as `log10(x)` or `2*x**1.5 - 1`: numbers, x, + - * / **, brackets.
+    """A function of x, given as text such as `log10(x)` or `2*x**1.5 - 1`.
 
-    Names: pi, e, sin cos tan asin acos atan sinh cosh tanh exp log (natural) log10 sqrt abs; angles are rad. Binding
-    is Python's: -x**2 is -(x**2), and 2**3**2 is 2**9. At most 500 characters. DesignError for
-    anything else, with its place. Called with an array it gives one; nan or inf where it has no value.
+    It allows numbers, x, + - * / **, brackets, and the names pi, e, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh,
+    exp, log (natural), log10, sqrt and abs; angles are rad. Precedence is that of Python: -x**2 is -(x**2), and 2**3**2
+    is 2**9. A call with an array returns an array, with nan or inf where the function has no value.
+
+    Parameters
+    ----------
+    text : str
+        The expression: at most 500 characters and 100 nested operations.
+
+    Raises
+    ------
+    DesignError
+        For any other text; the message names the position.
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import Expression
+    >>> Expression("2*x + 1")([0, 1, 2]).tolist()
+    [1.0, 3.0, 5.0]
     """
 
     text: Annotated[str, ArgumentType(lambda value: isinstance(value, str), "a text such as log10(x)")]
@@ -89,7 +105,7 @@ class Expression:
         return DesignError("function", f"{problem} at character {place} of {shown(self.text.strip())}", remedy)
 
 
-# Name: the formula in x and its coefficients, and how many these are at least and at most.
+# Name: formula, and least and greatest number of coefficients.
 NAMED: dict[str, tuple[str, int, int]] = {
     "polynomial": ("c0 + c1*x + c2*x**2 + ...", 2, 12),
     "power": ("c0*x**c1", 2, 2),
@@ -103,26 +119,47 @@ NAMED: dict[str, tuple[str, int, int]] = {
 
 @checked
 def named_function(name: str, coefficients: Reals) -> Expression:
-    """A function by name with its coefficients: polynomial, power, exponential, logarithm, sine, cosine, tangent.
+    """A named function with its coefficients as an expression.
 
-    polynomial: c0 + c1 x + c2 x**2 and on; power: c0 x**c1; exponential: c0 exp(c1 x); logarithm: c0 log10(c1 x);
-    sine, cosine, tangent: of c1 x + c2, rad, times c0. Gives the expression that it stands for.
+    Parameters
+    ----------
+    name : str
+        "polynomial": c0 + c1 x + c2 x**2 and so on; "power": c0 x**c1; "exponential": c0 exp(c1 x); "logarithm": c0
+        log10(c1 x); "sine", "cosine", "tangent": c0 times that function of c1 x + c2, rad.
+    coefficients : array_like, shape (n,)
+        c0, c1 and so on: 2 to 12 for a polynomial, 3 for sine, cosine and tangent, else 2.
+
+    Returns
+    -------
+    Expression
+        The function.
+
+    Raises
+    ------
+    DesignError
+        For an unknown name or a wrong number of coefficients.
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import named_function
+    >>> named_function("power", [2, 3])([2.0]).tolist()
+    [16.0]
     """
     if name not in NAMED:
         raise DesignError("name", f"found {shown(name)}", f"give one of {', '.join(NAMED)}")
     formula, least, most = NAMED[name]
     c = np.atleast_1d(np.asarray(coefficients, dtype=float))
     if c.ndim != 1 or not least <= len(c) <= most:
-        many = f"{least}" if least == most else f"{least} to {most}"
-        raise DesignError("coefficients", f"found shape {np.shape(coefficients)}", f"give {many}, of {formula}")
-    told = [f"({float(value)!r})" for value in c]
+        count = f"{least}" if least == most else f"{least} to {most}"
+        raise DesignError("coefficients", f"found shape {np.shape(coefficients)}", f"give {count}, of {formula}")
+    values = [f"({float(coefficient)!r})" for coefficient in c]
     if name == "polynomial":
-        text = told[-1]
-        for one in told[-2::-1]:
-            text = f"{one} + x*({text})"
+        text = values[-1]
+        for value in values[-2::-1]:
+            text = f"{value} + x*({text})"
         return Expression(text)
-    for k, one in enumerate(told):
-        formula = formula.replace(f"c{k}", one)
+    for k, value in enumerate(values):
+        formula = formula.replace(f"c{k}", value)
     return Expression(formula)
 
 
@@ -136,21 +173,21 @@ Function = Annotated[
     Callable[..., Any] | str | Sequence[tuple[float, float]] | Real,
     ArgumentType(_is_function, "a function of one number, a text such as log10(x), or rows of x and y"),
 ]
-# Places at which the function is looked at. Fewer, and a pole between two of them may stay unseen.
-LOOKS = 1025
-# Share of the function's range that it may jump by between neighbouring numbers: a root, which is steep, makes 1e-7.
+# Number of samples of the function. With fewer a pole between two of them may stay undetected.
+SAMPLES = 1025
+# Largest step of the function between neighbouring numbers, as a share of its range. A steep square root has 1e-7.
 JUMP = 1e-3
-# How often the range, as it was looked at, a function may exceed between two looks: a pole does it without end.
-TALL = 100.0
-# Least share of the function's range between its two ends. Below, the swing of the output would be that of a detail.
-NO_RANGE = 1e-6
+# Factor by which a function may exceed its sampled range between samples; a pole exceeds any.
+LARGEST_OVERSHOOT = 100.0
+# Least difference of the end values as a share of the function's range; the output range is scaled to this difference.
+LEAST_END_DIFFERENCE = 1e-6
 
 
 @record(eq=False)
 class WantedFunction:
-    """y = f(x) from x0 to x1, as a share of the way: of the output's, over that of the input's.
+    """The function y = f(x) from x0 to x1, in terms of shares of the input and output ranges.
 
-    f: array to array; y0, y1: at the ends.
+    f maps arrays to arrays; y0 and y1 are the values at the ends.
     """
 
     f: Callable[[Real], Real]
@@ -160,19 +197,19 @@ class WantedFunction:
     y1: float
 
     def x(self, s: Real) -> Real:
-        """x (...,) at shares of the input's way."""
+        """x (...,) at shares of the input range."""
         return self.x0 + (self.x1 - self.x0) * s
 
     def share(self, s: Real) -> Real:
-        """Share of the output's way, (y - y0)/(y1 - y0), at shares of the input's."""
+        """Share of the output range, (y - y0)/(y1 - y0), at shares of the input range."""
         return (self.f(self.x(s)) - self.y0) / (self.y1 - self.y0)
 
 
 def wanted_function(f: Function, span: tuple[float, float]) -> WantedFunction:
-    """The function over its range; DesignError where it has none there, jumps, or ends where it began.
+    """The function over its range; DesignError if it is undefined, jumps, or has equal values at the ends.
 
-    f: a function of an array or of one number, the text of an `Expression`, or rows (x, y) of rising x, through which
-    goes the cubic spline whose end pieces are one cubic each (`plane.Spline`, over x).
+    f: a function of an array or of one number, the text of an `Expression`, or rows (x, y) of rising x, joined by the
+    cubic spline with the not-a-knot end condition (`plane.Spline`, over x).
     """
     x0, x1 = (float(x) for x in span)
     if not x0 < x1 or not x1 - x0 > 1e-12 * max(abs(x0), abs(x1)):
@@ -183,28 +220,30 @@ def wanted_function(f: Function, span: tuple[float, float]) -> WantedFunction:
         called = _over_arrays(f, x0, x1)
     else:
         called = _through(np.asarray(f, dtype=float), x0, x1)
-    x = np.linspace(x0, x1, LOOKS)
+    x = np.linspace(x0, x1, SAMPLES)
     y = called(x)
     if not np.isfinite(y).all():
         raise DesignError(
             "function", f"found no finite value at x = {x[~np.isfinite(y)][0]:.6g}", "give a range in which it has one"
         )
     height = float(np.ptp(y))
-    _refuse_jumps(called, x, y, height)
-    if height == 0 or abs(y[-1] - y[0]) < NO_RANGE * height:
-        what = "is the same all over the range" if height == 0 else "ends at the value at which it began"
+    _check_continuity(called, x, y, height)
+    if height == 0 or abs(y[-1] - y[0]) < LEAST_END_DIFFERENCE * height:
+        what = "is constant over the range" if height == 0 else "has equal values at both ends"
         raise DesignError(
             "function",
             f"it {what}, {y[0]:.6g}, so that no output swing fits it",
-            "give a range with ends of two values",
+            "give a range with different values at its ends",
         )
     return WantedFunction(called, x0, x1, float(y[0]), float(y[-1]))
 
 
 def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real], Real]:
-    """The function for arrays: itself where it takes them, and gives what it gives for single numbers."""
+    """The function itself if it accepts arrays and gives the same as for single numbers; else a loop over single
+    numbers.
+    """
 
-    def one(x: float) -> float:
+    def call_once(x: float) -> float:
         try:
             return float(f(x))
         except (ArithmeticError, ValueError):
@@ -216,22 +255,22 @@ def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real]
                 "give a function of one number that gives one",
             ) from None
 
-    def each(x: Real) -> Real:
-        return np.array([one(value) for value in np.ravel(x).tolist()]).reshape(np.shape(x))
+    def call_each(x: Real) -> Real:
+        return np.array([call_once(value) for value in np.ravel(x).tolist()]).reshape(np.shape(x))
 
-    def whole(x: Real) -> Real:
+    def call_array(x: Real) -> Real:
         with np.errstate(all="ignore"):
             return np.asarray(f(x), dtype=float)
 
     probe = x0 + (x1 - x0) * np.array([[0.0, 0.37], [0.61, 1.0]])
-    singly = each(probe)
+    by_number = call_each(probe)
     try:
-        together = whole(probe)
-        same = together.shape == probe.shape and np.allclose(together, singly, rtol=1e-12, atol=0, equal_nan=True)
+        by_array = call_array(probe)
+        is_same = by_array.shape == probe.shape and np.allclose(by_array, by_number, rtol=1e-12, atol=0, equal_nan=True)
     except Exception:
-        # A function of one number may fail in any way where it is given an array; by single numbers it was sound.
-        return each
-    return whole if same else each
+        # A function of one number may raise anything when called with an array; it works for single numbers.
+        return call_each
+    return call_array if is_same else call_each
 
 
 def _through(rows: Real, x0: float, x1: float) -> Callable[[Real], Real]:
@@ -246,30 +285,30 @@ def _through(rows: Real, x0: float, x1: float) -> Callable[[Real], Real]:
         raise DesignError(
             "span", f"found {x0:g} to {x1:g}", f"give a range within that of the rows, {x[0]:g} to {x[-1]:g}"
         )
-    # So flat that the length along its chords is x.
+    # The table is flattened so that the chord length, which is the spline's parameter, equals x.
     flat = 1e-9 * gaps.min() / (np.abs(y).max() or 1.0)
     spline = Spline(x + 1j * flat * y)
     return lambda places: spline.point(places - x[0]).imag / flat
 
 
-def _refuse_jumps(f: Callable[[Real], Real], x: Real, y: Real, height: float) -> None:
-    """Where the function changes most, and where it is largest, ever nearer: a jump stays, and a pole grows."""
+def _check_continuity(f: Callable[[Real], Real], x: Real, y: Real, height: float) -> None:
+    """Narrow down the steepest and the largest places of the function: a jump persists, and a pole grows."""
     steepest = [(x[k], x[k + 1], False) for k in np.argsort(-np.abs(np.diff(y)))[:3]]
     k = int(np.argmax(np.abs(y - np.median(y))))
     highest = (x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)], True)
-    for low, high, tall in (*steepest, highest):
+    for low, high, is_peak in (*steepest, highest):
         while True:
-            near = np.linspace(low, high, 17)
-            values = f(near)
+            x_near = np.linspace(low, high, 17)
+            values = f(x_near)
             with np.errstate(invalid="ignore"):
                 steps = np.abs(np.diff(values))
-            if not np.isfinite(values).all() or not (np.diff(near) > 0).all():
+            if not np.isfinite(values).all() or not (np.diff(x_near) > 0).all():
                 break
-            k = int(np.argmax(np.abs(values - y[0])) if tall else np.argmax(steps))
-            low, high = near[max(k - tall, 0)], near[min(k + 1, 16)]
+            k = int(np.argmax(np.abs(values - y[0])) if is_peak else np.argmax(steps))
+            low, high = x_near[max(k - is_peak, 0)], x_near[min(k + 1, 16)]
         jumps = not np.isfinite(values).all() or steps.max() > JUMP * height
-        if jumps or np.abs(values - y[0]).max() > TALL * height:
-            place = 0.0 if abs(low) < 1e-9 * (x[-1] - x[0]) else low
+        if jumps or np.abs(values - y[0]).max() > LARGEST_OVERSHOOT * height:
+            position = 0.0 if abs(low) < 1e-9 * (x[-1] - x[0]) else low
             raise DesignError(
-                "function", f"it jumps or has a pole near x = {place:.6g}", "give a range in which it goes on smoothly"
+                "function", f"it jumps or has a pole near x = {position:.6g}", "give a range in which it is continuous"
             )

@@ -1,4 +1,4 @@
-"""Burmester's curves of four poses: where pivots on the ground and pins on the body may lie, and which go together."""
+"""Burmester curves of four poses: the possible pivots on the ground, the possible pins on the body, and their pairs."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from .circular_cubic import Cubic, Loop, crossings
 from .constraint import FAR, Pairs, missed, normalised
 from .poses import Poses, inverse, placed
 
-# What a curve is cut off at unless it is said, in sizes of the poses.
-REACH = 10.0
-# Largest coefficient of a cubic, of unit sizes, that is rounding: then every point of the plane is one of the curve.
-NOTHING = 1e-13
-# Miss of a slide, in sizes, beyond which it is none. Smaller, and slides of pins far away are lost to rounding.
+# Default extent of the curves, in sizes of the poses.
+DEFAULT_EXTENT = 10.0
+# Largest coefficient of a cubic, in unit sizes, that counts as rounding: then every point of the plane is on the curve.
+ROUNDING = 1e-13
+# Largest error of an accepted slide, in sizes. A smaller value loses slides of far pins to rounding.
 MISSED = 1e-5
-# Places of a loop that are looked at for where it leaves its reach. Fewer, and a curve that peeps in or out is missed.
-LOOKED_AT = 2000
+# Samples of a loop for its crossings of the limit; with fewer a short excursion is missed.
+SAMPLES = 2000
 
 
 @record(eq=False)
 class FourPoses:
-    """Four poses (n,) and the cubic of the places that are pivots, in unit sizes about their middle.
+    """Four poses (n,) and the cubic of the possible pivots, in unit sizes about their middle.
 
-    Where the body sees these as poses of the ground the pivots are pins on the body, and their pins its pivots, which
-    have their places from `partner_origin`, mm.
+    For poses of the ground as seen from the body the pivots are pins on the body, and their partners are ground pivots,
+    measured from `partner_origin`, mm.
     """
 
     origins: Complex
@@ -47,11 +47,11 @@ class FourPoses:
 
     @cached_property
     def cubic(self) -> Cubic:
-        """The four places of a pivot on the body lie on a circle: the determinant that says so."""
+        """The cubic from the determinant that makes the four positions of a pivot on the body lie on a circle."""
         z, u = self.scaled[0], np.conj(self.directions)
         step, turn = z[1:] - z[0], u[1:] - u[0]
         shift = u[1:] * z[1:] - u[0] * z[0]
-        # Of each pose, in its difference to the first: |g|^2, g x and g y, with g = conj(u) (f - z).
+        # |g|^2, g x and g y with g = conj(u) (f - z), each less its value at the first pose.
         forms = np.array(
             [
                 [-2 * step.real, -2 * step.imag, np.abs(z[1:]) ** 2 - abs(z[0]) ** 2],
@@ -65,31 +65,33 @@ class FourPoses:
             tensor += sign * np.einsum("a,b,c->abc", *(forms[order[k], :, k] for k in range(3)))
         tensor = np.mean([np.transpose(tensor, order) for order in permutations(range(3))], axis=0)
         size = np.prod([np.linalg.norm(forms[:, :, k]) for k in range(3)])
-        if np.abs(tensor).max() <= NOTHING * size:
-            why = "every point is a pin of some dyad: they are parallel on one circle, or turned about one point"
-            raise DesignError("poses", why, "give other poses, or take `dyads_through` with fixed or moving")
+        if np.abs(tensor).max() <= ROUNDING * size:
+            why = "every point is a pin of some dyad: they are parallel on one circle, or rotated about one point"
+            raise DesignError("poses", why, "give other poses, or use `dyads_through` with fixed or moving")
         return Cubic(tensor / np.abs(tensor).max())
 
     def point(self, place: Complex, weight: Real) -> Complex:
-        """Places place / weight in unit sizes, mm."""
+        """Points place / weight, given in unit sizes, in mm."""
         _, middle, size = self.scaled
         with np.errstate(divide="ignore", invalid="ignore"):
             points: Complex = middle + size * (place / weight)
         return points
 
     def partner(self, place: Complex, weight: Real) -> Complex:
-        """The pins on the body that pivots place / weight, in unit sizes, belong to, mm; weight 0 is at infinity."""
-        return self.partner_origin + self._solved(*self._asked(place, weight)) * self.scaled[2]
+        """Pins on the body, mm, of the pivots place / weight in unit sizes; weight 0 is at infinity."""
+        return self.partner_origin + self._solve(*self._conditions(place, weight)) * self.scaled[2]
 
     def partner_rate(self, place: Complex, weight: Real, place_rate: Complex, weight_rate: Real) -> Complex:
-        """How fast these move, from the rates of their pivots."""
-        factor, right = self._asked(place, weight)
-        m = self._solved(factor, right)
-        factor_rate, right_rate = self._asked(place_rate, weight_rate)
-        return self._solved(factor, right_rate - (factor_rate * m[..., None]).real) * self.scaled[2]
+        """Rates of these pins from the rates of their pivots."""
+        factor, right = self._conditions(place, weight)
+        m = self._solve(factor, right)
+        factor_rate, right_rate = self._conditions(place_rate, weight_rate)
+        return self._solve(factor, right_rate - (factor_rate * m[..., None]).real) * self.scaled[2]
 
-    def _asked(self, place: Complex, weight: Real) -> tuple[Complex, Real]:
-        """At each pose Re(factor m) = right, both less their mean: the distance from the pivot is left open."""
+    def _conditions(self, place: Complex, weight: Real) -> tuple[Complex, Real]:
+        """Conditions Re(factor m) = right at each pose, both less their mean, which leaves the distance from the pivot
+        free.
+        """
         z, u = self.scaled[0], self.directions
         f, w = place[..., None], weight[..., None]
         factor = 2 * u * np.conj(w * z - f)
@@ -97,8 +99,8 @@ class FourPoses:
         return factor - factor.mean(axis=-1, keepdims=True), right - right.mean(axis=-1, keepdims=True)
 
     @staticmethod
-    def _solved(factor: Complex, right: Real) -> Complex:
-        """Least squares along the two ways that do not disturb each other, so that few digits are lost."""
+    def _solve(factor: Complex, right: Real) -> Complex:
+        """Least squares along the two principal directions, which loses few digits."""
         half = np.exp(-0.5j * np.angle(np.sum(factor**2, axis=-1)))
         along = factor * half[..., None]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -110,11 +112,19 @@ class FourPoses:
 
 @record(checked=True, eq=False)
 class BurmesterCurve(AbstractCurve):
-    """A piece of a centre-point or circle-point curve; t from `start` to `end`, whose unit has no meaning.
+    """A piece of a centre-point or circle-point curve.
 
-    `partner` gives the point of the other curve that belongs to each: the pin on the body to a pivot on the ground,
-    or the pivot to a pin; pivots in mm on the ground, pins in mm in the body's own frame. A branch that runs through
-    infinity is cut where it leaves its reach, and so are its pieces. Its velocity is nan where it crosses itself.
+    A branch that passes through infinity is cut where it leaves the limit. The velocity is nan where the curve crosses
+    itself.
+
+    Parameters
+    ----------
+    poses : FourPoses
+        The poses as seen from the ground (centre points) or from the body (circle points).
+    loop : Loop
+        The loop of the cubic to which the piece belongs.
+    start, end : float
+        Range of the parameter t, whose unit has no meaning.
     """
 
     poses: FourPoses
@@ -134,12 +144,34 @@ class BurmesterCurve(AbstractCurve):
         return self.poses.scaled[2] * rates
 
     def partner(self, t: ArrayLike) -> Complex:
-        """The point of the other curve that belongs to this one, mm; very large where it is at infinity."""
+        """Partners on the other curve.
+
+        Parameters
+        ----------
+        t : array_like
+            Parameters of this curve.
+
+        Returns
+        -------
+        array of complex
+            The pin on the body (in its frame) for a pivot, or the pivot for a pin, mm; very large if it is at infinity.
+        """
         place, weight, _, _ = self._run(t)
         return self.poses.partner(place, weight)
 
     def partner_velocity(self, t: ArrayLike) -> Complex:
-        """How fast that one runs, mm per unit of t."""
+        """Velocity of the partner.
+
+        Parameters
+        ----------
+        t : array_like
+            Parameters of this curve.
+
+        Returns
+        -------
+        array of complex
+            mm per unit of t.
+        """
         return self.poses.partner_rate(*self._run(t))
 
     def _run(self, t: ArrayLike) -> tuple[Complex, Real, Complex, Real]:
@@ -147,7 +179,7 @@ class BurmesterCurve(AbstractCurve):
 
     @property
     def breaks(self) -> Real:
-        # None are needed; between them curves are looked at in so many places, and a loop may have tight bends.
+        # Breaks are not needed, but curves are sampled between them, and a loop may have tight bends.
         return np.linspace(self.start, self.end, 9)
 
     @property
@@ -157,12 +189,19 @@ class BurmesterCurve(AbstractCurve):
 
 @record(eq=False)
 class Burmester:
-    """Both curves of four poses, whole within their reach, and the two slides, which have one end at infinity.
+    """Both Burmester curves of four poses within a limit, and the two slides.
 
-    fixed: pieces of the centre-point curve, on the ground. moving: pieces of the circle-point curve, in the body's own
-    frame. Every point of either has its partner on the other one, so that each curve alone tells all dyads.
-    slides: of the curves' points at infinity: the pin of the body that runs along a straight line through its four
-    places, and the pivot that a straight line of the body runs through; each only where there is one.
+    Every point of one curve has its partner on the other, so each curve alone gives all dyads.
+
+    Parameters
+    ----------
+    fixed : tuple of BurmesterCurve
+        Pieces of the centre-point curve, on the ground, mm.
+    moving : tuple of BurmesterCurve
+        Pieces of the circle-point curve, in the body's frame, mm.
+    slides : Pairs
+        Dyads with one end at infinity: the pin of the body whose four positions are collinear, and the pivot over which
+        a straight line of the body slides; each only if it exists.
     """
 
     fixed: tuple[BurmesterCurve, ...]
@@ -172,56 +211,79 @@ class Burmester:
 
 @checked
 def burmester_curves(poses: Poses, reach: Positive | None = None) -> Burmester:
-    """Centre-point and circle-point curve of four poses (origin x + yj in mm, angle in rad): circular cubics.
+    """Find the centre-point and circle-point curves of four poses, which are circular cubics.
 
-    reach: how far from the middle of the poses' origins, on the ground, and of the places in which the body sees that
-    middle, they are drawn, mm; ten times the farthest of these origins unless given. Two, three or more pieces
-    each, none of which runs through infinity. Parallel poses among the four put poles at infinity, and are as good as
-    others. DesignError where there is no curve, as every point of the plane would do: all four parallel, or turned
-    about one point. Burmester, Lehrbuch der Kinematik, 1888; Bottema and Roth, Theoretical Kinematics, 1979, chapter
-    VIII; how they are traced is derived here.
+    Parameters
+    ----------
+    poses : sequence of (complex, float)
+        Four poses, each an origin x + yj in mm and an angle in rad; some may be parallel.
+    reach : float, optional
+        Largest distance of the curves from the middle of the poses' origins, on the ground and as the body sees it, mm;
+        ten times the farthest origin by default.
+
+    Returns
+    -------
+    Burmester
+        Two or more pieces of each curve, none of which passes through infinity.
+
+    Raises
+    ------
+    DesignError
+        If every point of the plane is a solution: all four poses are parallel, or rotated about one point.
+
+    Notes
+    -----
+    Burmester, Lehrbuch der Kinematik, 1888; Bottema and Roth, Theoretical Kinematics, 1979, chapter VIII; the tracing
+    is derived here.
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import burmester_curves
+    >>> curves = burmester_curves([(0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4), (40 + 90j, 1.9)])
+    >>> all(curve.closed or curve.end > curve.start for curve in curves.fixed)
+    True
     """
     z, u = placed(poses, 4, 4)
-    ground, body = both_ways(z, u)
+    ground, body = as_seen_by_ground_and_body(z, u)
     return Burmester(_pieces(ground, reach), _pieces(body, reach), slides_of(ground, body))
 
 
-def both_ways(z: Complex, u: Complex) -> tuple[FourPoses, FourPoses]:
+def as_seen_by_ground_and_body(z: Complex, u: Complex) -> tuple[FourPoses, FourPoses]:
     """Four poses as the ground sees them, and as the body does, from the middle of their origins."""
     middle = complex(z.mean())
     return FourPoses(z, u), FourPoses(*inverse(z - middle, u), middle)
 
 
 def _pieces(poses: FourPoses, reach: float | None) -> tuple[BurmesterCurve, ...]:
-    cubic, far = poses.cubic, REACH if reach is None else reach / poses.scaled[2]
-    found = []
+    cubic, extent = poses.cubic, DEFAULT_EXTENT if reach is None else reach / poses.scaled[2]
+    pieces = []
     for loop in cubic.loops:
 
         def inside(t: Real, loop: Loop = loop) -> Real:
             place, weight, _, _ = cubic.run(loop, t)
-            return far * np.abs(weight) - np.abs(place)
+            return extent * np.abs(weight) - np.abs(place)
 
-        grid = 2 * np.pi * np.arange(LOOKED_AT) / LOOKED_AT
+        grid = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
         near = np.geomspace(1e-12, 0.1, 60)
         for t in loop.at(cubic.infinity):
             grid = np.concatenate([grid, [t], t - near, t + near])
         for start, end in crossings(inside, grid):
-            # A piece of no length is where the curve touches its reach.
+            # A piece of zero length is a point at which the curve touches the limit.
             if end - start > 1e-9:
-                found.append(BurmesterCurve(poses, loop, start, end))
-    return tuple(found)
+                pieces.append(BurmesterCurve(poses, loop, start, end))
+    return tuple(pieces)
 
 
 def slides_of(ground: FourPoses, body: FourPoses) -> Pairs:
-    """The dyad whose pivot, then that whose pin is at infinity; none where both of its ends are."""
-    way = 1j * ground.cubic.axis, 1j * body.cubic.axis
-    pin = ground.partner(np.array([way[0]]), np.zeros(1))
-    pivot = body.partner(np.array([way[1]]), np.zeros(1))
+    """The dyad whose pivot, and the one whose pin is at infinity; neither if both of its ends are."""
+    directions = 1j * ground.cubic.axis, 1j * body.cubic.axis
+    pin = ground.partner(np.array([directions[0]]), np.zeros(1))
+    pivot = body.partner(np.array([directions[1]]), np.zeros(1))
     far: Mask = np.array([True, False])
-    # A line runs square to where its centre is.
-    fixed: Complex = np.array([1j * way[0], pivot[0]])
-    moving: Complex = np.array([pin[0], 1j * way[1]])
-    # Of poses parallel in pairs, and the like, such a pin or pivot is at infinity too: then it is no dyad.
+    # The line is at right angles to the direction of its centre.
+    fixed: Complex = np.array([1j * directions[0], pivot[0]])
+    moving: Complex = np.array([pin[0], 1j * directions[1]])
+    # For poses parallel in pairs such a pin or pivot can be at infinity too, which is no dyad.
     slides = Pairs(fixed, moving, far, ~far)
-    near = np.abs([pin[0], pivot[0]]) < FAR * np.array([ground.scaled[2], body.scaled[2]])
-    return slides.at(near & (missed(ground.origins, ground.directions, slides) <= MISSED * ground.scaled[2]))
+    is_finite = np.abs([pin[0], pivot[0]]) < FAR * np.array([ground.scaled[2], body.scaled[2]])
+    return slides.at(is_finite & (missed(ground.origins, ground.directions, slides) <= MISSED * ground.scaled[2]))

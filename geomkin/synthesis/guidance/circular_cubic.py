@@ -1,12 +1,12 @@
-"""A plane cubic with one known point at infinity, traced whole: each real branch as a loop through infinity.
+"""A plane cubic with a known point at infinity, traced completely: each real branch as a loop through infinity.
 
-Lines through the known point meet the cubic twice more, so that a square root tells all: with (X, W) such a line,
+Lines through the known point meet the cubic in two more points, given by a square root: with (X, W) such a line,
 
     K = Y^2 L(X, W) + Y Q(X, W) + C(X, W),     Y = (-Q +- sqrt(Q^2 - 4 L C)) / 2 L,
 
-and the real branches lie where the quartic under the root is not below 0: one loop for each such stretch of lines, run
-there on one root and back on the other. Where one such line is part of the cubic (that at infinity, or, of symmetrical
-poses, the axis of symmetry), it is taken out, which leaves L, Q and C of one degree less. Derived here.
+and the real branches are where the quartic under the root is not negative: one loop for each interval of such lines,
+out on one root and back on the other. If one such line is part of the cubic (that at infinity, or the axis of symmetry
+of symmetrical poses), it is divided out, which leaves L, Q and C of one degree less. Derived here.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ import numpy as np
 from ...core.records import record
 from ...plane.vec import Complex, Real
 
-# Share of the other coefficients below which those of highest degree are rounding: the cubic is then a conic and the
-# line at infinity. Larger, and far points of a true cubic are lost; smaller, and its direction there is rounding.
+# Relative size below which the coefficients of highest degree are rounding: the cubic is then a conic and the
+# line at infinity. A larger value loses far points of a true cubic; a smaller one takes its direction from rounding.
 CONIC = 1e-12
-# Share of Q and C, where L is 0, below which that line of the pencil is part of the cubic. Larger, and a curve that
-# comes close to a line and a circle is told as these; smaller, and rounding makes the line a loop too thin to be seen.
+# Relative size of Q and C, where L is 0, below which that line is part of the cubic. A larger value reports a curve
+# near a line and a circle as these; with a smaller one rounding makes the line an invisibly thin loop.
 PART = 1e-10
-# Square of the slope below which the curve crosses itself. Larger, and points near a crossing keep their error;
-# smaller, and they are thrown about.
+# Squared slope below which the curve crosses itself. With a larger value points near a crossing keep their error; with
+# a smaller one they are displaced at random.
 CROSSING = 1e-8
-# Way below which (cos x - sinc x) / x is told by its series: the quotient loses digits there.
+# Argument below which (cos x - sinc x) / x is computed by its series, since the quotient loses digits.
 FLAT = 1e-2
 
 
 @record(eq=False)
 class Loop:
-    """One real branch: `point` and its rate in homogeneous numbers, over 0 <= t <= 2 pi, where it closes.
+    """One real branch in homogeneous coordinates over 0 <= t <= 2 pi, where it closes.
 
-    middle, half: the stretch of directions psi of (X, W) = (sin psi, cos psi), run as middle - half cos t; half is nan
-    where all directions do: then psi is t times `turning`, on the root of one `sign`. rest: what is left of the quartic
-    when the ends of the stretch are taken out, by falling powers of X. Where half is 0 the line itself is the branch.
+    `middle`, `half`: the interval of directions psi of (X, W) = (sin psi, cos psi), run as middle - half cos t. half is
+    nan for all directions: then psi is t times `turning`, on the root of one `sign`. `rest`: the quartic without the
+    roots at the ends of the interval, by falling powers of X. If half is 0, the line itself is the branch.
     """
 
     middle: float
@@ -67,7 +67,7 @@ class Loop:
         return psi, rate, self.sign * ends * root, total
 
     def at(self, psi: float) -> list[float]:
-        """The t, none to two, at which the lines have a direction psi."""
+        """The t, none to two, at which the lines have direction psi."""
         if self.half == 0:
             return [np.pi]
         if np.isnan(self.half):
@@ -76,7 +76,7 @@ class Loop:
         return [float(np.arccos(share)), float(2 * np.pi - np.arccos(share))] if abs(share) <= 1 else []
 
     def middle_near(self, psi: float) -> float:
-        """psi, by so many half turns as bring it nearest to the middle."""
+        """psi, changed by half turns to be nearest to the middle."""
         return float(psi - np.pi * np.rint((psi - self.middle) / np.pi))
 
 
@@ -88,8 +88,8 @@ class Cubic:
 
     @cached_property
     def axis(self) -> complex:
-        """The direction, unit complex, across that in which the curve goes to infinity."""
-        # Of a conic and the line at infinity every point there is one of the curve: any direction will do.
+        """The direction, unit complex, at right angles to that in which the curve goes to infinity."""
+        # For a conic and the line at infinity every point there is on the curve, so any direction serves.
         return complex(np.exp(0.7j)) if self.is_conic else self._lead / abs(self._lead)
 
     @property
@@ -103,7 +103,7 @@ class Cubic:
 
     @cached_property
     def whole(self) -> tuple[Real, Real, Real]:
-        """L, Q and C by falling powers of X, with y along the way to infinity."""
+        """L, Q and C by falling powers of X, with y in the direction of infinity."""
         c, s = self.axis.real, self.axis.imag
         turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
         t = np.einsum("abc,ai,bj,ck->ijk", self.tensor, turn, turn, turn)
@@ -119,12 +119,12 @@ class Cubic:
         line, square, cube = self.whole
         psi = float(np.arctan2(-line[1], line[0]))
         off = max(abs(_form(part, np.array(psi))[0]) for part in (square, cube))
-        # Of both together: of a curve that mirrors itself in the other direction, too, Q is nothing but rounding.
+        # Compared with both, since Q is only rounding for a curve that is symmetrical in the other direction too.
         return psi if off <= PART * np.abs([*square, *cube]).max() else None
 
     @cached_property
     def parts(self) -> tuple[Real, Real, Real]:
-        """The same without that line."""
+        """The same with that line divided out."""
         if self.line is None:
             return self.whole
         c, s = np.cos(self.line), np.sin(self.line)
@@ -145,7 +145,7 @@ class Cubic:
     def _curved(self) -> tuple[Loop, ...]:
         line, square, cube = self.parts
         quartic = np.convolve(square, square) - 4 * np.convolve(line, cube)
-        # Directions such that the quartic is far from 0 at their end, so that no root is there.
+        # The range of directions ends where the quartic is far from 0, so that no root is there.
         tries = np.pi * np.arange(9) / 9
         base = float(tries[np.argmax(np.abs(_form(quartic, tries)[0]))] - np.pi / 2)
         turned = _turned(quartic, base)
@@ -156,7 +156,7 @@ class Cubic:
         if not len(real):
             if turned[0] <= 0:
                 return ()
-            # Of a conic half a turn of the lines leads to the other root.
+            # For a conic half a turn of the lines leads to the other root.
             if self.line is not None:
                 return (Loop(0.0, np.nan, quartic, turning=1.0),)
             return tuple(Loop(0.0, np.nan, quartic, sign) for sign in (1.0, -1.0))
@@ -178,7 +178,7 @@ class Cubic:
         return tuple(found)
 
     def run(self, loop: Loop, t: Real) -> tuple[Complex, Real, Complex, Real]:
-        """Homogeneous place x + iy, its weight, and the rates of both by t."""
+        """Homogeneous position x + iy, its weight, and the derivatives of both by t."""
         if loop.half == 0:
             along, across = np.sin(0.5 * t), np.cos(0.5 * t)
             x, w = np.sin(loop.middle), np.cos(loop.middle)
@@ -194,7 +194,7 @@ class Cubic:
         line_rate, square_rate, cube_rate, x_rate, w_rate = (
             rate * each for each in (line_rate, square_rate, cube_rate, w, -x)
         )
-        # One of two forms of the same root: -Q + r over 2 L or 2 C over -Q - r, whichever does not cancel.
+        # Of two forms of the root, (-Q + r) / 2 L and 2 C / (-Q - r), the one without cancellation.
         near = root * square <= 0
         y = np.where(near, root - square, 2 * cube)
         y_rate = np.where(near, root_rate - square_rate, 2 * cube_rate)
@@ -206,14 +206,14 @@ class Cubic:
         return self._settled(place, size * w * k, place_rate, size * (w_rate * k + w * k_rate))
 
     def _settled(self, *run: Complex | Real) -> tuple[Complex, Real, Complex, Real]:
-        """The same after a step of Newton's towards the curve: roots that nearly meet are known to half the digits."""
+        """The same after a Newton step towards the curve, since roots that nearly meet have half of their digits."""
         place, weight, place_rate, weight_rate = run
         v = np.stack([place.real, place.imag, weight.real], axis=-1)
         rate = np.stack([place_rate.real, place_rate.imag, weight_rate.real], axis=-1)
         slope = 3 * np.einsum("abc,...a,...b->...c", self.tensor, v, v)
         value = np.einsum("...c,...c", slope, v) / 3
         steep = np.sum(slope**2, axis=-1)
-        # At a crossing of the curve with itself there is no slope to go by.
+        # At a self-crossing the slope is 0, and no step is taken.
         gain = np.divide(1.0, steep, out=np.zeros_like(steep), where=steep > CROSSING * np.abs(self.tensor).max() ** 2)
         v = v - slope * (value * gain)[..., None]
         rate = rate - slope * (np.sum(slope * rate, axis=-1) * gain)[..., None]
@@ -221,7 +221,7 @@ class Cubic:
 
     @property
     def infinity(self) -> float:
-        """The direction psi of the lines of which a root is at infinity."""
+        """The direction psi of the lines with a root at infinity."""
         if self.line is not None:
             return 0.5 * np.pi
         line = self.parts[0]
@@ -264,9 +264,9 @@ def _sinc_rate(x: Real) -> Real:
 
 
 def crossings(inside: Callable[[Real], Real], grid: Real) -> list[tuple[float, float]]:
-    """Stretches of a loop over one turn, (start, end), where `inside` is above 0; looked for on a grid, then halved.
+    """Intervals of a loop over one turn, (start, end), in which `inside` is positive, found on a grid and by bisection.
 
-    A stretch that runs over the loop's start ends beyond 2 pi. The whole turn is (0, 2 pi).
+    An interval across the loop's start ends beyond 2 pi. The whole turn is (0, 2 pi).
     """
     grid = np.unique(np.mod(grid, 2 * np.pi))
     good = inside(grid) > 0
@@ -279,7 +279,7 @@ def crossings(inside: Callable[[Real], Real], grid: Real) -> list[tuple[float, f
         middle = 0.5 * (low + high)
         same = (inside(middle) > 0) == state
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    # Of each border the side that is inside.
+    # The inner side of each border.
     border = np.where(state, low, high)
     starts, ends = border[~state], border[state]
     if not len(starts):

@@ -1,4 +1,4 @@
-"""Where the pins of a four-bar through three poses may be so that it need not change its branch on the way."""
+"""Regions of the pins of a four-bar through three poses in which it need not change its branch."""
 
 from __future__ import annotations
 
@@ -19,34 +19,51 @@ from ...plane.vec import Complex, Mask, cross, dot, unit
 from .guide_search import Displacements, rail_of
 from .poses import Poses, image_poles, placed
 
-# Sine of the turn between the ends of three places, seen from the middle one, below which they count as one line.
+# Sine of the angle between the ends of three positions, seen from the middle one, below which they are collinear.
 STRAIGHT = 1e-9
-# How far a circle's chords are off where a region is drawn, as a share of the box: more, and corners show.
+# Largest distance of a circle's chords from it in a drawn region, as a share of the box; more shows corners.
 NEAR = 5e-4
 
 
 @record(eq=False, kw_only=True)
 class Rectification:
-    """Regions of a body's points, as it stands at the first of three poses, mm on the ground.
+    """Regions of the pins of a four-bar, with the body at the first of three poses, mm on the ground.
 
-    image_poles: the three, at infinity where two poses are parallel. circles: with the sides of their triangle as
-    diameters, curves to draw; a side that runs to infinity makes a line, and one that lies there none. A point inside
-    an odd number of them has no driver: `drivable`. driven: the driven link's pin, if it was given, and lines: through
-    it, as the driven link lies at the three poses seen from the body; the pin of a driver is on one side of all three,
-    each as the link points: `drives`.
+    Parameters
+    ----------
+    image_poles : tuple of three InstantCentre
+        The image poles; at infinity if two poses are parallel.
+    circles : tuple of AbstractCurve
+        Circles with the sides of the triangle of image poles as diameters, to draw. A side that runs to infinity gives
+        a line, a side at infinity nothing. A driven pin inside an odd number of them has no driver; see `drivable`.
+    driven : complex or None
+        Pin of the driven link, if given.
+    lines : tuple of AbstractCurve
+        Lines through it along the driven link at the three poses, as seen from the body. The driving pin must be on the
+        same side of all three, each oriented as the link; see `drives`.
+    directions : array of complex, shape (3,)
+        Directions of these lines.
     """
 
     image_poles: tuple[InstantCentre, InstantCentre, InstantCentre]
     circles: tuple[AbstractCurve, ...]
     driven: complex | None
     lines: tuple[AbstractCurve, ...]
-    ways: Complex
+    directions: Complex
 
     @checked
     def drivable(self, points: Points) -> Mask:
-        """Whether a driven link at each of these points has a driver somewhere that need not change the branch.
+        """Whether a driven link at each point has some driver with which the branch need not change.
 
-        By Waldron's circles; poles at infinity are an ordinary case, as only the sign of a product tells.
+        Parameters
+        ----------
+        points : array_like of complex
+            Driven pins at the first pose, mm.
+
+        Returns
+        -------
+        array of bool
+            By Waldron's circles; poles at infinity need no special case, since only the sign of a product counts.
         """
         z = np.asarray(points, dtype=complex)
         a, b, c = (pole.arm + pole.weight * (pole.reference - z) for pole in self.image_poles)
@@ -54,46 +71,79 @@ class Rectification:
 
     @checked
     def drives(self, points: Points) -> Mask:
-        """Whether a driving link at each of these points takes the driven one through on one branch: Filemon's region.
+        """Whether a driving link at each point moves the driven one on one branch (Filemon's region).
 
-        DesignError where no driven pin was given. What else may be wrong, a circuit or the order, is not told by it.
+        Parameters
+        ----------
+        points : array_like of complex
+            Driving pins at the first pose, mm.
+
+        Returns
+        -------
+        array of bool
+            Other defects, of circuit or order, are not covered.
+
+        Raises
+        ------
+        DesignError
+            If no driven pin was given.
         """
         if self.driven is None:
             raise DesignError("driven", "is missing", "give the driven link's pin when the regions are made")
-        side = cross(self.driven - np.asarray(points, dtype=complex)[..., None], self.ways)
+        side = cross(self.driven - np.asarray(points, dtype=complex)[..., None], self.directions)
         return np.asarray((side > 0).all(axis=-1) | (side < 0).all(axis=-1))
 
     @checked
     def no_driven(self, low: complex, high: complex) -> tuple[AbstractCurve, ...]:
-        """Closed curves, of which an odd number are around every point of a box that is not `drivable`, to draw.
+        """Outlines of the region without `drivable` points, to draw.
 
-        low, high: opposite corners, mm. The chords of circles are off by a thousandth of the box at most.
+        Parameters
+        ----------
+        low, high : complex
+            Opposite corners of the box that is covered, mm.
+
+        Returns
+        -------
+        tuple of AbstractCurve
+            Closed curves; a point is in the region if an odd number of them surround it. Circles are drawn by chords
+            with an error of at most a thousandth of the box.
         """
-        return self._where(self.circles, low, high, lambda points: ~self.drivable(points))
+        return self._outlines(self.circles, low, high, lambda points: ~self.drivable(points))
 
     @checked
     def no_driver(self, low: complex, high: complex) -> tuple[AbstractCurve, ...]:
-        """The same of the points where a pin does not drive the driven one: all but two opposite wedges, or all."""
-        return self._where(self.lines, low, high, lambda points: ~self.drives(points))
+        """Outlines of the region in which a pin does not drive the driven one: all but two opposite wedges, or all.
 
-    def _where(
+        Parameters
+        ----------
+        low, high : complex
+            Opposite corners of the box that is covered, mm.
+
+        Returns
+        -------
+        tuple of AbstractCurve
+            Closed curves, as for `no_driven`.
+        """
+        return self._outlines(self.lines, low, high, lambda points: ~self.drives(points))
+
+    def _outlines(
         self, borders: Iterable[AbstractCurve], low: complex, high: complex, holds: Callable[[Complex], Mask]
     ) -> tuple[AbstractCurve, ...]:
         from ...plane.region import where  # loads shapely, which only a drawing needs
 
-        across, middle = high - low, (low + high) / 2
-        if not across.real or not across.imag:
+        diagonal, centre = high - low, (low + high) / 2
+        if not diagonal.real or not diagonal.imag:
             raise DesignError("high", f"found {shown(high)}, on a line with {shown(low)}", "give the opposite corner")
-        box = low + np.array([0, across.real, across, 1j * across.imag])
+        box = low + np.array([0, diagonal.real, diagonal, 1j * diagonal.imag])
         lines = []
         for border in borders:
             if isinstance(border, Segment):
-                # As long as it takes to go through the box.
-                way = unit(np.array(border.end - border.start))
-                foot = middle - 1j * way * np.imag((middle - border.start) / way)
-                lines.append(foot + abs(across) * way * np.array([-1, 1]))
+                # Long enough to cross the box.
+                direction = unit(np.array(border.end - border.start))
+                foot = centre - 1j * direction * np.imag((centre - border.start) / direction)
+                lines.append(foot + abs(diagonal) * direction * np.array([-1, 1]))
             else:
-                points = flatten(border, NEAR * abs(across))
+                points = flatten(border, NEAR * abs(diagonal))
                 lines.append(np.append(points, points[:1]))
         return tuple(Polyline(loop) for loops in where(box, lines, holds) for loop in loops)
 
@@ -102,41 +152,69 @@ class Rectification:
 def rectification(
     poses: Poses, driven: complex | None = None, reach: Annotated[float, between(0, FARTHEST, "mm")] | None = None
 ) -> Rectification:
-    """Regions for the driven and the driving pin of a four-bar, or the crank pin of a slider-crank, by three poses.
+    """Find the regions of the driven and the driving pin of a four-bar, or of a slider-crank's crank pin, for three
+    poses.
 
-    driven: the driven pin as the body stands at the first pose, mm on the ground; where it can slide along a line, it
-    is taken for a slider's. reach: half the length that lines are drawn with, mm. DesignError for other than three
-    poses. Filemon, Useful ranges of centerpoint curves, Mechanism and Machine Theory 7, 1972; Waldron, Elimination of
-    the branch problem in graphical Burmester mechanism synthesis, Journal of Engineering for Industry 98, 1976.
+    Parameters
+    ----------
+    poses : sequence of (complex, float)
+        Three poses, each an origin x + yj in mm and an angle in rad.
+    driven : complex, optional
+        Driven pin with the body at the first pose, mm on the ground. A pin that can slide along a line is taken as a
+        slider's.
+    reach : float, optional
+        Half the length of drawn lines, mm.
+
+    Returns
+    -------
+    Rectification
+        The regions.
+
+    Raises
+    ------
+    DesignError
+        For other than three poses.
+
+    Notes
+    -----
+    Filemon, Useful ranges of centerpoint curves, Mechanism and Machine Theory 7, 1972; Waldron, Elimination of the
+    branch problem in graphical Burmester mechanism synthesis, Journal of Engineering for Industry 98, 1976.
     """
     origins, directions = placed(poses, 3, 3)
     images = tuple(image_poles(poses).values())
-    spread = np.abs(origins - origins.mean()).max()
+    size = np.abs(origins - origins.mean()).max()
     places = np.array([complex(image.position) for image in images])
-    known = places[np.isfinite(places)]
+    finite = places[np.isfinite(places)]
     if reach is None:
-        reach = 2 * float(max(spread, np.abs(known - known.mean()).max() if len(known) else 0.0)) or 1.0
+        reach = 2 * float(max(size, np.abs(finite - finite.mean()).max() if len(finite) else 0.0)) or 1.0
     circles: list[AbstractCurve] = []
     for k in range(3):
         ends = [images[k], images[(k + 1) % 3]]
-        at = [complex(end.position) for end in ends]
-        far = [not np.isfinite(z) for z in at]
-        if not any(far) and at[0] != at[1]:
-            circles.append(Circle((at[0] + at[1]) / 2, abs(at[1] - at[0]) / 2))
-        elif far[0] != far[1]:
-            near, across = at[1] if far[0] else at[0], 1j * complex(ends[0 if far[0] else 1].direction)
-            circles.append(Segment(near - reach * across, near + reach * across))
-    ways, lines = np.zeros(3, dtype=complex), []
+        positions = [complex(end.position) for end in ends]
+        is_far = [not np.isfinite(z) for z in positions]
+        if not any(is_far) and positions[0] != positions[1]:
+            circles.append(Circle((positions[0] + positions[1]) / 2, abs(positions[1] - positions[0]) / 2))
+        elif is_far[0] != is_far[1]:
+            finite_end, across = (
+                positions[1] if is_far[0] else positions[0],
+                1j * complex(ends[0 if is_far[0] else 1].direction),
+            )
+            circles.append(Segment(finite_end - reach * across, finite_end + reach * across))
+    link_directions, lines = np.zeros(3, dtype=complex), []
     if driven is not None:
-        ways = _seen(Displacements(origins, directions), driven)
-        lines = [Segment(driven - reach * way, driven + reach * way) for way in ways.tolist()]
-    return Rectification(image_poles=images, circles=tuple(circles), driven=driven, lines=tuple(lines), ways=ways)  # type: ignore[arg-type]
+        link_directions = _driven_directions(Displacements(origins, directions), driven)
+        lines = [Segment(driven - reach * way, driven + reach * way) for way in link_directions.tolist()]
+    return Rectification(
+        image_poles=(images[0], images[1], images[2]),
+        circles=tuple(circles),
+        driven=driven,
+        lines=tuple(lines),
+        directions=link_directions,
+    )
 
 
-def _seen(body: Displacements, driven: complex) -> Complex:
-    """Directions of the driven link at three poses, from its pivot to its pin, seen from the body; or of its slide's
-    normal.
-    """
+def _driven_directions(body: Displacements, driven: complex) -> Complex:
+    """Directions of the driven link from pivot to pin at three poses, seen from the body; of a slider its normal."""
     pins = body.pins(np.array([driven]))
     a, b = pins[1] - pins[0], pins[2] - pins[0]
     straight = np.abs(cross(a, b)) <= STRAIGHT * np.maximum(np.abs(a), np.abs(b)) ** 2

@@ -1,4 +1,4 @@
-"""Linkages that carry a body through poses: four-bars, slider-cranks, elliptic trammels, ranked."""
+"""Linkages that carry a body through poses: four-bars, slider-cranks and elliptic trammels, ranked."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from ...plane.vec import Complex, Mask, Real, Whole, direction_deg, rounded
 from ..found import Found, ten_digits
 from ..rounding import Rounding
 from .dyads import dyads_through
-from .guide_groups import KINDS, LARGEST_RATIO, Asked, Group, Kind, along_curves, of_chosen, of_dyads, searched
+from .guide_groups import KINDS, LARGEST_RATIO, Group, GuideRequest, Kind, along_curves, of_chosen, of_dyads, searched
 from .guide_search import Displacements
 from .guides import AbstractGuides
 from .poses import Poses, placed
 
-# Share of the poses' size that an exact linkage misses them by, at most: rounding of dyads that lie close together.
+# Largest error of an exact linkage, as a share of the size of the poses: rounding of dyads that lie close together.
 EXACT = 1e-8
-# Share of the longest link that a link has at least: less is rounding of two pins at one place.
+# Least length of a link as a share of the longest; less is rounding of two coinciding pins.
 LEAST_LINK = 1e-9
-# Decimals of a degree to which transmission angles count as the same. Fewer, and a better one may come second.
+# Decimals of a degree to which transmission angles are compared; with fewer a better linkage may come second.
 ALIKE = 2
 
 Pair = Annotated[
@@ -44,12 +44,25 @@ Pair = Annotated[
 class BodyGuide(Found):
     """A linkage whose coupler carries a body through poses.
 
-    Its coupler point (a trammel's rod point) is the body's origin, and body_angle_deg the body's angle in the
-    coupler's frame. kind: by what drives: of a "crank-slider" the crank, of a "slider-crank" the slider; `pins` says
-    which points of the body drive and are driven. pose_error:
-    the farthest that the body's origin is from where it is wanted, mm, and angle_error_deg the most that its angle is
-    off, when the linkage is moved to `drive`. cut_short: whether the search was stopped by its time. poses: those
-    wanted, as origins, mm, and directions.
+    Its coupler point (rod point of a trammel) is the origin of the body.
+
+    Parameters
+    ----------
+    linkage, branch, drive, transmission_angle_deg, defects
+        As for `Found`.
+    kind : str
+        "four-bar", "crank-slider" (a slider-crank driven by its crank), "slider-crank" (driven by its slider) or
+        "elliptic-trammel".
+    body_angle_deg : float
+        Angle of the body in the coupler's frame.
+    pose_error : float
+        Largest distance of the body's origin from its wanted position when the linkage is moved to `drive`, mm.
+    angle_error_deg : float
+        Largest error of the body's angle there.
+    cut_short : bool
+        Whether the time limit ended the search.
+    poses : tuple of two arrays
+        The wanted poses: origins, mm, and directions, unit complex.
     """
 
     kind: str
@@ -60,16 +73,21 @@ class BodyGuide(Found):
     poses: tuple[Complex, Complex] = field(repr=False)
 
     def rounded(self, rounding: Rounding) -> BodyGuide:
-        turned = rounding.angle("", self.body_angle_deg)
-        other = replace(super().rounded(rounding), body_angle_deg=turned)
-        signs = np.full(other.drive.shape, self.branch)
-        off, angles = _missed(other.linkage, other.drive, signs, turned, self.poses)
+        body_angle = rounding.angle("", self.body_angle_deg)
+        other = replace(super().rounded(rounding), body_angle_deg=body_angle)
+        branches = np.full(other.drive.shape, self.branch)
+        distances, angles = _pose_errors(other.linkage, other.drive, branches, body_angle, self.poses)
         if self.defects:
-            # Some poses may be on the other branch: of each what is nearer.
-            both = off, _missed(other.linkage, other.drive, -signs, turned, self.poses)[0]
-            signs = np.where(np.argmin(np.nan_to_num(both, nan=np.inf), axis=0) == 0, signs, -signs)
-            off, angles = _missed(other.linkage, other.drive, signs, turned, self.poses)
-        return replace(other, pose_error=float(off.max()), angle_error_deg=float(angles.max()))
+            # Some poses may be on the other branch; the nearer position counts.
+            distances_by_branch = (
+                distances,
+                _pose_errors(other.linkage, other.drive, -branches, body_angle, self.poses)[0],
+            )
+            branches = np.where(
+                np.argmin(np.nan_to_num(distances_by_branch, nan=np.inf), axis=0) == 0, branches, -branches
+            )
+            distances, angles = _pose_errors(other.linkage, other.drive, branches, body_angle, self.poses)
+        return replace(other, pose_error=float(distances.max()), angle_error_deg=float(angles.max()))
 
     @property
     def pins(self) -> tuple[complex, complex]:
@@ -87,15 +105,15 @@ class BodyGuide(Found):
 
     def summary(self) -> Mapping[str, object]:
         error = {"pose_error_mm": self.pose_error, "angle_error_deg": self.angle_error_deg}
-        # Of exact poses nothing is left but rounding, of which no two processors have the same.
-        told = {name: float(f"{rounded(value, 9):.6g}") for name, value in error.items()}
-        told |= {"body_angle_deg": float(f"{self.body_angle_deg:.10g}")}
+        # The errors of exact poses are rounding noise, which differs between processors.
+        entries = {name: float(f"{rounded(value, 9):.6g}") for name, value in error.items()}
+        entries |= {"body_angle_deg": float(f"{self.body_angle_deg:.10g}")}
         pins = {
             f"{name}_pin_on_body_mm": [ten_digits(pin.real), ten_digits(pin.imag)]
             for name, pin in zip(("driving", "driven"), self.pins)
             if np.isfinite(pin)
         }
-        return told | {"driver": self.linkage.linkage.driver} | pins | dict(super().summary())
+        return entries | {"driver": self.linkage.linkage.driver} | pins | dict(super().summary())
 
 
 @checked
@@ -112,34 +130,73 @@ def body_guides(
     time_limit: Annotated[float, between(0, 3600, "s")] = 10.0,
     driving_point: Literal["first", "either"] = "first",
 ) -> tuple[BodyGuide, ...]:
-    """Linkages that carry a body through poses, three or more: those without defects first, the best angle first.
+    """Find linkages that carry a body through three or more poses.
 
-    poses: (origin x + yj in mm, angle in rad) each, to be passed in this order. kind: a "crank-slider" is a
-    slider-crank that its crank drives, a "slider-crank" one that its slider drives; an "elliptic-trammel" is driven by
-    `trammel_driver`. Where it is left out, a four-bar through three poses, and through more whatever their dyads make.
+    Parameters
+    ----------
+    poses : sequence of (complex, float)
+        Each pose is the position x + yj of the body's origin, mm, and its angle, rad; they are passed in this order.
+    kind : {"four-bar", "crank-slider", "slider-crank", "elliptic-trammel"}, optional
+        A "crank-slider" is a slider-crank driven by its crank, a "slider-crank" one driven by its slider. By default a
+        four-bar for three poses, and every kind that the dyads allow for more.
+    moving_points : tuple of two complex, optional
+        For three poses: the driving and the driven pin in the body's frame, mm. If a slider is wanted, the nearest
+        point that slides replaces the point.
+    fixed_points : tuple of two complex, optional
+        For three poses: the ground pivots of a four-bar instead, mm.
+    region : tuple of two complex, optional
+        Opposite corners (low, high) of the box that holds all joints at all poses, mm. By default a box about the
+        origins and the near poles.
+    trammel_driver : {"shuttle", "rod"}
+        What drives an elliptic trammel.
+    least_transmission_angle_deg : float
+        Linkages with a smaller transmission angle are left out, 0 to 89 deg.
+    largest_ratio : float, optional
+        Linkages with a larger ratio of the longest link to the shortest are left out. By default 10 for searches and
+        least-squares fits.
+    seed : int
+        Seed of the random search.
+    time_limit : float
+        Longest time of the search, s, 0 to 3600.
+    driving_point : {"first", "either"}
+        With "either" the second of two given points may drive as well; both linkages are listed.
 
-    Three poses: many linkages. moving_points: the body's two points, in its own frame, the driving link's and the
-    driven one's; for a slide the nearest point that slides is taken. fixed_points: ground pivots of a four-bar instead.
-    driving_point: with "either" the second point may drive as well, and both linkages are listed. What is chosen so is
-    listed whatever its defects. Else pins are searched for in a region,
-    corners (low, high), that holds all joints at all poses; left out, it is taken about the origins and near poles.
-    Four: pairs of dyads along the Burmester curves, in the region. Five: pairs of all dyads there are. More: pairs of
-    dyads that come near the poses in the sense of least squares, `pose_error` being what is missed.
-    least_transmission_angle_deg, and largest_ratio of the longest link to the shortest (10 in a search and of least
-    squares, where none is given), leave others out. Linkages with defects, by name, come after those without.
-    DesignError for fewer poses and equal ones, time too short for any answer, and where there is no such linkage; if
-    it lacks room, with a region that is large enough.
+    Returns
+    -------
+    tuple of BodyGuide
+        Linkages without defects first, sorted by transmission angle. Linkages through given points are listed whatever
+        their defects.
 
-    McCarthy and Soh, Geometric Design of Linkages, 2010, chapters 5 and 6; the search and the verdict on defects are
-    derived here. Transmission angles are the least on the way from the first pose to the last.
+    Raises
+    ------
+    DesignError
+        For fewer than three poses, equal poses, a time limit too short for any result, or if there is no such linkage.
+        If the region is too small, the message gives one that is large enough.
+
+    Notes
+    -----
+    Three poses have many linkages: pins are searched for in the region. Four: pairs of dyads along the Burmester curves
+    in the region. Five: pairs of all dyads. More: pairs of dyads that fit the poses by least squares; `pose_error` is
+    the remaining error. Transmission angles are the least on the motion from the first pose to the last.
+
+    McCarthy and Soh, Geometric Design of Linkages, 2010, chapters 5 and 6; the search and the detection of defects are
+    derived here.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> poses = [(0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)]
+    >>> best = gk.body_guides(poses)[0]
+    >>> best.defects, best.pose_error < 1e-9
+    ((), True)
     """
     origins, directions = placed(poses, 3)
     watch = Watch(time_limit, "looking for linkages through the poses")
     body = Displacements(origins, directions)
-    chosen = moving_points is not None or fixed_points is not None
-    free = len(origins) == 3 or body.translated
-    kinds: Sequence[Kind] = (kind,) if kind else KINDS[:1] if free or chosen else KINDS
-    ask = Asked(
+    has_points = moving_points is not None or fixed_points is not None
+    any_point = len(origins) == 3 or body.translated
+    kinds: Sequence[Kind] = (kind,) if kind else KINDS[:1] if any_point or has_points else KINDS
+    request = GuideRequest(
         body=body,
         kinds=kinds,
         shuttle=trammel_driver == "shuttle",
@@ -151,24 +208,27 @@ def body_guides(
         watch=watch,
     )
 
-    def look(ask: Asked) -> tuple[BodyGuide, ...]:
-        if chosen:
-            return _ranked(ask, of_chosen(ask, moving_points, fixed_points))
-        if free:
-            # Any point of the body will do: of many parallel poses, if their origins are on a circle, for cranks alone.
-            return _ranked(ask, searched(ask) if len(origins) == 3 or kinds == KINDS[:1] else [])
-        return _ranked(ask, along_curves(ask, poses) if len(origins) == 4 else of_dyads(ask, dyads_through(poses)))
+    def search(request: GuideRequest) -> tuple[BodyGuide, ...]:
+        if has_points:
+            return _ranked(request, of_chosen(request, moving_points, fixed_points))
+        if any_point:
+            # Any point of the body is a solution. Many parallel poses have one only for cranks, if their origins are on
+            # a circle.
+            return _ranked(request, searched(request) if len(origins) == 3 or kinds == KINDS[:1] else [])
+        return _ranked(
+            request, along_curves(request, poses) if len(origins) == 4 else of_dyads(request, dyads_through(poses))
+        )
 
-    found = look(ask)
-    if found:
-        return found
+    guides = search(request)
+    if guides:
+        return guides
     if watch.cut:
         raise DesignError("time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more")
     problem = f"found no {' or '.join(kinds)} through them that keeps the limits"
-    # Points that are chosen for three poses, and dyads of more than four, are not kept out of any region of our own.
-    if region is not None or not (chosen or len(origins) > 4):
-        for corners in ask.larger_regions:
-            if look(replace(ask, region=corners, rng=np.random.default_rng(seed))):
+    # Chosen points for three poses, and dyads of more than four, are not limited by a default region.
+    if region is not None or not (has_points or len(origins) > 4):
+        for corners in request.larger_regions:
+            if search(replace(request, region=corners, rng=np.random.default_rng(seed))):
                 low, high = ([float(f"{v:.12g}") for v in (z.real, z.imag)] for z in corners)
                 problem = f"{problem} in the region"
                 raise DesignError("poses", problem, f"give a larger region: [{low}, {high}] is large enough")
@@ -177,74 +237,74 @@ def body_guides(
     raise DesignError("poses", problem, "give weaker limits, another kind or other poses: more room does not help")
 
 
-def _ranked(ask: Asked, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
-    """The linkages of all groups that keep the limits, the best first."""
-    ratio = np.inf if ask.largest_ratio is None else ask.largest_ratio
-    found: list[BodyGuide] = []
+def _ranked(request: GuideRequest, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
+    """Linkages of all groups within the limits, the best first."""
+    ratio = np.inf if request.largest_ratio is None else request.largest_ratio
+    ranked: list[BodyGuide] = []
     for kind, guides in groups:
         with np.errstate(all="ignore"):
-            none, angle = guides.defects.none, guides.angle
-            kept = _possible(guides) & (guides.ratio <= ratio) & ~(none & (angle < ask.least_angle))
-        found += [_made(ask, kind, guides, k) for k in np.flatnonzero(kept).tolist()]
-    size = float(np.abs(ask.body.ways).max()) or 1.0
-    if len(ask.body.origins) > 5 and ask.largest_ratio is None:
-        # The best fits are often two dyads that are nearly one: no limit is for what is met exactly.
-        found = [one for one in found if one.ratio <= LARGEST_RATIO or one.pose_error <= EXACT * size]
+            no_defects, angle = guides.defects.none, guides.angle
+            is_kept = _possible(guides) & (guides.ratio <= ratio) & ~(no_defects & (angle < request.least_angle))
+        ranked += [_body_guide(request, kind, guides, k) for k in np.flatnonzero(is_kept).tolist()]
+    size = float(np.abs(request.body.ways).max()) or 1.0
+    if len(request.body.origins) > 5 and request.largest_ratio is None:
+        # The best fits are often two dyads that nearly coincide. Exact solutions have no limit.
+        ranked = [guide for guide in ranked if guide.ratio <= LARGEST_RATIO or guide.pose_error <= EXACT * size]
 
     def rank(guide: BodyGuide) -> tuple[float, ...]:
-        # What is met by least squares goes by how nearly; where many have the same angle, as that of a body that turns
-        # by so much must, the most even links come first.
+        # Least-squares fits are sorted by their error. Among equal transmission angles, which a body that rotates by a
+        # given angle may impose, the most even links come first.
         missed = guide.pose_error if np.isfinite(guide.pose_error) else np.inf
         angle = np.nan_to_num(guide.transmission_angle_deg, nan=-1.0)
         return len(guide.defects) > 0, 0.0 if missed <= EXACT * size else missed, -round(angle, ALIKE), guide.ratio
 
-    return tuple(sorted(found, key=rank))
+    return tuple(sorted(ranked, key=rank))
 
 
 def _possible(guides: AbstractGuides) -> Mask:
-    """Which are linkages at all: finite, and no link a point."""
+    """Mask of real linkages: all sizes finite, and no link of zero length."""
     sizes = np.array(guides.links)
-    whole = np.isfinite(np.concatenate([guides.joints, sizes])).all(axis=0)
-    told = np.isfinite(guides.defects.drive).all(axis=0)
-    return np.asarray(whole & told & (sizes.min(axis=0) > LEAST_LINK * sizes.max(axis=0)))
+    is_finite = np.isfinite(np.concatenate([guides.joints, sizes])).all(axis=0)
+    has_drive = np.isfinite(guides.defects.drive).all(axis=0)
+    return np.asarray(is_finite & has_drive & (sizes.min(axis=0) > LEAST_LINK * sizes.max(axis=0)))
 
 
-def _made(ask: Asked, kind: Kind, guides: AbstractGuides, k: int) -> BodyGuide:
-    origins, directions = ask.body.origins, ask.body.directions
+def _body_guide(request: GuideRequest, kind: Kind, guides: AbstractGuides, k: int) -> BodyGuide:
+    origins, directions = request.body.origins, request.body.directions
     point, angle = guides.holds(k, complex(origins[0]), complex(directions[0]))
-    linkage, found = guides.linkage(k, point), guides.defects
-    drive, signs = found.drive[:, k], found.sign[:, k]
+    linkage, defects = guides.linkage(k, point), guides.defects
+    drive, signs = defects.drive[:, k], defects.sign[:, k]
     body_angle_deg = float(np.degrees(angle))
-    off, angles = _missed(linkage, drive, signs, body_angle_deg, (origins, directions))
+    distances, angles = _pose_errors(linkage, drive, signs, body_angle_deg, (origins, directions))
     return BodyGuide(
         linkage=linkage,
         branch=int(signs[0]),
         drive=drive,
         transmission_angle_deg=float(np.degrees(guides.angle[k])),
-        defects=found.named(k),
+        defects=defects.named(k),
         kind=kind,
         body_angle_deg=body_angle_deg,
-        pose_error=float(off.max()),
+        pose_error=float(distances.max()),
         angle_error_deg=float(angles.max()),
-        cut_short=ask.watch.cut,
+        cut_short=request.watch.cut,
         poses=(origins, directions),
     )
 
 
-def _missed(
+def _pose_errors(
     linkage: AbstractLinkage, drive: Real, signs: Whole, body_angle_deg: float, poses: tuple[Complex, Complex]
 ) -> tuple[Real, Real]:
-    """How far the body is from each pose, mm, and by how much it is turned from it, deg."""
-    places, turns = _moved(linkage, drive, signs)
-    angles = np.angle(turns * direction_deg(body_angle_deg) * np.conj(poses[1]), deg=True)
-    return np.abs(places - poses[0]), np.abs(angles)
+    """Distance of the body from each pose, mm, and error of its angle, deg."""
+    positions, directions = _moved(linkage, drive, signs)
+    angles = np.angle(directions * direction_deg(body_angle_deg) * np.conj(poses[1]), deg=True)
+    return np.abs(positions - poses[0]), np.abs(angles)
 
 
 def _moved(linkage: AbstractLinkage, drive: Real, signs: Whole) -> tuple[Complex, Complex]:
-    """Places of the body's origin and directions of the coupler, when the linkage is moved there."""
+    """Positions of the body's origin and directions of the coupler at the given drive positions."""
     body, point = ("rod", "rod_point") if "rod" in linkage.linkage.bodies else ("coupler", "coupler_point")
-    both = [move(linkage, drive, sign) for sign in (1, -1)]
-    up = signs > 0
-    places = [motion.point(point).position for motion in both]
-    turns = [motion.bodies[body].direction for motion in both]
-    return np.where(up, *places), np.where(up, *turns)
+    motions = [move(linkage, drive, sign) for sign in (1, -1)]
+    is_positive = signs > 0
+    positions = [motion.point(point).position for motion in motions]
+    directions = [motion.bodies[body].direction for motion in motions]
+    return np.where(is_positive, *positions), np.where(is_positive, *directions)

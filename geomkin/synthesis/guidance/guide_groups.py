@@ -1,4 +1,4 @@
-"""Dyads that linkages through four and more poses are made of, and their pairs."""
+"""Dyads of linkages through three and more poses, their pairs, and the groups of linkages that are ranked."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from .guide_search import DEFECTIVE, DISTINCT, Displacements, Search, distinct, 
 from .guides import AbstractGuides, guides_of, usable
 from .poses import Poses
 
-# Dyads along the curves of four poses; those that are paired each with each, and the nearest of all to each of a good
-# pair that are tried besides. Fewer, and a narrow range of good pairs is missed; more take seconds.
+# Dyads along the curves of four poses; those that are all paired with each other; and the nearest ones to each of a
+# good pair, which are tried too. With fewer a narrow range of good pairs is missed; more take seconds.
 ALONG, PAIRED, NEAREST_PINS = 4000, 300, 40
-# Good pairs that are made better so.
+# Number of good pairs that are improved.
 STARTS = 24
 
 
 @record(eq=False, kw_only=True)
 class HeldPins:
-    """Dyads with a pin on the body: its places, (poses, dyads), pivots, and directions of slides, (dyads,).
+    """Dyads with a pin on the body: its positions, (poses, dyads), pivots, and directions of slides, (dyads,).
 
-    One is either a crank, with a pivot, or a slide, whose pivot is not finite.
+    Each is a crank with a pivot, or a slide, whose pivot is not finite.
     """
 
     pins: Complex
@@ -37,21 +37,21 @@ class HeldPins:
 
     @property
     def cranks(self) -> Whole:
-        """Numbers of those that turn."""
+        """Indices of the cranks."""
         return np.flatnonzero(np.isfinite(self.pivots))
 
     @property
     def slides(self) -> Whole:
-        """Numbers of those that slide."""
+        """Indices of the slides."""
         return np.flatnonzero(~np.isfinite(self.pivots))
 
     def paired(self, kind: str, slides: bool, one: Whole, other: Whole) -> AbstractGuides:
-        """Linkages of these dyads and those; slides: whether a slide drives."""
+        """Linkages of pairs of dyads; `slides` is true if a slide drives."""
         held = np.where(np.isfinite(self.pivots), self.pivots, self.rails)
         return guides_of(kind, slides, (self.pins[:, one], held[one]), (self.pins[:, other], held[other]))
 
     def each(self, kind: str) -> tuple[Whole, Whole]:
-        """Numbers of the two dyads of every linkage of a kind, the driving one's of a four-bar first."""
+        """Indices of both dyads of every linkage of a kind, the driving one of a four-bar first."""
         first = self.slides if kind == "elliptic-trammel" else self.cranks
         second = self.cranks if kind == "four-bar" else self.slides
         one, other = (k.ravel() for k in np.meshgrid(first, second, indexing="ij"))
@@ -59,15 +59,15 @@ class HeldPins:
 
 
 def held_pins(body: Displacements, dyads: Dyads, most: int | None = None) -> HeldPins:
-    """Those dyads, the first `most` of each sort, that have a pin on the body: a line of it over a pivot has none."""
+    """Dyads with a pin on the body, at most `most` of each type; a line of the body over a pivot has none."""
     pinned, far = np.isfinite(dyads.moving), ~np.isfinite(dyads.fixed)
     kept = np.concatenate([np.flatnonzero(pinned & sort)[:most] for sort in (~far, far)])
     pins = body.pins(body.pins_of(dyads.moving[kept]))
     return HeldPins(pins=pins, pivots=dyads.fixed[kept], rails=dyads.fixed_direction[kept])
 
 
-def those_inside(held: HeldPins, low: complex, high: complex) -> HeldPins:
-    """Those whose pins, at every pose, and pivots lie between two corners."""
+def inside_box(held: HeldPins, low: complex, high: complex) -> HeldPins:
+    """Dyads whose pins, at every pose, and pivots are inside a box."""
     middle, box = 0.5 * (low + high), high - low
     pivots = np.where(np.isfinite(held.pivots), held.pivots, middle)
     off = np.concatenate([held.pins, pivots[None]]) - middle
@@ -76,7 +76,7 @@ def those_inside(held: HeldPins, low: complex, high: complex) -> HeldPins:
 
 
 def best_pairs(search: Search, held: HeldPins, most: int, rng: np.random.Generator, watch: Watch) -> AbstractGuides:
-    """The best linkages of dyads along the curves of four poses, and some of the defective."""
+    """The best linkages of dyads along the curves of four poses, and some with defects."""
     cranks, slides = held.cranks, held.slides
     few = np.concatenate([rng.permutation(cranks)[:PAIRED], slides])
     part = HeldPins(pins=held.pins[:, few], pivots=held.pivots[few], rails=held.rails[few])
@@ -120,37 +120,37 @@ def _at_first(held: HeldPins, one: Whole, other: Whole) -> Complex:
 
 
 def _near(held: HeldPins, k: int) -> Whole:
-    """Numbers of the dyads of the same sort whose pins are nearest to the k-th's, itself among them."""
+    """Indices of the dyads of the same type whose pins are nearest to the k-th's, itself included."""
     alike = held.cranks if np.isfinite(held.pivots[k]) else held.slides
     return alike[np.argsort(np.abs(held.pins[0, alike] - held.pins[0, k]), kind="stable")[:NEAREST_PINS]]
 
 
 Kind = Literal["four-bar"] | Literal["crank-slider"] | Literal["slider-crank"] | Literal["elliptic-trammel"]
-# Linkages that are listed of a search without end: more are like those before.
+# Linkages listed by a search over infinitely many; further ones are similar.
 LISTED = 12
-# The longest link over the shortest, where a search may choose: more are hard to build. The library's own, as the
-# optimum of a search without such a limit may run to pins that all but meet.
+# Default limit of the longest link over the shortest in a search. Without it the optimum may have pins that nearly
+# coincide.
 LARGEST_RATIO = 10.0
-# Half of the side of the region, in extents of the poses' origins and near poles; the next if nothing sound is found.
+# Half the side of the region, in extents of the poses' origins and near poles; the next one if all have defects.
 ROOMS = 1.0, 3.0, 9.0
-# Regions, each three times as large as the one before, in which a refusal looks for what there would be.
+# Number of successively larger regions, by a factor of three, in which an error message looks for solutions.
 LARGER = 6
-# Extents from their middle within which a pole is near. Larger, and one far pole makes a region of little else.
+# Distance from the middle, in extents, within which a pole counts; a far pole would make the region too large.
 NEAR = 3.0
-# Dyads of each sort that are paired where poses are met by least squares alone: the nearest. There is no end of others.
+# Number of dyads of each type that are paired for least-squares fits, the best first.
 NEAREST = 8
 KINDS: tuple[Kind, ...] = tuple(get_args(one)[0] for one in get_args(Kind))
 
 
 @record(eq=False, kw_only=True)
-class Asked:
-    """What is asked of the search."""
+class GuideRequest:
+    """The arguments of a search."""
 
     body: Displacements
     kinds: Sequence[Kind]
     shuttle: bool
     region: tuple[complex, complex] | None
-    # Whether either of two points that are given may drive, and not the first alone.
+    # Whether either of two given points may drive, not only the first.
     either: bool
     least_angle: float
     largest_ratio: float | None
@@ -173,7 +173,7 @@ class Asked:
         middle = origins.mean()
         extent = float(np.abs(origins - middle).max())
         if extent == 0:
-            raise DesignError("poses", "all have one origin, so no region can be told", "give the region")
+            raise DesignError("poses", "all have the same origin, which determines no region", "give the region")
         places = [*origins]
         for j in range(len(origins)):
             turn = directions[j] - directions[:j]
@@ -187,7 +187,7 @@ class Asked:
 
     @property
     def larger_regions(self) -> Iterator[tuple[complex, complex]]:
-        """Corners of regions larger than those that were tried, in short numbers."""
+        """Corners of regions larger than those tried, in short numbers."""
         low, high = self.room
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         tried = ROOMS[-1] if self.region is None else 1.0
@@ -198,7 +198,7 @@ class Asked:
             yield low, high
 
     def search(self, kind: Kind, room: float) -> Search:
-        """The search through three poses, in a region so many times as large."""
+        """The search through three poses in the region scaled by `room`."""
         low, high = self.room
         middle, half = 0.5 * (low + high), 0.5 * room * (high - low)
         low, high = middle - half, middle + half
@@ -214,73 +214,75 @@ class Asked:
         )
 
 
-# What is ranked: linkages of one kind.
+# Linkages of one kind.
 Group = tuple[Kind, AbstractGuides]
 
 
-def searched(ask: Asked) -> list[Group]:
-    """Through three poses, pins anywhere in the region."""
+def searched(request: GuideRequest) -> list[Group]:
+    """Linkages through three poses with pins anywhere in the region."""
     groups: list[Group] = []
-    for kind in ask.kinds:
-        # A region that nobody asked for may be too small.
-        for room in ROOMS if ask.region is None else ROOMS[:1]:
-            search = ask.search(kind, room)
-            sound, bad = search.run(ask.rng, ask.watch)
-            if len(sound) or ask.watch.over():
+    for kind in request.kinds:
+        # A default region may be too small.
+        for room in ROOMS if request.region is None else ROOMS[:1]:
+            search = request.search(kind, room)
+            sound, bad = search.run(request.rng, request.watch)
+            if len(sound) or request.watch.over():
                 break
         sound = sound[search.distinct(sound, LISTED)]
         groups.append((kind, search.made(np.concatenate([sound, bad]))))
     return groups
 
 
-def of_chosen(ask: Asked, moving: tuple[complex, complex] | None, fixed: tuple[complex, complex] | None) -> list[Group]:
-    """With the two points that were given, the first driving, or either of them."""
-    body, kind = ask.body, ask.kinds[0]
+def of_chosen(
+    request: GuideRequest, moving: tuple[complex, complex] | None, fixed: tuple[complex, complex] | None
+) -> list[Group]:
+    """Linkages with the two given points, the first driving, or either of them."""
+    body, kind = request.body, request.kinds[0]
     if moving is not None and fixed is not None:
-        raise DesignError("fixed_points", "are given besides moving_points", "give one of them")
+        raise DesignError("fixed_points", "are given together with moving_points", "give only one of them")
     if fixed is not None and kind != "four-bar":
-        raise DesignError("fixed_points", f"are given of {kind}, which has not two", "give moving_points")
+        raise DesignError("fixed_points", f"are given for a {kind}, which does not have two", "give moving_points")
     if len(body.origins) > 3:
         poses = list(zip(body.origins.tolist(), np.angle(body.directions).tolist()))
         pins, pivots = (None if points is None else np.array(points) for points in (moving, fixed))
-        return of_dyads(ask, dyads_through(poses, fixed=pivots, moving=pins), chosen=True)
+        return of_dyads(request, dyads_through(poses, fixed=pivots, moving=pins), chosen=True)
     z = body.at_first(np.array(fixed)) if fixed is not None else body.pins_of(np.array(moving))
     if not np.isfinite(z).all():
-        raise DesignError("fixed_points", "one is seen in one line by the body", "give another")
-    # A slider-crank's second pin is the slider's, whether it drives or not.
+        raise DesignError("fixed_points", "the positions of one are collinear as seen from the body", "give another")
+    # The second pin of a slider-crank is that of the slider, whether it drives or not.
     first = z[::-1] if kind == "slider-crank" else z
-    orders = [first, first[::-1]] if ask.either else [first]
-    return [(kind, pair_of(kind, ask.slides(kind), body, np.array(orders)))]
+    orders = [first, first[::-1]] if request.either else [first]
+    return [(kind, pair_of(kind, request.slides(kind), body, np.array(orders)))]
 
 
-def along_curves(ask: Asked, poses: Poses) -> list[Group]:
-    """Through four poses: pairs of dyads along the Burmester curves."""
+def along_curves(request: GuideRequest, poses: Poses) -> list[Group]:
+    """Linkages through four poses: pairs of dyads along the Burmester curves."""
     groups: list[Group] = []
-    dyads = held_pins(ask.body, dyads_through(poses, count=ALONG))
-    for room in ROOMS if ask.region is None else ROOMS[:1]:
-        searches = [ask.search(kind, room) for kind in ask.kinds]
-        held = those_inside(dyads, searches[0].low, searches[0].high)
-        groups = [(s.kind, best_pairs(s, held, LISTED, ask.rng, ask.watch)) for s in searches]  # type: ignore[misc]
-        if any(guides.defects.none.any() for _, guides in groups) or ask.watch.over():
+    dyads = held_pins(request.body, dyads_through(poses, count=ALONG))
+    for room in ROOMS if request.region is None else ROOMS[:1]:
+        searches = [request.search(kind, room) for kind in request.kinds]
+        held = inside_box(dyads, searches[0].low, searches[0].high)
+        groups = [(s.kind, best_pairs(s, held, LISTED, request.rng, request.watch)) for s in searches]  # type: ignore[misc]
+        if any(guides.defects.none.any() for _, guides in groups) or request.watch.over():
             break
     return groups
 
 
-def of_dyads(ask: Asked, dyads: Dyads, chosen: bool = False) -> list[Group]:
-    """Every two dyads whose pins sit on the body, as linkages of the kinds that they can make.
+def of_dyads(request: GuideRequest, dyads: Dyads, chosen: bool = False) -> list[Group]:
+    """Every pair of dyads with pins on the body, as linkages of the possible kinds.
 
-    chosen: the dyads are two that were given, and the first drives unless either may.
+    If `chosen`, the dyads are two given ones, and the first drives unless either may.
     """
-    held = held_pins(ask.body, dyads, None if len(ask.body.origins) <= 5 else NEAREST)
+    held = held_pins(request.body, dyads, None if len(request.body.origins) <= 5 else NEAREST)
     groups: list[Group] = []
-    for kind in ask.kinds:
+    for kind in request.kinds:
         one, other = held.each(kind)
-        if chosen and not ask.either:
+        if chosen and not request.either:
             driving = other if kind == "slider-crank" else one
-            kept = (held.pins[:, driving] == ask.body.pins(ask.body.pins_of(dyads.moving[:1]))).all(axis=0)
+            kept = (held.pins[:, driving] == request.body.pins(request.body.pins_of(dyads.moving[:1]))).all(axis=0)
             one, other = one[kept], other[kept]
-        if ask.region is not None:
-            inside = usable(held.paired(kind, ask.slides(kind), one, other), *ask.room)
+        if request.region is not None:
+            inside = usable(held.paired(kind, request.slides(kind), one, other), *request.room)
             one, other = one[inside], other[inside]
-        groups.append((kind, held.paired(kind, ask.slides(kind), one, other)))
+        groups.append((kind, held.paired(kind, request.slides(kind), one, other)))
     return groups

@@ -1,4 +1,4 @@
-"""Many linkages of one make that hold a body at given poses: what they are, their defects, how well they drive."""
+"""Many linkages of one kind that hold a body at given poses: sizes, defects and transmission angles."""
 
 from __future__ import annotations
 
@@ -20,10 +20,9 @@ LEAST_SLOTS_DEG = 10
 
 @record(eq=False, kw_only=True)
 class AbstractGuides(ABC):
-    """Linkages whose coupler stands with two pins where a body's two points are.
+    """Linkages whose coupler has its two pins at two points of a body.
 
-    first, second: places of the coupler's pins, (poses, linkages), mm; of a driving link and a driven one the driving
-    one's first.
+    `first` and `second` are the positions of these pins, (poses, linkages), mm; the driving link's pin is the first.
     """
 
     first: Complex
@@ -42,7 +41,7 @@ class AbstractGuides(ABC):
     @cached_property
     @abstractmethod
     def defects(self) -> Defects:
-        """In the order of the poses."""
+        """Defects in the order of the poses."""
 
     @abstractmethod
     def least_angle(self, start: Real, end: Real) -> Real:
@@ -50,16 +49,16 @@ class AbstractGuides(ABC):
 
     @abstractmethod
     def linkage(self, k: int, point: complex) -> AbstractLinkage:
-        """The k-th, whose coupler has this point."""
+        """The k-th linkage with this coupler point."""
 
     @property
     @abstractmethod
     def joints(self) -> Complex:
-        """Where its pivots are, and slides cross, (joints, linkages)."""
+        """Positions of pivots and of crossings of slides, (joints, linkages)."""
 
     @cached_property
     def ratio(self) -> Real:
-        """The longest link over the shortest, (linkages,); nan where one cannot be told."""
+        """The longest link over the shortest, (linkages,); nan if undefined."""
         with np.errstate(all="ignore"):
             lengths = np.array(self.links)
             ratios: Real = lengths.max(axis=0) / lengths.min(axis=0)
@@ -67,27 +66,27 @@ class AbstractGuides(ABC):
 
     @cached_property
     def angle(self) -> Real:
-        """The least transmission angle on all of the way, rad, (linkages,); nan where there is no way."""
+        """The least transmission angle of the motion, rad, (linkages,); nan if there is none."""
         found = self.defects
         with np.errstate(all="ignore"):
             least = self.least_angle(found.drive.min(axis=0), found.drive.max(axis=0))
         return np.where(found.circuit | found.branch, np.nan, least)
 
     def holds(self, k: int, origin: complex, direction: complex) -> tuple[complex, float]:
-        """A body's place and angle, rad, in the frame of the k-th coupler; of its first pose."""
+        """Position of a body and angle, rad, in the frame of the k-th coupler, from its first pose."""
         back = complex(np.conj(self.bar[0, k]))
         return (origin - complex(self.first[0, k])) * back, float(np.angle(direction * back))
 
 
 @record(eq=False, kw_only=True)
 class FourBars(AbstractGuides):
-    """Four-bars. pivots: crank's and rocker's, (linkages,)."""
+    """Four-bars with the pivots of crank and rocker, (linkages,)."""
 
     pivots: tuple[Complex, Complex]
 
     @cached_property
     def links(self) -> tuple[Real, Real, Real, Real]:
-        # Of poses that are met by least squares alone, the mean.
+        # The mean, for poses met by least squares.
         crank, rocker = (np.abs(p - z).mean(axis=0) for p, z in zip((self.first, self.second), self.pivots))
         coupler = np.abs(self.second[0] - self.first[0])
         return np.abs(self.pivots[1] - self.pivots[0]), crank, coupler, rocker
@@ -124,7 +123,7 @@ class FourBars(AbstractGuides):
 
 @record(eq=False, kw_only=True)
 class SliderCranks(AbstractGuides):
-    """Slider-cranks, driven by the crank or by the slider. pivot: the crank's; rail: direction of the slide line."""
+    """Slider-cranks driven by the crank or the slider, with the crank's pivot and the direction of the slide line."""
 
     pivot: Complex
     rail: Complex
@@ -132,7 +131,7 @@ class SliderCranks(AbstractGuides):
 
     @cached_property
     def _seen(self) -> tuple[Complex, Complex]:
-        """Crank pin and slider pin from the pivot, the slide line along +x."""
+        """Crank pin and slider pin relative to the pivot, with the slide line along +x."""
         crank, slider = ((p - self.pivot) * np.conj(self.rail) for p in (self.first, self.second))
         return crank, slider
 
@@ -157,8 +156,8 @@ class SliderCranks(AbstractGuides):
         return slider_crank_defects(*self.sizes, (unit(crank), unit(slider - crank)), slider.real, driver)  # type: ignore[arg-type]
 
     def least_angle(self, start: Real, end: Real) -> Real:
-        told = transmission.of_driving_slides if self.slides else transmission.of_slider_cranks
-        return told(*self.sizes, start, end)
+        transmission_angle = transmission.of_driving_slides if self.slides else transmission.of_slider_cranks
+        return transmission_angle(*self.sizes, start, end)
 
     def linkage(self, k: int, point: complex) -> SliderCrank:
         crank, coupler, offset = (float(size[k]) for size in self.sizes)
@@ -175,20 +174,20 @@ class SliderCranks(AbstractGuides):
 
 @record(eq=False, kw_only=True)
 class Trammels(AbstractGuides):
-    """Elliptic trammels, driven by the rod or by the first shuttle. slots: directions of the two slots."""
+    """Elliptic trammels driven by the rod or by the first shuttle, with the directions of both slots."""
 
     slots: tuple[Complex, Complex]
     slides: bool
 
     @cached_property
     def _second(self) -> Complex:
-        """The second slot's direction from the first's, to its left."""
+        """Direction of the second slot from the first, to its left."""
         across = self.slots[1] * np.conj(self.slots[0])
         return np.where(across.imag < 0, -across, across)
 
     @cached_property
     def crossing(self) -> Complex:
-        """Where the slots cross."""
+        """Intersection of the slots."""
         back = np.conj(self.slots[0])
         apart = ((self.second - self.first) * back).mean(axis=0)
         with np.errstate(all="ignore"):
@@ -233,9 +232,9 @@ class Trammels(AbstractGuides):
 def guides_of(
     kind: str, slides: bool, first: tuple[Complex, Complex], second: tuple[Complex, Complex]
 ) -> AbstractGuides:
-    """Linkages of two dyads each: places of its pin, (poses, linkages), and its pivot or its slide's direction.
+    """Linkages of two dyads each: positions of its pin, (poses, linkages), and its pivot or the direction of its slide.
 
-    kind: as of `body_guides`, whose slider is held by the second dyad; slides: whether a slide drives.
+    `kind` is that of `body_guides`, whose slider belongs to the second dyad; `slides` is true if a slide drives.
     """
     pins = {"first": first[0], "second": second[0]}
     if kind == "elliptic-trammel":
@@ -246,7 +245,7 @@ def guides_of(
 
 
 def usable(guides: AbstractGuides, low: complex, high: complex) -> Mask:
-    """Which linkages are ones, and have every joint, at every pose, in the box between two corners, (linkages,)."""
+    """Linkages of nonzero links whose joints are inside a box at every pose, (linkages,)."""
     places = np.concatenate([guides.joints, guides.first, guides.second])
     with np.errstate(invalid="ignore"):
         inside = (places.real >= low.real) & (places.real <= high.real)

@@ -1,4 +1,4 @@
-"""Two and three infinitesimally separated positions: a body's velocities and accelerations, to a four-bar."""
+"""Four-bars for two or three infinitesimally separated positions: given velocities and accelerations of a body."""
 
 from __future__ import annotations
 
@@ -13,18 +13,34 @@ from ...linkage.instant.inflection import InflectionCircle
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Real, cross
 
-# Share of their size below which pins, pivots and the instant centre are in one line, and a pivot is its own pin.
-# Larger, and flat four-bars are refused; smaller, and rounding makes a linkage.
+# Relative distance below which pins, pivots and the instant centre are collinear, or a pin coincides with its pivot. A
+# larger value refuses flat four-bars, a smaller one builds a linkage on rounding.
 IN_LINE = 1e-9
-# Distance of a pivot, in sizes, from which its crank is a slide. Larger, and a slide's pivot is made of rounding.
+# Distance of a pivot, in sizes, beyond which its crank is a slide; a larger value builds a pivot on rounding.
 FAR = 1e9
 
 
 @record(checked=True, eq=False)
 class BodyState:
-    """How a body moves at an instant: the velocity, mm/s, of its point at `position`, mm, and its turning, rad/s.
+    """Velocity and acceleration of a body at an instant.
 
-    acceleration, mm/s2, of that point and alpha, rad/s2, are needed for three positions only.
+    Parameters
+    ----------
+    velocity : complex
+        Velocity of the body's point at `position`, mm/s.
+    omega : float
+        Angular velocity, rad/s.
+    acceleration : complex
+        Acceleration of that point, mm/s2; used for three positions only.
+    alpha : float
+        Angular acceleration, rad/s2; used for three positions only.
+    position : complex
+        The point, mm.
+
+    Raises
+    ------
+    DesignError
+        If velocity and omega are both 0.
     """
 
     velocity: complex
@@ -35,32 +51,56 @@ class BodyState:
 
     def __post_init__(self) -> None:
         if not (self.velocity or self.omega):
-            raise DesignError("velocity", "found 0, and omega 0", "give one of them: a body at rest tells nothing")
+            raise DesignError(
+                "velocity", "found 0, and omega 0", "give one of them; a body at rest does not determine a linkage"
+            )
 
     def velocity_of(self, points: ArrayLike) -> Complex:
-        """Velocities, mm/s, of the body's points that are at these places now, mm."""
+        """Velocities of the body's points.
+
+        Parameters
+        ----------
+        points : array_like of complex
+            Present positions of the points, mm.
+
+        Returns
+        -------
+        array of complex
+            Velocities, mm/s.
+        """
         velocities: Complex = self.velocity + 1j * self.omega * (np.asarray(points) - self.position)
         return velocities
 
     def acceleration_of(self, points: ArrayLike) -> Complex:
-        """Accelerations, mm/s2, of the same."""
+        """Accelerations of the body's points.
+
+        Parameters
+        ----------
+        points : array_like of complex
+            Present positions of the points, mm.
+
+        Returns
+        -------
+        array of complex
+            Accelerations, mm/s2.
+        """
         arms = np.asarray(points) - self.position
         accelerations: Complex = self.acceleration + (1j * self.alpha - self.omega**2) * arms
         return accelerations
 
     @property
     def instant_centre(self) -> InstantCentre:
-        """Where the body has no velocity, mm; at infinity where it does not turn."""
+        """Point without velocity, mm; at infinity if the body does not rotate."""
         return InstantCentre(np.asarray(self.position), np.asarray(1j * self.velocity), np.asarray(self.omega))
 
     @property
     def inflection_circle(self) -> InflectionCircle:
-        """What the two states tell to second order: `path` of any place, its centre the pivot of a crank there."""
+        """Second-order geometry of the motion; `path(point).centre` is the pivot of a crank with its pin there."""
         return _second_order(self.position, self.velocity, self.acceleration, self.omega, self.alpha)
 
     @property
     def seen_by_body(self) -> InflectionCircle:
-        """The same of the ground's motion as the body sees it: the centres of paths of pivots are their pins."""
+        """The same for the ground as seen from the body: the centres of the paths of pivots are their pins."""
         back = 2j * self.omega * self.velocity - self.acceleration
         return _second_order(self.position, -self.velocity, back, -self.omega, -self.alpha)
 
@@ -72,11 +112,20 @@ def _second_order(position: complex, *rates: complex) -> InflectionCircle:
 
 @record(eq=False, kw_only=True)
 class StateFourBar:
-    """A four-bar whose coupler moves as a state wants, and how it is to be driven for that.
+    """A four-bar whose coupler has a given state, and the drive for it.
 
-    linkage: placed in the plane; its coupler point is the body's point that the state is given for. branch: +1 or -1.
-    drive: the crank's angle now, rad from the ground line; speed, rad/s, and acceleration, rad/s2, of the crank, as
-    `move` takes them. fixed, moving: the crank's pivot and pin now, then the rocker's, mm.
+    Parameters
+    ----------
+    linkage : FourBar
+        The linkage, placed in the plane; its coupler point is the point of the state.
+    branch : int
+        +1 or -1, as `move` takes it.
+    drive : float
+        Present crank angle, rad from the ground line.
+    speed, acceleration : float
+        Of the crank, rad/s and rad/s2, as `move` takes them.
+    fixed, moving : array of complex, shape (2,)
+        Pivots and pins of crank and rocker, mm.
     """
 
     linkage: FourBar
@@ -92,24 +141,46 @@ class StateFourBar:
 def velocity_state_four_bar(
     state: BodyState, speeds: Reals, moving: Points | None = None, fixed: Points | None = None
 ) -> StateFourBar:
-    """A four-bar that gives a body its velocities: two positions infinitely close together.
+    """Find a four-bar that gives a body its velocities (two infinitely close positions).
 
-    speeds: of crank and rocker, rad/s, both free. Then either moving: their pins on the body, where they are now, mm,
-    each of whose pivots is on the line to the instant centre; or fixed: their pivots. The crank is driven without
-    acceleration. DesignError where a pin does not move or falls on its pivot, where a crank would turn as the body
-    does, and where all joints are in line, which leaves the motion open. V = i w (A - F), derived here.
+    Parameters
+    ----------
+    state : BodyState
+        The motion of the body.
+    speeds : array_like, shape (2,)
+        Angular velocities of crank and rocker, rad/s, not 0; both are free choices.
+    moving : array_like of complex, shape (2,), optional
+        Present positions of the pins of crank and rocker on the body, mm. Each pivot is then on the line to the instant
+        centre.
+    fixed : array_like of complex, shape (2,), optional
+        The two ground pivots instead, mm.
+
+    Returns
+    -------
+    StateFourBar
+        The four-bar; its crank is driven without acceleration.
+
+    Raises
+    ------
+    DesignError
+        If a pin does not move or coincides with its pivot, a crank would rotate with the body, or all joints are
+        collinear, which leaves the motion undetermined.
+
+    Notes
+    -----
+    V = i w (A - F), derived here.
     """
     w: Real = np.asarray(speeds, dtype=float)
     if w.shape != (2,) or not w.all():
         raise DesignError("speeds", f"found {np.asarray(speeds).tolist()}", "give two, of crank and rocker, not 0")
-    name, given = _two(moving, fixed)
+    name, given = _two_points(moving, fixed)
     if name == "moving":
         pins, pivots = given, given + 1j * state.velocity_of(given) / w
     else:
         if (np.abs(w - state.omega) <= IN_LINE * np.abs(w)).any():
             raise DesignError("speeds", f"found {state.omega:g} rad/s, at which the body turns", "give another speed")
-        whole = state.omega * state.position + 1j * state.velocity
-        pivots, pins = given, (whole - w * given) / (state.omega - w)
+        moment = state.omega * state.position + 1j * state.velocity
+        pivots, pins = given, (moment - w * given) / (state.omega - w)
     return _four_bar(state, name, pins, pivots, 0.0)
 
 
@@ -117,14 +188,35 @@ def velocity_state_four_bar(
 def acceleration_state_four_bar(
     state: BodyState, moving: Points | None = None, fixed: Points | None = None
 ) -> StateFourBar:
-    """A four-bar that gives a body its velocities and accelerations: three positions infinitely close together.
+    """Find a four-bar that gives a body its velocities and accelerations (three infinitely close positions).
 
-    moving: the two pins on the body, where they are now, mm; each has its pivot at the centre of curvature of its
-    path. Or fixed: the two pivots; each has its pin where the body sees that centre of its own path. Euler-Savary;
-    Dijksman, Motion Geometry of Mechanisms, 1976. DesignError where a path is straight, so that its pivot is at
-    infinity, where a pin does not move or falls on its pivot, and where all joints are in line.
+    Parameters
+    ----------
+    state : BodyState
+        The motion of the body.
+    moving : array_like of complex, shape (2,), optional
+        Present positions of the pins of crank and rocker on the body, mm. Each pivot is at the centre of curvature of
+        its pin's path.
+    fixed : array_like of complex, shape (2,), optional
+        The two ground pivots instead, mm. Each pin is at the centre of curvature of its pivot's path as seen from the
+        body.
+
+    Returns
+    -------
+    StateFourBar
+        The four-bar and the drive of its crank.
+
+    Raises
+    ------
+    DesignError
+        If a path is straight, so that its pivot is at infinity, a pin does not move or coincides with its pivot, or all
+        joints are collinear.
+
+    Notes
+    -----
+    Euler-Savary equation; Dijksman, Motion Geometry of Mechanisms, 1976.
     """
-    name, given = _two(moving, fixed)
+    name, given = _two_points(moving, fixed)
     if name == "moving":
         pins, pivots = given, state.inflection_circle.path(given).centre
     else:
@@ -133,14 +225,16 @@ def acceleration_state_four_bar(
     if far.any():
         place = given[np.argmax(far)]
         raise DesignError(
-            name, f"the path of ({place.real:g}, {place.imag:g}) is straight, or it stands still", "give another point"
+            name,
+            f"the path of ({place.real:g}, {place.imag:g}) is straight, or the point is at rest",
+            "give another point",
         )
     arm = pins[0] - pivots[0]
     alpha = cross(arm, state.acceleration_of(pins[0])) / max(abs(arm) ** 2, np.finfo(float).tiny)
     return _four_bar(state, name, pins, pivots, float(alpha))
 
 
-def _two(moving: Points | None, fixed: Points | None) -> tuple[str, Complex]:
+def _two_points(moving: Points | None, fixed: Points | None) -> tuple[str, Complex]:
     if (moving is None) == (fixed is None):
         raise DesignError("moving", "found both, or neither, of moving and fixed", "give one of them")
     name, given = ("moving", moving) if fixed is None else ("fixed", fixed)

@@ -1,4 +1,4 @@
-"""Where a body is wanted: poses, as an argument that is checked, and seen from the body itself."""
+"""Poses of a body as a checked argument, their poles, and the circle of sliders."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Segment
 from ...plane.vec import Complex, Real, cross
 
-# Share of their size below which two poses are one: less is rounding of angles that were given in degrees. Larger,
-# and poses that differ on purpose are refused; smaller, and rounding is taken for a displacement.
+# Relative difference below which two poses are equal. It covers the rounding of angles given in degrees; a larger value
+# refuses poses that differ on purpose, a smaller one takes rounding for a displacement.
 ALIKE = 1e-12
-# Poses that are read, at most: a few seconds' work. More is a path, and no set of poses.
+# Largest number of poses, a few seconds of computation.
 MOST_POSES = 1000
 
 
 def are_poses(value: Any) -> bool:
-    """Whether these are pairs (place, angle): complex mm and rad."""
+    """Whether a value is a sequence of pairs (complex position in mm, angle in rad)."""
     try:
         pairs = [tuple(pair) for pair in value]
     except (TypeError, ValueError):
@@ -34,7 +34,7 @@ def are_poses(value: Any) -> bool:
 
 
 def _is_angle(value: Any) -> bool:
-    # From an array of pairs, an angle comes as a complex number.
+    # In an array of pairs an angle is a complex number.
     return is_real(value) or (
         isinstance(value, complex | np.complexfloating) and value.imag == 0 and is_real(value.real)
     )
@@ -47,10 +47,7 @@ Poses = Annotated[
 
 
 def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, Complex]:
-    """Origins, mm, and directions, unit complex, (n,) each, of `least` to `most` poses that all differ.
-
-    DesignError for fewer, for more, and for two that are alike.
-    """
+    """Origins, mm, and directions, unit complex, (n,) each, of `least` to `most` distinct poses; else DesignError."""
     count = len(poses)
     if not least <= count <= most:
         allowed = f"{least}" if least == most else f"at least {least}" if count < least else f"at most {most}"
@@ -58,10 +55,10 @@ def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, C
     origins: Complex = np.array([complex(pair[0]) for pair in poses])
     directions: Complex = np.exp(1j * angles(poses))
     spread = np.abs(origins - origins.mean()).max()
-    apart = np.abs(origins[:, None] - origins) / max(spread, np.finfo(float).tiny)
-    alike = np.maximum(apart, np.abs(directions[:, None] - directions)) <= ALIKE
-    if np.count_nonzero(alike) > count:
-        first, second = np.nonzero(np.triu(alike, 1))
+    distances = np.abs(origins[:, None] - origins) / max(spread, np.finfo(float).tiny)
+    is_equal = np.maximum(distances, np.abs(directions[:, None] - directions)) <= ALIKE
+    if np.count_nonzero(is_equal) > count:
+        first, second = np.nonzero(np.triu(is_equal, 1))
         raise DesignError(
             "poses", f"poses {first[0] + 1} and {second[0] + 1} are the same", "leave one of them out, or move it"
         )
@@ -69,39 +66,82 @@ def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, C
 
 
 def angles(poses: Poses) -> Real:
-    """Their angles as given, rad: differences of them keep the digits that those of directions lose."""
+    """The angles as given, rad; differences of them keep digits that differences of directions lose."""
     return np.array([complex(pair[1]).real for pair in poses])
 
 
 def inverse(origins: Complex, directions: Complex) -> tuple[Complex, Complex]:
-    """The same poses as the body sees them: where the ground is in the body's frame."""
+    """The poses of the ground in the body's frame."""
     back: Complex = np.conj(directions)
     return -back * origins, back
 
 
-# Half of an angle between two poses below which they count as parallel, rad: their pole is then 1e13 ways away, where
-# 16 digits tell nothing of it. Larger, and true far poles are lost; smaller, and parallel poses get a pole of rounding.
+# Half of an angle between two poses, rad, below which they are parallel: their pole is then 1e13 displacements away,
+# beyond the precision of numbers. A larger value loses true far poles; a smaller one gives parallel poses a pole made
+# of rounding.
 PARALLEL = 1e-13
 
 
 @checked
 def poles(poses: Poses) -> Mapping[tuple[int, int], InstantCentre]:
-    """The pole of each two poses, by their numbers from 0, (j, k) with j < k: 2 poses or more.
+    """Find the pole of each pair of poses.
 
-    It is the point about which the body could turn from one to the other, mm on the ground. Of parallel poses it is
-    at infinity, square to the way between them: its `position` is nan then, and its `direction` tells where.
+    The pole is the point about which the body could rotate from one pose to the other.
+
+    Parameters
+    ----------
+    poses : sequence of (complex, float)
+        Two or more poses, each an origin x + yj in mm and an angle in rad.
+
+    Returns
+    -------
+    mapping of (int, int) to InstantCentre
+        The pole of poses j and k, j < k, numbered from 0, mm on the ground. For parallel poses it is at infinity: its
+        `position` is nan, and its `direction` is at right angles to the displacement.
+
+    Raises
+    ------
+    DesignError
+        For fewer than two poses, or equal ones.
+
+    Notes
+    -----
     Bottema and Roth, Theoretical Kinematics, 1979, chapter III.
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import poles
+    >>> pole = complex(poles([(0j, 0.0), (2 + 2j, 3.141592653589793 / 2)])[0, 1].position)
+
     """
     return _poles(placed(poses, 2)[0], angles(poses))
 
 
 @checked
 def image_poles(poses: Poses, reference: int = 0) -> Mapping[tuple[int, int], InstantCentre]:
-    """The points of the body that come to lie on the poles, where they are when it stands in pose `reference`.
+    """Find the body's points that coincide with the poles, positioned as in pose `reference`.
 
-    For two poses (j, k) the body's point that is at the pole of both. For the pairs that `reference` belongs to, that
-    is the pole itself. Numbers from 0, as of `poles`; mm on the ground. DesignError for a pose that is not given.
-    Bottema and Roth, chapter III.
+    Parameters
+    ----------
+    poses : sequence of (complex, float)
+        Two or more poses, each an origin x + yj in mm and an angle in rad.
+    reference : int
+        Number, from 0, of the pose in which the body is shown.
+
+    Returns
+    -------
+    mapping of (int, int) to InstantCentre
+        For poses j and k the point of the body that is at their pole in both, mm on the ground. For pairs that contain
+        `reference` it is the pole itself.
+
+    Raises
+    ------
+    DesignError
+        If `reference` is not a pose.
+
+    Notes
+    -----
+    Bottema and Roth, Theoretical Kinematics, 1979, chapter III.
     """
     origins, directions = placed(poses, 2)
     if not 0 <= reference < len(origins):
@@ -114,25 +154,37 @@ def image_poles(poses: Poses, reference: int = 0) -> Mapping[tuple[int, int], In
     }
 
 
-def _poles(origins: Complex, turned: Real) -> dict[tuple[int, int], InstantCentre]:
-    found = {}
+def _poles(origins: Complex, angles: Real) -> dict[tuple[int, int], InstantCentre]:
+    poles_by_pair = {}
     for j, k in combinations(range(len(origins)), 2):
-        # On the perpendicular through the middle of the way, its half times the cotangent of half the turn.
-        half = np.exp(0.5j * (turned[k] - turned[j]))
+        # The pole is on the perpendicular bisector of the displacement, at half of it times the cotangent of half the
+        # rotation.
+        half = np.exp(0.5j * (angles[k] - angles[j]))
         weight = 0.0 if abs(half.imag) <= PARALLEL else float(half.imag)
-        way = origins[k] - origins[j]
-        arm = 0.5j * way * half.real
-        # A turn about the origin itself, or by half a turn.
-        found[j, k] = InstantCentre(np.asarray(0.5 * (origins[j] + origins[k])), np.asarray(arm), np.asarray(weight))
-    return found
+        displacement = origins[k] - origins[j]
+        arm = 0.5j * displacement * half.real
+        poles_by_pair[j, k] = InstantCentre(
+            np.asarray(0.5 * (origins[j] + origins[k])), np.asarray(arm), np.asarray(weight)
+        )
+    return poles_by_pair
 
 
 @record(eq=False)
 class SliderCircle:
-    """The body's points whose places at three poses lie in one line, as they stand at the first: a circle, or a line.
+    """Points of a body whose positions at three poses are collinear, shown at the first pose: a circle or a line.
 
-    curvature |s|^2 + 2 Re(conj(slope) s) + level = 0, with s from `reference`, mm, is the circle; where two of the
-    poses are parallel the curvature is 0 and it is a line. Derived here; Bottema and Roth, chapter IV.
+    The circle is curvature |s|^2 + 2 Re(conj(slope) s) + level = 0, with s measured from `reference`.
+
+    Parameters
+    ----------
+    reference : complex
+        Origin of s, mm.
+    curvature, slope, level : float, complex, float
+        Coefficients; the curvature is 0, and the circle a line, if two of the poses are parallel.
+
+    Notes
+    -----
+    Derived here; compare Bottema and Roth, Theoretical Kinematics, 1979, chapter IV.
     """
 
     reference: complex
@@ -142,40 +194,56 @@ class SliderCircle:
 
     @property
     def centre(self) -> complex:
-        """mm on the ground; nan where it is a line."""
+        """Centre, mm on the ground; nan for a line."""
         return self.reference - self.slope / self.curvature if self.curvature else complex(np.nan, np.nan)
 
     @property
     def radius(self) -> float:
-        """mm; inf where it is a line."""
+        """Radius, mm; inf for a line."""
         if not self.curvature:
             return np.inf
-        # By the factors, the root of a difference of squares keeps its digits; it is never below 0 but for rounding.
+        # Never negative except for rounding.
         square = abs(self.slope) ** 2 - self.curvature * self.level
         return float(np.sqrt(max(square, 0.0)) / abs(self.curvature))
 
     @property
     def foot(self) -> complex:
-        """The point of it that is nearest to `reference`, mm."""
-        reach = abs(self.slope)
-        root = np.sqrt(max(reach**2 - self.curvature * self.level, 0.0))
-        along = self.slope / reach if reach else 1.0
-        return self.reference - along * self.level / (reach + root) if reach + root else self.reference
+        """The point of the circle that is nearest to `reference`, mm."""
+        slope_size = abs(self.slope)
+        root = np.sqrt(max(slope_size**2 - self.curvature * self.level, 0.0))
+        along = self.slope / slope_size if slope_size else 1.0
+        return self.reference - along * self.level / (slope_size + root) if slope_size + root else self.reference
 
     @property
     def direction(self) -> complex:
-        """Along the line, or of the circle at `foot`; unit complex."""
+        """Direction of the line, or of the circle at `foot`; unit complex."""
         return 1j * self.slope / abs(self.slope) if self.slope else 1j
 
     def curve(self, reach: float) -> AbstractCurve:
-        """It as a curve: the whole circle, or of a line `reach` mm either way from `foot`."""
+        """The whole circle as a curve, or a piece of the line.
+
+        Parameters
+        ----------
+        reach : float
+            Half the length of the piece about `foot`, mm; a circle with a larger radius is drawn as a line too.
+        """
         if self.curvature and self.radius <= reach:
             return Circle(self.centre, self.radius)
         return Segment(self.foot - reach * self.direction, self.foot + reach * self.direction)
 
     def point(self, share: ArrayLike) -> Complex:
-        """Points of it, mm, for shares from 0 to 1 of the whole, counterclockwise from its lowest; of a line, by
-        the tangent of half a turn from `foot`, nan at its ends.
+        """Points of the circle or line.
+
+        Parameters
+        ----------
+        share : array_like
+            Position from 0 to 1: on a circle counterclockwise from its lowest point, on a line by the tangent of half a
+            turn from `foot`.
+
+        Returns
+        -------
+        array of complex
+            Points, mm; nan at the ends of a line.
         """
         turn = np.asarray(share, dtype=float)
         if self.curvature:
@@ -186,21 +254,35 @@ class SliderCircle:
 
 @checked
 def circle_of_sliders(poses: Poses) -> SliderCircle:
-    """Where, at the first of three poses, a pin of the body may sit that is to slide along a straight line.
+    """Find the possible positions of a pin that slides along a straight line at three poses.
 
-    Its line passes through the three places of the pin; `dyads_through` with `moving` gives it. DesignError where all
-    three poses are parallel: then either every point of the body slides, or none.
+    The line of a pin passes through its three positions; `dyads_through` with `moving` gives it.
+
+    Parameters
+    ----------
+    poses : sequence of (complex, float)
+        Three poses, each an origin x + yj in mm and an angle in rad.
+
+    Returns
+    -------
+    SliderCircle
+        The pins at the first pose.
+
+    Raises
+    ------
+    DesignError
+        If all three poses are parallel: then either every point of the body slides, or none.
     """
-    origins, turned = placed(poses, 3, 3)[0], angles(poses)
-    # (M2 - M1) x (M3 - M1) with M the places of a point; m its place at the first pose, from there.
-    half = 0.5 * (turned[1:] - turned[0])
-    turns = 2j * np.sin(half) * np.exp(1j * half)
-    ways = origins[1:] - origins[0]
-    curvature = float(4 * np.prod(np.sin([*half, 0.5 * (turned[2] - turned[1])])))
-    slope = complex(0.5 * 1j * (ways[0] * np.conj(turns[1]) - ways[1] * np.conj(turns[0])))
-    level = float(cross(ways[0], ways[1]))
-    if abs(turns).max() <= PARALLEL:
+    origins, given_angles = placed(poses, 3, 3)[0], angles(poses)
+    # (M2 - M1) x (M3 - M1), with M1, M2, M3 the positions of a point, written in its position at the first pose.
+    half = 0.5 * (given_angles[1:] - given_angles[0])
+    rotations = 2j * np.sin(half) * np.exp(1j * half)
+    displacements = origins[1:] - origins[0]
+    curvature = float(4 * np.prod(np.sin([*half, 0.5 * (given_angles[2] - given_angles[1])])))
+    slope = complex(0.5 * 1j * (displacements[0] * np.conj(rotations[1]) - displacements[1] * np.conj(rotations[0])))
+    level = float(cross(displacements[0], displacements[1]))
+    if abs(rotations).max() <= PARALLEL:
         raise DesignError("poses", "all three are parallel", "turn one of them: all points move alike as they are")
-    if abs(curvature) <= PARALLEL * np.prod(np.abs(turns)) or np.abs(turns).min() <= PARALLEL:
+    if abs(curvature) <= PARALLEL * np.prod(np.abs(rotations)) or np.abs(rotations).min() <= PARALLEL:
         curvature = 0.0
     return SliderCircle(complex(origins[0]), curvature, slope, level)

@@ -1,4 +1,4 @@
-"""Goal of a body that is to go through poses: the linkage that carries it, found and made."""
+"""Recipe of a linkage that carries a body through given poses."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from ..guidance.guide_groups import KINDS, LARGEST_RATIO, Kind
 from ..guidance.poses import circle_of_sliders, poles
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
-# What the body may miss of a pose, mm and deg: finer than any plate is cut. Rounding is a thousand millionth of it, so
-# that only poses that are met by least squares can fail. Derived here.
+# Largest error of a pose, mm and deg, below manufacturing accuracy. Rounding is a billion times smaller, so only
+# least-squares fits can fail. Derived here.
 MISSED, MISSED_DEG = 0.01, 0.01
-# Poses that are read: more are a path of a body, and their least squares take minutes.
+# Largest number of poses; the least-squares fit of more takes minutes.
 MOST_POSES = 50
-# Length of the axes that a pose is drawn with, in extents of the poses.
+# Length of the drawn axes of a pose, in extents of the poses.
 AXIS = 0.12
-# Sizes of the rest of the drawing that an image-pole circle may be off to be drawn. Larger ones hide all else.
+# Margin around the drawing, in its sizes, within which an image-pole circle is drawn; larger ones dominate the drawing.
 ROOM = 0.75
 
 
@@ -45,7 +45,7 @@ FEWER = "five poses or fewer are met exactly"
 
 
 class OneOfGuides:
-    """Marks the choice of a linkage, so that a wrong one is refused once and not by each word."""
+    """Validates the kind of linkage as one choice, so that a wrong one gives one error."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return {"type": "literal", "expected": list(KINDS)}
@@ -57,16 +57,16 @@ PointPair = tuple[Annotated[complex, PointXY()], Annotated[complex, PointXY()]]
 
 @record(checked=True, kw_only=True)
 class WantedPoses:
-    """Where a body is to be, and what may carry it there."""
+    """The poses of a body, and limits of the linkage that carries it."""
 
     poses: Rows = entry(
-        "places of the body's origin and its angle, [x, y, angle] in mm and deg, three or more, in this order",
+        "positions of the body's origin with its angle, [x, y, angle] in mm and deg, three or more, in this order",
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0)),
         units=("mm", "mm", "deg"),
     )
     type: Annotated[Kind, OneOfGuides()] | None = entry(
-        "four-bar; crank-slider, which its crank drives; slider-crank, which its slider drives; elliptic-trammel. Left "
-        "out: a four-bar through three poses, whatever there is through more",
+        "four-bar; crank-slider, driven by its crank; slider-crank, driven by its slider; elliptic-trammel. By "
+        "default a four-bar through three poses, and any of them through more",
         default=None,
     )
     moving_points: PointPair | None = entry(
@@ -76,18 +76,18 @@ class WantedPoses:
         "the driving and the driven ground pivot of a four-bar, [[x, y], [x, y]] in mm, instead", default=None
     )
     driving_point: Literal["first", "either"] = entry(
-        "which of two points that are given drives: the first, or either, the better one first", default="first"
+        "which of two given points drives: the first, or either, the better one listed first", default="first"
     )
     region: PointPair | None = entry(
-        "corners of the box that holds all pins and pivots, [[x, y], [x, y]] in mm; left out, one about the poses",
+        "corners of the box that holds all pins and pivots, [[x, y], [x, y]] in mm; by default a box about the poses",
         default=None,
     )
     trammel_driver: Literal["shuttle", "rod"] = entry("what drives an elliptic-trammel", default="shuttle")
     least_transmission_angle_deg: float = quantity(
-        "the least that is taken", "deg", default=0.0, at_least=0, at_most=89
+        "least transmission angle", "deg", default=0.0, at_least=0, at_most=89
     )
     largest_ratio: float | None = quantity(
-        "longest link over the shortest; 10 in a search where it is left out", default=None, at_least=1, at_most=1e9
+        "longest link over the shortest; 10 by default in a search", default=None, at_least=1, at_most=1e9
     )
 
     def __post_init__(self) -> None:
@@ -96,29 +96,46 @@ class WantedPoses:
 
     @cached_property
     def pairs(self) -> list[tuple[complex, float]]:
-        """As the library takes them."""
+        """The poses as the library takes them."""
         return [(complex(x, y), float(np.radians(angle))) for x, y, angle in self.poses]
 
 
 @record(kw_only=True)
 class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
-    """A body carried through poses by a linkage that is found: plates, motion, and the poses as an engraved drawing."""
+    """A body carried through given poses by a linkage that is found: plates, motion, and an engraved drawing of the
+    poses.
+
+    Parameters
+    ----------
+    wanted : WantedPoses
+        The poses, mm and deg, and the kind and limits of the linkage.
+    search : Search
+        Seed and time limit, s.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the driver.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["body-guidance"] = "body-guidance"
     wanted: WantedPoses
-    search: Search = entry("how long to look, and from where", default=Search())
+    search: Search = entry("seed and time limit of the search", default=Search())
     choose: int = choose_entry()
     drive: Drive = entry("how the driver goes", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
     advice: ClassVar[str] = (
-        "The first pose's coordinates are those of the drawing. A linkage whose plates meet, or that drives badly, is "
-        "passed over by choose; summary.json ranks what was found, those with defects last, by name."
+        "The drawing uses the coordinates of the poses. If the plates collide or the transmission angle is poor, take "
+        "another linkage with choose; summary.json ranks all of them, those with defects last."
     )
 
     def __post_init__(self) -> None:
-        # Before any search: no way is longer than a turn.
+        # Checked before any search; no motion is longer than a turn.
         self.drive.check_rows()
 
     @cached_property
@@ -150,12 +167,18 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
     def met_by(self, found: BodyGuide) -> tuple[Check, ...]:
         return (
             Check(
-                "pose_distance", "largest distance from a pose", _told(found.pose_error), "at most", MISSED, "mm", FEWER
+                "pose_distance",
+                "largest distance from a pose",
+                _rounded_error(found.pose_error),
+                "at most",
+                MISSED,
+                "mm",
+                FEWER,
             ),
             Check(
                 "pose_rotation",
-                "largest turn from a pose",
-                _told(found.angle_error_deg),
+                "largest rotation from a pose",
+                _rounded_error(found.angle_error_deg),
                 "at most",
                 MISSED_DEG,
                 "deg",
@@ -165,7 +188,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
 
     @property
     def table(self) -> Table:
-        """The linkage's, and the body's angle; its place is that of the coupler point."""
+        """The linkage's table with the body's angle; the body's position is that of the coupler point."""
         motion: Motion = self.design.motion
         coupler = motion.bodies["rod" if "rod" in motion.linkage.bodies else "coupler"]
         angle = unwrapped_deg(coupler.direction * direction_deg(self.found.body_angle_deg))
@@ -178,14 +201,14 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
 
     @cached_property
     def seen(self) -> Complex:
-        """Places of the poses, and of the pins at the first, mm."""
+        """Positions of the poses, and of the pins at the first one, mm."""
         motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
         pins = [complex(motion.point(pin).position[0]) for pin in motion.linkage.pins]
         return np.array([*(z for z, _ in self.wanted.pairs), *pins])
 
     @property
     def extent(self) -> float:
-        """The longer side of what holds them, mm."""
+        """The longer side of the box around these, mm."""
         return float(max(np.ptp(self.seen.real), np.ptp(self.seen.imag)))
 
     @property
@@ -195,7 +218,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
 
     @property
     def shown(self) -> Sequence[SceneCurve]:
-        """The poses; of up to five their poles, and of three what its pins were chosen by, where the body is first."""
+        """The poses; the poles of up to five; for three the regions of the pins at the first pose."""
         pairs, near = self.wanted.pairs, 0.01 * self.extent
         shown = [SceneCurve(curve, "wanted", f"pose {k + 1}") for k, curve in enumerate(self.axes)]
         for (j, k), pole in poles(pairs).items() if len(pairs) <= 5 else ():
@@ -204,51 +227,53 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
                 shown.append(SceneCurve(Circle(place, near), "centre", f"pole of poses {j + 1} and {k + 1}"))
         if len(pairs) == 3:
             circles, lines = self.near(self.rectified.circles), self.rectified.lines
-            label = "image-pole circle: no driven pin lies within an odd number of them"
+            label = "image-pole circle: a driven pin must not lie inside an odd number of them"
             shown += [SceneCurve(curve, "construction", label) for curve in circles]
-            label = "line of the driven link: the driving pin lies on one side of all three"
+            label = "line of the driven link: the driving pin must be on the same side of all three"
             shown += [SceneCurve(curve, "construction", label) for curve in lines]
             if self.found.linkage.linkage.sliders:
                 sliding = circle_of_sliders(pairs).curve(self.room)
-                shown.append(SceneCurve(sliding, "construction", "circle of sliders: where a pin that slides may sit"))
+                shown.append(
+                    SceneCurve(sliding, "construction", "circle of sliders: possible positions of a sliding pin")
+                )
         return shown
 
     @cached_property
     def scene(self) -> Scene:
-        """With the regions that the pins of a linkage through three poses are chosen by."""
+        """The scene with the regions of the pins of a linkage through three poses."""
         return replace(super().scene, regions=self.shaded)
 
     @property
     def shaded(self) -> tuple[SceneRegion, ...]:
-        """Where the driven pin may not be, and where the driving one does not drive it, in the region of all pins."""
-        found = self.rectified if len(self.wanted.poses) == 3 else None
-        if found is None or found.driven is None:
+        """The forbidden regions of the driven and of the driving pin, within the region of all pins."""
+        regions = self.rectified if len(self.wanted.poses) == 3 else None
+        if regions is None or regions.driven is None:
             return ()
-        half = self.room * (1 + 1j)
-        box = self.wanted.region or (self.middle - half, self.middle + half)
+        half_box = self.room * (1 + 1j)
+        box = self.wanted.region or (self.middle - half_box, self.middle + half_box)
         return (
-            SceneRegion(found.no_driven(*box), "driven", "no driven pin here: nothing would drive it"),
-            SceneRegion(found.no_driver(*box), "driving", "no driving pin here: the branch would change on the way"),
+            SceneRegion(regions.no_driven(*box), "driven", "no driven pin here: no pin could drive it"),
+            SceneRegion(regions.no_driver(*box), "driving", "no driving pin here: the branch would change"),
         )
 
     @property
     def middle(self) -> complex:
-        """Of the poses and the pins, mm."""
+        """Middle of the poses and the pins, mm."""
         low, high = (complex(end(self.seen.real), end(self.seen.imag)) for end in (np.min, np.max))
         return (low + high) / 2
 
     @property
     def room(self) -> float:
-        """Distance from the middle, mm, beyond which a construction hides the rest of a drawing."""
+        """Distance from the middle, mm, beyond which no construction is drawn."""
         return (0.5 + ROOM) * self.extent
 
     def near(self, curves: Iterable[AbstractCurve]) -> list[AbstractCurve]:
-        """Those that are circles near by: what is larger or a line hides all else."""
+        """The circles near the middle; lines and larger circles are left out."""
         return [c for c in curves if isinstance(c, Circle) and abs(c.centre - self.middle) + c.radius <= self.room]
 
     @cached_property
     def rectified(self) -> Rectification:
-        """Of three poses: what the driven link, as it was found, lets the driving one be."""
+        """Regions of the pins for three poses, with the driven pin of the chosen linkage."""
         linkage = self.found.linkage.linkage
         driven = [pin for pin, on in linkage.pins.items() if "coupler" in on and linkage.driver not in on]
         motion = move(linkage, self.found.drive[:1], self.found.branch)
@@ -256,14 +281,14 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         return rectification(self.wanted.pairs, place, self.extent / 2)
 
     def marks(self, plate: PlateStock) -> list[AbstractCurve]:
-        """The poses as their axes, the linkage at the first, and of three poses the image-pole circles near by."""
+        """Axes of the poses, the linkage at the first one, and for three poses the near image-pole circles."""
         motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
         circles = self.near(self.rectified.circles) if len(self.wanted.pairs) == 3 else []
         return [*skeleton(motion, 0, plate), *self.axes, *circles]
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Which pin drives, if points were given."""
+        """The driving pin, if points were given."""
         given = self.wanted.moving_points or self.wanted.fixed_points
         if given is None or not np.isfinite(self.found.pins).all():
             return ()
@@ -272,16 +297,16 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """The poles too: their places, or their directions where they are at infinity."""
-        told: dict[str, object] = {}
+        """Adds the poles: their positions, or their directions if they are at infinity."""
+        poles_mm: dict[str, object] = {}
         for (j, k), pole in poles(self.wanted.pairs).items() if len(self.wanted.poses) <= 5 else ():
             z = complex(pole.position)
-            far = {"at_infinity_deg": float(f"{np.degrees(np.angle(complex(pole.direction))):.9g}")}
-            near = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")]
-            told[f"{j + 1} and {k + 1}"] = near if np.isfinite(z) else far
-        return {**super().notes, "poles_mm": told}
+            direction = {"at_infinity_deg": float(f"{np.degrees(np.angle(complex(pole.direction))):.9g}")}
+            position = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")]
+            poles_mm[f"{j + 1} and {k + 1}"] = position if np.isfinite(z) else direction
+        return {**super().notes, "poles_mm": poles_mm}
 
 
-def _told(missed: float) -> float:
-    """What is missed, without what is rounding."""
+def _rounded_error(missed: float) -> float:
+    """An error without rounding noise."""
     return float(rounded(missed, 8))

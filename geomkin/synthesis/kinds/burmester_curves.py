@@ -27,14 +27,14 @@ from ..guidance.poses import placed, poles
 
 # Reach of the drawing, in sizes of the poses, where it is left out: more, and the poses are a dot on the plate.
 REACH = 3.0
-# What a dyad of the table may miss of a pose, in sizes of the poses: far finer than any plate is cut. Derived here.
+# Largest error of a listed dyad at a pose, in sizes of the poses: far below manufacturing accuracy. Derived here.
 MISSED = 1e-6
-# Length of the axes that a pose is drawn with, and of a dash, in reaches.
+# Lengths of the drawn axes of a pose and of a dash, as shares of the extent of the curves.
 AXIS, DASH = 0.06, 0.02
-# Places of a piece by which its length is told: dashes and rows are even to a thousandth.
-SEEN = 2000
-# Time that the wandering pivot is shown in, s: slow enough to follow by eye.
-WANDER = 12.0
+# Samples of a piece for its length, with which dashes and rows are even to a thousandth.
+SAMPLES = 2000
+# Duration of the animation of the wandering pivot, s.
+DURATION = 12.0
 
 
 @record(checked=True)
@@ -44,12 +44,12 @@ class FourWanted:
     poses: tuple[
         tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()], Annotated[float, AsWritten()]], ...
     ] = entry(
-        "places of the body's origin and its angle, [x, y, angle] in mm and deg, four of them",
+        "four positions of the body's origin with its angle, [x, y, angle] in mm and deg",
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0), (40.0, 90.0, 110.0)),
         units=("mm", "mm", "deg"),
     )
     reach: float | None = quantity(
-        "how far from the middle of the poses the curves are drawn; three times the farthest pose if left out",
+        "largest distance of the curves from the middle of the poses; three times the farthest pose if left out",
         "mm",
         default=None,
         above=0,
@@ -62,30 +62,42 @@ class FourWanted:
 
     @cached_property
     def pairs(self) -> list[tuple[complex, float]]:
-        """As the library takes them."""
+        """The poses as the library takes them."""
         return [(complex(x, y), float(np.radians(angle))) for x, y, angle in self.poses]
 
     @cached_property
     def size(self) -> float:
-        """Farthest origin from the middle of all, mm."""
+        """Distance of the farthest origin from the middle, mm."""
         origins = placed(self.pairs, 4, 4)[0]
         return float(np.abs(origins - origins.mean()).max())
 
     @property
     def middle(self) -> complex:
-        """Of the poses' origins, mm."""
+        """Middle of the poses' origins, mm."""
         return complex(np.mean([place for place, _ in self.pairs]))
 
 
 @record(checked=True, kw_only=True)
 class BurmesterCurvesRecipe(AbstractRecipe):
-    """Where the pivots and pins of four poses may lie: centre-point curve, and dashed the circle-point curve."""
+    """The possible pivots and pins of four poses: the centre-point curve, and dashed the circle-point curve.
+
+    Parameters
+    ----------
+    wanted : FourWanted
+        The four poses, mm and deg, and the extent of the curves, mm.
+    rows : int
+        Number of dyads in the table, 2 to 20000.
+    stock : PlateStock
+        Material of the engraved plate.
+    files : Files
+        Formats and their options.
+    """
 
     can_be_scaled: ClassVar[bool] = True
     kind: Literal["burmester-curves"] = "burmester-curves"
     wanted: FourWanted
     rows: int = quantity(
-        "dyads that the table lists, evenly along the centre-point curve",
+        "number of dyads in the table, evenly spaced along the centre-point curve",
         default=200,
         at_least=2,
         at_most=20_000,
@@ -96,7 +108,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
 
     @property
     def reach(self) -> float:
-        """mm."""
+        """Largest distance of the curves from the middle, mm."""
         wanted = self.wanted
         if wanted.reach is None and not wanted.size:
             raise DesignError("wanted.reach", "is missing where all poses have one origin", "give it, in mm")
@@ -111,20 +123,20 @@ class BurmesterCurvesRecipe(AbstractRecipe):
 
     @cached_property
     def dyads(self) -> tuple[Real, Complex, Complex]:
-        """Piece of the curve (rows,), from 1, pivots and pins (rows,), the latter on the body, mm."""
+        """Number of the piece (rows,), from 1, pivots (rows,) and pins (rows,) in the body's frame, mm."""
         pieces = self.design.fixed
         lengths = np.array([_length(piece)[1][-1] for piece in pieces])
         shares = np.maximum(1, np.rint(self.rows * lengths / lengths.sum())).astype(int)
-        told: list[tuple[Real, Complex, Complex]] = []
+        entries: list[tuple[Real, Complex, Complex]] = []
         for k, (piece, count) in enumerate(zip(pieces, shares)):
-            t = _even(piece, np.linspace(0, 1, count, endpoint=not piece.closed))
-            told.append((np.full(count, k + 1), piece.point(t), piece.partner(t)))
-        number, fixed, moving = (np.concatenate(part) for part in zip(*told))
+            t = _at_shares_of_length(piece, np.linspace(0, 1, count, endpoint=not piece.closed))
+            entries.append((np.full(count, k + 1), piece.point(t), piece.partner(t)))
+        number, fixed, moving = (np.concatenate(part) for part in zip(*entries))
         return number, fixed, moving
 
     @cached_property
     def pins(self) -> Complex:
-        """Places of the pins at each pose, (4, rows), mm."""
+        """Positions of the pins at each pose, (4, rows), mm."""
         origins, directions = placed(self.wanted.pairs, 4, 4)
         return origins[:, None] + directions[:, None] * self.dyads[2]
 
@@ -134,7 +146,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         return Table(
             (
                 Column("dyad", "", "number of the dyad", np.arange(1, len(number) + 1)),
-                Column("piece", "", "unbroken piece of the centre-point curve", number),
+                Column("piece", "", "number of the piece of the centre-point curve", number),
                 *xy_columns("fixed", "mm", "pivot on the ground", fixed),
                 *xy_columns("moving", "mm", "its pin in the body's own frame", moving),
                 *xy_columns("moving_at_first", "mm", "the pin at the first pose", self.pins[0]),
@@ -144,10 +156,10 @@ class BurmesterCurvesRecipe(AbstractRecipe):
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        """Distances by themselves, as the curves were not found by them."""
+        """Compares distances, which the curves were not computed from."""
         lengths = np.abs(self.pins - self.dyads[1])
         missed = float(np.max(np.ptp(lengths, axis=0) / (self.reach + lengths[0])))
-        advice = "poses so close together leave the curves to rounding; set them farther apart"
+        advice = "the poses are so close together that rounding decides the curves; move them apart"
         name = "largest miss of a pose by a dyad, to its length"
         return (Check("pose_miss", name, missed, "at most", MISSED, "", advice),)
 
@@ -164,13 +176,13 @@ class BurmesterCurvesRecipe(AbstractRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """A pivot that wanders along the centre-point curve, with its pin at each of the poses.
+        """A pivot moving along the centre-point curve, with its pin at each pose.
 
-        Pins beyond the reach, where the circle-point curve is not drawn, are not shown: they may be anywhere.
+        Pins beyond the extent of the circle-point curve are not shown.
         """
         fixed, count = self.dyads[1], len(self.dyads[1])
         origins, directions = placed(self.wanted.pairs, 4, 4)
-        # The curve is drawn so far from the middle of the poses' own as the body sees it.
+        # The circle-point curve is limited about the middle of the poses' origins as seen from the body.
         middle = ((origins.mean() - origins) / directions).mean()
         shown = np.where(np.abs(self.dyads[2] - middle) <= self.reach * (1 + 1e-9), self.pins, np.nan)
         curves = [
@@ -186,7 +198,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
             Plot("pivot on the ground", ("fixed_x", "fixed_y")),
             Plot("length of the crank", ("length",)),
         )
-        time, closed = np.linspace(0, WANDER, count), np.ones(count, dtype=bool)
+        time, closed = np.linspace(0, DURATION, count), np.ones(count, dtype=bool)
         return Scene(self.table, time, closed, (), tuple(curves), tuple(marks), plots, cyclic=False)
 
     @cached_property
@@ -202,38 +214,40 @@ class BurmesterCurvesRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """Poles, or where these are at infinity; and the pin that slides, or the pivot that is slid over."""
-        told: dict[str, object] = {}
+        """Positions or directions of the poles, and the dyads with a slide."""
+        poles_mm: dict[str, object] = {}
         for (j, k), pole in poles(self.wanted.pairs).items():
-            at = complex(pole.position)
-            far = {"at_infinity_deg": ten_digits(float(np.degrees(np.angle(complex(pole.direction)))))}
-            told[f"{j + 1} and {k + 1}"] = [ten_digits(at.real), ten_digits(at.imag)] if np.isfinite(at) else far
-        slides, listed = self.design.slides, {}
-        for k, far_out in enumerate(slides.fixed_far):
-            pin, way = (slides.moving, slides.fixed) if far_out else (slides.fixed, slides.moving)
-            listed["pin_that_slides" if far_out else "pivot_that_is_slid_over"] = {
+            position = complex(pole.position)
+            direction = {"at_infinity_deg": ten_digits(float(np.degrees(np.angle(complex(pole.direction)))))}
+            poles_mm[f"{j + 1} and {k + 1}"] = (
+                [ten_digits(position.real), ten_digits(position.imag)] if np.isfinite(position) else direction
+            )
+        slides, slides_by_name = self.design.slides, {}
+        for k, is_sliding_pin in enumerate(slides.fixed_far):
+            pin, directions = (slides.moving, slides.fixed) if is_sliding_pin else (slides.fixed, slides.moving)
+            slides_by_name["pin_that_slides" if is_sliding_pin else "pivot_that_is_slid_over"] = {
                 "place_mm": [ten_digits(pin[k].real), ten_digits(pin[k].imag)],
-                "direction_deg": ten_digits(np.degrees(np.angle(way[k])) % 180),
+                "direction_deg": ten_digits(np.degrees(np.angle(directions[k])) % 180),
             }
-        return {"poles_mm": told, "slides": listed}
+        return {"poles_mm": poles_mm, "slides": slides_by_name}
 
 
 def _length(piece: BurmesterCurve) -> tuple[Real, Real]:
     """Parameters of a piece and its length up to each, mm."""
-    t = np.linspace(piece.start, piece.end, SEEN)
+    t = np.linspace(piece.start, piece.end, SAMPLES)
     return t, np.concatenate([[0.0], np.cumsum(np.abs(np.diff(piece.point(t))))])
 
 
-def _even(piece: BurmesterCurve, share: Real) -> Real:
+def _at_shares_of_length(piece: BurmesterCurve, share: Real) -> Real:
     """Parameters at shares of a piece's length."""
-    t, way = _length(piece)
-    at: Real = np.interp(share * way[-1], way, t)
-    return at
+    t, length = _length(piece)
+    parameters: Real = np.interp(share * length[-1], length, t)
+    return parameters
 
 
 def _dashes(piece: BurmesterCurve, length: float) -> Iterator[AbstractCurve]:
-    """Every other stretch of a piece."""
+    """Every other part of a piece."""
     count = 2 * max(1, round(_length(piece)[1][-1] / (2 * length))) + 1
-    ends = _even(piece, np.linspace(0, 1, count + 1))
+    ends = _at_shares_of_length(piece, np.linspace(0, 1, count + 1))
     for start, end in zip(ends[::2], ends[1::2]):
         yield SubCurve(piece, np.array([start, end]))

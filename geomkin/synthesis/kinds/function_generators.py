@@ -31,26 +31,26 @@ from .linkage_goals import AbstractLinkageGoal, choose_entry
 Method = Literal["minimax", "least-squares", "points"]
 
 
-def _start_deg(what: str) -> Any:
-    return quantity(f"{what}; found if left out", "deg", default=None, at_least=-360, at_most=360)
+def _start_deg(meaning: str) -> Any:
+    return quantity(f"{meaning}; found if left out", "deg", default=None, at_least=-360, at_most=360)
 
 
 @record(checked=True, kw_only=True)
 class Wanted:
-    """The function, its range, and how it is met."""
+    """The function, its range, and the method of approximation."""
 
     function: str = entry(
-        "y as a text in x, such as log10(x), angles in rad; or a name with coefficients; or table, with rows",
+        "y as a text in x, such as log10(x), angles in rad; or a named function with coefficients; or table, with rows",
         example="log10(x)",
     )
     coefficients: tuple[Annotated[float, AsWritten()], ...] = entry(
-        f"of a function by name: {', '.join(f'{name}: {told[0]}' for name, told in NAMED.items())}", default=()
+        f"coefficients of a named function: {', '.join(f'{name}: {row[0]}' for name, row in NAMED.items())}", default=()
     )
-    rows: Rows = entry("[x, y] of rising x, joined by a cubic spline; with function = table", default=())
-    x_start: float = quantity("where the range starts", at_least=-FARTHEST, at_most=FARTHEST, example=1)
-    x_end: float = quantity("where it ends", at_least=-FARTHEST, at_most=FARTHEST, example=2)
+    rows: Rows = entry("rows [x, y] of rising x, joined by a cubic spline; with function = table", default=())
+    x_start: float = quantity("start of the range of x", at_least=-FARTHEST, at_most=FARTHEST, example=1)
+    x_end: float = quantity("end of the range of x", at_least=-FARTHEST, at_most=FARTHEST, example=2)
     input_deg: float = quantity(
-        "how far the crank turns from x_start to x_end, counterclockwise",
+        "rotation of the crank from x_start to x_end, counterclockwise",
         "deg",
         default=60.0,
         at_least=-359,
@@ -62,12 +62,14 @@ class Wanted:
     )
     largest_ratio: float = quantity("longest link over the shortest", default=10.0, at_least=1.1, at_most=100)
     method: Method = entry(
-        "minimax: least largest error; least-squares: least mean square error; points: none at precision points",
+        "minimax: least largest error; least-squares: least mean square error; points: no error at precision points",
         default="minimax",
     )
-    points: int = quantity("precision points in Chebyshev's spacing", default=3, at_least=3, at_most=5, whole=True)
+    points: int = quantity(
+        "number of precision points in Chebyshev's spacing", default=3, at_least=3, at_most=5, whole=True
+    )
     points_at: tuple[Annotated[float, AsWritten()], ...] = entry(
-        "places x of the precision points instead, three to five", default=()
+        "x of three to five precision points, instead of points", default=()
     )
 
     def __post_init__(self) -> None:
@@ -88,19 +90,19 @@ class Wanted:
             )
         if self.points_at and not 3 <= len(self.points_at) <= 5:
             raise DesignError("points_at", f"found {len(self.points_at)}", "give three to five")
-        # What cannot be read is told when the recipe is.
+        # A wrong function is refused when the recipe is read.
         _ = self.read
 
     @cached_property
     def read(self) -> Function:
-        """What the library takes."""
+        """The function as the library takes it."""
         if self.function in NAMED:
             return named_function(self.function, self.coefficients)
         return self.rows if self.function == "table" else Expression(self.function)
 
     @property
     def given(self) -> Mapping[str, Any]:
-        """Arguments of both searches."""
+        """Arguments common to both searches."""
         return {
             "function": self.read,
             "span": (self.x_start, self.x_end),
@@ -115,10 +117,10 @@ class Wanted:
 
 @record(kw_only=True)
 class WantedAngle(Wanted):
-    """The same with an angle for the output."""
+    """A function with a rocker's angle as the output."""
 
     output_deg: float = quantity(
-        "how far the rocker turns from y(x_start) to y(x_end), counterclockwise",
+        "rotation of the rocker from y(x_start) to y(x_end), counterclockwise",
         "deg",
         default=90.0,
         at_least=-359,
@@ -129,7 +131,7 @@ class WantedAngle(Wanted):
         "distance between the two ground pivots", "mm", default=100.0, at_least=SMALLEST, at_most=FARTHEST
     )
     largest_error_deg: float | None = quantity(
-        "error of the output that is not too large; a hundredth of its way if left out",
+        "largest error of the output that passes the check; a hundredth of its range if left out",
         "deg",
         default=None,
         above=0,
@@ -139,10 +141,10 @@ class WantedAngle(Wanted):
 
 @record(kw_only=True)
 class WantedPlace(Wanted):
-    """The same with the slider's place for the output."""
+    """A function with a slider's position as the output."""
 
     output_mm: float = quantity(
-        "how far the slider goes from y(x_start) to y(x_end), along +x",
+        "travel of the slider from y(x_start) to y(x_end), along +x",
         "mm",
         default=50.0,
         at_least=-FARTHEST,
@@ -156,7 +158,7 @@ class WantedPlace(Wanted):
         at_most=FARTHEST,
     )
     largest_error_mm: float | None = quantity(
-        "error of the output that is not too large; a hundredth of its way if left out",
+        "largest error of the output that passes the check; a hundredth of its range if left out",
         "mm",
         default=None,
         above=0,
@@ -166,7 +168,7 @@ class WantedPlace(Wanted):
 
 @record(kw_only=True)
 class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
-    """What the recipes of function generators have in common."""
+    """Common base of the recipes of function generators."""
 
     kind: str
     wanted: Wanted
@@ -176,28 +178,28 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
-        # Before any search.
+        # Checked before any search.
         self.drive.check_rows(abs(self.wanted.input_deg) / 360)
 
     @property
     @abstractmethod
     def best(self) -> AbstractFunctionGenerator:
-        """What the search found."""
+        """The best result of the search."""
 
     @property
     @abstractmethod
     def reached(self) -> Real:
-        """Output over the frames: deg, the turns of the wanted one, or mm."""
+        """Output over the frames: deg, in the same turn as the wanted output, or mm."""
 
     @property
     @abstractmethod
     def most_error(self) -> float:
-        """An error that is not too large, deg or mm."""
+        """Largest error that passes the check, deg or mm."""
 
     @property
     @abstractmethod
     def unit(self) -> str:
-        """Of the output."""
+        """Unit of the output."""
 
     @property
     def ranked(self) -> Sequence[AbstractFunctionGenerator]:
@@ -217,9 +219,9 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
             (
                 *self.design.table.columns,
                 Column("x", "", "the function's x", self.x),
-                Column("wanted", self.unit, "output that is wanted", wanted),
-                Column("reached", self.unit, "output that is reached, in the turn of the wanted one", self.reached),
-                Column("error", self.unit, "output reached less wanted", self.reached - wanted, float(np.ptp(wanted))),
+                Column("wanted", self.unit, "wanted output", wanted),
+                Column("reached", self.unit, "actual output, in the same turn as the wanted one", self.reached),
+                Column("error", self.unit, "actual minus wanted output", self.reached - wanted, float(np.ptp(wanted))),
             )
         )
 
@@ -256,7 +258,21 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
 
 @record(kw_only=True)
 class FunctionGeneratorRecipe(AbstractFunctionRecipe):
-    """The four-bar whose rocker follows a function of its crank's angle, its plates and its error."""
+    """A four-bar whose rocker follows a function of its crank's angle, with its plates and its error.
+
+    Parameters
+    ----------
+    wanted : WantedAngle
+        The function, the ranges of crank and rocker, deg, and the method.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the crank.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["function-generator"] = "function-generator"
     wanted: WantedAngle
@@ -274,9 +290,9 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
 
     @cached_property
     def reached(self) -> Real:
-        turned = np.degrees(np.angle(self.design.motion.bodies["rocker"].direction))
+        angle = np.degrees(np.angle(self.design.motion.bodies["rocker"].direction))
         wanted = self.found.wanted_at(self.x)
-        return np.asarray(turned + 360 * np.round((wanted - turned) / 360))
+        return np.asarray(angle + 360 * np.round((wanted - angle) / 360))
 
     @property
     def most_error(self) -> float:
@@ -285,7 +301,21 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
 
 @record(kw_only=True)
 class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
-    """The slider-crank whose slider follows a function of its crank's angle, its plates and its error."""
+    """A slider-crank whose slider follows a function of its crank's angle, with its plates and its error.
+
+    Parameters
+    ----------
+    wanted : WantedPlace
+        The function, the range of the crank, deg, the travel of the slider, mm, and the method.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the crank.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["slider-function-generator"] = "slider-function-generator"
     wanted: WantedPlace
@@ -307,5 +337,5 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
         return self.wanted.largest_error_mm or MOST_ERROR_OF_FUNCTION * abs(self.wanted.output_mm)
 
 
-# Of the output's way. A larger error shows on any scale that a function generator moves over; derived here.
+# Largest error as a share of the output range; a larger one is visible on any scale. Derived here.
 MOST_ERROR_OF_FUNCTION = 0.01

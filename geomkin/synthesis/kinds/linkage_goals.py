@@ -1,4 +1,4 @@
-"""What recipes have in common that find a linkage: how it is chosen, and the recipe that is made of it."""
+"""The common base of recipes that search for a linkage: the choice of one, and the recipe made from it."""
 
 from __future__ import annotations
 
@@ -26,29 +26,31 @@ from ...recipe.settings import Drive, Files, Stroke, Turn
 from ..found import Found
 from ..rounding import Rounding
 
-# What a goal's search finds.
+# The result type of a goal's search.
 F = TypeVar("F", bound=Found)
-# Linkages that summary.json lists: more are a table that nobody reads.
+# Number of linkages that summary.json lists.
 LISTED = 20
-# Errors of rounding, as shares of the linkage's size, one after the other until nothing that was kept is lost. The
-# first is a thousandth of what anybody can cut; the last leaves no more than rounding.
+# Rounding errors, as shares of the linkage's size, tried in this order until the rounded linkage passes all checks that
+# the exact one passes. The first is a thousandth of manufacturing accuracy; the last is the level of rounding noise.
 SHARES = tuple(10.0**-k for k in range(6, 13))
-# Share, and deg, by which a limit may be missed for rounding.
+# Tolerance, relative and in deg, for limits that are missed by rounding only.
 NEAR = 1e-9
 
 
 @record(checked=True)
 class Search:
-    """How long to look, and from where."""
+    """Seed and time limit of a search."""
 
-    seed: int = quantity("of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
-    time_limit: float = quantity("after which the best so far is taken", "s", default=10.0, above=0, at_most=3600)
+    seed: int = quantity("seed of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
+    time_limit: float = quantity(
+        "time after which the best linkage so far is taken", "s", default=10.0, above=0, at_most=3600
+    )
 
 
 def choose_entry() -> Any:
-    """Which of the ranked linkages is made."""
+    """The field `choose`."""
     return quantity(
-        "which of the linkages found is made, 1 the best; summary.json lists them",
+        "rank of the linkage that is made, 1 for the best; summary.json lists all",
         default=1,
         at_least=1,
         at_most=1000,
@@ -57,9 +59,10 @@ def choose_entry() -> Any:
 
 
 class AbstractLinkageGoal(AbstractGoal, Generic[F]):
-    """A goal whose search ranks linkages: one is chosen, and becomes a recipe of its own.
+    """A goal whose search ranks linkages; the chosen one becomes a recipe.
 
-    A subclass is a dataclass with `choose`, `drive`, `stock` and `files`, and says what was found.
+    A subclass is a record with `choose`, `drive`, `stock` and `files` that implements `ranked`, `search_limits` and
+    `met_by`.
     """
 
     can_be_scaled: ClassVar[bool] = True
@@ -70,18 +73,20 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
     @property
     @abstractmethod
     def ranked(self) -> Sequence[F]:
-        """What was found, the best first."""
+        """The linkages found, the best first."""
 
     @cached_property
     def found(self) -> F:
-        """The one that is made, in short decimal numbers."""
+        """The chosen linkage with short decimal numbers as its sizes."""
         if self.choose > len(self.ranked):
-            raise DesignError("choose", f"found {self.choose}", f"give at most {len(self.ranked)}: so many were found")
+            raise DesignError(
+                "choose", f"found {self.choose}", f"give at most {len(self.ranked)}, the number of linkages found"
+            )
         return self.shortened(self.ranked[self.choose - 1])
 
     @property
     def size_bounds(self) -> Mapping[str, tuple[float, float]]:
-        """Least and greatest value of the sizes that are bounded, by name, mm and deg; both alike if one is given."""
+        """Least and greatest value of bounded sizes by name, mm and deg; equal if the size is given."""
         return {}
 
     @property
@@ -90,48 +95,49 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         """The least transmission angle, deg, and the largest ratio of links that the search keeps."""
 
     def shortened(self, found: F) -> F:
-        """A linkage rounded to the fewest digits with which it still keeps every check and limit that it kept."""
+        """Round a linkage to the fewest digits with which it passes every check and limit that it passed."""
         for share in SHARES:
-            # A limit that the search stands on is kept by every second rounding: else one link takes another digit.
+            # A limit that is active in the search is violated by about half of all roundings; then one link is changed
+            # by one unit of its last digit.
             links = [(name, units) for name in found.lengths for units in (1, -1)]
             for longer in [("", 0), *links]:
                 try:
-                    other = found.rounded(Rounding(share, found.size, self.size_bounds, longer))
+                    rounded = found.rounded(Rounding(share, found.size, self.size_bounds, longer))
                 except DesignError:
                     break
-                if not self._does_as_much(found, other):
+                if not self._passes_same_checks(found, rounded):
                     break
-                if self._keeps_limits(found, other):
-                    return other
+                if self._keeps_limits(found, rounded):
+                    return rounded
         return found
 
-    def _does_as_much(self, found: F, other: F) -> bool:
-        """Whether another linkage passes the goal's own checks that the one found passes, and closes as it does."""
-        passed = [check.passed for check in self.met_by(other)]
-        closes = np.isfinite([found.transmission_angle_deg, other.transmission_angle_deg])
+    def _passes_same_checks(self, found: F, rounded: F) -> bool:
+        """Whether the rounded linkage passes every check that the found one passes, and closes if it does."""
+        passed = [check.passed for check in self.met_by(rounded)]
+        closes = np.isfinite([found.transmission_angle_deg, rounded.transmission_angle_deg])
         return bool(closes[0] == closes[1]) and all(
             after or not check.passed for check, after in zip(self.met_by(found), passed)
         )
 
-    def _keeps_limits(self, found: F, other: F) -> bool:
-        """Whether another linkage is of the same Grashof type and within the limits that the one found is within."""
+    def _keeps_limits(self, found: F, rounded: F) -> bool:
+        """Whether the rounded linkage has the same Grashof type and stays within the limits of the found one."""
         least, largest = self.search_limits
-        angles = found.transmission_angle_deg, other.transmission_angle_deg
+        angles = found.transmission_angle_deg, rounded.transmission_angle_deg
         for limit in (least, LEAST_TRANSMISSION_ANGLE_DEG):
             if angles[1] < limit - NEAR <= angles[0]:
                 return False
-        if other.ratio > largest * (1 + NEAR) >= found.ratio:
+        if rounded.ratio > largest * (1 + NEAR) >= found.ratio:
             return False
-        types = [grashof_type(one.linkage) for one in (found, other) if isinstance(one.linkage, FourBar)]
+        types = [grashof_type(result.linkage) for result in (found, rounded) if isinstance(result.linkage, FourBar)]
         return len(set(types)) <= 1
 
     @property
     def way(self) -> tuple[float, float]:
-        """The driver's first and last place in the recipe that is made: deg, or mm where a slide drives."""
+        """First and last driver position of the resulting recipe: deg, or mm if a slider drives."""
         low, high = self.found.drive_range
         if self.found.linkage.linkage.driven_slider is not None:
             return low, high
-        # Without the last bits, which the turn from radians adds.
+        # Without the last bits, in which the conversion from radians leaves noise.
         return float(f"{np.degrees(low):.13g}"), float(f"{np.degrees(high):.13g}")
 
     @cached_property
@@ -140,24 +146,24 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
     @abstractmethod
     def met_by(self, found: F) -> tuple[Check, ...]:
-        """How near a linkage comes to what was wanted; nan where a defect keeps it from being told."""
+        """Checks of how well a linkage meets the requirements; nan if a defect prevents the measurement."""
 
     @property
     def met(self) -> tuple[Check, ...]:
-        """The same of the one that is made."""
+        """The same checks for the chosen linkage."""
         return self.met_by(self.found)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
         defects = self.found.defects
-        # A linkage that cannot go the whole way has no swing to miss: the defect says so, and a nan would say nothing.
-        told = [check for check in self.met if not (defects and np.isnan(check.value))]
-        advice = f"it has a defect of {', '.join(defects)}" if defects else ""
-        return (*told, Check("defects", "defects", len(defects), "at most", 0, "", advice), *super().design_checks)
+        # A linkage that does not complete the motion has no measured error; its defect is reported instead of a nan.
+        measured = [check for check in self.met if not (defects and np.isnan(check.value))]
+        advice = f"it has these defects: {', '.join(defects)}" if defects else ""
+        return (*measured, Check("defects", "defects", len(defects), "at most", 0, "", advice), *super().design_checks)
 
     @property
     def shown(self) -> Sequence[SceneCurve]:
-        """What was wanted, as curves to be drawn with the mechanism."""
+        """The requirements as curves that are drawn with the mechanism."""
         return ()
 
     @property
@@ -167,12 +173,12 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
     @property
     def choice(self) -> Choice | None:
-        """What there was to choose from, where it lies along one quantity."""
+        """The alternatives, if they lie along one quantity."""
         return None
 
     @cached_property
     def scene(self) -> Scene:
-        """The linkage that was found, moving, with what was wanted of it."""
+        """The moving linkage with the requirements."""
         found = self.design.scene
         assert found is not None
         curves, plots = (*found.curves, *self.shown), (*self.plotted, *found.plots)
@@ -187,10 +193,10 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 def recipe_of(
     linkage: AbstractLinkage, branch: int, way: tuple[float, float], drive: Drive, stock: LinkStock, files: Files
 ) -> AbstractLinkageRecipe:
-    """The recipe of a linkage that goes `way`, deg, or mm where a slide drives.
+    """The recipe of a linkage whose driver moves over the range `way`, deg, or mm if a slider drives.
 
-    A slide goes there in the time of half a turn of the speed that `drive` gives, in as many steps. Where that speed is
-    negative the way is gone backwards, a whole turn from its start on.
+    A driving slider takes the time and the number of steps of half a turn at the speed of `drive`. A negative speed
+    reverses the motion; a full turn then starts at the same position.
     """
     low, high = way
     if drive.speed_rpm < 0:

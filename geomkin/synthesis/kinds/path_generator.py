@@ -1,4 +1,4 @@
-"""Points of a path in a file beside the recipe: a CSV of x and y, or the first path of an SVG drawing."""
+"""Recipe of a linkage whose coupler point passes through given points, from a list, a CSV file or an SVG drawing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ...plane.curve import AbstractCurve
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
-from ..found import sizes_told, ten_digits
+from ..found import size_entries, ten_digits
 from ..path.path import LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
 from ..path.points import svg_path_points
 from ..path.search import PathFound
@@ -35,10 +35,10 @@ from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
 
 class FileName:
-    """The name of a file that lies beside a recipe or below; without a folder, as from a script, anywhere.
+    """Name of a file next to the recipe or below; without a folder, as in a script, any file.
 
-    No dataclass, since a recipe has the plain name and no table. Where a text lay is no part of what it says: the same
-    recipe read from two folders is equal.
+    It is not a record, since a recipe contains the plain name. The folder does not count for equality: the same recipe
+    read from two folders is equal.
     """
 
     __slots__ = ("folder", "name")
@@ -57,7 +57,7 @@ class FileName:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
-        """A recipe gives the name alone; the folder comes with the context it is validated in."""
+        """A recipe gives only the name; the folder comes from the validation context."""
         from pydantic_core import core_schema
 
         return core_schema.with_info_after_validator_function(
@@ -67,7 +67,7 @@ class FileName:
         )
 
     def points(self, count: int) -> Complex:
-        """The points, of a drawing so many."""
+        """Points of the file, mm; `count` applies to drawings."""
         text = read_text_file(self.name, self.folder, "a CSV or an SVG file")
         if self.name.lower().endswith(".svg"):
             try:
@@ -78,7 +78,7 @@ class FileName:
 
 
 def as_field(name: str, path: str, count: int) -> Complex:
-    """Points of a path's text, refused under the name of the field that holds it."""
+    """Points of a path's text; errors name the field that holds it."""
     try:
         return svg_path_points(path, count)[0]
     except DesignError as error:
@@ -86,7 +86,7 @@ def as_field(name: str, path: str, count: int) -> Complex:
 
 
 def _rows(text: str, name: str) -> Complex:
-    """The rows of two numbers; a first line of words is their heading."""
+    """The rows of two numbers of a CSV text; the first row may be a heading."""
     count = text.count("\n")
     if count > MOST_POINTS + 1:
         raise DesignError(
@@ -105,18 +105,20 @@ def _rows(text: str, name: str) -> Complex:
                 "file", problem, "give two numbers in each row, x and y in mm, separated by a comma or a semicolon"
             ) from None
         if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
-            raise DesignError("file", f"row {k} of {name} holds {x:g}, {y:g}", f"give places within {FARTHEST:g} of 0")
+            raise DesignError(
+                "file", f"row {k} of {name} holds {x:g}, {y:g}", f"give coordinates within {FARTHEST:g} of 0"
+            )
         points.append(complex(x, y))
     return np.array(points, dtype=complex)
 
 
-# mm: arms of the crosses that stand for wanted points on the drawing. Longer ones run into each other.
+# Half the width of the crosses that mark wanted points, mm; longer ones overlap.
 CROSS = 1.0
-# How far a point may be from its place, as a share of the width of all: a path that is farther away is not the one
-# that was wanted. Derived here, of paths laid over each other by eye.
+# Largest distance of a point from the path, as a share of the width of all points. A path farther away is visibly
+# a different one; derived here by comparing drawn paths.
 NEAR = 0.05
 
-# Where a recipe has the arguments of the search that do not stand under `wanted`.
+# Tables of a recipe that hold arguments of the search outside `wanted`.
 TABLES = {
     "search": ("seed", "time_limit"),
     "limits": ("least_transmission_angle_deg", "largest_ratio"),
@@ -128,12 +130,12 @@ Pair = tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]]
 
 @record(checked=True, kw_only=True)
 class WantedPath:
-    """The points, by one of points, file and svg, and how they are to be met."""
+    """The points, given by one of points, file and svg, with the conditions of the path."""
 
     points: tuple[Annotated[complex, PointXY()], ...] | None = entry(
-        "the points, [x, y] in mm each",
+        "points of the path, [x, y] in mm each",
         default=None,
-        # Ten: fewer are met exactly by many linkages, and which is found hangs on the last bit.
+        # Ten points, since fewer are met exactly by many linkages, and rounding decides which one is found.
         example=tuple(
             complex(*point)
             for point in [
@@ -143,20 +145,26 @@ class WantedPath:
         ),
     )
     file: FileName | None = entry(
-        "a CSV file of x and y in mm, or an SVG drawing, whose first path is taken (in mm unless its width has a "
-        "unit): beside the recipe or below",
+        "a CSV file of x and y in mm, or an SVG drawing, whose first path is used (in mm unless its width has a "
+        "unit), next to the recipe or below",
         default=None,
     )
     svg: str | None = entry("the text of an SVG path, as M 0 0 L 10 5; one unit is 1 mm, y goes down", default=None)
-    count: int = quantity("points that are taken of an SVG path", default=60, at_least=3, at_most=1000, whole=True)
-    closed: bool = entry("whether they lie on a closed curve, in any order, which a full turn draws", default=False)
-    slides: bool = entry("whether a slider-crank is wanted instead of a four-bar", default=False)
+    count: int = quantity("number of points taken from an SVG path", default=60, at_least=3, at_most=1000, whole=True)
+    closed: bool = entry(
+        "whether the points lie, in any order, on a closed curve that a full turn draws", default=False
+    )
+    slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
     drive_deg: tuple[Annotated[float, AsWritten()], ...] | None = entry(
-        "the crank's angles at the points, rising or falling, of which the differences count; any where left out",
+        "crank angles at the points, rising or falling; only differences count; free if left out",
         default=None,
     )
     step_deg: float | None = quantity(
-        "the same from point to point in equal steps", "deg", default=None, at_least=-180, at_most=180
+        "equal steps of the crank angle from point to point, instead of drive_deg",
+        "deg",
+        default=None,
+        at_least=-180,
+        at_most=180,
     )
 
     def __post_init__(self) -> None:
@@ -177,12 +185,12 @@ class WantedPath:
         return np.array(self.points, dtype=complex)
 
     def at_scale(self, scale: float) -> WantedPath:
-        """The same with its points multiplied, those of a file or an SVG path too."""
+        """A copy with all points multiplied, including those of a file or an SVG path."""
         return replace(self, points=tuple((scale * self.places).tolist()), file=None, svg=None)
 
     @property
     def turns_deg(self) -> Real | None:
-        """The crank's angles, deg; None where they are free."""
+        """The crank angles, deg; None if they are free."""
         if self.step_deg is not None:
             return self.step_deg * np.arange(len(self.places))
         return None if self.drive_deg is None else np.array(self.drive_deg, dtype=float)
@@ -190,10 +198,10 @@ class WantedPath:
 
 @record(checked=True, kw_only=True)
 class PathLimits:
-    """What the linkage must keep; what is left out is 5 deg and a ratio of 100, or none where all links are bounded."""
+    """Limits of the linkage; by default 5 deg and a ratio of 100, or none if all links are bounded."""
 
     least_transmission_angle_deg: float | None = quantity(
-        "least transmission angle over the way", "deg", default=None, at_least=0, at_most=89, example=30
+        "least transmission angle over the motion", "deg", default=None, at_least=0, at_most=89, example=30
     )
     largest_ratio: float | None = quantity(
         "longest link over the shortest", default=None, at_least=1, at_most=1e6, example=10
@@ -205,7 +213,7 @@ MM = ("mm", "mm")
 
 @record(checked=True, kw_only=True)
 class PathBounds:
-    """Sizes and places between two limits, [low, high]; they hold exactly."""
+    """Exact bounds [low, high] of sizes and positions."""
 
     ground: Pair | None = entry("least and greatest distance of the ground pivots, mm", default=None, units=MM)
     offset: Pair | None = entry("least and greatest offset of a slider-crank, mm", default=None, units=MM)
@@ -229,34 +237,54 @@ class PathBounds:
 
     @property
     def given(self) -> dict[str, Pair] | None:
-        """Those that are given."""
+        """The bounds that are given, by name."""
         named = {f.name: getattr(self, f.name) for f in fields(self)}
         return {name: pair for name, pair in named.items() if pair is not None} or None
 
 
 @record(kw_only=True)
 class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
-    """The four-bar or slider-crank whose coupler point goes through given points, and a drawing of both paths."""
+    """A four-bar or slider-crank whose coupler point passes through given points, with a drawing of both paths.
+
+    Parameters
+    ----------
+    wanted : WantedPath
+        The points, mm, as a list, a file or an SVG path, with the conditions of the path.
+    limits : PathLimits
+        Least transmission angle, deg, and largest ratio of links.
+    bounds : PathBounds
+        Exact bounds of sizes and positions, mm and deg.
+    search : Search
+        Seed and time limit, s.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the driver.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["path-generator"] = "path-generator"
     wanted: WantedPath
-    limits: PathLimits = entry("what the linkage must keep", default=PathLimits())
-    bounds: PathBounds = entry("limits of sizes and places", default=PathBounds())
-    search: Search = entry("how long to look, and from where", default=Search())
+    limits: PathLimits = entry("limits of the linkage", default=PathLimits())
+    bounds: PathBounds = entry("bounds of sizes and positions", default=PathBounds())
+    search: Search = entry("seed and time limit of the search", default=Search())
     choose: int = choose_entry()
     drive: Drive = entry("how the driver turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
-    advice: ClassVar[str] = "Without limits the best linkage is often one that jams: see `usable` in summary.json."
+    advice: ClassVar[str] = "Without limits the best linkage often jams: see `usable` in summary.json."
 
     def __post_init__(self) -> None:
-        # Before any search: no way is longer than a turn.
+        # Checked before any search; no motion is longer than a turn.
         self.drive.check_rows()
 
     @cached_property
     def best(self) -> PathFound:
-        """The best linkage, which knows the others."""
+        """The best linkage, with the others in `ranked`."""
         wanted = self.wanted
         try:
             return path_generator(
@@ -283,7 +311,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
 
     @property
     def way(self) -> tuple[float, float]:
-        """A whole turn where the path is closed, else from the first point to the last."""
+        """A full turn for a closed path, else from the first point to the last."""
         return (0.0, 360.0) if self.wanted.closed else super().way
 
     @property
@@ -296,15 +324,17 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return TOGGLE_DEG if least is None else least, LONGEST_RATIO if largest is None else largest
 
     def met_by(self, found: PathFound) -> tuple[Check, ...]:
-        wide = float(np.abs(self.wanted.places[:, None] - self.wanted.places).max()) if len(self.wanted.places) else 0.0
-        advice = "give more room by wider bounds, lower limits or fewer points"
+        width = (
+            float(np.abs(self.wanted.places[:, None] - self.wanted.places).max()) if len(self.wanted.places) else 0.0
+        )
+        advice = "give wider bounds, lower limits or fewer points"
         return (
             Check(
                 "point_distance",
                 "largest distance of a point from the path",
                 found.largest_distance,
                 "at most",
-                NEAR * wide,
+                NEAR * width,
                 "mm",
                 advice,
             ),
@@ -312,7 +342,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
 
     @property
     def crosses(self) -> list[AbstractCurve]:
-        """The points, each as two short lines."""
+        """The points as crosses."""
         return [Segment(z - CROSS * arm, z + CROSS * arm) for z in self.wanted.places.tolist() for arm in (1, 1j)]
 
     @property
@@ -332,18 +362,20 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """That linkages through nine points may be missing."""
+        """A warning if linkages through nine points may be missing."""
         if not self.best.may_be_incomplete:
             return ()
-        why = "its time was over" if self.best.cut_short else "new starts brought nothing new"
+        reason = "of its time limit" if self.best.cut_short else "new starts found nothing new"
         listed = f"{len(self.ranked)} linkages through the nine points are listed"
-        return (f"The list of linkages may be incomplete: {listed}, and the search ended because {why}.",)
+        return (f"The list of linkages may be incomplete: {listed}, and the search ended because {reason}.",)
 
     @property
     def notes(self) -> Mapping[str, object]:
         best, usable = self.best, self.best.usable
-        cognates = [{**sizes_told(one.linkage), "driver": one.linkage.driver} for one in self.found.cognates]
-        told: dict[str, object] = {
+        cognates = [
+            {**size_entries(cognate.linkage), "driver": cognate.linkage.driver} for cognate in self.found.cognates
+        ]
+        entries: dict[str, object] = {
             "points": len(self.wanted.places),
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
             "cut_short": best.cut_short,
@@ -352,4 +384,4 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "usable": None if usable is None else self.shortened(usable).summary(),
             "cognates": cognates,
         }
-        return told | dict(super().notes)
+        return entries | dict(super().notes)

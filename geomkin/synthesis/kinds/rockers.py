@@ -1,4 +1,4 @@
-"""What goals have in common whose linkages are a family: their keys, the best of it, and what it was chosen from."""
+"""Recipes whose linkages form a family: crank-rockers, double rockers and slider-cranks from their strokes."""
 
 from __future__ import annotations
 
@@ -31,74 +31,75 @@ from ..rockers.families import LINKS, AbstractMember, turn_of
 from ..rockers.strokes import StrokeCrank, slider_crank_stroke
 from .linkage_goals import NEAR, AbstractLinkageGoal, choose_entry
 
-# What a search in a family finds.
+# The result type of a search in a family.
 M = TypeVar("M", bound=AbstractMember)
 M_co = TypeVar("M_co", bound=AbstractMember, covariant=True)
-# deg. What a simulated swing or turn may miss of the one wanted: rounding is less, of linkages at the edge of what
-# there is a little less; whoever cuts them misses more by a thousand times. Derived here.
+# Largest error of a simulated swing or rotation, deg. Rounding is smaller, even for linkages at the edge of the
+# possible; manufacturing errors are a thousand times larger. Derived here.
 MISSED_DEG = 1e-4
-# Members of a family that are ranked besides the best. More are only more of the same between them.
+# Members of a family that are ranked besides the best. More would only lie between these.
 OTHERS = 19
 RATIO_OF_LINKS = "longest link over the shortest"
-# Largest ratios of links whose best linkages are compared, and one beyond which no angle grows by what is told.
+# Limits of the ratio of links that are compared, and one beyond which the transmission angle no longer changes in its
+# reported digits.
 RATIOS, LARGEST_RATIO = (3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0), 1e6
 
 
-def ratio_entry(left_out: str = "6 where left out") -> Any:
-    """How unlike the links of the best may be."""
+def ratio_entry(left_out: str = "6 if left out") -> Any:
+    """The field `largest_ratio`."""
     return quantity(f"longest link over the shortest; {left_out}", default=None, example=None, above=1, at_most=1e6)
 
 
 def turn_entry(example: float) -> Any:
-    """The crank's turn in the stroke that is told."""
-    meaning = "crank's turn in that stroke; 180 where neither this nor time_ratio is given"
+    """The field `crank_turn_deg`."""
+    meaning = "rotation of the crank during that stroke; 180 if neither this nor time_ratio is given"
     return quantity(meaning, "deg", default=None, example=example, above=0, below=360)
 
 
 def time_ratio_entry() -> Any:
-    """The same as a ratio of times."""
-    return quantity("time of that stroke over the time of the stroke back", default=None, above=0, at_most=1e6)
+    """The field `time_ratio`."""
+    return quantity("time of that stroke over the time of the return stroke", default=None, above=0, at_most=1e6)
 
 
 class AbstractTimed:
-    """What is wanted of a crank that takes its time for a stroke: its turn, or a ratio of times."""
+    """Base of wanted strokes whose duration is given as a crank rotation or as a time ratio."""
 
     crank_turn_deg: float | None
     time_ratio: float | None
 
     @property
     def turn_key(self) -> str:
-        """The key that tells the turn."""
+        """The key that was given."""
         return "crank_turn_deg" if self.time_ratio is None else "time_ratio"
 
     @property
     def turn_deg(self) -> float:
-        """The crank's turn in that stroke, deg."""
+        """Rotation of the crank during the stroke, deg."""
         return turn_of(self.crank_turn_deg, self.time_ratio)
 
 
-def missed(found: float, wanted: float) -> float:
-    """How far what was simulated is off, without the last digits, in which processors differ."""
+def rounded_error(found: float, wanted: float) -> float:
+    """Error of a simulated value without the last digits, which differ between processors."""
     return float(rounded(abs(found - wanted), 9))
 
 
 class Wanted(Protocol[M_co]):
-    """What is wanted of a linkage that has a family: all that do it, told apart by one angle."""
+    """What is wanted of a linkage, if all solutions form a family with one free angle."""
 
     @property
     def largest_ratio(self) -> float | None: ...
 
     @property
     def is_free(self) -> bool:
-        """Whether the best of the family is looked for."""
+        """Whether the best member is searched for, because no further size is given."""
 
     def search(self, free_angle_deg: float | None = None) -> M_co:
-        """The best or the one with the sizes that are given, or the one at a free angle."""
+        """The best linkage, the one with the given size, or the one at a given free angle, deg."""
 
 
 @record(checked=True, kw_only=True)
 class AbstractFamilyGoal(AbstractLinkageGoal[M]):
-    """A goal that takes the best of a family, and ranks others of it."""
+    """A goal that takes the best member of a family and ranks others."""
 
     kind: str
     wanted: Wanted[M]
@@ -117,8 +118,10 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
             return (best,)
         step = -(-len(best.family.free_angle_deg) // OTHERS)
         others = [self.wanted.search(float(angle)) for angle in best.family.free_angle_deg[step // 2 :: step]]
-        most = best.largest_ratio
-        return best, *sorted((one for one in others if one.ratio <= most and not one.defects), key=self.rank)
+        largest_ratio = best.largest_ratio
+        return best, *sorted(
+            (member for member in others if member.ratio <= largest_ratio and not member.defects), key=self.rank
+        )
 
     @property
     def size_bounds(self) -> Mapping[str, tuple[float, float]]:
@@ -129,9 +132,9 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     def search_limits(self) -> tuple[float, float]:
         return 0.0, self.ranked[0].largest_ratio
 
-    def rank(self, one: M) -> tuple[float, ...]:
-        """The less, the better."""
-        return (-float(one.transmission_angle_deg),)
+    def rank(self, member: M) -> tuple[float, ...]:
+        """Key by which members are sorted; the least comes first."""
+        return (-float(member.transmission_angle_deg),)
 
     @property
     def way(self) -> tuple[float, float]:
@@ -141,57 +144,55 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     @property
     @abstractmethod
     def remedy(self) -> str:
-        """What to do if no linkage of the family drives well."""
+        """Advice if no linkage of the family has a sufficient transmission angle."""
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        """With the bound of the links' ratio, and the reason if it or the family keeps the transmission angle low."""
+        """Adds the ratio of links, and the reason if the ratio or the family limits the transmission angle."""
         checks = super().design_checks
         if not self.wanted.is_free:
             return checks
         ratio, largest = self.found.ratio, self.found.largest_ratio
-        bound = Check(
+        ratio_check = Check(
             "link_ratio",
             RATIO_OF_LINKS,
             min(ratio, largest) if ratio <= largest * (1 + NEAR) else ratio,
             "at most",
             largest,
         )
-        told = (replace(c, advice=self.why_low or c.advice) if c.id == "transmission_angle" else c for c in checks)
-        return (*told, bound)
+        advised = (replace(c, advice=self.why_low or c.advice) if c.id == "transmission_angle" else c for c in checks)
+        return (*advised, ratio_check)
 
     @property
     def why_low(self) -> str:
-        """What keeps the best below the transmission angle that it should have, and what to do; empty if it is not."""
+        """The reason for a low transmission angle of the best linkage, with a remedy; empty if it is sufficient."""
         best = self.ranked[0]
         if best.transmission_angle_deg >= LEAST_TRANSMISSION_ANGLE_DEG or self.choose > 1:
             return ""
-        most = self.at_ratio(LARGEST_RATIO).transmission_angle_deg
-        if most >= LEAST_TRANSMISSION_ANGLE_DEG:
-            held = f"largest_ratio = {best.largest_ratio:g}"
-            return f"{held} keeps it low, longer links reach {most:.4g} deg: give a larger one"
-        return (
-            f"no linkage that does what is wanted has more than {most:.4g} deg, however long its links: {self.remedy}"
-        )
+        best_angle = self.at_ratio(LARGEST_RATIO).transmission_angle_deg
+        if best_angle >= LEAST_TRANSMISSION_ANGLE_DEG:
+            limit = f"largest_ratio = {best.largest_ratio:g}"
+            return f"{limit} limits it; longer links reach {best_angle:.4g} deg: give a larger ratio"
+        return f"no linkage with this motion has more than {best_angle:.4g} deg, however long its links: {self.remedy}"
 
     def at_ratio(self, largest_ratio: float) -> M:
-        """The best with another bound of the links' ratio."""
+        """The best linkage with another limit of the ratio of links."""
         return replace(self.wanted, largest_ratio=largest_ratio).search()  # type: ignore[type-var]
 
     @property
     def trade_off(self) -> list[Mapping[str, object]]:
-        """The best of several bounds of the links' ratio: how much transmission angle longer links bring."""
-        told: list[Mapping[str, object]] = []
+        """The best linkage for several limits of the ratio of links: how much transmission angle longer links add."""
+        entries: list[Mapping[str, object]] = []
         for ratio in sorted({*RATIOS, self.ranked[0].largest_ratio}):
             with suppress(DesignError):
                 best = self.at_ratio(ratio)
                 angle, longest = (float(f"{value:.6g}") for value in (best.transmission_angle_deg, best.size))
-                told.append(
+                entries.append(
                     {"largest_ratio": ten_digits(ratio), "transmission_angle_deg": angle, "longest_link_mm": longest}
                 )
                 if not best.at_largest_ratio:
                     break
-        return told
+        return entries
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -201,12 +202,12 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
             given = {name: getattr(self.wanted, name, None) for name in ("stroke", *LINKS)}
             if error.field not in self.found.lengths or given.get(error.field) is not None:
                 raise
-            # The link was found: what sets its length is another key.
+            # The length of this link follows from another key.
             key = next(name for name, size in given.items() if size is not None)
-            link = f"the {error.field} that was found is {self.found.lengths[error.field]:g} mm long: {error.problem}"
-            held = self.found.at_largest_ratio and key != "stroke"
-            ratio = f", a largest_ratio below {self.found.largest_ratio:g}" if held else ""
-            remedy = f"give a larger {key} than {given[key]:g} mm{ratio}, or a smaller stock.pin_diameter"
+            link = f"the resulting {error.field} is {self.found.lengths[error.field]:g} mm long: {error.problem}"
+            is_ratio_limited = self.found.at_largest_ratio and key != "stroke"
+            ratio_advice = f", a largest_ratio below {self.found.largest_ratio:g}" if is_ratio_limited else ""
+            remedy = f"give a larger {key} than {given[key]:g} mm{ratio_advice}, or a smaller stock.pin_diameter"
             raise DesignError(f"wanted.{key}", link, remedy) from None
 
     @property
@@ -223,29 +224,29 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
 
 
 def family_choice(found: AbstractMember) -> Choice:
-    """Transmission angles, ratios of the links and their lengths along the family, with the one that was found."""
+    """Transmission angle, ratio of links and lengths along the family, with the chosen linkage."""
     family = found.family
     angle = np.append(family.free_angle_deg, found.free_angle_deg)
     order = np.argsort(angle, kind="stable")
     chosen = int(np.flatnonzero(order == len(angle) - 1)[0])
 
-    def along(members: ArrayLike, own: float) -> Real:
-        every: Real = np.append(np.broadcast_to(np.asarray(members), family.free_angle_deg.shape), own)[order]
-        return every
+    def with_chosen(members: ArrayLike, chosen_value: float) -> Real:
+        values: Real = np.append(np.broadcast_to(np.asarray(members), family.free_angle_deg.shape), chosen_value)[order]
+        return values
 
-    def made(values: Real) -> Real:
+    def only_chosen(values: Real) -> Real:
         return np.where(np.arange(len(values)) == chosen, values, np.nan)
 
-    lengths = {name: along(getattr(family.linkage, name), length) for name, length in found.lengths.items()}
+    lengths = {name: with_chosen(getattr(family.linkage, name), length) for name, length in found.lengths.items()}
     links = np.array([row for name, row in lengths.items() if name != "offset"])
     ratio = links.max(axis=0) / links.min(axis=0)
-    transmission = along(family.transmission_angle_deg, found.transmission_angle_deg)
+    transmission = with_chosen(family.transmission_angle_deg, found.transmission_angle_deg)
     columns = (
-        Column("free_angle", "deg", "angle that stays free", angle[order]),
-        Column("every_one", "deg", "least transmission angle of each", transmission),
-        Column("made", "deg", "least transmission angle of the one that is made", made(transmission)),
-        Column("ratio_of_every_one", "", "longest link over the shortest, of each", ratio),
-        Column("ratio_of_the_made", "", "longest link over the shortest, of the one that is made", made(ratio)),
+        Column("free_angle", "deg", "free angle of the family", angle[order]),
+        Column("every_one", "deg", "least transmission angle of every member", transmission),
+        Column("made", "deg", "least transmission angle of the chosen linkage", only_chosen(transmission)),
+        Column("ratio_of_every_one", "", "longest link over the shortest, of every member", ratio),
+        Column("ratio_of_the_made", "", "longest link over the shortest, of the chosen linkage", only_chosen(ratio)),
         *(Column(name, "mm", name, row) for name, row in lengths.items()),
     )
     least = LEAST_TRANSMISSION_ANGLE_DEG
@@ -265,28 +266,42 @@ def family_choice(found: AbstractMember) -> Choice:
     return Choice(Table(columns), chosen, plots)
 
 
-# Share of the stroke that the simulated one may miss: rounding is less. Derived here.
+# Largest relative error of the simulated stroke; rounding is smaller. Derived here.
 MISSED = 1e-6
 
 
 @record(checked=True, kw_only=True)
 class WantedSwing(AbstractTimed):
-    """How a rocker swings, and how far a crank turns meanwhile; one length sets the size."""
+    """The swing of a rocker and the crank rotation during one stroke; one length sets the size."""
 
-    swing_deg: float = quantity("of the rocker, there and back", "deg", example=50, at_least=0.1, at_most=179)
+    swing_deg: float = quantity(
+        "swing of the rocker between its dead centres", "deg", example=50, at_least=0.1, at_most=179
+    )
     crank_turn_deg: float | None = turn_entry(200)
     time_ratio: float | None = time_ratio_entry()
-    sense: Literal["same", "opposite"] = entry("of the rocker in that stroke, against the crank's", default="same")
+    sense: Literal["same", "opposite"] = entry(
+        "sense of the rocker in that stroke, relative to the crank", default="same"
+    )
     ground: float | None = quantity(
         "distance of the ground pivots; give one length", "mm", default=None, example=100, above=0, at_most=FARTHEST
     )
-    crank: float | None = quantity("length of the crank, or this", "mm", default=None, above=0, at_most=FARTHEST)
-    coupler: float | None = quantity("length of the coupler, or this", "mm", default=None, above=0, at_most=FARTHEST)
-    rocker: float | None = quantity("length of the rocker, or this", "mm", default=None, above=0, at_most=FARTHEST)
-    free_angle_deg: float | None = quantity(
-        "another than the best: the angle whose tangent is crank over coupler", "deg", default=None, above=0, below=45
+    crank: float | None = quantity(
+        "length of the crank, instead of the ground", "mm", default=None, above=0, at_most=FARTHEST
     )
-    largest_ratio: float | None = ratio_entry("6 where left out, more for swings below 39 deg")
+    coupler: float | None = quantity(
+        "length of the coupler, instead of the ground", "mm", default=None, above=0, at_most=FARTHEST
+    )
+    rocker: float | None = quantity(
+        "length of the rocker, instead of the ground", "mm", default=None, above=0, at_most=FARTHEST
+    )
+    free_angle_deg: float | None = quantity(
+        "selects another member than the best: the angle whose tangent is crank over coupler",
+        "deg",
+        default=None,
+        above=0,
+        below=45,
+    )
+    largest_ratio: float | None = ratio_entry("6 if left out, more for swings below 39 deg")
 
     def __post_init__(self) -> None:
         check_turn(self.swing_deg, self.turn_deg, self.sense, self.turn_key)
@@ -295,11 +310,11 @@ class WantedSwing(AbstractTimed):
 
     @property
     def is_free(self) -> bool:
-        """Whether the best is looked for."""
+        """Whether the best member is searched for."""
         return self.free_angle_deg is None
 
     def search(self, free_angle_deg: float | None = None) -> CrankRocker:
-        """The best or the one at the angle that is given, or the one at a free angle."""
+        """The best linkage or the one at the given angle; with an argument, the one at that free angle, deg."""
         return crank_rocker(
             self.swing_deg,
             self.turn_deg,
@@ -315,7 +330,21 @@ class WantedSwing(AbstractTimed):
 
 @record(kw_only=True)
 class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
-    """The crank-rocker of a swing and a time ratio that drives best, found and made: plates and motion."""
+    """A crank-rocker with a given swing and time ratio and the best transmission angle, with its plates and motion.
+
+    Parameters
+    ----------
+    wanted : WantedSwing
+        Swing of the rocker, deg, crank rotation, deg, or time ratio, and one length, mm.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the crank.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["crank-rocker-synthesis"] = "crank-rocker-synthesis"
     wanted: WantedSwing
@@ -326,7 +355,10 @@ class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
 
     def met_by(self, found: CrankRocker) -> tuple[Check, ...]:
         wanted = self.wanted
-        swing, turn = missed(found.swing_deg, wanted.swing_deg), missed(found.crank_turn_deg, wanted.turn_deg)
+        swing, turn = (
+            rounded_error(found.swing_deg, wanted.swing_deg),
+            rounded_error(found.crank_turn_deg, wanted.turn_deg),
+        )
         return (
             Check("missed_swing", "missed swing", swing, "at most", MISSED_DEG, "deg"),
             Check("missed_crank_rotation", "missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),
@@ -335,16 +367,20 @@ class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
 
 @record(checked=True, kw_only=True)
 class WantedSwings:
-    """Where two rockers begin and how far they swing, deg from the ground line, counterclockwise positive."""
+    """Start directions and swings of two rockers, deg from the ground line, counterclockwise positive."""
 
     crank_start_deg: float = quantity(
         "driving rocker's direction at the start, from its pivot", "deg", example=60, at_least=-360, at_most=360
     )
-    crank_swing_deg: float = quantity("its swing, signed", "deg", example=60, at_least=-359, at_most=359)
+    crank_swing_deg: float = quantity(
+        "swing of the driving rocker, signed", "deg", example=60, at_least=-359, at_most=359
+    )
     rocker_start_deg: float = quantity(
         "driven rocker's direction at the start, from its pivot", "deg", example=80, at_least=-360, at_most=360
     )
-    rocker_swing_deg: float = quantity("its swing, signed", "deg", example=40, at_least=-359, at_most=359)
+    rocker_swing_deg: float = quantity(
+        "swing of the driven rocker, signed", "deg", example=40, at_least=-359, at_most=359
+    )
     ground: float = quantity("distance of the ground pivots", "mm", example=100, above=0, at_most=FARTHEST)
     crank: float | None = quantity(
         "length of the driving rocker, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
@@ -352,15 +388,15 @@ class WantedSwings:
     rocker: float | None = quantity(
         "length of the driven rocker, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
     )
-    largest_ratio: float | None = ratio_entry("100 where left out")
+    largest_ratio: float | None = ratio_entry("100 if left out")
 
     @property
     def is_free(self) -> bool:
-        """Whether the best is looked for."""
+        """Whether the best member is searched for."""
         return self.crank is None and self.rocker is None
 
     def search(self, free_angle_deg: float | None = None) -> DoubleRocker:
-        """The best or the one with the length that is given, or, where none is, the one at a free angle."""
+        """The best linkage or the one with the given length; with an argument, the one at that free angle, deg."""
         return double_rocker(
             self.crank_start_deg,
             self.crank_swing_deg,
@@ -376,7 +412,21 @@ class WantedSwings:
 
 @record(checked=True, kw_only=True)
 class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
-    """Two rockers that swing together from given places, as the four-bar that drives best: found and made."""
+    """A four-bar that moves two rockers together between given positions with the best transmission angle.
+
+    Parameters
+    ----------
+    wanted : WantedSwings
+        Start directions and swings of both rockers, deg, and the ground, mm.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the driving rocker.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["double-rocker-synthesis"] = "double-rocker-synthesis"
     wanted: WantedSwings
@@ -387,29 +437,41 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     def __post_init__(self) -> None:
         self.drive.check_rows(abs(self.wanted.crank_swing_deg) / 360)
 
-    def rank(self, one: DoubleRocker) -> tuple[float, ...]:
-        # As the search does: those that go beyond their places come behind those that do not.
-        return one.overshoot_deg > MISSED_DEG, *super().rank(one)
+    def rank(self, member: DoubleRocker) -> tuple[float, ...]:
+        # As in the search, linkages whose rocker leaves the range between its two positions come last.
+        return member.overshoot_deg > MISSED_DEG, *super().rank(member)
 
     @property
     def way(self) -> tuple[float, float]:
-        """The crank's, as it was given."""
+        """The given range of the crank, deg."""
         start, end = self.wanted.crank_start_deg, self.wanted.crank_start_deg + self.wanted.crank_swing_deg
         return min(start, end), max(start, end)
 
     def met_by(self, found: DoubleRocker) -> tuple[Check, ...]:
-        swing, beyond = missed(found.rocker_swing_deg, self.wanted.rocker_swing_deg), missed(found.overshoot_deg, 0.0)
+        swing, overshoot = (
+            rounded_error(found.rocker_swing_deg, self.wanted.rocker_swing_deg),
+            rounded_error(found.overshoot_deg, 0.0),
+        )
         return (
             Check("missed_swing", "missed swing", swing, "at most", MISSED_DEG, "deg"),
-            Check("rocker_overshoot", "rocker's way beyond its places", beyond, "at most", MISSED_DEG, "deg"),
+            Check(
+                "rocker_overshoot",
+                "rotation of the rocker beyond its positions",
+                overshoot,
+                "at most",
+                MISSED_DEG,
+                "deg",
+            ),
         )
 
 
 @record(checked=True, kw_only=True)
 class WantedStroke(AbstractTimed):
-    """How far a slider goes, and how far the crank turns, counterclockwise, while it goes towards +x."""
+    """The stroke of a slider, and the counterclockwise crank rotation while it moves towards +x."""
 
-    stroke: float = quantity("of the slider, there and back", "mm", example=80, above=0, at_most=FARTHEST)
+    stroke: float = quantity(
+        "stroke of the slider between its dead centres", "mm", example=80, above=0, at_most=FARTHEST
+    )
     crank_turn_deg: float | None = turn_entry(190)
     time_ratio: float | None = time_ratio_entry()
     offset: float | None = quantity(
@@ -432,11 +494,11 @@ class WantedStroke(AbstractTimed):
 
     @property
     def is_free(self) -> bool:
-        """Whether the best is looked for."""
+        """Whether the best member is searched for."""
         return self.offset is None and self.crank is None and self.coupler is None
 
     def search(self, free_angle_deg: float | None = None) -> StrokeCrank:
-        """The best or the one with the size that is given, or, where none is, the one at a free angle."""
+        """The best linkage or the one with the given size; with an argument, the one at that free angle, deg."""
         return slider_crank_stroke(
             self.stroke,
             self.turn_deg,
@@ -450,7 +512,21 @@ class WantedStroke(AbstractTimed):
 
 @record(kw_only=True)
 class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
-    """The slider-crank of a stroke and a time ratio that drives best, found and made: plates and motion."""
+    """A slider-crank with a given stroke and time ratio and the best transmission angle, with its plates and motion.
+
+    Parameters
+    ----------
+    wanted : WantedStroke
+        Stroke of the slider, mm, crank rotation, deg, or time ratio, and optionally one size, mm.
+    choose : int
+        Rank of the linkage that is made, 1 for the best.
+    drive : Drive
+        Speed, acceleration and step of the crank.
+    stock : LinkStock
+        Material and pins of the links.
+    files : Files
+        Formats and their options.
+    """
 
     kind: Literal["slider-crank-stroke"] = "slider-crank-stroke"
     wanted: WantedStroke
@@ -459,8 +535,8 @@ class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
 
     def met_by(self, found: StrokeCrank) -> tuple[Check, ...]:
         wanted = self.wanted
-        stroke = missed(found.stroke / wanted.stroke, 1.0) * wanted.stroke
-        turn = missed(found.crank_turn_deg, wanted.turn_deg)
+        stroke = rounded_error(found.stroke / wanted.stroke, 1.0) * wanted.stroke
+        turn = rounded_error(found.crank_turn_deg, wanted.turn_deg)
         return (
             Check("missed_stroke", "missed stroke", stroke, "at most", MISSED * wanted.stroke, "mm"),
             Check("missed_crank_rotation", "missed turn of the crank", turn, "at most", MISSED_DEG, "deg"),

@@ -1,7 +1,7 @@
-"""Coupler points of many linkages at once, with their derivatives: what searches for paths differentiate.
+"""Coupler points of many linkages at once, with their derivatives, for path searches.
 
-A four-bar or a slider-crank as a row of numbers, in the order of `NAMES`. Of a slider-crank `ground` is the offset of
-the slide line, and `rocker` stands for nothing.
+A four-bar or a slider-crank is a row of numbers in the order of `NAMES`. For a slider-crank `ground` is the offset of
+the slide line, and `rocker` is unused.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ GROUND, CRANK, COUPLER, ROCKER, ARM_X, ARM_Y, ORIGIN_X, ORIGIN_Y, TURN, START = 
 
 @record(eq=False)
 class Paths:
-    """Of s linkages at n cranks each: point (s, n) and folding, the cosine of the transmission angle with its sign.
+    """Coupler points of s linkages at n crank angles each.
 
-    by_size: derivatives (s, n, 9) of the point by the first nine numbers; by_crank: (s, n) by the crank's angle;
-    folding_by_size, folding_by_crank alike. nan where a linkage does not close.
+    point (s, n); folding (s, n), the signed cosine of the transmission angle; by_size, derivatives (s, n, 9) of the
+    point by the first nine numbers; by_crank (s, n) by the crank angle; folding_by_size and folding_by_crank alike. nan
+    if a linkage does not close.
     """
 
     point: Complex
@@ -35,7 +36,7 @@ class Paths:
 
 
 def closing(x: Real, cranks: Real, branch: Real, slides: bool) -> tuple[Complex, Complex]:
-    """Directions (s, n) of crank and coupler from the ground line; the coupler's is nan where a linkage is open."""
+    """Directions (s, n) of crank and coupler from the ground line; the coupler's is nan if it does not close."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
     crank: Complex = np.exp(1j * cranks)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -50,7 +51,7 @@ def closing(x: Real, cranks: Real, branch: Real, slides: bool) -> tuple[Complex,
 
 
 def points_of(x: Real, cranks: Real, branch: Real, slides: bool) -> Complex:
-    """Coupler points (s, n), nan where a linkage is open."""
+    """Coupler points (s, n); nan if a linkage does not close."""
     crank, coupler = closing(x, cranks, branch, slides)
     arm = (x[:, ARM_X] + 1j * x[:, ARM_Y])[:, None]
     placed = x[:, CRANK, None] * crank + arm * coupler
@@ -59,7 +60,7 @@ def points_of(x: Real, cranks: Real, branch: Real, slides: bool) -> Complex:
 
 
 def along(x: Real, cranks: Real, branch: Real, slides: bool) -> tuple[Complex, Complex]:
-    """Coupler points (s, n) and their derivatives by the crank's angle; nan where a linkage is open."""
+    """Coupler points (s, n) and their derivatives by the crank angle; nan if a linkage does not close."""
     d, a, b = (x[:, k, None] for k in (GROUND, CRANK, COUPLER))
     crank, coupler = closing(x, cranks, branch, slides)
     arm = (x[:, ARM_X] + 1j * x[:, ARM_Y])[:, None]
@@ -78,7 +79,7 @@ def paths(x: Real, cranks: Real, branch: Real, slides: bool) -> Paths:
     arm = (x[:, ARM_X] + 1j * x[:, ARM_Y])[:, None]
     turn = np.exp(1j * x[:, TURN, None])
     with np.errstate(invalid="ignore", divide="ignore"):
-        # The direction along which the coupler's far pin cannot give: the rocker's, or across the slide.
+        # The direction in which the coupler's far pin cannot move: the rocker's, or the normal of the slide.
         rocker = np.full_like(crank, 1j) if slides else (a * crank + b * coupler - d) / c
         give = b * dot(rocker, 1j * coupler)
         ones = np.ones_like(give)
@@ -100,7 +101,7 @@ def paths(x: Real, cranks: Real, branch: Real, slides: bool) -> Paths:
 
 
 def folded(x: Real, cranks: Real, slides: bool) -> Real:
-    """Cosine of the transmission angle (s, n), with its sign; beyond 1 to either side the linkage does not close."""
+    """Signed cosine of the transmission angle (s, n); the linkage does not close if its magnitude exceeds 1."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
     if slides:
         sine: Real = (d - a * np.sin(cranks)) / b
@@ -123,7 +124,7 @@ def folding(x: Real, cranks: Real, slides: bool) -> tuple[Real, Real, Real]:
     return value, by_size, -a * d * sin / (b * c)
 
 
-# What may be bounded, in the order of `coupler_paths.NAMES`: lengths and places in mm, angles in deg.
+# Names of bounds in the order of `NAMES`: lengths and positions in mm, angles in deg.
 FOUR_BAR = (
     "ground",
     "crank",
@@ -136,21 +137,21 @@ FOUR_BAR = (
     "ground_angle_deg",
     "start_deg",
 )
-# A slider-crank's offset takes the place of the ground, and it has no rocker.
+# A slider-crank has an offset instead of the ground, and no rocker.
 SLIDER = ("offset", *FOUR_BAR[1:])
-# Lengths, in units of the points' size: no link is shorter, none nor any place farther. A wider range takes a linkage
-# at infinity, or one without a link, for an answer.
+# Shortest link, and longest link or coordinate, in units of the points' size. A wider range accepts a linkage
+# at infinity, or one without a link.
 SHORTEST, LONGEST = 1e-6, 1e4
-# Turns to either side that an angle without bounds may come to on the way.
+# Range, in turns, of angles without bounds during the search.
 FREE = 1e3
 
 
 def bounds_of(
     bounds: Mapping[str, tuple[float, float]] | None, slides: bool, timed: bool, middle: complex, size: float
 ) -> tuple[Real, Real]:
-    """Bounds low, high (10,) about `middle` in units of `size`; DesignError for what cannot be bounded, or is no range.
+    """Bounds low, high (10,) about `middle` in units of `size`; DesignError for unknown names and empty ranges.
 
-    Without times the crank has no start that could be bounded.
+    Without prescribed crank angles there is no start that could be bounded.
     """
     names = SLIDER if slides else FOUR_BAR
     allowed = [name for k, name in enumerate(names) if not (slides and k == ROCKER) and (timed or k != START)]
@@ -159,7 +160,7 @@ def bounds_of(
     low[[TURN, START]], high[[TURN, START]] = -FREE, FREE
     if slides:
         low[GROUND] = -LONGEST
-        # It has no rocker: any length will do.
+        # Any length serves, since there is no rocker.
         low[ROCKER] = high[ROCKER] = 1.0
     for name, pair in (bounds or {}).items():
         if name not in allowed:
@@ -167,7 +168,9 @@ def bounds_of(
             raise DesignError("bounds", f"found {shown(name)}", f"give any of {', '.join(allowed)}{untimed}")
         least, most = float(pair[0]), float(pair[1])
         if not least <= most:
-            raise DesignError("bounds", f"{name} from {least:g} to {most:g} is no range", "give the lower one first")
+            raise DesignError(
+                "bounds", f"{name} from {least:g} to {most:g} is not a range", "give the lower value first"
+            )
         k = names.index(name)
         is_length = CRANK <= k <= ROCKER or (k == GROUND and not slides)
         if is_length and most <= 0:
@@ -183,13 +186,13 @@ def bounds_of(
         if low[k] > high[k]:
             raise DesignError(
                 "bounds",
-                f"{name} is far from all {size:.3g} mm that the points are wide",
+                f"{name} is out of proportion to the points, which are {size:.3g} mm wide",
                 "give bounds nearer to their size",
             )
     return low, high
 
 
 def bound_all_links(bounds: Mapping[str, tuple[float, float]] | None, slides: bool) -> bool:
-    """Whether each link has a greatest length: then no search runs to infinite ones."""
+    """Whether each link has a greatest length, so that no search tends to infinite links."""
     links = ("crank", "coupler") if slides else FOUR_BAR[:4]
     return bounds is not None and all(link in bounds for link in links)

@@ -1,4 +1,4 @@
-"""Least squares from many starts at once (Levenberg and Marquardt), within bounds, local unknowns eliminated."""
+"""Least squares from many starts at once (Levenberg-Marquardt) within bounds, with local unknowns eliminated."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole, dot
 from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, along, folded, folding, paths, points_of
 
-# Damping: where it starts, beyond which a start is given up, and its least. A start that is too small wanders off far
-# in the first steps and forgets where it was; too large takes more steps.
+# First damping, the one beyond which a start is given up, and the least. A first value that is too small lets the first
+# steps diverge; one that is too large costs steps.
 DAMPED, MOST_DAMPED, LEAST_DAMPED = 1e-3, 1e12, 1e-15
-# Share by which a step must still lessen the sum for the search to go on, so many times in a row. Larger stops in
-# valleys, of which these problems are full.
+# Least relative gain of a step, and the number of successive steps below it that end the search. A larger gain stops in
+# valleys, which these problems have in great number.
 GAIN, STILL = 1e-9, 8
-# Sums of squares below which nothing but rounding is left, in units of the problem.
+# Sums of squares below which only rounding is left, in units of the problem.
 NOTHING_LEFT = 1e-29
 
-# Undamped steps at the end, and how long the first may be: a longer one is of a start that was not brought to its end.
+# Undamped steps at the end, and the largest first one; a longer one shows a start that has not converged.
 SETTLING, LOOSE = 40, 1e-4
 
 
@@ -30,8 +30,8 @@ SETTLING, LOOSE = 40, 1e-4
 class Linearised:
     """Residuals of s starts and their derivatives by the p shared unknowns and, block by block, by one local unknown.
 
-    blocks: (s, n, k) residuals; by_shared: (s, n, k, p); by_local: (s, n, k), None where there are no local unknowns.
-    rest, rest_by_shared: (s, m) residuals and (s, m, p) without local unknowns. nan where there is none.
+    `blocks`: (s, n, k) residuals; `by_shared`: (s, n, k, p); `by_local`: (s, n, k), None without local unknowns.
+    `rest`, `rest_by_shared`: (s, m) residuals and (s, m, p) without local unknowns. nan if undefined.
     """
 
     blocks: Real
@@ -42,18 +42,18 @@ class Linearised:
 
     @property
     def sums(self) -> Real:
-        """Sums of squares (s,); infinite where there is none."""
+        """Sums of squares (s,); infinite if undefined."""
         total = np.einsum("snk,snk->s", self.blocks, self.blocks) + np.einsum("sm,sm->s", self.rest, self.rest)
         return np.where(np.isfinite(total), total, np.inf)
 
 
 class Residuals(Protocol):
-    """What is made small: of the starts numbered `which` at shared unknowns x (s, p) and local ones t (s, n)."""
+    """Residuals of the starts numbered `which` at shared unknowns x (s, p) and local ones t (s, n)."""
 
     def __call__(self, which: Whole, x: Real, t: Real) -> Linearised: ...
 
     def settled(self, which: Whole, x: Real, t: Real) -> Real:
-        """Local unknowns nearer to the best ones at these shared ones; t itself will do."""
+        """Improved local unknowns for these shared ones; t itself is allowed."""
         ...
 
 
@@ -62,10 +62,10 @@ def least_squares(
 ) -> tuple[Real, Real, Real]:
     """Shared unknowns (s, p), local ones (s, n) and sums of squares (s,) after at most so many steps.
 
-    x, t: the starts. low, high: (p,) or (s, p) bounds of x, which hold at every step: at a bound an unknown that is
-    pressed against it waits. The normal equations' local part is diagonal and is eliminated (Schur complement). After
-    Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11, 1963, with the damping of
-    Nielsen (1999); bounds and blocks are derived here.
+    x and t are the starts; `low` and `high`, (p,) or (s, p), are bounds of x at every step: an unknown that is pressed
+    against its bound is held there. The local part of the normal equations is diagonal and is eliminated (Schur
+    complement). After Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11, 1963,
+    with the damping of Nielsen (1999); bounds and blocks are derived here.
     """
     low, high = np.broadcast_to(low, x.shape), np.broadcast_to(high, x.shape)
     best_x, best_t = np.clip(x, low, high), t.copy()
@@ -105,10 +105,9 @@ def least_squares(
 
 
 def settled(residuals: Residuals, x: Real, t: Real, low: Real, high: Real) -> tuple[Real, Real]:
-    """Solutions of `least_squares` followed on by undamped steps, as long as each step is shorter than the one before.
+    """Solutions of `least_squares` improved by undamped steps as long as each is shorter than the one before.
 
-    Sums of squares stop falling where half of all digits of the unknowns are still open, and the rest would be decided
-    by a processor's rounding.
+    Sums of squares stop falling when half of all digits of the unknowns are still open; rounding would decide the rest.
     """
     low, high = np.broadcast_to(low, x.shape), np.broadcast_to(high, x.shape)
     which, before = np.arange(len(x)), np.full(len(x), LOOSE)
@@ -124,14 +123,14 @@ def settled(residuals: Residuals, x: Real, t: Real, low: Real, high: Real) -> tu
 
 
 def _step(now: Linearised, x: Real, t: Real, low: Real, high: Real, damping: Real) -> tuple[Real, Real, Real]:
-    """The damped step, held within the bounds, and the fall of the sum of squares that it promises."""
+    """The damped step within the bounds, and the predicted decrease of the sum of squares."""
     s, n, k, p = now.by_shared.shape
     flat = now.by_shared.reshape(s, n * k, p)
     square = np.swapaxes(flat, 1, 2) @ flat + np.swapaxes(now.rest_by_shared, 1, 2) @ now.rest_by_shared
     slope = np.einsum("sip,si->sp", flat, now.blocks.reshape(s, n * k))
     slope += np.einsum("smp,sm->sp", now.rest_by_shared, now.rest)
     diagonal = np.einsum("spp->sp", square)
-    # Of an unknown that moves nothing the diagonal is 0: it then stays where it is.
+    # An unknown without effect has a zero diagonal and does not move.
     scale = np.maximum(diagonal, 1e-12 * diagonal.max(axis=1, keepdims=True) + 1e-300)
     held = ((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0))
     damped = square + damping[:, None, None] * (scale[:, :, None] * np.eye(p))
@@ -146,7 +145,7 @@ def _step(now: Linearised, x: Real, t: Real, low: Real, high: Real, damping: Rea
         right = slope - np.einsum("snp,sn->sp", eased, local_slope)
     shift = np.zeros_like(x)
     for _ in range(3):
-        # What a bound holds leaves the system; what the step drives through one is held there as well.
+        # Unknowns at a bound leave the system, and so do those that the step would drive through one.
         free = ~held
         kept = free[:, :, None] & free[:, None, :]
         system = np.where(kept, damped, np.where(np.eye(p, dtype=bool), scale[:, :, None], 0.0))
@@ -163,9 +162,9 @@ def _step(now: Linearised, x: Real, t: Real, low: Real, high: Real, damping: Rea
     new_t = t
     if now.by_local is not None:
         turn = -(local_slope + np.einsum("snp,sp->sn", mixed, shift)) / firm
-        # No more than a third of a turn at once: beyond it the linear model says nothing.
+        # At most a third of a turn per step, beyond which the linear model is meaningless.
         new_t = t + np.clip(turn, -2.0, 2.0)
-    # Exact for a free step; where bounds cut it, near enough to steer the damping by.
+    # Exact for a free step; for one cut by bounds accurate enough to control the damping.
     promised = -np.einsum("sp,sp->s", right, shift)
     if now.by_local is not None:
         promised = promised + np.einsum("sn,sn->s", local_slope**2, 1 / firm)
@@ -173,7 +172,7 @@ def _step(now: Linearised, x: Real, t: Real, low: Real, high: Real, damping: Rea
 
 
 def _solved(system: Real, right: Real) -> Real:
-    """Solutions (s, p) of symmetric systems (s, p, p), each scaled; 0 for those that are singular."""
+    """Solutions (s, p) of scaled symmetric systems (s, p, p); 0 for singular ones."""
     scale = 1 / np.sqrt(np.maximum(np.einsum("spp->sp", system), 1e-300))
     scaled = system * scale[:, :, None] * scale[:, None, :]
     bad = ~np.isfinite(scaled).all(axis=(1, 2))
@@ -192,7 +191,7 @@ def _some(of: Linearised, which: Mask) -> Linearised:
 
 
 def _either(first: Mask, one: Linearised, other: Linearised) -> Linearised:
-    """The one where `first` says so, the other elsewhere."""
+    """Elements of one if `first`, else of the other."""
 
     def chosen(a: Real, b: Real) -> Real:
         return np.where(first.reshape(-1, *[1] * (a.ndim - 1)), a, b)
@@ -207,35 +206,36 @@ def _either(first: Mask, one: Linearised, other: Linearised) -> Linearised:
     )
 
 
-# Weight of a limit that is passed, in units of the points' own sum of squares. Smaller lets the search wander far
-# beyond the limits before it turns back, larger makes it creep along them.
+# Weight of a violated limit, in units of the points' sum of squares. A smaller one lets the search go far beyond the
+# limits; a larger one makes it creep along them.
 WEIGHT = 10.0
-# Rounds of least squares, after each of which the limits' multipliers are set anew, and steps in each. Fewer rounds
-# leave a limit passed by what shows in the sixth digit.
+# Rounds of least squares, after each of which the multipliers of the limits are updated, and steps per round. With
+# fewer rounds a limit is violated in the sixth digit.
 ROUNDS, STEPS = 14, 25
-# How many of the starts go on after which rounds: fewer lose some that are slow at first, more take longer.
+# Number of starts that continue after these rounds: fewer lose some that converge slowly at first, more take longer.
 KEPT = MappingProxyType({0: 160, 2: 64, 6: 30, 10: 12})
-# Rounds in which what was found for some of the points is brought to the least squares of all.
+# Rounds in which results for some of the points are adapted to all points.
 REFINED = 6
-# Steps of the last round: fewer leave some in a long valley.
+# Steps of the last round; fewer leave some in a long valley.
 LAST = 150
-# By how much a limit may be passed in the end, in its own units. Smaller refuses linkages that stand on it.
+# Largest violation of a limit in the end, in its own units. A smaller one refuses linkages at the limit.
 PASSED = 1e-11
-# Steps that bring back what is outside by no more than so much: more is another linkage, which was not improved.
+# Steps that restore violated limits, and the largest violation for which they are tried; beyond it the linkage would
+# change too much.
 RESTORED, FAR_OUTSIDE = 8, 1e-3
-# Times that a crank is moved towards the nearest point of its path after each step.
+# Number of moves of a crank towards the nearest point of its path after each step.
 SETTLED = 1
-# Cranks at which a closed path is looked at for the point nearest to a wanted one: fewer take a wrong loop for it.
+# Samples of a closed path for the nearest point; fewer may select a wrong loop.
 LOOKS = 96
 
 
 @record(eq=False)
 class PathTask:
-    """What a path search is to do, in its own units: wanted points about 0, the mean of their squares 1.
+    """The task of a path search in its own units: wanted points about 0 with a mean square of 1.
 
-    turns: (n,) the crank's angles at the points from the first on, rad; None where they are free. closed: the crank
-    turns fully. slides: a slider-crank. least_folding: least transmission angle, rad, above 0. largest_ratio: of two
-    links, inf for any. low, high: (10,) bounds in the order of `coupler_paths.NAMES`.
+    `turns`: (n,) crank angles at the points from the first on, rad, or None if free. `closed`: the crank turns fully.
+    `slides`: a slider-crank. `least_transmission`: rad, above 0. `largest_ratio`: inf for any. `low`, `high`: (10,)
+    bounds in the order of `coupler_paths.NAMES`.
     """
 
     wanted: Complex
@@ -249,27 +249,27 @@ class PathTask:
 
     @property
     def links(self) -> tuple[int, ...]:
-        """Places of the links' lengths; an offset is none."""
+        """Indices of the links' lengths; an offset is not a link."""
         return (CRANK, COUPLER) if self.slides else (GROUND, CRANK, COUPLER, ROCKER)
 
     @property
     def free(self) -> bool:
-        """Whether the crank's angles are unknown."""
+        """Whether the crank angles are unknown."""
         return self.turns is None
 
     def thinned(self, most: int) -> PathTask:
-        """The same with no more than so many of the points, evenly chosen: the first one and the last are."""
+        """The task with at most so many of the points, evenly chosen, including the first and the last."""
         if len(self.wanted) <= most:
             return self
         chosen = np.unique(np.linspace(0, len(self.wanted) - 1, most).round().astype(int))
         return replace(self, wanted=self.wanted[chosen], turns=None if self.turns is None else self.turns[chosen])
 
     def cranks(self, x: Real, t: Real) -> Real:
-        """The crank's angles (s, n) at the points."""
+        """Crank angles (s, n) at the points."""
         return t if self.turns is None else x[:, START, None] + self.turns
 
     def extremes(self, cranks: Real) -> tuple[Real, Mask]:
-        """Cranks (2,) at which the transmission angle is least or greatest, and whether each way (s, 2) has them."""
+        """Crank angles (2,) of the extreme transmission angles, and whether each motion (s, 2) includes them."""
         at = np.array([np.pi / 2, -np.pi / 2]) if self.slides else np.array([0.0, np.pi])
         if self.closed:
             return at, np.ones((len(cranks), 2), dtype=bool)
@@ -277,7 +277,7 @@ class PathTask:
         return at, at + 2 * np.pi * np.ceil((low - at) / (2 * np.pi)) < high
 
     def passed(self, x: Real, cranks: Real) -> Real:
-        """By how much each of s linkages passes the limits, at most; infinite where one does not close."""
+        """Largest violation of the limits by each of s linkages; infinite if one does not close."""
         at, inside = self.extremes(cranks)
         most = np.cos(self.least_transmission)
         ends = np.where(inside, np.abs(folded(x, np.broadcast_to(at, inside.shape), self.slides)), 0.0)
@@ -289,7 +289,7 @@ class PathTask:
 
 
 class Fit:
-    """Residuals of s linkages of given branches (s,), with multipliers of the limits: an augmented Lagrangian."""
+    """Residuals of s linkages of given branches (s,) with multipliers of the limits (augmented Lagrangian)."""
 
     def __init__(self, task: PathTask, branch: Real):
         self.task, self.branch = task, branch
@@ -302,14 +302,14 @@ class Fit:
         self.pairs = np.array([ones[i] - ones[j] for i in range(links) for j in range(links) if i != j])
 
     def limits(self, which: Whole, x: Real, cranks: Real) -> tuple[Real, Real, Real, Real, Real, Real, Real]:
-        """What passes limits, with multipliers, and its derivatives: at points by size and crank, at ends, of links."""
+        """Violations of limits with multipliers, and their derivatives, at points, at the ends, and of links."""
         task = self.task
         most = np.cos(task.least_transmission) ** 2
         value, by_size, by_crank = folding(x, cranks, task.slides)
         points = value**2 - most + self.at_points[which]
         at, inside = task.extremes(cranks)
         end, end_by_size, _ = folding(x, np.broadcast_to(at, inside.shape), task.slides)
-        # An end that the way does not reach has passed nothing.
+        # An extreme that the motion does not reach violates nothing.
         ends = np.where(inside, end**2 - most + self.at_ends[which], -1.0)
         lengths = x[:, task.links]
         links = np.log(lengths) @ self.pairs.T - np.log(task.largest_ratio) + self.at_links[which]
@@ -341,7 +341,9 @@ class Fit:
         return Linearised(blocks, by_shared, local if task.free else None, rest, rest_by)
 
     def settled(self, which: Whole, x: Real, t: Real) -> Real:
-        """Cranks nearer to where each point is nearest to its path: the valleys of the search then are less bent."""
+        """Crank angles nearer to the points' nearest positions on the paths, which straightens the valleys of the
+        search.
+        """
         if not self.task.free:
             return t
         x = _whole(x)
@@ -353,7 +355,7 @@ class Fit:
         return t
 
     def update(self, x: Real, t: Real) -> None:
-        """New multipliers, after a round."""
+        """Update the multipliers after a round."""
         x = _whole(x)
         with np.errstate(divide="ignore", invalid="ignore"):
             points, _, _, ends, _, links, _ = self.limits(np.arange(len(x)), x, self.task.cranks(x, t))
@@ -362,26 +364,26 @@ class Fit:
         )
 
     def some(self, which: Whole) -> Fit:
-        """The same of some of the linkages."""
+        """The residuals of some of the linkages."""
         fit = Fit(self.task, self.branch[which])
         fit.at_points, fit.at_ends, fit.at_links = (v[which] for v in (self.at_points, self.at_ends, self.at_links))
         return fit
 
 
 def _whole(x: Real) -> Real:
-    """Ten numbers a linkage: where the crank's angles are free, it has no start."""
+    """Ten numbers per linkage; without a start if the crank angles are free."""
     return x if x.shape[1] == 10 else np.concatenate([x, np.zeros((len(x), 1))], axis=1)
 
 
 def squares(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
-    """Sums of squared distances (s,); infinite where one does not close."""
+    """Sums of squared distances (s,); infinite if a linkage does not close."""
     off = np.abs(points_of(x, task.cranks(x, t), branch, task.slides) - task.wanted) ** 2
     total = off.sum(axis=1)
     return np.where(np.isfinite(total), total, np.inf)
 
 
 def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
-    """The starts x (s, 10), t (s, n) brought to their least squares within the limits: x, t and branch, best first."""
+    """Starts x (s, 10), t (s, n) improved to their least squares within the limits: x, t and branch, the best first."""
     shared = 9 if task.free else 10
     low, high = task.low[:shared], task.high[:shared]
     fit, x = Fit(task, branch), x[:, :shared]
@@ -402,7 +404,7 @@ def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tu
 
 
 def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
-    """The same of few starts that are all but there, as those that were found for fewer points."""
+    """The same for a few starts that have nearly converged, such as results for fewer points."""
     shared = 9 if task.free else 10
     fit, x = Fit(task, branch), x[:, :shared]
     for k in range(REFINED):
@@ -418,7 +420,7 @@ def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tup
 
 
 def sorted_out(task: PathTask, x: Real, t: Real, branch: Real) -> tuple[Real, Real, Real]:
-    """Those within the limits, or brought there by a hair, the best first."""
+    """Linkages within the limits, or moved there slightly, the best first."""
     x = np.array([_within(task, *row) for row in zip(x, t, branch)]).reshape(x.shape)
     fit = Fit(task, branch)
     for _ in range(4):
@@ -431,7 +433,7 @@ def sorted_out(task: PathTask, x: Real, t: Real, branch: Real) -> tuple[Real, Re
 
 
 def _within(task: PathTask, x: Real, t: Real, branch: float) -> Real:
-    """The linkage x (10,) moved by the least that brings it within the limits, of which rounds leave it outside."""
+    """The linkage x (10,) with the least change that brings it within the limits, which rounds may leave violated."""
     fit = Fit(task, np.array([branch]))
     low, high = task.low + 0.0, task.high
     for _ in range(RESTORED):
@@ -446,7 +448,7 @@ def _within(task: PathTask, x: Real, t: Real, branch: float) -> Real:
         outside = passed > 0
         if not outside.any() or not np.isfinite(by[outside]).all() or passed.max() > FAR_OUTSIDE:
             break
-        # What stands on a bound stays there.
+        # Unknowns at a bound stay there.
         by = by[outside] * ((x[:9] > low[:9]) & (x[:9] < high[:9]))
         aim = passed[outside] + 1e-12
         x = x.copy()
@@ -455,7 +457,7 @@ def _within(task: PathTask, x: Real, t: Real, branch: float) -> Real:
 
 
 def nearest(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
-    """The crank's angles (s, n) at the points of closed paths that are nearest to the wanted ones, roughly."""
+    """Approximate crank angles (s, n) of the points of closed paths that are nearest to the wanted ones."""
     looks = 2 * np.pi * np.arange(LOOKS) / LOOKS
     path = points_of(x, np.broadcast_to(looks, (len(x), LOOKS)), branch, task.slides)
     far = np.abs(path[:, None, :] - task.wanted[None, :, None])

@@ -1,4 +1,4 @@
-"""Four-bars through nine points of a path that random starts and the curves between them lead to."""
+"""Four-bars through nine points of a path, by random starts and continuation along curves between solutions."""
 
 from __future__ import annotations
 
@@ -7,30 +7,31 @@ import numpy as np
 from ...core.progress import Watch
 from ...plane.vec import Complex, Mask, Real, Whole
 
-# Random starts in a round, and rounds in a row without a new linkage after which the search ends. Fewer find fewer of
-# the real linkages, and other seeds find others; more take longer.
+# Random starts per round, and rounds in a row without a new linkage after which the search ends. Fewer find fewer of
+# the real linkages, depending on the seed; more take longer.
 STARTS, IDLE = 250, 6
-# Curves followed at a time: more do not fit into a processor's memory, fewer wait for Python.
+# Batch size of curves: larger batches do not fit the processor's cache, smaller ones cost Python overhead.
 AT_ONCE = 1_000
-# Steps to a solution from a point of a curve nearby.
+# Steps from a nearby point of a curve to a solution.
 STEPS = 40
-# Steps along a curve, of which each is first so long and at most so long, as shares of where it stands; farther away
-# than so much it is left. More steps and a farther limit find hardly more.
+# Most steps along a curve, first and longest step relative to the position, shortest step, and the distance at which a
+# curve is abandoned. More steps and a larger distance find hardly more.
 FOLLOWED, FIRST, LONGEST, SHORTEST, FARTHEST = 300, 0.02, 0.15, 1e-6, 60.0
-# Residuals of what counts as a linkage, and lengths below which it is none, in units of the points.
+# Largest squared residual of a solution, and least length of a link, in units of the points.
 MET, NONE = 1e-26, 1e-4
 
 
 def through_nine(points: Complex, rng: np.random.Generator, watch: Watch) -> Real:
-    """Rows (s, 8): x, y of crank pin, crank pivot, rocker pin, rocker pivot with the coupler point at the first point.
+    """Rows (s, 8): x, y of crank pin, crank pivot, rocker pin and rocker pivot with the coupler point at the first
+    point.
 
-    One of each three cognates; some may be missing. points: nine, the mean of their squares about 1. Eight equations in
-    as many unknowns, from |point + pin's arm - pivot| alike at all points, the coupler's turns eliminated (Wampler,
-    Morgan and Sommese, Complete solution of the nine-point path synthesis problem for four-bar linkages, Journal of
-    Mechanical Design 114, 1992, who count 4326 solutions in threes of cognates). From a random start a curve along
-    which all residuals shrink in proportion leads to solutions (Newton homotopy). Without one of the equations a
-    solution lies on a curve too, and where that meets the equation again there is another solution: derived here. The
-    search ends when several rounds of new starts bring nothing new, or with its time.
+    One of each three cognates; some may be missing. `points` are nine with a mean square of about 1. There are eight
+    equations in as many unknowns: |point + arm of the pin - pivot| is equal at all points, with the coupler's rotations
+    eliminated (Wampler, Morgan and Sommese, Complete solution of the nine-point path synthesis problem for four-bar
+    linkages, Journal of Mechanical Design 114, 1992, who count 4326 solutions in triples of cognates). From a random
+    start a curve along which all residuals shrink in proportion leads to solutions (Newton homotopy). Without one of
+    the equations a solution lies on a curve too, and other intersections with that equation are further solutions:
+    derived here. The search ends when several rounds of new starts find nothing new, or at its time limit.
     """
     problem = _Nine(points)
     found: Real = np.zeros((0, 8))
@@ -60,8 +61,8 @@ class _Nine:
     def __call__(self, x: Real) -> tuple[Real, Real]:
         """Residuals (s, 8), from -1 to 1, and their derivatives (s, 8, 8).
 
-        With z, w a pin and its pivot from the first point, e the coupler's turn and k a step, the pin's distance is
-        kept where Re(p e) + q = 0 with p = conj(k - w) z. The two pins give e, and its square has to be 1.
+        With z, w a pin and its pivot from the first point, e the coupler's rotation and k a step, the pin keeps its
+        distance if Re(p e) + q = 0 with p = conj(k - w) z. The two pins determine e, whose square must be 1.
         """
         places, steps = x.view(complex), self.steps
         rows = []
@@ -81,12 +82,12 @@ class _Nine:
         cross_by = np.concatenate([(p_by * np.conj(u)[..., None]).imag, (p[..., None] * np.conj(u_by)).imag], axis=-1)
         one, two = np.abs(top) ** 2, cross**2
         one_by, two_by = 2 * (np.conj(top)[..., None] * top_by).real, 2 * cross[..., None] * cross_by
-        # As a share of the sum, or where both pins are one, which is no linkage, both would vanish.
+        # Divided by the sum, since both would vanish for coinciding pins, which are no linkage.
         total = one + two
         return (one - two) / total, 2 * (two[..., None] * one_by - one[..., None] * two_by) / total[..., None] ** 2
 
     def solved(self, x: Real, steps: int, watch: Watch) -> Real:
-        """Those of the starts that come to a solution."""
+        """The starts that converge to a solution."""
         done = [np.zeros((0, 8))]
         with np.errstate(all="ignore"):
             residuals, by = self(x)
@@ -113,7 +114,7 @@ class _Nine:
         return np.concatenate(done)
 
     def reached(self, x: Real, ways: Real, watch: Watch) -> Real:
-        """Solutions (k, 8) on curves through x (s, 8) along which the residuals change by multiples of ways (s, 8)."""
+        """Solutions (k, 8) on curves through x (s, 8), along which residuals change by multiples of `ways` (s, 8)."""
         done: list[Real] = [np.zeros((0, 8))]
         for first in range(0, len(x), AT_ONCE):
             if watch.over():
@@ -123,7 +124,7 @@ class _Nine:
         return np.concatenate(done)
 
     def followed(self, x: Real, ways: Real, watch: Watch) -> Real:
-        """Places (k, 8) near solutions on these curves: where the share of the way changes its sign."""
+        """Points (k, 8) near solutions on these curves, at which the multiple changes its sign."""
         ways = np.repeat(ways / np.linalg.norm(ways, axis=1, keepdims=True), 2, axis=0)
         x = np.repeat(x, 2, axis=0)
 
@@ -136,10 +137,10 @@ class _Nine:
 
         with np.errstate(all="ignore"):
             _, by, before = parted(x)
-            # A solution is not met again where its own curve starts.
+            # The solution from which the curve starts does not count again.
             before = np.where(np.abs(before) < 1e-9, 0.0, before)
             x, ways, by, before = (v[np.isfinite(by).all(axis=(1, 2))] for v in (x, ways, by, before))
-            # Both ways along each curve.
+            # Both directions along each curve.
             ahead = np.linalg.svd(by)[2][:, -1] * np.tile([1.0, -1.0], len(x) // 2)[:, None]
             length = np.full(len(x), FIRST)
             met = [np.zeros((0, 8))]
@@ -167,20 +168,20 @@ class _Nine:
 
     @staticmethod
     def real(x: Real) -> Mask:
-        """Whether each is a linkage: no link, and no arm of the coupler point, of no length."""
+        """Whether each row is a linkage without links or arms of zero length."""
         pin, pivot, other, other_pivot = x.copy().view(complex).T
         lengths = np.abs([pin, other, pin - other, pin - pivot, other - other_pivot, pivot - other_pivot])
         real: Mask = (lengths.min(axis=0) > NONE) & (lengths.max(axis=0) < 1e3)
         return real
 
     def new(self, x: Real, keys: Complex) -> tuple[Real, Complex]:
-        """Those that are no cognates of each other, nor of those of the keys: by the three pivots, which they share."""
+        """Linkages that are not cognates of each other or of those in `keys`, compared by their three common pivots."""
         x = x[self.real(x)]
         pin, pivot, other, other_pivot = x.copy().view(complex).T
         third = pivot - pin / (other - pin) * (other_pivot - pivot)
         kept: list[int] = []
         for k, three in enumerate(np.stack([pivot, other_pivot, third], axis=1)):
-            # Symmetric functions: the three come in any order.
+            # Symmetric functions, since the three pivots have no order.
             key = np.array([three.sum(), (three**2).sum(), (three**3).sum()])
             size = 1 + float(np.abs(three).max())
             off: Real = np.abs(keys - key) / size ** np.arange(1, 4)
@@ -191,7 +192,7 @@ class _Nine:
 
 
 def _solved(system: Real, right: Real) -> Real:
-    """Solutions (s, 8) of systems (s, 8, 8), each row scaled; nan for those that are singular."""
+    """Solutions (s, 8) of systems (s, 8, 8) with scaled rows; nan for singular ones."""
     scale = np.linalg.norm(system, axis=2)
     scaled = np.where(np.isfinite(system).all(axis=(1, 2), keepdims=True), system / scale[:, :, None], np.eye(8))
     try:
@@ -205,8 +206,8 @@ def _solved(system: Real, right: Real) -> Real:
 def reached(sizes: Real, wanted: Complex) -> tuple[Real, Whole]:
     """Crank angles (n,) from the ground line and branches (n,) at which a four-bar's coupler point is at each point.
 
-    sizes: (9,) in the order of `coupler_paths.NAMES`. Of the two cranks that reach a point the one that leaves the
-    rocker its length.
+    `sizes` are (9,) in the order of `coupler_paths.NAMES`. Of the two angles that reach a point the one consistent with
+    the rocker's length is taken.
     """
     ground, crank, coupler, rocker, x, y, origin_x, origin_y, turn = sizes[:9]
     point = (wanted - complex(origin_x, origin_y)) * np.exp(-1j * turn)

@@ -1,4 +1,4 @@
-"""Path generation: a four-bar or slider-crank whose coupler point goes through given points."""
+"""Path generation: a four-bar or slider-crank whose coupler point passes through given points."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from .coupler_paths import bound_all_links, bounds_of
 from .fits import PathTask
 from .search import PathFound, PathSearch
 
-# Points at most: more take minutes.
+# Largest number of points; more take minutes.
 MOST_POINTS = 1_000
-# Where nothing limits them: the least transmission angle, deg, and the largest ratio of links of a search, without
-# which many have no end; and the same where the lengths are bounded.
+# Limits of a search if none are given: the least transmission angle, deg, and the largest ratio of links. Without them
+# many paths have no best linkage. The second line applies if all lengths are bounded.
 TOGGLE_DEG, LONGEST_RATIO = 5.0, 100.0
 STUCK_DEG, ANY_RATIO = 0.1, 1e6
 
 
 def _is_row(value: Any, kinds: str) -> bool:
-    """Whether this is a row of numbers of bearable size."""
+    """Whether a value is a 1-D array of numbers within the allowed range."""
     row = numbers(value, kinds)
     return row is not None and row.ndim == 1 and bool((np.abs(row) <= FARTHEST).all())
 
@@ -71,51 +71,88 @@ def path_generator(
     time_limit: Positive = 10,
     slides: bool = False,
 ) -> PathFound:
-    """A four-bar, or where it `slides` a slider-crank, whose coupler point goes through the points (n,), mm.
+    """Find the four-bar or slider-crank whose coupler point passes through given points.
 
-    drive_deg: the crank's angles at the points, rising or falling, of which only the differences count unless bounds
-    hold the start; None: any, in one drive of one sense on one circuit, no more than a turn. closed: the points lie on
-    a closed curve that is drawn by a full turn, in any order, and the error is their distance from the curve.
-    least_transmission_angle_deg: held from the first point to the last, or over the turn. largest_ratio: longest
-    link over shortest. Without them 5 deg and 100 are held, as many problems run to a toggle or to endless links, and
-    `.at_limits` says where the answer stands on them; where all links are bounded, the bounds alone count. bounds: name
-    -> (low, high) of ground (of a slider-crank offset), crank, coupler, rocker, coupler_point_x, coupler_point_y,
-    origin_x, origin_y in mm, ground_angle_deg, and start_deg, the crank's first angle from the ground line; they hold
-    exactly. time_limit: a stop; the search ends by itself.
+    Parameters
+    ----------
+    points : array_like of complex, shape (n,)
+        The points x + yj, mm; 3 to 1000 of them.
+    drive_deg : array_like, shape (n,), optional
+        Crank angles at the points, deg, rising or falling. Only their differences count, unless `bounds` limits the
+        start. By default the angles are free, within one drive of one sense on one circuit and at most one turn.
+    closed : bool
+        Whether the points lie, in any order, on a closed curve that a full turn draws. The error is then their distance
+        from the curve.
+    least_transmission_angle_deg : float, optional
+        Limit from the first point to the last, or over the full turn, 0 to 89 deg; 5 by default.
+    largest_ratio : float, optional
+        Limit of the longest link over the shortest, 1 to 1e6; 100 by default. If all links are bounded, neither default
+        applies.
+    bounds : mapping of str to (low, high), optional
+        Exact bounds of `ground` (`offset` of a slider-crank), `crank`, `coupler`, `rocker`, `coupler_point_x`,
+        `coupler_point_y`, `origin_x`, `origin_y` in mm, `ground_angle_deg`, and `start_deg`, the first crank angle from
+        the ground line.
+    seed : int
+        Seed of the random starts, 0 to 2**32 - 1.
+    time_limit : float
+        Longest time of the search, s. The search usually ends by itself.
+    slides : bool
+        Whether a slider-crank is wanted instead of a four-bar.
 
-    The least sum of squared distances that is found, from tens of thousands of random linkages held against the points
-    in closed form, the best of them improved by least squares. Nine points that are free of other conditions have a
-    finite number of four-bars through them: those that are found are all ranked, each with its defects, one of three
-    cognates. Some may be missing, as `.may_be_incomplete` says: the search goes on, in three quarters of its time,
-    until new starts bring nothing new. `.usable` is the best with 30 deg and a ratio of 10. DesignError for fewer than
-    3 points, points that are all the same, more than 1000, angles that are not in order, bounds that are none, time too
-    short for any answer, and where no linkage is found within the limits. Derived here; the sources are told where the
-    work is done.
+    Returns
+    -------
+    PathFound
+        The best linkage; `ranked` lists others, `usable` is the best with a transmission angle of 30 deg and a ratio of
+        10, `at_limits` names the limits that are active.
+
+    Raises
+    ------
+    DesignError
+        For fewer than 3 or more than 1000 points, coinciding points, angles out of order, invalid bounds, a time limit
+        too short for any result, or if no linkage is found within the limits.
+
+    Notes
+    -----
+    The search minimises the sum of squared distances. It compares tens of thousands of random linkages with the points
+    in closed form and improves the best of them by least squares.
+
+    Nine points without other conditions have a finite number of four-bars through them. All that are found are ranked,
+    one of each three cognates. The list may be incomplete (`may_be_incomplete`): the search ends when new starts find
+    nothing new, or after three quarters of its time.
+
+    The method is derived here; the modules of each step cite their sources.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> found = gk.path_generator([0, 10 + 5j, 20 + 5j, 30])
+    >>> found.defects, found.largest_distance < 1e-6
+    ((), True)
     """
-    wanted = np.asarray(points, dtype=complex)
-    if not 3 <= len(wanted) <= MOST_POINTS:
-        raise DesignError("points", f"found {len(wanted):,}", f"give from 3 to {MOST_POINTS:,} points")
-    middle = complex(wanted.mean())
-    size = float(np.sqrt(np.mean(np.abs(wanted - middle) ** 2)))
-    if not size > max(SMALLEST, 1e-12 * abs(middle)):
+    targets = np.asarray(points, dtype=complex)
+    if not 3 <= len(targets) <= MOST_POINTS:
+        raise DesignError("points", f"found {len(targets):,}", f"give from 3 to {MOST_POINTS:,} points")
+    centre = complex(targets.mean())
+    size = float(np.sqrt(np.mean(np.abs(targets - centre) ** 2)))
+    if not size > max(SMALLEST, 1e-12 * abs(centre)):
         raise DesignError("points", "all are the same", "give points apart from each other")
-    turns = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(wanted))
-    low, high = bounds_of(bounds, slides, turns is not None, middle, size)
-    held = bound_all_links(bounds, slides)
+    crank_angles = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(targets))
+    low, high = bounds_of(bounds, slides, crank_angles is not None, centre, size)
+    is_bounded = bound_all_links(bounds, slides)
     least = least_transmission_angle_deg
-    search = PathSearch(
-        points=wanted,
-        middle=middle,
+    path_search = PathSearch(
+        points=targets,
+        middle=centre,
         size=size,
         task=PathTask(
-            wanted=(wanted - middle) / size,
-            turns=turns,
+            wanted=(targets - centre) / size,
+            turns=crank_angles,
             closed=closed,
             slides=slides,
             least_transmission=np.radians(
-                (STUCK_DEG if held else TOGGLE_DEG) if least is None else max(least, STUCK_DEG)
+                (STUCK_DEG if is_bounded else TOGGLE_DEG) if least is None else max(least, STUCK_DEG)
             ),
-            largest_ratio=(ANY_RATIO if held else LONGEST_RATIO) if largest_ratio is None else largest_ratio,
+            largest_ratio=(ANY_RATIO if is_bounded else LONGEST_RATIO) if largest_ratio is None else largest_ratio,
             low=low,
             high=high,
         ),
@@ -124,16 +161,16 @@ def path_generator(
         seed=seed,
         time_limit=time_limit,
     )
-    ranked, cut = search.ranked(0)
+    ranked, was_cut = path_search.ranked(0)
     if not ranked:
-        if cut:
+        if was_cut:
             raise DesignError("time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more")
         raise DesignError(
             "bounds" if bounds else "points",
             "no linkage was found that moves within the limits",
             "give wider limits or bounds, or another seed",
         )
-    return replace(ranked[0], ranked=ranked, again=search.usable)
+    return replace(ranked[0], ranked=ranked, again=path_search.usable)
 
 
 def _turns(drive_deg: Real, count: int) -> Real:

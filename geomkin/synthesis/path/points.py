@@ -12,14 +12,14 @@ from ...core.errors import DesignError, printable
 from ...core.fields import FARTHEST
 from ...plane.vec import Complex
 
-# Characters of a path at most: more are another thing by mistake.
-LONGEST = 1_000_000
-# Commands of a run at most: more are a traced picture, and take seconds.
+# Largest number of characters of a path; longer texts are not paths.
+MOST_CHARACTERS = 1_000_000
+# Largest number of commands of a subpath; longer ones are traced pictures and take seconds.
 MOST_COMMANDS = 5_000
-# Places on each curve of a path that its length is taken from: fewer set points unevenly.
-SHARES = np.arange(1, 65) / 64
-# Numbers that each command takes at a time.
-TAKES = {"m": 2, "l": 2, "h": 1, "v": 1, "c": 6, "s": 4, "q": 4, "t": 2, "a": 7, "z": 0}
+# Parameters on each curve from which its length is measured; fewer space the points unevenly.
+PARAMETERS = np.arange(1, 65) / 64
+# Number of arguments of each command.
+ARGUMENT_COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "c": 6, "s": 4, "q": 4, "t": 2, "a": 7, "z": 0}
 NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
 FLAG = re.compile(r"[\s,]*([01])")
 COMMAND = re.compile(r"[\s,]*([a-zA-Z])")
@@ -27,23 +27,49 @@ COMMAND = re.compile(r"[\s,]*([a-zA-Z])")
 
 @checked
 def svg_path_points(path: str, count: Annotated[int, whole_between(3, 1000)] = 60) -> tuple[Complex, bool]:
-    """So many points (count,), mm, at equal lengths along a path's first run, and whether it closes.
+    """Sample points at equal arc lengths along the first subpath of an SVG path.
 
-    path: the text of the attribute `d` of an SVG path; one unit is 1 mm, and y goes up where it goes down in SVG. Of an
-    open one both ends are among the points, of a closed one its start once. Further runs are left out. DesignError for
-    what is no such text. The grammar: Scalable Vector Graphics 1.1, 8.3, its arcs by F.6.5.
+    Parameters
+    ----------
+    path : str
+        The attribute `d` of an SVG path. One unit is 1 mm.
+    count : int
+        Number of points, 3 to 1000.
+
+    Returns
+    -------
+    points : array of complex, shape (count,)
+        The points, mm, with y up (SVG has y down). An open path includes both ends, a closed one its start once.
+    closed : bool
+        Whether the subpath is closed.
+
+    Raises
+    ------
+    DesignError
+        If the text is not a path, or the subpath has no length.
+
+    Notes
+    -----
+    Further subpaths are ignored. Grammar: Scalable Vector Graphics 1.1, 8.3; arcs: appendix F.6.5.
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import svg_path_points
+    >>> points, closed = svg_path_points("M 0 0 L 10 0", 3)
+    >>> points.real.tolist(), closed
+    ([0.0, 5.0, 10.0], False)
     """
-    return evenly_spaced(*first_run(path), count)
+    return evenly_spaced(*first_subpath(path), count)
 
 
 def evenly_spaced(line: Complex, closed: bool, count: int) -> tuple[Complex, bool]:
-    """So many points at equal lengths along a line of many points, mirrored so that y goes up; and `closed`."""
+    """Points at equal lengths along a polyline, mirrored so that y goes up; and `closed`."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
     if not 0 < length[-1] < FARTHEST:
         raise DesignError("path", f"is {length[-1]:g} mm long", "give a path with a length")
-    kept = np.append(True, np.diff(length) > 0)
-    at = np.linspace(0, length[-1], count, endpoint=not closed)
-    return np.conj(np.interp(at, length[kept], line[kept])), closed
+    is_distinct = np.append(True, np.diff(length) > 0)
+    positions = np.linspace(0, length[-1], count, endpoint=not closed)
+    return np.conj(np.interp(positions, length[is_distinct], line[is_distinct])), closed
 
 
 class _Reader:
@@ -53,7 +79,7 @@ class _Reader:
         self.text, self.at = text, 0
 
     def take(self, pattern: re.Pattern[str]) -> str | None:
-        """What comes next, if it is of the pattern."""
+        """The next token, if it matches the pattern."""
         found = pattern.match(self.text, self.at)
         if found is None:
             return None
@@ -61,58 +87,59 @@ class _Reader:
         return found.group(1)
 
     def numbers(self, command: str) -> list[float]:
-        """The numbers of one command."""
-        told = []
-        for k in range(TAKES[command]):
-            # The two flags of an arc may stand without a gap.
+        values = []
+        for k in range(ARGUMENT_COUNTS[command]):
+            # The two flags of an arc need no separator.
             number = self.take(FLAG if command == "a" and k in (3, 4) else NUMBER)
             if number is None:
                 found = printable(repr(self.text[self.at : self.at + 20]))
-                raise DesignError("path", f"at character {self.at} holds {found}", f"give {TAKES[command]} numbers")
-            told.append(float(number))
-            if abs(told[-1]) > FARTHEST:
+                raise DesignError(
+                    "path", f"at character {self.at} holds {found}", f"give {ARGUMENT_COUNTS[command]} numbers"
+                )
+            values.append(float(number))
+            if abs(values[-1]) > FARTHEST:
                 raise DesignError("path", f"holds {printable(number, 30)}", f"give numbers within {FARTHEST:g} of 0")
-        return told
+        return values
 
 
-def first_run(path: str) -> tuple[Complex, bool]:
-    """The first run of a path's text as a line of many points, in SVG's own coordinates, and whether it closes."""
-    if len(path) > LONGEST:
-        raise DesignError("path", f"has {len(path):,} characters", f"give at most {LONGEST:,}", "too-much-work")
-    reader, line, commands = _Reader(path), [], 0
+def first_subpath(path: str) -> tuple[Complex, bool]:
+    """The first subpath as a polyline in SVG coordinates, and whether it is closed."""
+    if len(path) > MOST_CHARACTERS:
+        raise DesignError("path", f"has {len(path):,} characters", f"give at most {MOST_CHARACTERS:,}", "too-much-work")
+    reader, points, commands = _Reader(path), [], 0
     first = reader.take(COMMAND)
     if first is None or first.lower() != "m":
         raise DesignError(
             "path", f"found {printable(repr(path[:20]))}", "give the text of a path, as M 0 0 L 10 5 C ..."
         )
     here = start = complex(*reader.numbers("m"))
-    command, handle, before = ("L" if first == "M" else "l"), here, ""
-    line.append(here)
+    command, handle, previous = ("L" if first == "M" else "l"), here, ""
+    points.append(here)
     while True:
-        told = reader.take(COMMAND)
-        if told is None and not reader.text[reader.at :].strip(" ,\t\r\n"):
+        letter = reader.take(COMMAND)
+        if letter is None and not reader.text[reader.at :].strip(" ,\t\r\n"):
             break
-        command = told or command
+        command = letter or command
         kind = command.lower()
-        if kind not in TAKES:
+        if kind not in ARGUMENT_COUNTS:
             found = printable(repr(reader.text[reader.at - 1 : reader.at + 10]))
             raise DesignError("path", f"at character {reader.at} holds {found}", "give the commands of SVG paths")
         if kind == "z":
-            return _within_reach([*line, start]), True
+            return _within_range([*points, start]), True
         if kind == "m":
             break
         commands += 1
         if commands > MOST_COMMANDS:
             raise DesignError("path", f"has more than {MOST_COMMANDS:,} commands", "simplify it")
-        piece, handle = _piece(kind, reader.numbers(kind), here, 0 if command.isupper() else here, handle, before)
-        line.extend(piece)
-        here, before = line[-1], kind
-    points = _within_reach(line)
-    size = float(np.abs(points - points[0]).max())
-    return points, bool(len(points) > 3 and abs(points[-1] - points[0]) <= 1e-6 * size)
+        piece, handle = _piece(kind, reader.numbers(kind), here, 0 if command.isupper() else here, handle, previous)
+        points.extend(piece)
+        here, previous = points[-1], kind
+    polyline = _within_range(points)
+    size = float(np.abs(polyline - polyline[0]).max())
+    return polyline, bool(len(polyline) > 3 and abs(polyline[-1] - polyline[0]) <= 1e-6 * size)
 
 
-def _within_reach(line: list[complex]) -> Complex:
+def _within_range(line: list[complex]) -> Complex:
     points = np.array(line)
     if not (np.abs(points) < FARTHEST).all():
         raise DesignError("path", "has points too far away", f"give places within {FARTHEST:g} of 0")
@@ -120,37 +147,37 @@ def _within_reach(line: list[complex]) -> Complex:
 
 
 def _piece(
-    kind: str, told: list[float], here: complex, base: complex, handle: complex, before: str
+    kind: str, values: list[float], here: complex, base: complex, handle: complex, previous: str
 ) -> tuple[list[complex], complex]:
-    """The points of one command after its start, and the handle that a smooth one after it takes up."""
-    t = SHARES
+    """Points of one command after its start, and the control point that a following smooth command reflects."""
+    t = PARAMETERS
     if kind in "hv":
-        across = complex(told[0] + base.real, here.imag) if kind == "h" else complex(here.real, told[0] + base.imag)
+        across = complex(values[0] + base.real, here.imag) if kind == "h" else complex(here.real, values[0] + base.imag)
         return [across], across
     if kind == "a":
-        end = complex(told[5], told[6]) + base
-        return _arc(here, end, told), end
-    places = [complex(x, y) + base for x, y in zip(told[::2], told[1::2])]
+        end = complex(values[5], values[6]) + base
+        return _arc(here, end, values), end
+    controls = [complex(x, y) + base for x, y in zip(values[::2], values[1::2])]
     if kind == "l":
-        return places, places[0]
+        return controls, controls[0]
     if kind in "st":
-        same = before in ("cs" if kind == "s" else "qt") and before != ""
-        places = [2 * here - handle if same else here, *places]
-    if len(places) == 3:
-        one, two, end = places
-        curve = (1 - t) ** 3 * here + 3 * t * (1 - t) ** 2 * one + 3 * t**2 * (1 - t) * two + t**3 * end
-        return curve.tolist(), two
-    one, end = places
-    return ((1 - t) ** 2 * here + 2 * t * (1 - t) * one + t**2 * end).tolist(), one
+        same = previous in ("cs" if kind == "s" else "qt") and previous != ""
+        controls = [2 * here - handle if same else here, *controls]
+    if len(controls) == 3:
+        control_1, control_2, end = controls
+        curve = (1 - t) ** 3 * here + 3 * t * (1 - t) ** 2 * control_1 + 3 * t**2 * (1 - t) * control_2 + t**3 * end
+        return curve.tolist(), control_2
+    control_1, end = controls
+    return ((1 - t) ** 2 * here + 2 * t * (1 - t) * control_1 + t**2 * end).tolist(), control_1
 
 
-def _arc(start: complex, end: complex, told: list[float]) -> list[complex]:
-    """An elliptic arc from its ends: seen from the middle of its chord, so that huge radii lose no digits."""
-    wide, high, turn = abs(told[0]), abs(told[1]), complex(np.exp(1j * np.radians(told[2])))
+def _arc(start: complex, end: complex, values: list[float]) -> list[complex]:
+    """Elliptic arc between its ends, computed from the middle of its chord so that huge radii lose no digits."""
+    wide, high, turn = abs(values[0]), abs(values[1]), complex(np.exp(1j * np.radians(values[2])))
     radius = max(wide, high)
     if wide == 0 or high == 0 or start == end:
         return [end]
-    # In the frame in which the ellipse is a circle of this radius; too small a one is enlarged.
+    # In the frame in which the ellipse is a circle of this radius; a radius that is too small is enlarged.
     wide, high, chord = wide / radius, high / radius, (end - start) / 2 / turn
     if wide * high == 0:
         return [complex(np.inf)]
@@ -159,10 +186,10 @@ def _arc(start: complex, end: complex, told: list[float]) -> list[complex]:
     if not 0 < abs(chord) < np.inf:
         return [end if chord == 0 else complex(np.inf)]
     half_turn = float(np.arcsin(min(1.0, abs(chord) / radius)))
-    if told[3]:
+    if values[3]:
         half_turn = np.pi - half_turn
-    along = radius * np.sin(half_turn * (2 * SHARES - 1))
-    aside = 2 * radius * np.sin(half_turn * SHARES) * np.sin(half_turn * (1 - SHARES))
-    on = chord / abs(chord) * (along + (-1j if told[4] else 1j) * aside)
+    along = radius * np.sin(half_turn * (2 * PARAMETERS - 1))
+    aside = 2 * radius * np.sin(half_turn * PARAMETERS) * np.sin(half_turn * (1 - PARAMETERS))
+    on = chord / abs(chord) * (along + (-1j if values[4] else 1j) * aside)
     points: list[complex] = ((start + end) / 2 + turn * (wide * on.real + 1j * high * on.imag)).tolist()
     return [*points[:-1], end]

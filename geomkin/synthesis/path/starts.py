@@ -1,4 +1,4 @@
-"""What searches for paths start from: tens of thousands of random linkages, scored or held against the wanted curve."""
+"""Starts of path searches: tens of thousands of random linkages, compared with the wanted curve in closed form."""
 
 from __future__ import annotations
 
@@ -24,37 +24,39 @@ from .coupler_paths import (
 )
 from .fits import PathTask, nearest
 
-# Share of linkages whose crank turns fully, where it need not.
+# Share of random linkages whose crank turns fully, if it need not.
 TURNING = 0.6
-# Least transmission angle, rad, of random linkages: nearer to a toggle, least squares hardly get away from it.
+# Least transmission angle, rad, of random linkages; least squares hardly leave a toggle.
 LEAST = np.radians(5)
-# Ratio of lengths within which random linkages are, at most: beyond it they hardly differ from one that slides.
+# Largest ratio of lengths of random linkages; beyond it they hardly differ from slider-cranks.
 WIDEST = 40.0
-# Linkages whose lengths, as logarithms, and arms differ by no more are of one kind. Larger leaves kinds out, smaller
-# lets one kind crowd out the others.
+# Difference of lengths, as logarithms, and of arms below which linkages are of one type. A larger value leaves types
+# out; a smaller one lets one type crowd out the others.
 NEAR = 0.3
-# Of a timed path: linkages scored, and those of them that are improved. Fewer miss the best of problems with many
-# valleys; more take longer and find no better one.
+# For a timed path: number of linkages scored, and number improved. Fewer miss the best of problems with many valleys;
+# more take longer and find no better one.
 SCORED = 60_000
 STARTS = 140
-# Points that are few: so many more starts are then improved in the same time, and more valleys need them.
+# Number of points below which more starts are improved, and how many more: few points take less time and have more
+# valleys.
 FEW_TIMED, MORE = 12, 300
-# As many at a time: more do not fit into a processor's memory, fewer wait for Python.
+# Batch size: larger batches do not fit the processor's cache, smaller ones cost Python overhead.
 SCORED_AT_ONCE = 10_000
-# Of an untimed path: curves tried, so many at a time; those whose points are fitted as well; those that are improved.
-# Fewer curves miss rare shapes such as narrow eights; more take longer.
+# For an untimed path: curves tried, batch size, curves whose points are fitted, and curves improved. Fewer curves miss
+# rare shapes such as narrow figures of eight; more take longer.
 TRIED, TRIED_AT_ONCE, FITTED, IMPROVED = 80_000, 4_000, 4_000, 400
-# Points of an open path that are few.
+# Number of points below which an open path has few points.
 FEW_OPEN = 6
-# Cranks at which a curve is worked out, and places at equal lengths of it that are compared.
+# Crank angles at which a curve is computed, and points at equal arc lengths that are compared.
 CRANKS, PLACES = 64, 32
 
 
 def random_linkages(task: PathTask, rng: np.random.Generator, count: int) -> Real:
-    """Lengths (count, 4): ground, crank, coupler, rocker with the crank 1; of a slider-crank offset, crank, coupler, 1.
+    """Lengths (count, 4): ground, crank, coupler, rocker with the crank 1; for a slider-crank offset, crank, coupler,
+    1.
 
-    Every four-bar whose crank turns fully is known by coupler, rocker and its two extreme transmission angles, which
-    are drawn between the limits; others are drawn by their lengths. Derived here.
+    A four-bar whose crank turns fully is given by coupler, rocker and its two extreme transmission angles, which are
+    random between the limits; others by random lengths. Derived here.
     """
     least, ratio = max(task.least_transmission, LEAST), min(task.largest_ratio, WIDEST)
     spread = np.log(ratio)
@@ -76,7 +78,7 @@ def random_linkages(task: PathTask, rng: np.random.Generator, count: int) -> Rea
 
 
 def unlike(x: Real, branch: Real, score: Real, count: int) -> Whole:
-    """The best of each kind: many that are near each other would all come to the same linkage."""
+    """The best linkage of each type; similar ones would converge to the same result."""
     traits = np.concatenate(
         [
             np.log(np.abs(x[:, : ROCKER + 1]) + 1e-9),
@@ -98,7 +100,7 @@ def timed_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tupl
     """Linkages (s, 10) and branches (s,), the best of many.
 
     The coupler point is z + g B + h (C - B) with B, C the pins of a linkage of crank 1: linear in the complex z, g, h,
-    which are fitted in closed form to each of the random linkages and starts of the crank. Derived here.
+    which are fitted in closed form for random linkages and starts of the crank. Derived here.
     """
     turns = np.zeros(0) if task.turns is None else task.turns
     found, scores, branches = [], [], []
@@ -131,9 +133,9 @@ def timed_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tupl
 
 
 def linear_fit(task: PathTask, x: Real, crank: Complex, coupler: Complex) -> tuple[Real, Real]:
-    """The linkages turned, scaled, placed and given the coupler point that fit best, and the sums of squares (s,).
+    """Linkages with the best rotation, scale, position and coupler point, and the sums of squares (s,).
 
-    crank, coupler: their directions (s, n). Where bounds hold the pivot, it is held; the others are met by clipping.
+    `crank` and `coupler` are directions (s, n). A bounded pivot is kept; other bounds are met by clipping.
     """
     placed = bool(np.all(task.low[[ORIGIN_X, ORIGIN_Y]] == task.high[[ORIGIN_X, ORIGIN_Y]]))
     pivot = complex(task.low[ORIGIN_X], task.low[ORIGIN_Y])
@@ -151,7 +153,7 @@ def linear_fit(task: PathTask, x: Real, crank: Complex, coupler: Complex) -> tup
         turned = np.angle(g)
         turned = turned + 2 * np.pi * np.ceil((task.low[TURN] - turned) / (2 * np.pi))
         beyond = turned > task.high[TURN]
-        # Where bounds do not let it turn that far, it turns as far as they let it, and only its size is fitted.
+        # If bounds limit the rotation, it is clipped, and only the size is fitted.
         turned = np.where(beyond, np.where(turned - task.high[TURN] < np.pi, task.high[TURN], task.low[TURN]), turned)
         ahead = np.exp(1j * turned)
         size = ((bb * aw - ab * bw) * np.conj(ahead)).real / spread
@@ -167,7 +169,7 @@ def linear_fit(task: PathTask, x: Real, crank: Complex, coupler: Complex) -> tup
             found[:, link] *= np.abs(g)
         found[:, TURN], found[:, ARM_X], found[:, ARM_Y] = turned, arm.real, arm.imag
         found[:, ORIGIN_X], found[:, ORIGIN_Y] = origin.real, origin.imag
-        # A linkage that the bounds change much is no longer the one that was scored.
+        # A linkage that the bounds change much differs from the one that was scored.
         held = np.clip(found, task.low, task.high)
         cut = np.abs(np.log(np.abs(found[:, list(task.links)] / held[:, list(task.links)]))).max(axis=1)
         score = np.where(np.isfinite(found).all(axis=1), total * (1 + cut) ** 2 + 0.01 * cut, np.inf)
@@ -175,13 +177,13 @@ def linear_fit(task: PathTask, x: Real, crank: Complex, coupler: Complex) -> tup
 
 
 def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
-    """Linkages (s, 10), cranks (s, n) at the points and branches (s,): those whose curves are most alike.
+    """Linkages (s, 10), crank angles (s, n) at the points and branches (s,) of the most similar curves.
 
-    Curves are compared at equal shares of their length, turned, scaled and moved onto each other in closed form; a
-    closed one from each place on, by Fourier transforms, in both senses. Derived here.
+    Curves are compared at equal shares of their length after the best rotation, scaling and shift in closed form;
+    closed ones from every starting point and in both senses, by Fourier transforms. Derived here.
     """
     rows: list[tuple[Real, Real, Real, Real]] = []
-    # Of few points nearly every linkage can be made to fit.
+    # Nearly every linkage fits few points.
     tried = TRIED if len(task.wanted) > FEW_OPEN else TRIED // 4
     for k in range(tried // TRIED_AT_ONCE):
         if watch.over():
@@ -217,7 +219,7 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
 
 
 def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
-    """The linkages turned and scaled by `turned` (s,), the middle of their paths brought to `at`."""
+    """The linkages rotated and scaled by `turned` (s,), with the middle of their paths at `at`."""
     found = x.copy()
     size = np.abs(turned)
     found[:, [GROUND, CRANK, COUPLER, ROCKER, ARM_X, ARM_Y]] *= size[:, None]
@@ -227,7 +229,9 @@ def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
 
 
 def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:
-    """Places (s, PLACES) at equal shares of the paths' lengths, both ends or the first only, and the shares (s, k)."""
+    """Points (s, PLACES) at equal shares of the paths' lengths, with both ends or only the first, and the shares (s,
+    k).
+    """
     length = np.cumsum(np.abs(np.diff(path, axis=1)), axis=1)
     share = np.concatenate([np.zeros((len(path), 1)), length], axis=1) / np.maximum(length[:, -1:], 1e-300)
     row = np.arange(len(path))[:, None]
@@ -236,7 +240,7 @@ def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:
 
 
 def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callable[[Whole], Real]]:
-    """The linkages placed, how unlike their closed paths are, and cranks at the points of some of them."""
+    """The placed linkages, the difference of their closed paths, and a function for the crank angles at the points."""
     wanted = _evenly(loop(task.wanted)[None], False)[0][0]
     even = _evenly(path, False)[0]
     target, curves = np.fft.fft(wanted), np.fft.fft(even, axis=1)
@@ -253,7 +257,7 @@ def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callabl
 
 
 def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
-    """The same of paths from end to end."""
+    """The same for open paths."""
     target, shares = _evenly(task.wanted[None], True)
     even, reached = _evenly(path, True)
     at, middle = target[0].mean(), even.mean(axis=1)
@@ -273,7 +277,7 @@ def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, R
 
 
 def loop(points: Complex) -> Complex:
-    """A smooth closed line (k,) through points in the order of a short tour, its end the start."""
+    """A smooth closed line (k,) through points in the order of a short tour; its end is the start."""
     ahead = points[short_tour(points)]
     before, after, next_but_one = np.roll(ahead, 1), np.roll(ahead, -1), np.roll(ahead, -2)
     t = np.linspace(0, 1, 8, endpoint=False)[:, None]
@@ -285,7 +289,7 @@ def loop(points: Complex) -> Complex:
 
 
 def short_tour(points: Complex) -> Whole:
-    """An order (n,) in which points lie along a closed line: as given, or a tour by uncrossing if that is shorter."""
+    """An order (n,) of points along a closed line: as given, or a tour without crossings if that is shorter."""
     far = np.abs(points[:, None] - points)
 
     def length(order: Whole) -> float:
@@ -299,11 +303,11 @@ def short_tour(points: Complex) -> Whole:
     order = np.array(tour)
     for _ in range(4 * len(points)):
         after = np.roll(order, -1)
-        # What two lines of the tour are longer than those that join their starts, and their ends.
+        # Saving if two edges of the tour are replaced by those between their starts and between their ends.
         gain = far[order, after][:, None] + far[order, after] - far[np.ix_(order, order)] - far[np.ix_(after, after)]
         i, j = np.unravel_index(np.argmax(np.triu(gain, 1)), gain.shape)
         if gain[i, j] <= 1e-9 * far.max():
             break
         order[i + 1 : j + 1] = order[i + 1 : j + 1][::-1].copy()
-    # As it was given, unless that jumps to and fro: a curve that crosses itself has no shortest tour along it.
+    # The given order is kept unless it jumps back and forth, since a curve that crosses itself is not a shortest tour.
     return given if length(given) <= 1.3 * length(order) else order

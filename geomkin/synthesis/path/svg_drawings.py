@@ -1,7 +1,7 @@
-"""The first path of an SVG drawing, in mm: groups, transforms, uses, units and the view box are followed.
+"""The first path of an SVG drawing, in mm, with groups, transforms, uses, units and the view box.
 
-XML is read by the standard library, the path's text by `points`. Whatever would move a path and is not understood is
-refused by its name, never passed over. After Scalable Vector Graphics 2, chapters 5, 7 and 8.
+XML is read by the standard library, the text of the path by `points`. Elements and attributes that move a path and are
+not supported are refused by name. After Scalable Vector Graphics 2, chapters 5, 7 and 8.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import numpy as np
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST
 from ...plane.vec import Complex
-from .points import evenly_spaced, first_run
+from .points import evenly_spaced, first_subpath
 
-# Elements of a drawing, and visits of them: uses of uses multiply. Both are worked off in a second.
+# Largest number of elements and of visits to them, which nested uses multiply; processed in a second.
 MOST_ELEMENTS = 50_000
 MOST_VISITS = 10_000
-# Elements within each other, uses included.
+# Largest depth of nested elements, uses included.
 DEEPEST = 100
 LONGEST_ATTRIBUTE = 10_000
 SVG = "{http://www.w3.org/2000/svg}"
@@ -31,7 +31,7 @@ SHAPES = ("rect", "circle", "ellipse", "line", "polyline", "polygon", "text", "i
 # CSS pixels, user units, of each unit of length.
 PIXELS = {"": 1, "px": 1, "in": 96, "cm": 96 / 2.54, "mm": 96 / 25.4, "q": 96 / 101.6, "pt": 96 / 72, "pc": 16}
 MM_PER_PIXEL = 25.4 / 96
-# Numbers that each transform may have.
+# Allowed counts of numbers of each transform.
 TRANSFORMS = {"matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,), "skewY": (1,)}
 
 NUMBER = r"[+-]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
@@ -39,7 +39,7 @@ NUMBERS = re.compile(rf"[\s,]*+(?:{NUMBER}[\s,]*+)*+")
 LENGTH = re.compile(rf"\s*+({NUMBER})\s*+([a-zA-Z%]*+)\s*+")
 TRANSFORM = re.compile(r"[\s,]*+([a-zA-Z]++)\s*+\(([^()]*+)\)[\s,]*+")
 ALIGNMENT = re.compile(r"\s*+x(Min|Mid|Max)Y(Min|Mid|Max)(?:\s++(meet|slice))?+\s*+")
-# Declarations of styles that move or hide, and escapes that may spell them.
+# Style declarations that move or hide elements, and escapes that may spell them.
 MOVING = re.compile(
     r"@import|\\|(?<![\w-])(?:(?:transform(?:-\w++)?|translate|rotate|scale|zoom|offset(?:-\w++)?|d|x|y)\s*+:"
     r"|visibility\s*+:\s*+(?:hidden|collapse))",
@@ -49,18 +49,18 @@ HIDING = re.compile(r"display\s*+:\s*+none", re.IGNORECASE)
 
 
 class Placement(NamedTuple):
-    """z -> p z + q conj(z) + r: any affine map of the plane."""
+    """An affine map of the plane: z -> p z + q conj(z) + r."""
 
     p: complex = 1
     q: complex = 0
     r: complex = 0
 
     def place(self, z: Complex) -> Complex:
-        """Points as they lie after it."""
+        """The points after the map."""
         return self.p * z + self.q * np.conj(z) + self.r
 
     def after(self, first: Placement) -> Placement:
-        """This placement of what `first` has placed."""
+        """The composition: first `first`, then this map."""
         p, q, r = first
         return Placement(
             self.p * p + self.q * q.conjugate(),
@@ -70,10 +70,10 @@ class Placement(NamedTuple):
 
 
 def drawing_points(text: str, count: int) -> Complex:
-    """So many points (count,), mm, y up, at equal lengths along the first run of the first visible path.
+    """Points (count,), mm, y up, at equal lengths along the first subpath of the first visible path.
 
-    The drawing's upper left corner is 0. A width or height with a unit gives its size, one pixel being 1/96 inch; in a
-    drawing without one, a user unit is 1 mm. DesignError, field `file`, for whatever is not understood.
+    The drawing's upper left corner is 0. A width or height with a unit sets the size, with one pixel as 1/96 inch;
+    otherwise a user unit is 1 mm. DesignError, field `file`, for anything unsupported.
     """
     root = _tree(text)
     found = _Drawing(root).first_path()
@@ -83,7 +83,7 @@ def drawing_points(text: str, count: int) -> Complex:
         raise _refused(f"it has no visible path{other}", "turn an object into a path")
     data, placement = found
     try:
-        line, closed = first_run(data)
+        line, closed = first_subpath(data)
         line = placement.place(line)
         if not (np.abs(line) < FARTHEST).all():
             raise DesignError("path", "has points too far away", f"give places within {FARTHEST:g} mm of 0")
@@ -97,7 +97,7 @@ def _refused(problem: str, remedy: str = "save it as plain SVG without that") ->
 
 
 def _tree(text: str) -> ElementTree.Element:
-    """The elements of a text of XML that declares nothing and has a bearable number of them."""
+    """The elements of an XML text without declarations and with a limited number of elements."""
     if declared := re.search(r"<!(?:ENTITY|ATTLIST|ELEMENT|NOTATION)", text):
         raise _refused(f"it declares {declared.group()}")
     if text.count("<") > 2 * MOST_ELEMENTS or text.count("=") > 10 * MOST_ELEMENTS:
@@ -116,7 +116,7 @@ def _tag(element: ElementTree.Element) -> str:
 
 
 class _Drawing:
-    """A drawing that is searched for its first path."""
+    """A drawing searched for its first path."""
 
     def __init__(self, root: ElementTree.Element):
         self.root = root
@@ -130,7 +130,7 @@ class _Drawing:
                     raise _refused(f"its style sheet holds {shown(found.group())}")
 
     def first_path(self) -> tuple[str, Placement] | None:
-        """The text of the first visible path, and where it lies."""
+        """The text of the first visible path and its placement."""
         if "transform" in self.root.attrib:
             raise _refused("its <svg> has a transform")
         if not _visible(self.root):
@@ -140,7 +140,7 @@ class _Drawing:
     def _among(
         self, elements: Iterable[ElementTree.Element], placement: Placement, above: list[ElementTree.Element]
     ) -> tuple[str, Placement] | None:
-        """The first path of several elements. above: those that they lie in or are used by."""
+        """The first path of several elements inside or used by the elements `above`."""
         return next((found for element in elements if (found := self._of(element, placement, above))), None)
 
     def _of(
@@ -155,7 +155,7 @@ class _Drawing:
         tag = _tag(element)
         if tag == "switch":
             raise _refused("it holds a <switch>")
-        # Symbols are drawn by their uses alone; clip paths, masks, markers, patterns and definitions never.
+        # Symbols are drawn only by their uses; clip paths, masks, markers, patterns and definitions never.
         if tag not in DRAWN or (tag == "symbol" and _tag(above[-1]) != "use") or not _visible(element):
             return None
         if "transform" in element.attrib:
@@ -173,7 +173,7 @@ class _Drawing:
         return self._among(below, placement, [*above, element])
 
     def _used(self, use: ElementTree.Element) -> ElementTree.Element:
-        """What a use shows."""
+        """The element shown by a use."""
         name = use.get("href", use.get(HREF, "")).strip()
         target = self.by_id.get(name[1:]) if len(name) > 1 and name[0] == "#" else None
         if target is None:
@@ -182,7 +182,7 @@ class _Drawing:
 
 
 def _visible(element: ElementTree.Element) -> bool:
-    """Whether an element is drawn. DesignError for what moves it by a style."""
+    """Whether an element is drawn; DesignError for one moved by a style."""
     name, style = f"<{printable(_tag(element), 30)}>", element.get("style", "")
     if found := MOVING.search(style):
         raise _refused(f"its {name} has a style with {shown(found.group())}")
@@ -196,7 +196,7 @@ def _visible(element: ElementTree.Element) -> bool:
 
 
 def _numbers(text: str | None, counts: tuple[int, ...], what: str) -> list[float]:
-    """The numbers of an attribute, as many as it may have."""
+    """The numbers of an attribute in one of the allowed counts."""
     if text is not None and len(text) <= LONGEST_ATTRIBUTE and NUMBERS.fullmatch(text):
         numbers = [float(number) for number in re.findall(NUMBER, text)]
         if len(numbers) in counts and all(abs(number) <= FARTHEST for number in numbers):
@@ -211,7 +211,7 @@ def _matrix(a: float, b: float, c: float, d: float, e: float, f: float) -> Place
 
 
 def _transform(text: str) -> Placement:
-    """The placement that the attribute `transform` says."""
+    """The placement of the attribute `transform`."""
     placement, at = Placement(), 0
     while at < len(text.rstrip()):
         found = TRANSFORM.match(text, at)
@@ -254,7 +254,7 @@ def _pixels(element: ElementTree.Element, key: str) -> float:
 
 
 def _view(root: ElementTree.Element) -> Placement:
-    """What is in the drawing's user units, in mm from its upper left corner."""
+    """The map from the drawing's user units to mm from its upper left corner."""
     sizes: dict[str, float] = {}
     scale = 1.0
     for key in ("width", "height"):

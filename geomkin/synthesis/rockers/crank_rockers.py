@@ -1,4 +1,4 @@
-"""Crank-rockers from the rocker's swing and the crank's turn meanwhile: all of them, and the best."""
+"""Crank-rockers from the rocker's swing and the crank rotation during it: the whole family, and the best member."""
 
 from __future__ import annotations
 
@@ -21,33 +21,49 @@ from .families import (
     FullTurn,
     four_bars,
     full_turn,
-    highest,
-    members,
+    given_choice,
+    maximise,
+    member_angles,
     scale_of,
-    the_choice,
     turn_of,
-    within_sizes,
+    within_size_limits,
 )
 
 Swing = Annotated[float, between(0.1, 179, "deg")]
 Ratio = Annotated[float, between(1, 1e6)]
 Sense = Literal["same", "opposite"]
-# deg by which a crank's turn must keep clear of those that no linkage has. Nearer, all of them are so close to a
-# change point that rounding decides how they move.
+# Margin, deg, from the ends of the range of crank rotations. Closer to an end all linkages are so near a change point
+# that rounding decides how they move.
 CLEAR_DEG = 0.05
-# Share by which a simulated swing or turn may miss the one wanted. Rounding alone misses by far less, but of small
-# swings by more than of large ones; a dead centre on the other circuit by a hundred times this and more.
+# Largest relative error of a simulated swing or crank rotation. Rounding alone stays far below it (it is larger for
+# small swings); a dead centre on the other circuit exceeds it at least a hundred times.
 MISSED = 1e-6
 
 
 @record(eq=False, kw_only=True)
 class CrankRocker(AbstractMember):
-    """The crank-rocker of a swing and a crank's turn that was chosen, and what it does as it is moved.
+    """The crank-rocker chosen by `crank_rocker`, with its simulated motion.
 
-    linkage: its crank turns fully. branch: always +1. drive: the crank at the start and end of the stroke that
-    `crank_turn_deg` is the turn of, rad. transmission_angle_deg: the least over the full turn. swing_deg,
-    crank_turn_deg, crank_start_deg: of that stroke, as the simulated full turn has them. defects: "circuit" where the
-    simulated turn does not show the swing and the turn that were wanted.
+    Parameters
+    ----------
+    linkage : FourBar
+        The linkage; its crank turns fully.
+    branch : int
+        Always +1.
+    drive : array, shape (2,)
+        Crank angles at the start and end of the stroke to which `crank_turn_deg` belongs, rad.
+    transmission_angle_deg : float
+        Least transmission angle over the full turn.
+    swing_deg : float
+        Swing of the rocker in the simulated full turn.
+    crank_turn_deg : float
+        Rotation of the crank during the stroke in the chosen sense, from the simulation.
+    crank_start_deg : float
+        Crank angle at the start of that stroke, from the simulation.
+    defects : tuple of str
+        `("circuit",)` if the simulation does not show the wanted swing and crank rotation, else empty.
+    free_angle_deg, largest_ratio, at_largest_ratio, family
+        The position in the family and the limit of the search, see `Family` and `crank_rocker`.
     """
 
     measured: ClassVar = ("swing_deg", "crank_turn_deg", "crank_start_deg")
@@ -59,17 +75,17 @@ class CrankRocker(AbstractMember):
 
     @property
     def time_ratio(self) -> float:
-        """Of the stroke to the stroke back, at steady speed."""
+        """Time of the stroke over the time of the return stroke, at constant crank speed."""
         return self.crank_turn_deg / (360 - self.crank_turn_deg)
 
     def rounded(self, rounding: Rounding) -> CrankRocker:
         linkage = rounding.linkage(self.linkage)
         moved = full_turn(linkage)
-        start, way = moved.start, moved.turn
-        # The sense that was asked for is that of the stroke that begins where this one does.
-        if np.cos(start - self.drive[0]) < np.cos(start + way - self.drive[0]):
-            start, way = (start + way) % (2 * np.pi), 2 * np.pi - way
-        return replace(self, linkage=linkage, **_measured(moved, start, way))
+        start, rotation = moved.start, moved.turn
+        # The stroke in the chosen sense is the one that starts nearest to the start before rounding.
+        if np.cos(start - self.drive[0]) < np.cos(start + rotation - self.drive[0]):
+            start, rotation = (start + rotation) % (2 * np.pi), 2 * np.pi - rotation
+        return replace(self, linkage=linkage, **_measured(moved, start, rotation))
 
 
 @checked
@@ -86,34 +102,70 @@ def crank_rocker(
     largest_ratio: Ratio | None = None,
     time_ratio: Annotated[float, between(1e-6, 1e6)] | None = None,
 ) -> CrankRocker:
-    """The crank-rocker of a swing and a crank's turn whose least transmission angle over the full turn is largest.
+    """Find the crank-rocker with a given swing and crank rotation that has the best transmission angle.
 
-    swing_deg: of the rocker, from dead centre to dead centre. crank_turn_deg: the crank's turn while the rocker swings
-    in the same `sense` as the crank turns, or in the opposite one: 200 in the same sense is 160 in the opposite one.
-    time_ratio: instead of that turn, the time of this stroke over that of the stroke back; the turn is 360 k/(1 + k) of
-    a ratio k, and 180 where neither is given. ground, crank, coupler, rocker: one of the lengths, mm, the ground's 1
-    where none is given. free_angle_deg: takes another of the linkages that there are, all of them in `family`; its
-    tangent is crank over coupler. largest_ratio: longest link over the shortest of the best, 6 where it is left out, or
-    of swings below 39 deg twice the least that they need.
+    The best linkage has the largest least transmission angle over the full turn. The crank rotation sets the time
+    ratio of the two strokes.
 
-    There are linkages where the crank's turn is more than 90 deg and less than 270 deg, both and half the swing, in the
-    same sense, or less half the swing in the opposite one; DesignError where there are none, and for a ratio too small
-    for the swing. At a turn of 180 deg and near it the best runs to an endless ratio: `largest_ratio` ends it, and
-    `at_largest_ratio` says so. Its transmission angle then comes near to 90 deg less half the swing, which is more than
-    at any other turn: no crank-rocker that swings 100 deg or more has 40 deg. Each linkage is moved through its full
-    turn, and what it does there is told. Derived here, from the linkage in its two dead centres (Alt, Der
-    Übertragungswinkel, Werkstattstechnik 26, 1932): with the swing p, the turn f and the free angle z,
-    crank : coupler : rocker : ground are sin(p/2) sin z : sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| :
-    |cos(f/2 - p/2) cos z + i sin(f/2 - p/2) sin z|.
+    Parameters
+    ----------
+    swing_deg : float
+        Swing of the rocker from dead centre to dead centre, 0.1 to 179 deg.
+    crank_turn_deg : float, optional
+        Rotation of the crank, deg, during the stroke in which the rocker swings in the given `sense`. 200 in the same
+        sense is 160 in the opposite sense. 180 if neither this nor `time_ratio` is given.
+    ground, crank, coupler, rocker : float, optional
+        One length, mm, which sets the size; `ground=1` if none is given.
+    sense : {"same", "opposite"}
+        Sense of the rocker in that stroke, relative to the sense of the crank.
+    free_angle_deg : float, optional
+        Selects another member of the family than the best: the angle whose tangent is crank/coupler.
+    largest_ratio : float, optional
+        Largest ratio of the longest link to the shortest in the search for the best, 1 to 1e6. By default 6, or twice
+        the least possible ratio for swings below 39 deg.
+    time_ratio : float, optional
+        Time of the stroke over the time of the return stroke, instead of `crank_turn_deg`, 1e-6 to 1e6; a ratio k is a
+        rotation of 360 k/(1 + k) deg.
+
+    Returns
+    -------
+    CrankRocker
+        The linkage, moved through its full turn, with its `family`. `at_largest_ratio` is true if only `largest_ratio`
+        keeps the transmission angle from growing.
+
+    Raises
+    ------
+    DesignError
+        If no crank-rocker has this crank rotation: it must be between 90 and 270 deg, plus half the swing for the same
+        sense, minus half the swing for the opposite one. Also if `largest_ratio` is too small for the swing, or a size
+        is out of range.
+
+    Notes
+    -----
+    At a rotation of 180 deg and near it the transmission angle grows with the ratio of the links without end. It then
+    approaches 90 deg minus half the swing, which is more than at any other rotation: no crank-rocker that swings 100
+    deg or more reaches 40 deg.
+
+    The formulas are derived here from the linkage in its two dead centres (problem: Alt, Der Übertragungswinkel,
+    Werkstattstechnik 26, 1932). With the swing p, the crank rotation f and the free angle z, crank : coupler : rocker :
+    ground are sin(p/2) sin z : sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| : |cos(f/2 - p/2) cos z + i sin(f/2
+    - p/2) sin z|.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> best = gk.crank_rocker(50, 200, ground=100)
+    >>> round(best.swing_deg, 6), round(best.crank_turn_deg, 6), best.defects
+    (50.0, 200.0, ())
     """
     turn_deg = turn_of(crank_turn_deg, time_ratio)
     check_turn(swing_deg, turn_deg, sense, "crank_turn_deg" if time_ratio is None else "time_ratio")
     lengths_given = {"ground": ground, "crank": crank, "coupler": coupler, "rocker": rocker}
-    name, length = the_choice(lengths_given) or ("ground", 1.0)
+    name, length = given_choice(lengths_given) or ("ground", 1.0)
     swing, turn = np.radians(swing_deg), np.radians(turn_deg if sense == "same" else 360 - turn_deg)
     low, high = free_range(float(swing), float(turn))
     ratio = _ratio(swing_deg, largest_ratio)
-    all_of_them = _family(float(swing), float(turn), (low, high), name, length)
+    family = _family(float(swing), float(turn), (low, high), name, length)
 
     def least(free: Real) -> Real:
         return _transmission(float(swing), float(turn), free)
@@ -121,22 +173,22 @@ def crank_rocker(
     at_largest = False
     if free_angle_deg is None:
         start = max(low, _free_at(float(swing), float(turn), ratio))
-        free = highest(least, start, high)
+        free = maximise(least, start, high)
         at_largest = start > low and free <= start * (1 + 1e-9)
     else:
         free = float(np.radians(free_angle_deg))
         if not low < free < high:
-            ends = f"more than {rounded_up(all_of_them.range_deg[0])} deg and less than 45"
+            ends = f"more than {rounded_up(family.range_deg[0])} deg and less than 45"
             raise DesignError("free_angle_deg", f"found {free_angle_deg:g}", f"give {ends}")
     sizes = {k: float(size) for k, size in _sizes(float(swing), float(turn), np.array(free)).items()}
     scale = scale_of(sizes, name, length)
     lengths = {k: length if k == name else scale * size for k, size in sizes.items()}
     linkage = FourBar(lengths["ground"], lengths["crank"], lengths["coupler"], lengths["rocker"])
     moved = full_turn(linkage)
-    return _told(linkage, moved, sense, float(swing), float(turn), np.degrees(free), ratio, at_largest, all_of_them)
+    return _crank_rocker(linkage, moved, sense, float(swing), float(turn), np.degrees(free), ratio, at_largest, family)
 
 
-def _told(
+def _crank_rocker(
     linkage: FourBar,
     moved: FullTurn,
     sense: Sense,
@@ -147,15 +199,15 @@ def _told(
     at_largest: bool,
     family: Family,
 ) -> CrankRocker:
-    start, way = moved.start, moved.turn
+    start, rotation = moved.start, moved.turn
     if sense == "opposite":
-        start, way = (start + way) % (2 * np.pi), 2 * np.pi - way
-    sound = abs(moved.extent - swing) <= MISSED * swing and abs(moved.turn - turn) <= MISSED
+        start, rotation = (start + rotation) % (2 * np.pi), 2 * np.pi - rotation
+    is_as_wanted = abs(moved.extent - swing) <= MISSED * swing and abs(moved.turn - turn) <= MISSED
     return CrankRocker(
         linkage=linkage,
         branch=1,
-        **_measured(moved, start, way),
-        defects=() if sound else ("circuit",),
+        **_measured(moved, start, rotation),
+        defects=() if is_as_wanted else ("circuit",),
         free_angle_deg=float(free_deg),
         largest_ratio=largest_ratio,
         at_largest_ratio=at_largest,
@@ -163,49 +215,51 @@ def _told(
     )
 
 
-def _measured(moved: FullTurn, start: float, way: float) -> dict[str, Any]:
-    """What a full turn shows of the stroke that begins at `start` and takes a turn of `way`, rad."""
+def _measured(moved: FullTurn, start: float, rotation: float) -> dict[str, Any]:
+    """Fields that a simulated full turn gives for the stroke from `start` over `rotation`, rad."""
     return {
-        "drive": np.array([start, start + way]),
+        "drive": np.array([start, start + rotation]),
         "transmission_angle_deg": float(np.degrees(moved.least)),
         "swing_deg": float(np.degrees(moved.extent)),
-        "crank_turn_deg": float(np.degrees(way)),
+        "crank_turn_deg": float(np.degrees(rotation)),
         "crank_start_deg": float(np.degrees(start)),
     }
 
 
 def crank_turns(swing_deg: float, sense: Sense) -> tuple[float, float]:
-    """Between which a crank-rocker's turn lies, deg, in the stroke in which its rocker swings in that sense."""
+    """Range of the crank rotation, deg, during the stroke of the given sense."""
     half = 0.5 * swing_deg if sense == "same" else -0.5 * swing_deg
     return 90 + half + CLEAR_DEG, 270 + half - CLEAR_DEG
 
 
 def check_turn(swing_deg: float, crank_turn_deg: float, sense: Sense, field: str = "crank_turn_deg") -> None:
-    """Refuse a crank's turn that no crank-rocker of the swing has; under `field`, as a time ratio where it is one."""
+    """Raise DesignError, under the name `field`, for a crank rotation that no crank-rocker of this swing has."""
     ends = crank_turns(swing_deg, sense)
     if ends[0] <= crank_turn_deg <= ends[1]:
         return
     other: Sense = "opposite" if sense == "same" else "same"
     others = crank_turns(swing_deg, other)
-    more = f', or sense = "{other}", in which there are some' if others[0] <= crank_turn_deg <= others[1] else ""
-    raise no_such_turn(field, crank_turn_deg, f"no crank-rocker that swings {swing_deg:g} deg has", ends, more)
+    alternative = f', or sense = "{other}", which allows it' if others[0] <= crank_turn_deg <= others[1] else ""
+    raise no_such_turn(field, crank_turn_deg, f"no crank-rocker that swings {swing_deg:g} deg has", ends, alternative)
 
 
-def no_such_turn(field: str, turn_deg: float, whose: str, ends: tuple[float, float], more: str = "") -> DesignError:
-    """The refusal of a turn, deg, that is not between two others; as ratios of times where the field is one."""
+def no_such_turn(
+    field: str, turn_deg: float, problem: str, ends: tuple[float, float], alternative: str = ""
+) -> DesignError:
+    """The error for a crank rotation, deg, outside a range; in time ratios unless the field ends in `_deg`."""
     in_deg = field.endswith("_deg")
     found, low, high = (turn if in_deg else turn / (360 - turn) for turn in (turn_deg, *ends))
     unit = " deg" if in_deg else ""
-    remedy = f"give {rounded_up(low)} to {rounded_down(high)}{unit}{more}"
-    return DesignError(field, f"found {found:.7g}{unit}, which {whose}", remedy)
+    remedy = f"give {rounded_up(low)} to {rounded_down(high)}{unit}{alternative}"
+    return DesignError(field, f"found {found:.7g}{unit}, which {problem}", remedy)
 
 
 def free_range(swing: float, turn: float) -> tuple[float, float]:
-    """Ends of the free angle, rad: a crank of no length, or on the ground line in a dead centre; and a kite.
+    """Ends of the free angle, rad: a crank of zero length or in line with the ground in a dead centre, and a kite.
 
-    turn: in the stroke in the same sense. In both dead centres the rocker must stand on one side of the ground line;
-    that is the one circuit there is, since the closed dead centres alone make the crank the shortest of a Grashof
-    linkage. A swing of 0 is the slider-crank's.
+    `turn` belongs to the stroke in the same sense. In both dead centres the rocker must be on the same side of the
+    ground line, which means the same circuit, since closed dead centres alone make the crank the shortest link of a
+    Grashof linkage. A swing of 0 gives the range of the slider-crank.
     """
     near, far = np.cos(swing / 2), -np.cos(turn - swing / 2)
     return float(np.pi / 4 - np.arctan(min(near / far, far / near))), float(np.pi / 4)
@@ -214,25 +268,25 @@ def free_range(swing: float, turn: float) -> tuple[float, float]:
 def _sizes(swing: float, turn: float, free: Real) -> dict[str, Real]:
     s = np.sin(swing / 2)
     return {
-        "ground": reach(0.5 * (turn - swing), free),
+        "ground": pivot_distance(0.5 * (turn - swing), free),
         "crank": s * np.sin(free),
         "coupler": s * np.cos(free),
-        "rocker": reach(0.5 * turn, free),
+        "rocker": pivot_distance(0.5 * turn, free),
     }
 
 
-def reach(half: float, free: Real) -> Real:
-    """|cos half cos free + i sin half sin free|: a pivot's distance in the closed form of the dead centres."""
-    far: Real = np.hypot(np.cos(half) * np.cos(free), np.sin(half) * np.sin(free))
-    return far
+def pivot_distance(half: float, free: Real) -> Real:
+    """|cos half cos free + i sin half sin free|, by which the closed form gives the distance of a ground pivot."""
+    distance: Real = np.hypot(np.cos(half) * np.cos(free), np.sin(half) * np.sin(free))
+    return distance
 
 
 def _transmission(swing: float, turn: float, free: Real) -> Real:
-    """The least transmission angle, rad: where the crank lies on the ground line, to one side or the other."""
+    """Least transmission angle, rad; it occurs with the crank on the ground line."""
     size, s = _sizes(swing, turn, free), np.sin(swing / 2)
-    lean = 0.5 * np.abs(np.cos(2 * free) * s * (s - np.sin(turn - swing / 2)))
+    offset_term = 0.5 * np.abs(np.cos(2 * free) * s * (s - np.sin(turn - swing / 2)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        cosine = (lean + size["crank"] * size["ground"]) / (size["coupler"] * size["rocker"])
+        cosine = (offset_term + size["crank"] * size["ground"]) / (size["coupler"] * size["rocker"])
     least: Real = np.nan_to_num(np.arccos(np.minimum(cosine, 1.0)))
     return least
 
@@ -242,27 +296,27 @@ def _ratio(swing_deg: float, largest: float | None) -> float:
     if largest is None:
         return float(max(TURNING_RATIO, 2 * least))
     if largest <= least * 1.0001:
-        found = f"found {largest:g}, but the rocker is longer than the crank by more where it swings {swing_deg:g} deg"
+        found = f"found {largest:g}, but with a swing of {swing_deg:g} deg rocker over crank is larger"
         raise DesignError("largest_ratio", found, f"give at least {rounded_up(least * 1.0002, 4)}")
     return largest
 
 
 def _free_at(swing: float, turn: float, ratio: float) -> float:
-    """The least free angle at which no link is longer than `ratio` cranks, rad: it only falls as the angle grows."""
+    """Least free angle, rad, at which no link is longer than `ratio` cranks; the ratio falls as the angle grows."""
     cotangent = ratio
     for half in (0.5 * turn, 0.5 * (turn - swing)):
-        more = ratio**2 * np.sin(swing / 2) ** 2 - np.sin(half) ** 2
+        margin = ratio**2 * np.sin(swing / 2) ** 2 - np.sin(half) ** 2
         with np.errstate(divide="ignore"):
-            cotangent = min(cotangent, np.sqrt(np.divide(more, np.cos(half) ** 2)))
+            cotangent = min(cotangent, np.sqrt(np.divide(margin, np.cos(half) ** 2)))
     return float(np.arctan2(1.0, cotangent))
 
 
 def _family(swing: float, turn: float, ends: tuple[float, float], name: str, length: float) -> Family:
-    free = members(*ends)
+    free = member_angles(*ends)
     sizes = _sizes(swing, turn, free)
     scale = length / sizes[name]
     sizes = {k: np.full_like(free, length) if k == name else scale * size for k, size in sizes.items()}
-    fit = within_sizes(*sizes.values())
+    fit = within_size_limits(*sizes.values())
     return Family(
         linkage=four_bars({k: size[fit] for k, size in sizes.items()}),
         free_angle_deg=np.degrees(free[fit]),

@@ -1,4 +1,4 @@
-"""Linkages that all do what is wanted and differ in one free choice, and the best of them."""
+"""Families of linkages with one free parameter that all solve the same problem, and the search for the best member."""
 
 from __future__ import annotations
 
@@ -18,18 +18,20 @@ from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Mask, Real
 from ..found import Found, ten_digits
 
-# Members that are told, evenly along the free angle without its ends, at which a length vanishes or has no end. More
-# tell nothing new: the best one is searched for by itself.
+# Members listed, evenly spaced along the free angle without its ends, at which a length is 0 or infinite. More add
+# nothing, since the best one is searched for separately.
 MEMBERS = 179
-# Looks along a family before its best is narrowed. With nine, the best of one double rocker in some hundred is missed;
-# of crank-rockers and slider-cranks none is.
+# Samples along a family before the maximum is narrowed down. Nine samples miss the best of about one double rocker in a
+# hundred, and of no crank-rocker or slider-crank.
 LOOKS = 1025
-# Longest link over the shortest where no limit is given. Those of cranks that turn fully get better without end as it
-# grows where both strokes take alike long: 6 costs 0.8 of 45 deg of transmission angle at a swing of 90 deg and 2.6 of
-# 70 deg at 40 deg, and larger limits give linkages that nobody can build. Of double rockers the best has an end.
+# Default limits of the ratio of the longest link to the shortest. If both strokes take equally long, a linkage with a
+# rotating crank improves without end as the ratio grows: 6 costs 0.8 of 45 deg of transmission angle at a swing of 90
+# deg and 2.6 of 70 deg at 40 deg, and larger limits give linkages that cannot be built. The best double rocker has a
+# finite ratio.
 TURNING_RATIO, RATIO = 6.0, 100.0
-# Of a family's range, the step over which a slope is taken, and what f may lose by rounding the place of its top, rad.
-# A smaller step leaves fewer digits of the place, a larger one bends it; a larger loss takes a corner for a round top.
+# STEP is the step for slopes as a share of the family's range; ROUNDING is the loss of the function value that rounding
+# of the position of the maximum may cause, rad. A smaller step leaves fewer digits of the position, a larger one
+# distorts it; a larger loss mistakes a corner for a smooth maximum.
 STEP = 1e-3
 ROUNDING = 1e-13
 LINKS = ("ground", "crank", "coupler", "rocker")
@@ -37,11 +39,18 @@ LINKS = ("ground", "crank", "coupler", "rocker")
 
 @record(eq=False, kw_only=True)
 class Family:
-    """All linkages that do what is wanted, along the angle that stays free.
+    """All linkages that solve a problem, along the angle that stays free.
 
-    linkage: one with arrays (members,) as its sizes, mm. free_angle_deg: (members,), rising, without the ends of
-    `range_deg`, between which there are linkages. transmission_angle_deg: (members,) the least of each over its motion,
-    nan where one has a defect.
+    Parameters
+    ----------
+    linkage : FourBar or SliderCrank
+        One linkage whose sizes are arrays of shape (members,), mm.
+    free_angle_deg : array, shape (members,)
+        The free angle of each member, rising, without the ends of `range_deg`.
+    transmission_angle_deg : array, shape (members,)
+        Least transmission angle of each member over its motion; nan if it has a defect.
+    range_deg : tuple of float
+        Range of the free angle, deg; linkages exist strictly inside it.
     """
 
     linkage: AbstractLinkage
@@ -52,13 +61,21 @@ class Family:
 
 @record(eq=False, kw_only=True)
 class AbstractMember(Found):
-    """A linkage that was chosen from a family, and what it does as it is moved.
+    """A linkage chosen from a family, with its simulated motion.
 
-    free_angle_deg: where in its family it is. largest_ratio: of the longest link over the shortest, beyond which none
-    was looked for. at_largest_ratio: whether the best would be better still if one link could be longer.
+    Parameters
+    ----------
+    free_angle_deg : float
+        Position of the linkage in its family.
+    largest_ratio : float
+        Limit of the search for the ratio of the longest link to the shortest.
+    at_largest_ratio : bool
+        Whether the best linkage would be better with a larger limit.
+    family : Family
+        All linkages that solve the same problem.
     """
 
-    # What the simulated motion does, in mm where no other unit is told: comes first in summary.json.
+    # Fields measured by the simulation, in mm unless the name has a unit; summary.json lists them first.
     measured: ClassVar[tuple[str, ...]]
 
     free_angle_deg: float
@@ -67,66 +84,68 @@ class AbstractMember(Found):
     family: Family
 
     def summary(self) -> Mapping[str, object]:
-        told = {name: ten_digits(getattr(self, name)) for name in (*self.measured, "free_angle_deg")}
-        named = {name if name.endswith("_deg") else f"{name}_mm": value for name, value in told.items()}
+        values = {name: ten_digits(getattr(self, name)) for name in (*self.measured, "free_angle_deg")}
+        named = {name if name.endswith("_deg") else f"{name}_mm": value for name, value in values.items()}
         limit = {"largest_ratio": ten_digits(self.largest_ratio), "at_largest_ratio": self.at_largest_ratio}
         return {**named, **super().summary(), **limit}
 
 
-def members(low: float, high: float) -> Real:
-    """Free angles of the members that are told, rad, of a family between two ends."""
+def member_angles(low: float, high: float) -> Real:
+    """Free angles of the listed members, rad, between two ends."""
     return np.linspace(low, high, MEMBERS + 2)[1:-1]
 
 
-def highest(f: Callable[[Real], Real], low: float, high: float) -> float:
-    """Where f, of a row of places, is highest between two; where the top is round, to nine digits that are sure."""
-    places, width = np.linspace(low, high, LOOKS), np.inf
+def maximise(f: Callable[[Real], Real], low: float, high: float) -> float:
+    """Where a vectorised function is largest between two ends; a smooth maximum keeps its nine reliable digits."""
+    angles, width = np.linspace(low, high, LOOKS), np.inf
     while True:
-        top = int(np.argmax(f(places)))
-        best = float(places[top])
-        ends = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
+        top = int(np.argmax(f(angles)))
+        best = float(angles[top])
+        ends = angles[max(top - 1, 0)], angles[min(top + 1, len(angles) - 1)]
         if ends[1] - ends[0] >= width:
             break
         width = ends[1] - ends[0]
-        places = np.unique(np.append(np.linspace(*ends, 17), best))
-    round_top = float(f"{_summit(f, best, STEP * (high - low)):.9g}")
+        angles = np.unique(np.append(np.linspace(*ends, 17), best))
+    round_top = float(f"{_smooth_maximum(f, best, STEP * (high - low)):.9g}")
     values = f(np.array([best, round_top]))
     return round_top if low <= round_top <= high and values[1] >= values[0] - ROUNDING else best
 
 
-def _summit(f: Callable[[Real], Real], best: float, step: float) -> float:
-    """The top of a smooth f near its best place, where its slope is 0: values alone tell half of the digits."""
+def _smooth_maximum(f: Callable[[Real], Real], best: float, step: float) -> float:
+    """Maximum of a smooth function by Newton steps on its slope; values alone give only half of the digits."""
     for _ in range(3):
         values = f(best + step * np.arange(-2, 3))
         if not np.abs(values).max() < LARGEST:
             break
-        slope, bend = (float(np.dot(weights, values)) for weights in ([1, -8, 0, 8, -1], [-1, 16, -30, 16, -1]))
-        if not abs(slope) < -bend:
+        slope, second_derivative = (
+            float(np.dot(weights, values)) for weights in ([1, -8, 0, 8, -1], [-1, 16, -30, 16, -1])
+        )
+        if not abs(slope) < -second_derivative:
             break
-        best -= step * slope / bend
+        best -= step * slope / second_derivative
     return best
 
 
-def the_choice(given: Mapping[str, float | None]) -> tuple[str, float] | None:
-    """The one thing that is given of several that each tell the rest, by its name; None where none is."""
-    told = {name: value for name, value in given.items() if value is not None}
-    if len(told) > 1:
-        first, second, *_ = told
-        raise DesignError(second, f"is given besides {first}", "give one of them: the others follow")
-    return next(iter(told.items()), None)
+def given_choice(given: Mapping[str, float | None]) -> tuple[str, float] | None:
+    """Name and value of the only argument that is given, or None; DesignError if several are given."""
+    chosen = {name: value for name, value in given.items() if value is not None}
+    if len(chosen) > 1:
+        first, second, *_ = chosen
+        raise DesignError(second, f"is given together with {first}", "give only one of them; the others follow from it")
+    return next(iter(chosen.items()), None)
 
 
 def turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
-    """The crank's turn in a stroke, deg, from itself or from the ratio of times there and back; 180 from neither."""
+    """Crank rotation of a stroke, deg, given directly or as a time ratio; 180 by default."""
     if time_ratio is None:
         return 180.0 if crank_turn_deg is None else crank_turn_deg
     if crank_turn_deg is not None:
-        raise DesignError("time_ratio", "is given besides crank_turn_deg", "give one of them, which tells the other")
+        raise DesignError("time_ratio", "is given together with crank_turn_deg", "give only one of them")
     return 360 * time_ratio / (1 + time_ratio)
 
 
 def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:
-    """What makes `name` of the sizes as long as is given; DesignError where another gets too long or short for it."""
+    """Factor that makes the link `name` as long as given; DesignError if another link becomes too long or too short."""
     scale = length / sizes[name]
     longest, shortest = max(sizes.values()), min(sizes.values())
     if longest * scale > FARTHEST:
@@ -139,32 +158,41 @@ def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:
     return scale
 
 
-def within_sizes(*sizes: Real) -> Mask:
-    """Which members have all their sizes within what a linkage may have."""
+def within_size_limits(*sizes: Real) -> Mask:
+    """Mask of the members whose sizes are all within the limits of a linkage."""
     fit: Mask = np.all([(size <= FARTHEST) & (size >= SMALLEST) for size in sizes], axis=0)
     return fit
 
 
 def four_bars(sizes: Mapping[str, Real]) -> FourBar:
-    """Many at once, by the names of their links."""
+    """One four-bar with arrays as its lengths."""
     ground, crank, coupler, rocker = (np.asarray(sizes[name], dtype=np.float64) for name in LINKS)
     return FourBar(ground, crank, coupler, rocker)
 
 
-# rad. Two dead centres that are nearer than this on the circle are one that was found from both sides of 0; of those
-# that are looked for in steps of a quarter degree none are nearer.
-ONE = 1e-6
-# Frames of the turn, besides the dead centres; that it closes between them as well is seen from as many.
+# rad. Two dead centres closer than this are one, found from both sides of angle 0. The search steps by a quarter of a
+# degree, so distinct ones are farther apart.
+SAME_ANGLE = 1e-6
+# Frames of the full turn besides the dead centres; they also show whether the linkage closes everywhere.
 FRAMES = 361
 
 
 @record(eq=False, kw_only=True)
 class FullTurn:
-    """A full turn of a crank, counterclockwise, and what it does to its rocker or slider.
+    """Motion of a rocker or slider over one counterclockwise turn of the crank.
 
-    extent: how far the output goes there and back, rad or mm. start, turn: the crank's angle, 0 to 2 pi, where the
-    output begins to go counterclockwise, or towards +x, and its turn until the output goes back, rad. least: the least
-    transmission angle, rad. All nan where the linkage does not close all the way, or does not go there and back once.
+    All fields are nan if the linkage does not close everywhere or the output does not reverse exactly twice.
+
+    Parameters
+    ----------
+    extent : float
+        Travel of the output in one direction, rad or mm.
+    start : float
+        Crank angle, 0 to 2 pi, at which the output starts to move counterclockwise or towards +x, rad.
+    turn : float
+        Rotation of the crank from there until the output reverses, rad.
+    least : float
+        Least transmission angle, rad.
     """
 
     extent: float
@@ -174,31 +202,33 @@ class FullTurn:
 
 
 def full_turn(linkage: FourBar | SliderCrank, branch: int = 1) -> FullTurn:
-    """The linkage moved once round. Derived here: dead centres as zeros of the output's first coefficient."""
+    """Simulate one turn. Derived here: dead centres are zeros of the output's first kinematic coefficient."""
     output = "rocker" if isinstance(linkage, FourBar) else "slider"
-    # A little more than one turn: a dead centre at its very ends would show no change of sign.
-    dead = _once(dead_centres(linkage, output, branch, (-0.1, 2 * np.pi + 0.1)))
+    # Slightly more than one turn, since a dead centre exactly at an end would show no change of sign.
+    dead = _distinct_angles(dead_centres(linkage, output, branch, (-0.1, 2 * np.pi + 0.1)))
     frames = np.linspace(0, 2 * np.pi, FRAMES)
-    # Crank and ground in line are the two places at which the transmission angle of a four-bar is least; of a
-    # slider-crank it is crank and slide line at right angles. All three are frames.
+    # The transmission angle of a four-bar is least with crank and ground in line, that of a slider-crank with the
+    # crank at right angles to the slide line. All these positions are frames.
     motion = move(linkage, frames, branch)
     if len(dead) != 2 or not motion.assembled.all():
         return FullTurn(extent=np.nan, start=np.nan, turn=np.nan, least=np.nan)
     body = move(linkage, dead, branch).bodies[output]
     if output == "rocker":
-        places: Real = np.unwrap(np.angle(body.direction))
-        way = np.unwrap(np.angle(motion.bodies[output].direction))
+        at_dead_centres: Real = np.unwrap(np.angle(body.direction))
+        displacement = np.unwrap(np.angle(motion.bodies[output].direction))
     else:
-        places, way = body.origin.position.real, motion.bodies[output].origin.position.real
+        at_dead_centres, displacement = body.origin.position.real, motion.bodies[output].origin.position.real
     turn = float(dead[1] - dead[0])
-    start, turn = (float(dead[0]), turn) if places[1] > places[0] else (float(dead[1]), 2 * np.pi - turn)
-    extent = max(float(np.ptp(places)), float(np.ptp(way)))
+    start, turn = (
+        (float(dead[0]), turn) if at_dead_centres[1] > at_dead_centres[0] else (float(dead[1]), 2 * np.pi - turn)
+    )
+    extent = max(float(np.ptp(at_dead_centres)), float(np.ptp(displacement)))
     return FullTurn(extent=extent, start=start, turn=turn, least=float(least_transmission_angle(motion)))
 
 
-def _once(turns: Real) -> Real:
-    """Angles on the circle, 0 to 2 pi and rising, each told once."""
-    rising = np.sort(np.mod(turns, 2 * np.pi))
+def _distinct_angles(angles: Real) -> Real:
+    """Distinct angles on the circle, 0 to 2 pi and rising."""
+    rising = np.sort(np.mod(angles, 2 * np.pi))
     before = np.roll(rising, 1) - 2 * np.pi * (np.arange(len(rising)) == 0)
-    once: Real = rising[rising - before > ONE]
-    return once
+    distinct: Real = rising[rising - before > SAME_ANGLE]
+    return distinct

@@ -1,4 +1,4 @@
-"""Slider-cranks from the slider's stroke and the crank's turn meanwhile: all of them, and the best."""
+"""Slider-cranks from the slider's stroke and the crank rotation during it: the whole family, and the best member."""
 
 from __future__ import annotations
 
@@ -14,32 +14,48 @@ from ...core.records import record
 from ...linkage.named_linkages import SliderCrank
 from ...plane.vec import Real
 from ..rounding import Rounding
-from .crank_rockers import CLEAR_DEG, MISSED, free_range, no_such_turn, reach
+from .crank_rockers import CLEAR_DEG, MISSED, free_range, no_such_turn, pivot_distance
 from .families import (
     TURNING_RATIO,
     AbstractMember,
     Family,
     FullTurn,
     full_turn,
-    highest,
-    members,
-    the_choice,
-    within_sizes,
+    given_choice,
+    maximise,
+    member_angles,
+    within_size_limits,
 )
 
 Offset = Annotated[float, between(-FARTHEST, FARTHEST, "mm")]
-# Of a connecting rod to its crank: the least ratio that leaves a slider-crank which can be moved, with a hair of room.
+# Least ratio of connecting rod to crank, slightly above 1: the least that leaves a slider-crank that can move.
 Ratio = Annotated[float, between(1.001, 1e6)]
 
 
 @record(eq=False, kw_only=True)
 class StrokeCrank(AbstractMember):
-    """The slider-crank of a stroke and a crank's turn that was chosen, and what it does as it is moved.
+    """The slider-crank chosen by `slider_crank_stroke`, with its simulated motion.
 
-    linkage: its crank turns fully. branch: always +1. drive: the crank at the start and end of the stroke towards +x,
-    rad. transmission_angle_deg: the least over the full turn. stroke (mm), crank_turn_deg, crank_start_deg: of that
-    stroke, as the simulated full turn has them. defects: "circuit" where the simulated turn does not show the stroke
-    and the turn that were wanted.
+    Parameters
+    ----------
+    linkage : SliderCrank
+        The linkage; its crank turns fully.
+    branch : int
+        Always +1.
+    drive : array, shape (2,)
+        Crank angles at the start and end of the stroke towards +x, rad.
+    transmission_angle_deg : float
+        Least transmission angle over the full turn.
+    stroke : float
+        Stroke of the slider in the simulated full turn, mm.
+    crank_turn_deg : float
+        Rotation of the crank during the stroke towards +x, from the simulation.
+    crank_start_deg : float
+        Crank angle at the start of that stroke, from the simulation.
+    defects : tuple of str
+        `("circuit",)` if the simulation does not show the wanted stroke and crank rotation, else empty.
+    free_angle_deg, largest_ratio, at_largest_ratio, family
+        The position in the family and the limit of the search, see `Family` and `slider_crank_stroke`.
     """
 
     measured: ClassVar = ("stroke", "crank_turn_deg", "crank_start_deg")
@@ -51,7 +67,7 @@ class StrokeCrank(AbstractMember):
 
     @property
     def time_ratio(self) -> float:
-        """Of the stroke towards +x to the stroke back, at steady speed."""
+        """Time of the stroke towards +x over the time of the return stroke, at constant crank speed."""
         return self.crank_turn_deg / (360 - self.crank_turn_deg)
 
     def rounded(self, rounding: Rounding) -> StrokeCrank:
@@ -70,57 +86,87 @@ def slider_crank_stroke(
     free_angle_deg: float | None = None,
     largest_ratio: Ratio | None = None,
 ) -> StrokeCrank:
-    """The slider-crank of a stroke and a crank's turn whose least transmission angle over the full turn is largest.
+    """Find the slider-crank with a given stroke and crank rotation that has the best transmission angle.
 
-    stroke: of the slider, mm. crank_turn_deg: the crank's turn, counterclockwise, while the slider goes towards +x;
-    360 k/(1 + k) of a time ratio k. More than 180 makes that the slow stroke, and the offset negative: the slide line
-    then passes below the crank's pivot. One more size may be given, mm, and takes the linkage that has it instead of
-    the best: the offset, the crank or the coupler; or free_angle_deg does, whose tangent is crank over coupler, as in
-    `family`. largest_ratio: coupler over crank of the best, 6 where it is left out.
+    The best linkage has the largest least transmission angle over the full turn.
 
-    There are linkages for turns of more than 90 and less than 270 deg; DesignError for others, and for a size that
-    none of them has. At 180 deg, where the offset is 0 and the crank half the stroke, the best has an endless coupler:
-    `largest_ratio` ends it, and `at_largest_ratio` says so. Each linkage is moved through its full turn, and what it
-    does there is told. Derived here, from the linkage in its two dead centres: with the stroke h, the turn f and the
-    free angle z, crank and coupler are h/2w times sin z and cos z, the offset h cos 2z sin f/4w2, where w is
-    |cos(f/2) cos z + i sin(f/2) sin z|.
+    Parameters
+    ----------
+    stroke : float
+        Stroke of the slider, mm.
+    crank_turn_deg : float
+        Counterclockwise rotation of the crank while the slider moves towards +x, between 90 and 270 deg; 360 k/(1 + k)
+        for a time ratio k. More than 180 makes this the slow stroke and the offset negative, so that the slide line
+        passes below the crank's pivot.
+    offset, crank, coupler : float, optional
+        At most one size, mm: selects the member of the family that has it, instead of the best.
+    free_angle_deg : float, optional
+        Another choice of a member: the angle whose tangent is crank/coupler, as in `Family.free_angle_deg`.
+    largest_ratio : float, optional
+        Largest ratio of coupler to crank in the search for the best, 1.001 to 1e6; 6 by default.
+
+    Returns
+    -------
+    StrokeCrank
+        The linkage, moved through its full turn, with its `family`. `at_largest_ratio` is true if only `largest_ratio`
+        keeps the transmission angle from growing.
+
+    Raises
+    ------
+    DesignError
+        If no slider-crank has this crank rotation, or none of the family has the given size.
+
+    Notes
+    -----
+    At 180 deg the offset is 0 and the crank is half the stroke; the transmission angle then grows with the coupler
+    without end, and `largest_ratio` limits it.
+
+    Derived here from the linkage in its two dead centres: with the stroke h, the crank rotation f and the free angle z,
+    crank and coupler are h/2w times sin z and cos z, and the offset is h cos 2z sin f/4w2, with w = |cos(f/2) cos z + i
+    sin(f/2) sin z|.
+
+    Examples
+    --------
+    >>> from geomkin.synthesis import slider_crank_stroke
+    >>> best = slider_crank_stroke(80, 190)
+    >>> round(best.stroke, 6), round(best.crank_turn_deg, 6)
+    (80.0, 190.0)
     """
     check_turn(crank_turn_deg)
     turn = float(np.radians(crank_turn_deg))
     low, high = free_range(0.0, turn)
-    all_of_them = _family(stroke, turn, (low, high))
+    family = _family(stroke, turn, (low, high))
     given = {"offset": offset, "crank": crank, "coupler": coupler, "free_angle_deg": free_angle_deg}
-    choice, at_largest = the_choice(given), False
+    choice, at_largest = given_choice(given), False
     ratio = TURNING_RATIO if largest_ratio is None else largest_ratio
     if choice is not None and not (offset == 0 and turn == np.pi):
         free = _free_of(*choice, stroke, turn, (low, high))
     else:
         start = max(low, float(np.arctan2(1.0, ratio)))
-        free = highest(lambda places: _transmission(turn, places), start, high)
+        free = maximise(lambda angles: _transmission(turn, angles), start, high)
         at_largest = start > low and free <= start * (1 + 1e-9)
     sizes = {name: float(size) for name, size in _sizes(stroke, turn, np.array(free)).items()}
-    # What was given is kept to the last digit.
+    # A given size keeps all its digits.
     linkage = SliderCrank(
         sizes["crank"] if crank is None else crank,
         sizes["coupler"] if coupler is None else coupler,
         sizes["offset"] if offset is None else offset,
     )
     moved = full_turn(linkage)
-    sound = abs(moved.extent - stroke) <= MISSED * stroke and abs(moved.turn - turn) <= MISSED
+    is_as_wanted = abs(moved.extent - stroke) <= MISSED * stroke and abs(moved.turn - turn) <= MISSED
     return StrokeCrank(
         linkage=linkage,
         branch=1,
         **_measured(moved),
-        defects=() if sound else ("circuit",),
+        defects=() if is_as_wanted else ("circuit",),
         free_angle_deg=float(np.degrees(free)),
         largest_ratio=ratio,
         at_largest_ratio=at_largest,
-        family=all_of_them,
+        family=family,
     )
 
 
 def _measured(moved: FullTurn) -> dict[str, Any]:
-    """What a full turn shows of the stroke."""
     return {
         "drive": np.array([moved.start, moved.start + moved.turn]),
         "transmission_angle_deg": float(np.degrees(moved.least)),
@@ -131,52 +177,52 @@ def _measured(moved: FullTurn) -> dict[str, Any]:
 
 
 def check_turn(crank_turn_deg: float, field: str = "crank_turn_deg") -> None:
-    """Refuse a crank's turn that no slider-crank has; under `field`, as a time ratio where it is one."""
+    """Raise DesignError, under the name `field`, for a crank rotation that no slider-crank has."""
     ends = 90 + CLEAR_DEG, 270 - CLEAR_DEG
     if not ends[0] <= crank_turn_deg <= ends[1]:
         raise no_such_turn(field, crank_turn_deg, "no slider-crank has", ends)
 
 
 def _sizes(stroke: float, turn: float, free: Real) -> dict[str, Real]:
-    w = reach(0.5 * turn, free)
+    w = pivot_distance(0.5 * turn, free)
     return {
         "crank": 0.5 * stroke * np.sin(free) / w,
         "coupler": 0.5 * stroke * np.cos(free) / w,
-        "offset": _lean(turn) * stroke * np.cos(2 * free) / (4 * w**2),
+        "offset": _sine(turn) * stroke * np.cos(2 * free) / (4 * w**2),
     }
 
 
-def _lean(turn: float) -> float:
-    """The sine of the turn, 0 at half a turn: there rounding would raise the slide line by a hair."""
+def _sine(turn: float) -> float:
+    """Sine of the crank rotation, exactly 0 at half a turn, so that the offset is exactly 0 there."""
     return float(np.sin(turn)) if turn != np.pi else 0.0
 
 
 def _transmission(turn: float, free: Real) -> Real:
-    """The least transmission angle, rad: where the crank stands at right angles to the slide line."""
+    """Least transmission angle, rad; it occurs with the crank at right angles to the slide line."""
     size = _sizes(1.0, turn, free)
     cosine = (size["crank"] + np.abs(size["offset"])) / size["coupler"]
     return np.arccos(np.minimum(cosine, 1.0))
 
 
 def _free_of(name: str, size: float, stroke: float, turn: float, ends: tuple[float, float]) -> float:
-    """The free angle, rad, of the linkage that has a size; DesignError where none has."""
+    """Free angle, rad, of the linkage with a given size; DesignError if there is none."""
     if name == "free_angle_deg":
-        reached, wanted, unit = np.degrees(np.array(ends)), size, " deg"
+        range_values, wanted, unit = np.degrees(np.array(ends)), size, " deg"
     else:
-        reached, wanted, unit = _sizes(stroke, turn, np.array(ends))[name], size, " mm"
+        range_values, wanted, unit = _sizes(stroke, turn, np.array(ends))[name], size, " mm"
         if name == "offset":
-            reached[1] = 0.0
-    low, high = np.sort(reached)
+            range_values[1] = 0.0
+    low, high = np.sort(range_values)
     if turn == np.pi and name in ("crank", "offset"):
-        one = "0" if name == "offset" else f"{0.5 * stroke:.7g} mm"
-        problem = f"found {size:g} mm, but where both strokes take half a turn it is {one}"
+        only_value = "0" if name == "offset" else f"{0.5 * stroke:.7g} mm"
+        problem = f"found {size:g} mm, but with equal strokes it is {only_value}"
         raise DesignError(name, problem, "leave it out, give another turn, or give the coupler")
     if not low < wanted < high:
-        ends_told = f"more than {rounded_up(low)} and less than {rounded_down(high)}{unit}"
-        raise DesignError(name, f"found {size:g}{unit}, which no such slider-crank has", f"give {ends_told}")
+        range_text = f"more than {rounded_up(low)} and less than {rounded_down(high)}{unit}"
+        raise DesignError(name, f"found {size:g}{unit}, which no such slider-crank has", f"give {range_text}")
     if name == "free_angle_deg":
         return float(np.radians(size))
-    # The cosine s of twice the free angle: 2 w2 = 1 + s cos f turns each of the three into a linear equation.
+    # With s the cosine of twice the free angle, 2 w2 = 1 + s cos f makes each of the three equations linear in s.
     cosine, share = float(np.cos(turn)), size / stroke
     if name == "offset":
         s = 2 * share / (float(np.sin(turn)) - 2 * share * cosine)
@@ -188,9 +234,9 @@ def _free_of(name: str, size: float, stroke: float, turn: float, ends: tuple[flo
 
 
 def _family(stroke: float, turn: float, ends: tuple[float, float]) -> Family:
-    free = members(*ends)
+    free = member_angles(*ends)
     sizes = _sizes(stroke, turn, free)
-    fit = within_sizes(sizes["crank"], sizes["coupler"])
+    fit = within_size_limits(sizes["crank"], sizes["coupler"])
     crank, coupler, offset = (np.asarray(size[fit], dtype=np.float64) for size in sizes.values())
     return Family(
         linkage=SliderCrank(crank, coupler, offset),

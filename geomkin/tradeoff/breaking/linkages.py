@@ -73,12 +73,12 @@ def moved_four_bar(result: str, start: float | None = None) -> Callable[..., Any
 
     def library(ground: float, crank: float, coupler: float, rocker: float, angle: float) -> Any:
         drive, branch = ([angle], 1) if start is None else ([start, angle], "follow")
-        return told(_moved(FourBar(ground, crank, coupler, rocker), drive, branch), "coupler", "rocker", result)
+        return rate_of(_moved(FourBar(ground, crank, coupler, rocker), drive, branch), "coupler", "rocker", result)
 
     return library
 
 
-def told(motion: Motion, first: str, second: str, result: str) -> Any:
+def rate_of(motion: Motion, first: str, second: str, result: str) -> Any:
     """The direction of one body, or the first or second derivative of the other's angle."""
     if result == "direction":
         return motion.bodies[first].direction
@@ -113,7 +113,7 @@ def slider_crank(result: str) -> Callable[..., Any]:
 
 def moved_slider_crank(result: str) -> Callable[..., Any]:
     """The library's."""
-    return lambda crank, coupler, offset, angle: told(
+    return lambda crank, coupler, offset, angle: rate_of(
         _moved(SliderCrank(crank, coupler, offset), [angle]), "coupler", "coupler", result
     )
 
@@ -138,7 +138,7 @@ def _driven(crank: float, coupler: float, offset: float, place: float) -> Motion
 
 def moved_by_slider(result: str) -> Callable[..., Any]:
     """The library's."""
-    return lambda *sizes: told(_driven(*sizes), "crank", "crank", result)
+    return lambda *sizes: rate_of(_driven(*sizes), "crank", "crank", result)
 
 
 def six_bar(result: str) -> Callable[..., Any]:
@@ -159,7 +159,7 @@ def six_bar(result: str) -> Callable[..., Any]:
 
 def moved_six_bar(result: str) -> Callable[..., Any]:
     """The library's."""
-    return lambda *sizes: told(_moved_six_bar(*sizes), "link", "output", result)
+    return lambda *sizes: rate_of(_moved_six_bar(*sizes), "link", "output", result)
 
 
 def _moved_six_bar(*sizes: float) -> Motion:

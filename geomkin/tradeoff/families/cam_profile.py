@@ -122,7 +122,7 @@ CAM_PROFILE: MethodFamily[RollerCam, Polyline] = MethodFamily(
             "closed form",
             f"Where the roller touches, by the normal in closed form, at {POINTS} even cam angles (`Cam.profile`).",
             _closed_form,
-            because="It is exact, and costs no more than any other.",
+            rationale="It is exact, and costs no more than any other.",
         ),
         Method(
             "normals by differences",

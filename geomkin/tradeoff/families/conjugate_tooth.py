@@ -126,7 +126,7 @@ CONJUGATE_TOOTH: MethodFamily[StraightTooth, Complex] = MethodFamily(
             "Where the normal passes the pitch point, in closed form; what cuts what is settled by crossings, solved "
             f"for to rounding. {POINTS} points a curve (`conjugate`).",
             _exact,
-            because="It is exact, trimmed corners included, and tells which part of the tooth leaves each curve.",
+            rationale="It is exact, trimmed corners included, and names the part of the tooth that cuts each curve.",
         ),
         Method(
             "cut by booleans",

@@ -120,9 +120,9 @@ METHODS = (
         _chords(flatten),
         "tolerance, mm",
         TOLERANCES,
-        because="It keeps the tolerance and takes the fewest chords there can be, within 3 %.",
-        despite="Even steps are as fast, but take two to four times as many vertices, and whatever reads, cuts or "
-        "meshes them pays for each; arcs take fewer still, but solids and many programs want chords.",
+        rationale="It keeps the tolerance with at most 3 % more chords than the least possible number.",
+        caveat="Even steps are as fast, but take two to four times as many vertices, each of which slows down "
+        "reading, cutting and meshing; arcs take fewer still, but solids and many programs need chords.",
     ),
     Method(
         "even parameters",

@@ -61,7 +61,7 @@ def _numpy_csv(given: Table, digits: float) -> Callable[[], bytes]:
 
 
 def _shortest_csv(given: Table, _: float) -> Callable[[], bytes]:
-    """Every digit that tells a number from its neighbours, as Python's `repr` has it."""
+    """All digits that distinguish a number from its neighbours, as Python's `repr` writes them."""
     header = ",".join(c.header for c in given.columns)
 
     def text() -> bytes:
@@ -94,8 +94,8 @@ CSV_WRITING: MethodFamily[Table, bytes] = MethodFamily(
             "ten digits",
             "Digits counted from each column's largest value (`write`).",
             _library_csv,
-            because="What lies beyond is a processor's own: without it a recipe gives the same bytes everywhere.",
-            despite="Rounding to ten digits is work that writing all of them spares.",
+            rationale="Further digits differ by processor; without them a recipe gives the same bytes everywhere.",
+            caveat="Rounding to ten digits takes time that writing all digits does not need.",
         ),
         Method(
             "fixed digits",
@@ -104,7 +104,7 @@ CSV_WRITING: MethodFamily[Table, bytes] = MethodFamily(
             "digits",
             (4.0, 6.0, 10.0, 17.0),
         ),
-        Method("all digits", "The shortest text that tells a number from its neighbours.", _shortest_csv),
+        Method("all digits", "The shortest text that distinguishes a number from its neighbours.", _shortest_csv),
     ),
     weighed="bytes",
     weigh=lambda _, found: len(found) / ROWS,
@@ -161,19 +161,19 @@ def _bare_dxf(given: Plate, tolerance: float) -> Callable[[], bytes]:
 
 
 def outline_of(dxf: bytes) -> Polyline:
-    """The one polyline of a file with one circle, about whose centre it is told."""
+    """The polyline of a file with one circle, relative to the circle's centre."""
     lines = dxf.decode().split("\n")
     codes, values = [int(code) for code in lines[:-1:2]], [value.strip() for value in lines[1::2]]
-    entities = [k for k, code in enumerate(codes) if code == 0]
-    told: dict[str, list[tuple[int, float]]] = {}
-    for first, last in pairwise([*entities, len(codes)]):
+    starts = [k for k, code in enumerate(codes) if code == 0]
+    coordinates: dict[str, list[tuple[int, float]]] = {}
+    for first, last in pairwise([*starts, len(codes)]):
         if values[first] in ("CIRCLE", "LWPOLYLINE"):
             pairs = zip(codes[first + 1 : last], values[first + 1 : last])
-            told[values[first]] = [(code, float(value)) for code, value in pairs if code in (10, 20, 42)]
-    centre = complex(*(value for _, value in told["CIRCLE"]))
-    x, y = (np.array([value for code, value in told["LWPOLYLINE"] if code == which]) for which in (10, 20))
+            coordinates[values[first]] = [(code, float(value)) for code, value in pairs if code in (10, 20, 42)]
+    centre = complex(*(value for _, value in coordinates["CIRCLE"]))
+    x, y = (np.array([value for code, value in coordinates["LWPOLYLINE"] if code == which]) for which in (10, 20))
     bulges, corner = np.zeros(len(x)), -1
-    for code, value in told["LWPOLYLINE"]:
+    for code, value in coordinates["LWPOLYLINE"]:
         corner += code == 10
         if code == 42:
             bulges[corner] = value
@@ -211,9 +211,9 @@ DXF_WRITING: MethodFamily[Plate, bytes] = MethodFamily(
             _library_dxf(False),
             "tolerance, mm",
             TOLERANCES,
-            because="Every program that cuts reads chords, and reads them alike.",
-            despite="Most of its time goes into the head of the file, which a bare one leaves out: then a reader takes "
-            "the numbers for inches, or for metres.",
+            rationale="Every cutting program reads chords, and all read them alike.",
+            caveat="Most of its time goes into the header, which a bare file leaves out; without it a reader takes "
+            "the numbers for inches or metres.",
         ),
         Method(
             "arcs",
@@ -315,8 +315,8 @@ STL_WRITING: MethodFamily[Plate, bytes] = MethodFamily(
             _library_stl,
             "tolerance, mm",
             TOLERANCES,
-            because="Its chords keep the tolerance, and no file leaves it that leaks.",
-            despite="Half of its time is the proof that the solid is closed and of the right volume.",
+            rationale="Its chords keep the tolerance, and every file is watertight.",
+            caveat="Half of its time is the check that the solid is closed and has the right volume.",
         ),
         Method(
             "even parameters",

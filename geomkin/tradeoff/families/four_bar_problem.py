@@ -181,9 +181,9 @@ LIBRARY: Method[FourBarProblem, Directions] = Method(
     "The library's call, for any linkage: it finds in which order members are placed, and works out a four-bar's by "
     "the toggle-proof form.",
     _library,
-    because="one call for any linkage, driver and branch, which keeps all its digits up to a toggle and through it.",
-    despite="What it takes longer is what any linkage needs around the formula. That is the same for one pose as for "
-    f"these {FRAMES}: it counts less the more poses there are in a call.",
+    rationale="one call serves any linkage, driver and branch, and keeps all digits up to a toggle and through it.",
+    caveat="The overhead of the general call is constant. It is the same for one pose as for "
+    f"these {FRAMES}, so it matters less with more poses per call.",
 )
 CLOSED_FORMS: tuple[Method[FourBarProblem, Directions], ...] = (
     LIBRARY,

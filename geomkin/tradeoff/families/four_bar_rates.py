@@ -148,7 +148,7 @@ def _error(problem: FourBarProblem, found: Rates) -> Real:
 
 
 METHODS: tuple[Method[FourBarProblem, Rates], ...] = (
-    Method("geomkin.move", LIBRARY.about, _library, because=LIBRARY.because, despite=LIBRARY.despite),
+    Method("geomkin.move", LIBRARY.about, _library, rationale=LIBRARY.rationale, caveat=LIBRARY.caveat),
     Method(
         "toggle-proof form, plain NumPy",
         "Derivatives of the toggle-proof form, in factors as that is (derived for geomkin).",

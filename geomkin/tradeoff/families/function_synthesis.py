@@ -127,7 +127,7 @@ FUNCTION_SYNTHESIS: MethodFamily[Wanted, Generators] = MethodFamily(
             "Thousands of fits, the best few dozen followed to where no small change makes the largest error less "
             "(`function_generator`).",
             _searched("minimax"),
-            because="No other comes near its error, and it proves that no small change of the sizes makes it less.",
+            rationale="No other method comes near its error, and it proves that no small change reduces it.",
         ),
         Method(
             "least squares",

@@ -168,7 +168,7 @@ GEAR_ROOT: MethodFamily[CutGear, Polyline | None] = MethodFamily(
             f"Trochoid and involute in closed form, {POINTS} points each, cut off where they cross, which is solved "
             "for to rounding (`SpurGear.outline`).",
             _exact,
-            because="It is exact, undercut included, and faster than anything that errs by less than a micrometre.",
+            rationale="It is exact, undercut included, and faster than any method with an error below a micrometre.",
         ),
         Method(
             "polylines trimmed",

@@ -107,10 +107,10 @@ ITERATION: MethodFamily[Track, Array] = MethodFamily(
             "geomkin.move",
             "The path of poses is followed by its own length, and every frame is found on it by Newton's method.",
             _library,
-            because="it needs one rough pose, tells the branch that the motion leads to from there, whatever the "
-            "steps, and finds the limits on the way.",
-            despite="What it takes longer is this safety: the others know where the crank may be, and do not tell "
-            "when they have gone to another branch.",
+            rationale="it needs one rough pose, finds the branch that the motion leads to from there, whatever the "
+            "steps, and finds the limits of the motion.",
+            caveat="It takes longer because of this safety: the others are given the range of the crank, and do not "
+            "report a change of branch.",
         ),
         Method(
             "Newton, cold",

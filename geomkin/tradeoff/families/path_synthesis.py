@@ -159,8 +159,8 @@ PATH_SYNTHESIS: MethodFamily[TimedPath, list[StrokeInput | None]] = MethodFamily
             "60,000 random linkages fitted in closed form, the best 140 unlike ones improved by least squares within "
             "the limits, all but the best few left behind on the way (`path_generator`).",
             _from_seeds(_searched),
-            because="From any seed it finds the best linkage that is known of this problem, and ranks those unlike it.",
-            despite="Few starts do for this problem, and not for one with more valleys.",
+            rationale="From any seed it finds the best linkage that is known of this problem, and ranks the others.",
+            caveat="Few starts suffice for this problem, but not for one with more valleys.",
         ),
         Method(
             "fits alone",

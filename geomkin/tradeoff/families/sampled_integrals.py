@@ -113,8 +113,8 @@ INTEGRATION: MethodFamily[FourBarProblem, Way] = MethodFamily(
             "exact positions (geomkin.move)",
             "The library's way: positions come from the sizes, not from velocities.",
             _exact,
-            because="a position hangs on no other, so that nothing adds up, and no velocity is needed before it.",
-            despite="To add up velocities that are there takes less, but it is for motion that was measured.",
+            rationale="each position is independent, so that errors do not add up, and no velocities are needed.",
+            caveat="Integrating known velocities takes less time, but it is meant for measured motion.",
         ),
         Method(
             "mid-ordinates",

@@ -129,9 +129,9 @@ def _methods(derivative: int) -> tuple[Method[FourBarProblem, Sampled], ...]:
             "exact coefficients (geomkin.move)",
             "The library's way: the loop's equations differentiated, not the positions.",
             partial(_exact, derivative=derivative),
-            because="it is exact at every frame by itself, whatever the step, for about twice the time of the "
-            "positions that all others begin with.",
-            despite="Differences take less once the positions are there, and this is for motion that has an equation.",
+            rationale="it is exact at every frame, whatever the step, for about twice the time of the "
+            "positions that all other methods start from.",
+            caveat="Differences of known positions take less time; this method needs the equations of the motion.",
         ),
         Method(
             "velocity differences",

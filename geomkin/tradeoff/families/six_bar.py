@@ -145,8 +145,8 @@ def _newton_warm(track: Track, tolerance: float) -> Call:
 
 
 def _loops(track: Track, _: float) -> Call:
-    told = with_estimate("crank", track.drive)
-    return lambda: _iterated(told, track.drive).value("direction", "output")
+    estimated = with_estimate("crank", track.drive)
+    return lambda: _iterated(estimated, track.drive).value("direction", "output")
 
 
 def with_estimate(driver: str, drive: Real) -> Linkage:
@@ -184,8 +184,8 @@ SIX_BAR_POSITION: MethodFamily[Track, Array] = MethodFamily(
             "The library's call, for any linkage: the first dyad by the toggle-proof form, the second by the general "
             "dyad solver.",
             _library,
-            because=LIBRARY.because,
-            despite=LIBRARY.despite,
+            rationale=LIBRARY.rationale,
+            caveat=LIBRARY.caveat,
         ),
         Method(
             "general dyad solver",

@@ -123,8 +123,8 @@ SLIDER_CRANK: MethodFamily[Track, Array] = MethodFamily(
             "The library's call, for any linkage: the rod's direction by the product of factors, and from there the "
             "slider's place.",
             _library,
-            because=LIBRARY.because,
-            despite=LIBRARY.despite,
+            rationale=LIBRARY.rationale,
+            caveat=LIBRARY.caveat,
         ),
         Method(
             "general dyad solver", "The library's solver of a bar and a slide on any two moving bodies.", _general_dyad
