@@ -115,7 +115,7 @@ def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 def columns(recipe: Path) -> None:
     """List the columns of a RECIPE's table: id, unit and meaning of each."""
-    from .build import load, errors_named_by_key
+    from .build import errors_named_by_key, load
     from .core.errors import GeomkinError, printable
 
     try:
