@@ -88,7 +88,7 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
 
 def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
     """How far the cam is from undercut, or what undercut takes."""
-    roller = cam.follower.rounding
+    roller = cam.follower.roller_radius
     if roller:
         room = tightest_convex(cam)[0] / roller
         advice = "near 1 the cam gets a point"

@@ -15,7 +15,7 @@ from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole
 from .cam import Cam
-from .extrema import climb, highest_between, samples
+from .extrema import highest_between, refine_peak, samples
 from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings, refined
 
 # Chords along each stretch that runs backwards, and as closely set over four times its length to either side, within
@@ -221,14 +221,14 @@ def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
     """
 
     def advance(angle: Real) -> Real:
-        return raw.cam.contact(angle).advance
+        return raw.cam.contact(angle).profile_speed
 
     places = samples(raw.cam.program.breaks)
     values = advance(places)
     row, column = np.nonzero((values[:, 1:-1] < values[:, :-2]) & (values[:, 1:-1] <= values[:, 2:]))
     if len(row):
         # A dip may go below zero between two samples.
-        _, dips = climb(places[row, column], places[row, column + 2], lambda t: -advance(t))
+        _, dips = refine_peak(places[row, column], places[row, column + 2], lambda t: -advance(t))
         places = np.union1d(places, dips)
     places = places.ravel()
     change = np.diff(np.concatenate([[False], advance(places) < 0, [False]]).astype(int))

@@ -154,7 +154,7 @@ class UntrimmedOutline:
 
 def _joint(cam: Cam, angle: float, before: complex, after: complex) -> AbstractCurve:
     on_ground, to_cam = cam.follower_pose(angle), np.exp(-1j * cam.sense * angle)
-    return cam.follower.joint(Pose(to_cam * on_ground.origin, to_cam * on_ground.direction), before, after)
+    return cam.follower.surface_between(Pose(to_cam * on_ground.origin, to_cam * on_ground.direction), before, after)
 
 
 def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real, bit: Real | None = None) -> Real:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
@@ -146,8 +147,8 @@ class AbstractRecipe(_Shared, ABC):
 
     @classmethod
     def about(cls) -> str:
-        """One line that introduces the kind."""
-        return " ".join((cls.__doc__ or "").split())
+        """One line that introduces the kind: the docstring of its class without the sections."""
+        return " ".join(re.split(r"\n\s*\w+\n\s*---", cls.__doc__ or "")[0].split())
 
     @property
     def subtitle(self) -> str:
