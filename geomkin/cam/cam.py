@@ -56,7 +56,7 @@ class Cam:
     >>> rise, back = gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)
     >>> cam = gk.Cam(gk.TranslatingRoller(10), gk.Program((rise, back)), base_radius=40)
     >>> cam.prime_radius
-    50.0
+    50
     """
 
     follower: Follower = entry("follower that rides on the cam", example=TranslatingRoller(10))

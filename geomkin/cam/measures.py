@@ -85,7 +85,7 @@ def pressure_angle(cam: Cam, angle: Reals) -> Real:
     >>> program = gk.Program((gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)))
     >>> cam = gk.Cam(gk.TranslatingRoller(10), program, base_radius=40)
     >>> float(np.degrees(gk.pressure_angle(cam, 1.0)).round(3))
-    12.991
+    12.907
     """
     return cam.contact(angle).pressure_angle
 

@@ -8,7 +8,7 @@ from dataclasses import fields
 import numpy as np
 
 from ..core.arguments import checked
-from ..making.motors import apart, on_motor
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
 from ..model.table import Table
@@ -71,7 +71,7 @@ def cam_scene(
     Derived here.
     """
     cut = cut or undercut(cam)
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     angle = np.radians(np.asarray(table["cam_angle"], dtype=float))
     follower = _FollowerFrames(cam, cut, angle)
     curves = [SceneCurve(Circle(0j, cam.base_radius), "construction", "base circle")]
@@ -88,7 +88,7 @@ def cam_scene(
         # With an acceleration the time is unknown, and the scene lasts two seconds.
         time if np.isfinite(time).all() else np.linspace(0, 2, len(time)),
         np.ones(len(angle), dtype=bool),
-        on_motor(tuple(follower.bodies(parts)), motor),
+        with_motor_plate(tuple(follower.bodies(parts)), motor),
         tuple(curves),
         marks,
         tuple(_plots(table, limits or {})),

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motors import apart, on_motor
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
 from ..model.table import Column, Table
@@ -111,9 +111,9 @@ def _alike(part: Part, teeth: int) -> bool:
         return True
     middles = np.array([_middle(hole.point(_places(hole.breaks))) for hole in part.holes])
     turned = middles * np.exp(2j * np.pi / teeth)
-    apart = np.abs(turned[:, None] - middles).min(axis=1)
+    split_motor_parts = np.abs(turned[:, None] - middles).min(axis=1)
     size = np.abs(part.outline.point(part.outline.breaks)).max()
-    return bool(apart.max() <= ALIKE * size)
+    return bool(split_motor_parts.max() <= ALIKE * size)
 
 
 def _places(breaks: Real) -> Real:
@@ -131,7 +131,7 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
     The tool rolls on the pitch circle. A left-hand flank is followed while it is cut, from the end of its involute that
     is nearer to the axis to the other, and then the next. parts: as `gear_parts` gives them, of one body. Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     name = parts[0].body if parts else "gear"
     (start, end), pitch = gear.flank_lengths, 2 * np.pi / gear.teeth
     frames = meshing((end - start) / gear.base_pitch, [(gear.teeth, parts)])
@@ -155,7 +155,7 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
         columns += _cut(gear, start + gear.base_pitch * frames.since)
         plots += [Plot(column.meaning, (column.header,)) for column in columns[1:]]
     return meshing_scene(
-        Table(tuple(columns)), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, tuple(plots)
+        Table(tuple(columns)), frames, with_motor_plate(bodies_at(parts, poses), motor), curves, marks, tuple(plots)
     )
 
 

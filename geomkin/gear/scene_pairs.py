@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motors import apart, on_motor
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneCurve, SceneMark
 from ..model.table import Column, Table, finite
@@ -44,7 +44,7 @@ def conjugate_scene(
     drawn on the gear, of which no part is cut. Teeth stand in the middle of spaces: play is seen half on either side.
     Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     ratio = mate.gear_teeth / mate.teeth * (1 if mate.is_ring else -1)
     touching = _Touching(contacts, ratio, mate.gear_teeth)
     other = "ring" if mate.is_ring else "mate"
@@ -93,7 +93,7 @@ def conjugate_scene(
     layers = {}
     if pins:
         layers = {name: 1, other: 2} if any(part.body == "ground" for part in parts) else {name: 0}
-    bodies = on_motor(bodies_at(parts, poses, layers=layers), motor)
+    bodies = with_motor_plate(bodies_at(parts, poses, layers=layers), motor)
     return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 
@@ -230,7 +230,7 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
     bodies named as the pair's `names`, and plates of the ground, whose x axis is the line from axis to axis, or runs as
     the rack. Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     name, other = pair.names
     gear, line, (start, end) = pair.driver, LineOfAction(pair), pair.contact_lengths
     frames, before = _frames(pair, parts)
@@ -256,7 +256,7 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
         Plot("place of contact on the line of action", ("along_mm",)),
     )
     columns = (*_turns(pair, roll), *_contact(pair, frames))
-    return meshing_scene(Table(columns), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, plots)
+    return meshing_scene(Table(columns), frames, with_motor_plate(bodies_at(parts, poses), motor), curves, marks, plots)
 
 
 def _frames(pair: GearPair | RackPair, parts: Sequence[Part]) -> tuple[Meshing, int]:
@@ -299,7 +299,7 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     table: `sun_angle`, deg, and `time`. parts: of the bodies sun, planet, ring and carrier; each planet is one.
     Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     turn = np.radians(np.asarray(table["sun_angle"], dtype=float))
     sun, planets, ring = gears.poses(turn)
     # It stands still but for whole pitches, by which its place as seen from a planet jumps.
@@ -333,4 +333,6 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     time = np.asarray(table["time"], dtype=float)
     # Of a speed that changes no time is known: then it is shown in two seconds.
     time = time if np.isfinite(time).all() else np.linspace(0, 2, len(time))
-    return Scene(table, time, np.ones(turn.shape, bool), on_motor(bodies, motor), tuple(curves), tuple(marks), plots)
+    return Scene(
+        table, time, np.ones(turn.shape, bool), with_motor_plate(bodies, motor), tuple(curves), tuple(marks), plots
+    )

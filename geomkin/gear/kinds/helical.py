@@ -146,7 +146,7 @@ def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseSto
     """
     if motor is None or base is None:
         return ()
-    rests = radius - (MOTORS[motor].pilot + base.clearance) / 2
+    rests = radius - (MOTORS[motor].boss_diameter + base.clearance) / 2
     return (Check(f"{name} beyond the hole for the motor's boss", rests, "at least", 0, "mm", "give a larger wheel"),)
 
 
