@@ -37,7 +37,7 @@ def highest(breaks: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
 
 
 def highest_between(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
-    """The largest value of f between each `low` and `high`, where f is smooth, and its parameter; at `high` from below."""
+    """The largest value of f, and its parameter, between each `low` and `high` (excluded), where f is smooth."""
     places = _samples_between(low, high)
     _, before, after = _peak_bounds(places, f(places))
     return refine_peak(before, after, f)

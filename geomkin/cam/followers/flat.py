@@ -254,7 +254,7 @@ class OscillatingFlat(AbstractFace):
         return float(np.arctan2(fsum(up), np.sqrt(fsum((c, *up)) * fsum((c, *down)))))
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
-        """p = c sin(psi) + f; the contact is c cos(psi) / (1 + sense tau s') from the perpendicular through the pivot."""
+        """p = c sin(psi) + f; the contact is at c cos(psi) / (1 + sense tau s') along the face."""
         tau, c = side_sign(self.side), self.pivot_distance
         psi = self.start_angle(base_radius) + motion.lift
         sine, cosine = c * np.sin(psi), c * np.cos(psi)

@@ -149,7 +149,7 @@ def planetary_assembly(
 
 
 def turns_with_shaft(stock: AbstractBored) -> bool:
-    """Whether a wheel is fixed to its shaft, by a press fit, a flat or a key, so that the shaft turns in its bearing."""
+    """Whether a wheel is fixed to its shaft, by a press fit, a flat or a key, so that the shaft turns with it."""
     return stock.fit == "press" or stock.across_flat is not None or bool(stock.keyway[0])
 
 
