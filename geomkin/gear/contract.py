@@ -333,7 +333,7 @@ def _land(start: complex, end: complex) -> Arc | None:
 
 
 def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: float, name: str, tool: str) -> None:
-    """Raise DesignError if module or pressure angle of the driven gear `name`, cut by `tool`, differ from the driver's."""
+    """Raise DesignError if module or pressure angle of the driven gear `name`, cut by `tool`, are not the driver's."""
     if abs(driver.module - module) > 1e-9 * driver.module:
         problem = f"found {module:g} mm, but the driving gear has {driver.module:g} mm; they must be equal"
         raise DesignError(f"{name}.module", problem, f"give {driver.module:.10g}")

@@ -300,7 +300,7 @@ class GearPair:
         return max(start, min(low, high)), min(end, max(low, high))
 
     def _along(self, across: float, between: float) -> float:
-        """Length from the first gear's base point for one from the second's, mm."""
+        """Length from the first gear's base circle, for a length from the second's, mm."""
         return across - between if self.is_internal else between - across
 
     @property
@@ -386,7 +386,7 @@ def contact_table(pair: GearPair | RackPair) -> Table:
             Column(
                 f"{names[0]}_turn",
                 "deg",
-                f"rotation of the {names[0]} since the flank's contact at the pitch point",
+                f"rotation of the {names[0]} since contact at the pitch point",
                 turn,
             ),
             Column("along", "mm", f"contact on the line of action, from the base circle of the {names[0]}", along),

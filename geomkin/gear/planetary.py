@@ -63,8 +63,8 @@ class PlanetarySet:
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
                 "ring.profile_shift",
-                f"found {self.ring.profile_shift:g}, but the planets mesh with the sun {inner:.6g} mm from the axis and "
-                f"with the ring {outer:.6g} mm from it",
+                f"found {self.ring.profile_shift:g}, but the planets mesh with the sun {inner:.6g} mm "
+                f"and with the ring {outer:.6g} mm from the axis",
                 self._fitting_ring(),
             )
         self.outer  # noqa: B018  # raises if the planets jam in the ring
