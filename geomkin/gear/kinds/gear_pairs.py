@@ -84,9 +84,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
         super().__post_init__()
         self.check_faces({"first_stock": self.first_stock.thickness, "second_stock": self.second_stock.thickness})
         if self.second_stock.motor is not None:
-            raise DesignError(
-                "second_stock.motor", "found a motor for the driven gear", "give first_stock.motor instead"
-            )
+            problem = "found a motor for the driven gear"
+            raise DesignError("second_stock.motor", problem, "give first_stock.motor instead")
         self.design  # noqa: B018  raises for gears that cannot mesh
 
     @cached_property
