@@ -152,7 +152,7 @@ def over_pins(gear: AbstractInvoluteGear, pin: Length | None = None) -> PinMeasu
     Examples
     --------
     >>> round(gk.gear.over_pins(gk.SpurGear(24, 2), pin=3.5).diameter, 3)
-    52.942
+    52.951
     """
     sign = -1 if gear.is_ring else 1
     base = gear.base_radius

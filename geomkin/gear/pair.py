@@ -52,8 +52,8 @@ class GearPair:
     Examples
     --------
     >>> pair = gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2))
-    >>> pair.centre_distance, round(pair.contact_ratio, 4)
-    (60.0, 1.6347)
+    >>> round(pair.centre_distance, 9), round(pair.contact_ratio, 4)
+    (60.0, 1.6352)
     """
 
     # Names of the two gears in tables.
@@ -370,7 +370,8 @@ def contact_table(pair: GearPair | RackPair) -> Table:
 
     Examples
     --------
-    >>> gk.gear.contact_table(gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2)))["pairs"].max()
+    >>> pair = gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2))
+    >>> int(gk.gear.contact_table(pair)["pairs"].max())
     2
     """
     names, gear = pair.names, pair.driver

@@ -83,7 +83,7 @@ class BaseOpening:
     @property
     def face(self) -> Complex:
         """Corners of the motor's face, mm; none without a motor."""
-        return MOTORS[self.motor].corners(self.places[0]) if self.motor else np.zeros(0, dtype=complex)
+        return MOTORS[self.motor].corners(self.points[0]) if self.motor else np.zeros(0, dtype=complex)
 
     def curves(self, clearance: float) -> tuple[AbstractCurve, ...]:
         """The hole or slot, wider by the clearance. Raises DesignError if it is too narrow to cut."""
@@ -94,20 +94,20 @@ class BaseOpening:
                 f"give at least {SMALLEST:g} mm, or omit base",
             )
         if self.motor:
-            return MOTORS[self.motor].holes(clearance, self.places[0])
+            return MOTORS[self.motor].holes(clearance, self.points[0])
         radius = widened(self.diameter, clearance) / 2
-        start, end = self.places[0], self.places[-1]
-        return (Circle(start, radius) if len(self.places) == 1 else slot(start, end, radius),)
+        start, end = self.points[0], self.points[-1]
+        return (Circle(start, radius) if len(self.points) == 1 else slot(start, end, radius),)
 
     def fits(self, clearance: float) -> tuple[HoleFit, ...]:
         """The fit of each of these holes."""
         if self.motor:
             return MOTORS[self.motor].fits(clearance)
-        return (HoleFit(self.diameter, clearance, travel=abs(self.places[-1] - self.places[0])),)
+        return (HoleFit(self.diameter, clearance, travel=abs(self.points[-1] - self.points[0])),)
 
     def distance(self, other: BaseOpening) -> float:
         """Distance of the two centres or centre lines, mm; 0 or less if two slots cross."""
-        return float(separation(np.array(self.places), np.array(other.places)))
+        return float(separation(np.array(self.points), np.array(other.points)))
 
 
 def standing_plate(
@@ -171,7 +171,7 @@ def _check_beside(motor_opening: BaseOpening, other: BaseOpening, clearance: flo
     """Refuse an opening over the face of a motor: its item would meet the motor or the motor's holes."""
     face = MOTORS[motor_opening.motor or ""]
     overlap = max(widened(other.diameter, clearance), other.head) / 2 - float(
-        separation(motor_opening.face, np.array(other.places))
+        separation(motor_opening.face, np.array(other.points))
     )
     if overlap > 0:
         raise DesignError(

@@ -62,7 +62,7 @@ class Fastener:
     """
 
     diameter: float
-    sort: Literal["screw", "rod"]
+    form: Literal["screw", "rod"]
     play: float
     head_height: float | None = None
 

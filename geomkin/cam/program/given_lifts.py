@@ -16,7 +16,7 @@ from .laws import Ends, Law, PiecewisePolynomial
 from .segments import LiftTable, Pointed
 from .smoothing_spline import smoothest_within
 
-# Largest number of rows of all tables of a programme: nearly three tables in steps of 0.1 deg. More take seconds to fit.
+# Largest number of rows of all tables of a programme: nearly three tables in steps of 0.1 deg. More need seconds.
 MOST_ROWS = 10_000
 # Columns of a CSV file; of those with lifts, whether these are angles.
 ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
@@ -24,11 +24,11 @@ ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
 WINDOW = 7
 # Least number of rows for an estimate of their scatter.
 FEWEST = 24
-# Half width, in standard deviations, of a band that contains nearly all rows. In a narrower band the curve follows their
-# scatter, in a wider one it leaves the motion.
+# Half width, in standard deviations, of a band that contains nearly all rows. In a narrower band the curve follows
+# their scatter, in a wider one it leaves the motion.
 WIDE = 3.0
-# If every second row scatters more than this many times as much as all rows, the motion itself is seen, in too few rows.
-# A smaller value counts true scatter as motion, a larger one motion as scatter.
+# If every second row scatters more than this many times as much as all rows, the rows are too few for the motion. A
+# smaller value counts true scatter as motion, a larger one motion as scatter.
 MOTION = 3.0
 # Samples between two rows in the search for the largest acceleration. Fewer may miss it.
 SAMPLES = 8

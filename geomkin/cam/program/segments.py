@@ -220,9 +220,9 @@ class LiftTable:
     The second derivative of rounded or measured values is mostly noise: a curve through all of 360 rows of a 20 mm rise
     in 120 deg, rounded to 0.001 mm, misses the motion by 3 times its peak acceleration. So the curve is the smoothest
     quintic spline, with the least integral of squared jerk, that stays within the band. The same rows then give the
-    acceleration to 0.2 % of the peak. Jumps are rounded off: if rows one degree apart contain the joint of a dwell and a
-    cycloidal rise, the acceleration there is exact to 5 % and the jerk, which jumps, to half its jump. So give dwells as
-    dwells, or better the law itself. The ends are those of `LiftSpline`; rows in equal steps of a periodic table may
+    acceleration to 0.2 % of the peak. Jumps are rounded off: if rows one degree apart contain the joint of a dwell and
+    a cycloidal rise, the acceleration there is exact to 5 % and the jerk, which jumps, to half its jump. So give dwells
+    as dwells, or better the law itself. The ends are those of `LiftSpline`; rows in equal steps of a periodic table may
     omit 360 deg.
 
     Smoothing splines after Reinsch, Numer. Math. 10 (1967) 177-183, with a bound for each row; derived here.

@@ -221,7 +221,7 @@ def base_plate(
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(
             keys[int(holes[1] > holes[0])],
-            f"the holes of the two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
+            f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
             "meet in the plate",
             f"give bores and clearances of less than {2 * apart:.6g} mm together",
         )

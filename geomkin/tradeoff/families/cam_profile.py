@@ -71,7 +71,7 @@ def _by_differences(roller_cam: RollerCam, count: float) -> Callable[[], Polylin
         centres = pitch_points(roller_cam, count)
         # The cam turns counterclockwise, so the centres run clockwise about it: inwards is to their right.
         along = unit(np.roll(centres, -1) - np.roll(centres, 1))
-        return Polyline(centres - 1j * roller_cam.tool.roller_radius * along)
+        return Polyline(centres - 1j * roller_cam.tool.rounding * along)
 
     return profile
 
@@ -83,7 +83,7 @@ def _offset(roller_cam: RollerCam, count: float) -> Callable[[], Polyline]:
     def profile() -> Polyline:
         centres = pitch_points(roller_cam, count)
         # Where the pitch polygon is convex, shrinking it leaves corners, and a tolerance counts only where it is not.
-        return Polyline(region.offset([centres], -roller_cam.tool.roller_radius, _step(count) ** 2 / 100)[0][0])
+        return Polyline(region.offset([centres], -roller_cam.tool.rounding, _step(count) ** 2 / 100)[0][0])
 
     return profile
 
