@@ -60,7 +60,7 @@ def naming(place: str) -> Iterator[None]:
 
 
 def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> list[PlacedSegment]:
-    """Limits of the segments from 0 to 360 deg. folder: of files of tables. Raises DesignError for a wrong programme."""
+    """Limits of the segments from 0 to 360 deg. folder: of files of tables. Raises DesignError if they do not fit."""
     made: list[PlacedSegment] = []
     angle, lift, rows = 0.0, 0.0, 0
     if len(segments) > MOST_SEGMENTS:
