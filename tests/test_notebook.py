@@ -276,8 +276,8 @@ def test_a_way_that_is_nowhere_is_refused():
 @pytest.mark.parametrize(
     ("thing", "name", "about", "seconds"),
     [
-        (gk.FourBar(100, 30, 90, 70), "FourBar", "InputDyad at 60 rpm.", 1),
-        (gk.FourBar(100, 80, 60, 50), "FourBar", "InputDyad at 60 rpm.", None),
+        (gk.FourBar(100, 30, 90, 70), "FourBar", "Driven at 60 rpm.", 1),
+        (gk.FourBar(100, 80, 60, 50), "FourBar", "Driven at 60 rpm.", None),
         (gk.SliderCrank(30, 90, 5, driver="slider"), "SliderCrank", None, 1),
         (ROD, "Linkage", None, 1),
         (gk.move(gk.FourBar(100, 30, 90, 70), [0.5, 1.0]), "Motion", "", None),
@@ -287,7 +287,7 @@ def test_a_way_that_is_nowhere_is_refused():
 def test_a_job_tells_how_fast_it_goes(thing, name, about, seconds):
     job = notebook._job(thing)
     drive = job.table.columns[0].values
-    assert job.name == name and job.about == (f"InputDyad at {np.ptp(drive):.3g} mm/s." if about is None else about)
+    assert job.name == name and job.about == (f"Driven at {np.ptp(drive):.3g} mm/s." if about is None else about)
     assert np.ptp(job.scene.time) == pytest.approx(
         seconds or np.radians(np.ptp(drive)) / (2 * np.pi if about else 1.0), rel=1e-6
     )

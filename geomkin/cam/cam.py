@@ -18,7 +18,7 @@ from .followers.roller import TranslatingRoller
 from .program.program import Program
 from .program.segments import Dwell, Return, Rise
 
-# Smooth stretches of a programme: of more, a search for undercut and least base circle takes over five seconds.
+# Smooth stretches of a programme. With more, the search for undercut and the least base circle exceeds five seconds.
 MOST_STRETCHES = 500
 
 Direction = Literal["counterclockwise", "clockwise"]
@@ -28,20 +28,44 @@ Direction = Literal["counterclockwise", "clockwise"]
 class Cam:
     """A disk cam about the origin, drawn at cam angle 0, and the follower that rides on it.
 
-    Its cam angle is how far it has turned, rad, rising with time whichever its direction; points are complex, mm.
-    DesignError where the follower cannot ride on such a cam, or the programme's lifts are of the wrong sort for it.
+    Parameters
+    ----------
+    follower : AbstractFollower
+        The follower, such as `TranslatingRoller`, `TranslatingFlat`, `OscillatingRoller` or `OscillatingFlat`.
+    program : Program
+        The follower's lift over one turn: mm for a translating follower, degrees for an oscillating one.
+    base_radius : float
+        Radius of the cam where the lift is 0, mm.
+    direction : {"counterclockwise", "clockwise"}, optional
+        Direction in which the cam turns.
 
-    Source: the words are those of Rothbart, Cams (1956): base circle, prime circle, pitch curve; the formulas are
-    derived here.
+    Raises
+    ------
+    DesignError
+        If the follower cannot ride on such a cam, if the units of the lifts do not suit the follower, or if the
+        programme has more than 500 smooth stretches.
+
+    Notes
+    -----
+    The cam angle, rad, is the rotation of the cam since the drawn position; it rises with time in either direction.
+    Points are complex numbers in mm. The terms base circle, prime circle and pitch curve are those of Rothbart,
+    Cams (1956); the formulas are derived here.
+
+    Examples
+    --------
+    >>> rise, back = gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)
+    >>> cam = gk.Cam(gk.TranslatingRoller(10), gk.Program((rise, back)), base_radius=40)
+    >>> cam.prime_radius
+    50
     """
 
-    follower: Follower = entry("what rides on the cam", example=TranslatingRoller(10))
+    follower: Follower = entry("follower that rides on the cam", example=TranslatingRoller(10))
     program: Program = entry(
         "segments that fill one turn",
         example=Program((Dwell(end_deg=120), Rise("3-4-5", rise=20, end_deg=240), Return("cycloidal", end_deg=360))),
     )
     base_radius: float = quantity("radius of the cam where the lift is 0", "mm", above=0, at_most=FARTHEST, example=40)
-    direction: Direction = entry("way the cam turns", default="counterclockwise")
+    direction: Direction = entry("direction in which the cam turns", default="counterclockwise")
     can_be_scaled: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -50,8 +74,8 @@ class Cam:
         if stretches > MOST_STRETCHES:
             raise DesignError(
                 "program",
-                f"found {stretches:,} stretches between joints, dwells in a row taken as one",
-                f"give at most {MOST_STRETCHES}, or a table in place of many segments",
+                f"found {stretches:,} smooth stretches between joints; adjacent dwells count as one",
+                f"give at most {MOST_STRETCHES}, or replace many segments by a table",
             )
         self.follower.check(self.program, self.base_radius, self.sense)
 
@@ -59,52 +83,79 @@ class Cam:
 
     @property
     def prime_radius(self) -> float:
-        """Least distance of a roller's centre from the cam axis, mm; of a flat face, the base radius."""
-        return self.base_radius + self.follower.rounding
+        """Radius of the prime circle, mm: the smallest distance from the cam axis to the roller's centre.
+
+        For a flat face it equals the base radius.
+        """
+        return self.base_radius + self.follower.roller_radius
 
     @property
     def sense(self) -> int:
-        """+1 where the cam turns counterclockwise, -1 clockwise."""
+        """+1 if the cam turns counterclockwise, -1 if clockwise."""
         return turning_sense(self.direction)
 
     @property
     def pitch_curve(self) -> AbstractCurve:
-        """Path of the roller's centre on the cam; t is the cam angle, rad, 0 to 2 pi. A flat face has none."""
+        """Path of the roller's centre on the cam; the parameter is the cam angle, 0 to 2 pi rad.
+
+        Raises
+        ------
+        DesignError
+            If the follower has a flat face.
+        """
         knife = self.follower.knife_edge
         if knife is None:
-            raise DesignError("follower", "a flat face has no roller, so its cam no pitch curve", "use the profile")
+            raise DesignError(
+                "follower", "a cam with a flat-faced follower has no pitch curve", "use the profile instead"
+            )
         # The roller's centre is a knife edge on the prime circle.
         return Profile(knife, self.program, self.prime_radius, self.sense)
 
     @property
     def profile(self) -> AbstractCurve:
-        """What the follower touches, on the cam; t is the cam angle, rad, 0 to 2 pi.
+        """Curve of the contact points on the cam; the parameter is the cam angle, 0 to 2 pi rad.
 
-        Exact, and untrimmed: loops are included where the follower undercuts, and where the programme's
-        velocity jumps so does the point of contact. `undercut` gives the outline of the cam that is left.
+        The curve is exact and untrimmed: it contains loops if the follower undercuts the cam, and it jumps where the
+        programme's velocity jumps. `undercut` returns the trimmed outline.
         """
         return Profile(self.follower, self.program, self.base_radius, self.sense)
 
     def contact(self, angle: ArrayLike) -> Contact:
-        """Cam and follower where they touch, at cam angles in rad; a point z of it lies on the cam at z exp(-i sgn t).
+        """Contact of cam and follower at given cam angles.
 
-        At a joint, that of the segment that starts there.
+        Parameters
+        ----------
+        angle : array_like
+            Cam angles, rad, any shape. At a joint of two segments the segment that starts there counts.
+
+        Returns
+        -------
+        Contact
+            In the ground's frame. A contact point z lies on the cam at z exp(-i sense angle).
         """
         motion = self.program.motion(np.asarray(angle, dtype=float))
         return self.follower.contact(motion, self.base_radius, self.sense)
 
     def follower_pose(self, angle: ArrayLike) -> Pose:
-        """Where the follower stands at cam angles in rad.
+        """Pose of the follower at given cam angles.
 
-        Its origin is the roller's centre, the place where a translating face crosses the y axis, or an arm's
-        pivot; its x axis lies as the ground's, or runs along the face or the arm.
+        Parameters
+        ----------
+        angle : array_like
+            Cam angles, rad, any shape.
+
+        Returns
+        -------
+        Pose
+            The origin is the roller's centre, the point where a translating face crosses the y axis, or the pivot of
+            an arm. The x axis is parallel to the ground's, or runs along the face or the arm.
         """
-        return self.follower.place(self.program.motion(np.asarray(angle, dtype=float)).lift, self.base_radius)
+        return self.follower.pose(self.program.motion(np.asarray(angle, dtype=float)).lift, self.base_radius)
 
 
 @record(eq=False)
 class Profile(AbstractCurve):
-    """Where a follower touches its cam, seen from the cam: E z with E = exp(-i sgn t) from ground to cam."""
+    """Contact points of a follower in the cam's frame: E z with E = exp(-i sense t) from ground to cam."""
 
     follower: AbstractFollower
     program: Program
@@ -118,12 +169,12 @@ class Profile(AbstractCurve):
     def velocity(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)
         contact = self._contact(t)
-        return -1j * self.sense * np.exp(-1j * self.sense * t) * contact.normal * contact.advance
+        return -1j * self.sense * np.exp(-1j * self.sense * t) * contact.normal * contact.profile_speed
 
     def curvature(self, t: ArrayLike) -> Real:
         contact = self._contact(np.asarray(t, dtype=float))
         with np.errstate(divide="ignore"):
-            return contact.turn / np.abs(contact.advance)
+            return contact.normal_rate / np.abs(contact.profile_speed)
 
     def _contact(self, t: Real) -> Contact:
         return self.follower.contact(self.program.motion(t), self.base_radius, self.sense)
@@ -143,13 +194,14 @@ def turning_sense(direction: Direction) -> int:
 
 
 def check_lifts(follower: AbstractFollower, program: Program) -> None:
-    """Raises DesignError where the programme's lifts are of the wrong sort for the follower."""
+    """Raise DesignError if the units of the programme's lifts do not suit the follower."""
     if program.oscillates == follower.oscillates:
         return
     kind = follower.kind.replace("-", " ")
     raise DesignError(
         "program",
-        f"its lifts are in {'mm' if follower.oscillates else 'degrees'}, but the follower is of the {kind} sort, "
-        f"which {'swings about a pivot' if follower.oscillates else 'moves along a line'}",
-        f"give the lifts in {'degrees' if follower.oscillates else 'mm'}, or a follower of the other sort",
+        f"its lifts are in {'mm' if follower.oscillates else 'degrees'}, but the {kind} follower "
+        f"{'swings about a pivot' if follower.oscillates else 'moves along a line'}",
+        f"give the lifts in {'degrees' if follower.oscillates else 'mm'}, or a follower that "
+        f"{'moves along a line' if follower.oscillates else 'swings about a pivot'}",
     )

@@ -92,7 +92,7 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
 
 def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
     """How far the cam is from undercut, or what undercut takes."""
-    roller = cam.follower.rounding
+    roller = cam.follower.roller_radius
     if roller:
         tightest, angle = tightest_convex(cam)
         at = float(np.degrees(angle)) if np.isfinite(tightest) else None

@@ -1,4 +1,4 @@
-"""The largest value of a function that is smooth between breaks: seen on samples, then climbed to."""
+"""The largest value of a function that is smooth between breaks: sampled, then refined."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import numpy as np
 
 from ..plane.vec import Real
 
-# Places looked at in each stretch. What a segment's law does between two of them is one hill at most; fewer may miss
-# a hill, more take as much longer.
+# Samples in each stretch. A segment's law has at most one peak between two of them. Fewer may miss a peak; more take
+# proportionally longer.
 SAMPLES = 256
-# Where stretches are so many that all together would have more places than TOGETHER, each gets fewer, but no fewer than
-# FEWEST. Less would see too little of a spline among many dwells, more takes seconds.
+# If all stretches together would have more than TOGETHER samples, each gets fewer, but at least FEWEST. Smaller values
+# miss detail of a spline among many dwells; larger ones take seconds.
 TOGETHER, FEWEST = 256 * 256, 48
-# Each look narrows the hill to a sixteenth; after seven a cam angle is known to 1e-9 rad and, a hill being
-# flat at its top, the value to rounding.
-LOOKS, FINE = 7, 33
+# Each refinement narrows the interval of a peak to one sixteenth. After seven the cam angle is exact to 1e-9 rad and
+# the value, which is stationary at a peak, to rounding.
+REFINEMENTS, FINE = 7, 33
 
 
 def samples(breaks: Real) -> Real:
-    """Places (segments, SAMPLES or fewer) that see every segment finely and every joint from both sides."""
+    """Parameters, shape (segments, SAMPLES or fewer), that resolve every segment and both sides of every joint."""
     return _samples_between(breaks[:-1], breaks[1:])
 
 
@@ -32,34 +32,34 @@ def _samples_between(low: Real, high: Real) -> Real:
 
 
 def highest(breaks: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
-    """The largest value of f in each segment, and where; at joints from the segment's own side."""
+    """The largest value of f in each segment and its parameter; at a joint the segment's own side counts."""
     return highest_between(breaks[:-1], breaks[1:], f)
 
 
 def highest_between(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
-    """The largest value of f, smooth there, between each `low` and `high`, and where; at `high` from below."""
+    """The largest value of f, and its parameter, between each `low` and `high` (excluded), where f is smooth."""
     places = _samples_between(low, high)
-    _, before, after = _hills(places, f(places))
-    return climb(before, after, f)
+    _, before, after = _peak_bounds(places, f(places))
+    return refine_peak(before, after, f)
 
 
-def _hills(places: Real, values: Real) -> tuple[Real, Real, Real]:
-    """Of each row of samples: what the hill at its highest sample stays below, and the places on both sides of it."""
+def _peak_bounds(places: Real, values: Real) -> tuple[Real, Real, Real]:
+    """For each row of samples: an upper bound of its peak, and the samples before and after the highest one."""
     top = values.argmax(axis=1)[:, None]
     sides = np.maximum(top - 1, 0), np.minimum(top + 1, places.shape[1] - 1)
-    one, other = (np.take_along_axis(values, side, 1)[:, 0] for side in sides)
-    # A parabola through three samples rises above the middle one by an eighth of its fall to the sides at most: eight
-    # times as much is allowed.
-    most = np.take_along_axis(values, top, 1)[:, 0]
+    left, right = (np.take_along_axis(values, side, 1)[:, 0] for side in sides)
+    # A parabola through three samples exceeds the middle one by at most an eighth of the drop to the sides; eight times
+    # that is allowed for.
+    highest_sample = np.take_along_axis(values, top, 1)[:, 0]
     before, after = (np.take_along_axis(places, side, 1)[:, 0] for side in sides)
     with np.errstate(invalid="ignore"):
-        return 2 * most - np.minimum(one, other), before, after
+        return 2 * highest_sample - np.minimum(left, right), before, after
 
 
-def climb(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
-    """The top of the one hill of f between each `low` and `high`: its value and its place."""
-    for _ in range(LOOKS):
-        # Rounding may put the last place beyond `high`, across a joint.
+def refine_peak(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]:
+    """Value and parameter of the single peak of f between each `low` and `high`."""
+    for _ in range(REFINEMENTS):
+        # Rounding may put the last sample beyond `high`, across a joint.
         places = np.minimum(low[:, None] + (high - low)[:, None] * np.linspace(0, 1, FINE), high[:, None])
         values = f(places)
         top = values.argmax(axis=1)[:, None]
@@ -69,22 +69,22 @@ def climb(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[Real, Real]
 
 
 def exceeds(places: Real, values: Real, f: Callable[[Real], Real], limit: float) -> bool:
-    """Whether f is above a limit anywhere, or unknown; places, values: its samples, as `samples` gives them."""
+    """Whether f exceeds a limit or is nan anywhere; `places` and `values` are its samples, as of `samples`."""
     if not values.max() <= limit:
         return True
-    most, before, after = _hills(places, values)
-    # Only those hills are climbed that may reach over the limit: most often none or one.
-    may = ~(most <= limit)
-    return bool(may.any()) and not climb(before[may], after[may], f)[0].max() <= limit
+    bounds, before, after = _peak_bounds(places, values)
+    # Only peaks that may exceed the limit are refined: usually none or one.
+    may = ~(bounds <= limit)
+    return bool(may.any()) and not refine_peak(before[may], after[may], f)[0].max() <= limit
 
 
 def largest(breaks: Real, f: Callable[[Real], Real]) -> tuple[float, float]:
-    """The largest value of f over all segments, and where."""
+    """The largest value of f over all segments, and its parameter."""
     places = samples(breaks)
     values = f(places)
-    most, before, after = _hills(places, values)
-    # Most stretches are clearly lower: only those that may hold the largest value are climbed.
-    may = ~(most < values.max())
-    tops, where = climb(before[may], after[may], f)
+    bounds, before, after = _peak_bounds(places, values)
+    # Most stretches are clearly lower: only those that may hold the largest value are refined.
+    may = ~(bounds < values.max())
+    tops, where = refine_peak(before[may], after[may], f)
     k = int(tops.argmax())
     return float(tops[k]), float(where[k])

@@ -11,7 +11,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, quantity, rounded_down
 from ..core.records import record
-from ..making.assembly import Assembling, Assembly, collar_across, pin_bill, seated
+from ..making.assembly import Assembly, AssemblyBuilder, collar_across, pin_bill, seated
 from ..making.bases import BaseOpening, BaseStock, standing_plate
 from ..making.bores import bore, fits_of, shaft
 from ..making.fits import AbstractBored
@@ -26,12 +26,12 @@ from .extrema import largest, samples
 from .followers.follower import Bars, Plate
 from .undercut import Undercut, undercut
 
-# Letters at the holes that belong together, by what the stock calls their diameters; the cam's own shaft is A.
+# Letters engraved at holes that belong together, by the key of their diameter in the stock; the cam's shaft is A.
 LETTERS = {"bore": "A", "pivot_bore": "B", "roller_bore": "C"}
-# Places of the follower between its lowest and its highest at which room for it is looked for. Fewer miss more of an
-# arm's swing between two of them, which counts by thousandths of its length; more take longer.
-PLACES = 65
-# Chords of outlines, as a share of the cam's size, for finding that room: as near as the swing.
+# Follower positions between lowest and highest lift at which its extent is computed. Between two of them an arm
+# deviates by thousandths of its length; fewer positions miss more of that, more take longer.
+POSITIONS = 65
+# Chord tolerance of outlines for that extent, as a share of the cam's size: as accurate as the positions.
 CHORDS = 1e-3
 
 
@@ -44,54 +44,53 @@ def cam_base(
     base: BaseStock,
     motor: MotorName | None = None,
 ) -> Part:
-    """The base under a cam and its follower, in the ground's frame, the cam's axis at the origin.
+    """The base under a cam and its follower, in the ground's frame, with the cam's axis at the origin.
 
-    plates: as `guided_plates` gives them; holes `pivot_bore` in them are over that of the pivot, or over the slot in
-    which the pins slide. shafts: diameters, mm, of `bore` and `pivot_bore`. motor: what turns the cam; the base has its
-    holes there. Raises DesignError where there is no room.
-    Derived here.
+    plates: from `guided_plates`; their holes `pivot_bore` lie over the pivot, or over the slot in which the pins slide.
+    shafts: diameters of `bore` and `pivot_bore`, mm. motor: the motor that drives the cam; the base then has its holes.
+    Raises DesignError if there is no room. Derived here.
     """
-    lifts = np.linspace(*_lifts(cam), PLACES)
-    pose = cam.follower.place(lifts, cam.base_radius)
+    lifts = np.linspace(*_lift_limits(cam), POSITIONS)
+    pose = cam.follower.pose(lifts, cam.base_radius)
     origin, direction = np.asarray(pose.origin)[:, None], np.asarray(pose.direction)[:, None]
     pins = np.array([hole.centre for plate in plates for hole in plate.holes if hole.key == "pivot_bore"])
-    ways = origin + direction * pins
+    pin_paths = origin + direction * pins
     shaft = BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"], motor=motor)
     openings = [shaft]
     pin = shafts["pivot_bore"]
-    held, collar = ("stock.pivot_bore", pin), collar_across(pin)
+    bore_of_pin, collar = ("stock.pivot_bore", pin), collar_across(pin)
     if cam.follower.oscillates:
-        pivot = complex(ways[0, 0])
-        openings.append(BaseOpening("the arm's pivot", *held, (pivot,), LETTERS["pivot_bore"], head=collar))
+        pivot = complex(pin_paths[0, 0])
+        openings.append(BaseOpening("the arm's pivot", *bore_of_pin, (pivot,), LETTERS["pivot_bore"], head=collar))
     elif len(pins) < 2:
-        raise DesignError("base", "the follower has no stem that it could guide", "leave it out")
+        raise DesignError("base", "the follower has no stem that a base could guide", "omit base")
     else:
-        ends = (complex(ways[0, 0]), complex(ways[-1, -1]))
-        openings.append(BaseOpening("the guide pins", *held, ends, LETTERS["pivot_bore"], head=collar))
+        ends = (complex(pin_paths[0, 0]), complex(pin_paths[-1, -1]))
+        openings.append(BaseOpening("the guide pins", *bore_of_pin, ends, LETTERS["pivot_bore"], head=collar))
     chords = CHORDS * cam.prime_radius
     bars = [origin + direction * flatten(p.outline, chords) for p in plates if p.name != "roller"]
     if cam.follower.knife_edge is not None:
         for bar in bars:
             _check_shaft(bar, shafts["bore"])
-    reach = np.abs(cut.outline.point(samples(cut.outline.breaks))).max() + chords
-    own = np.array([-reach - 1j * reach, reach + 1j * reach])
-    places = np.concatenate([own, *(z.ravel() for z in bars), *_rollers(cam)])
-    low, high = complex(places.real.min(), places.imag.min()), complex(places.real.max(), places.imag.max())
-    # A pivot's boss lies within the bars, and so do the pins of a stem.
+    radius = np.abs(cut.outline.point(samples(cut.outline.breaks))).max() + chords
+    cam_box = np.array([-radius - 1j * radius, radius + 1j * radius])
+    points = np.concatenate([cam_box, *(z.ravel() for z in bars), *_roller_boxes(cam)])
+    low, high = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+    # The bars contain the boss of a pivot and the pins of a stem.
     return standing_plate((low, high), openings, base, thickness)
 
 
-def _lifts(cam: Cam) -> tuple[float, float]:
-    """Lowest and highest, mm or rad. Undercut leaves the round cam that the lowest lift alone would need."""
+def _lift_limits(cam: Cam) -> tuple[float, float]:
+    """Lowest and highest lift, mm or rad. Undercut never cuts the circle that the lowest lift alone would need."""
     program = cam.program
     highest = largest(program.breaks, lambda t: program.motion(t).lift)[0]
     lowest = -largest(program.breaks, lambda t: -program.motion(t).lift)[0]
     return lowest, highest
 
 
-def _rollers(cam: Cam) -> Iterator[Complex]:
-    """Corners of the boxes about the roller at each place of it."""
-    radius = cam.follower.rounding
+def _roller_boxes(cam: Cam) -> Iterator[Complex]:
+    """Corners of the boxes round the roller at the sampled cam angles."""
+    radius = cam.follower.roller_radius
     if radius:
         contact = cam.contact(samples(cam.program.breaks).ravel())
         centre = contact.point + radius * contact.normal
@@ -99,60 +98,94 @@ def _rollers(cam: Cam) -> Iterator[Complex]:
 
 
 def _check_shaft(bar: Complex, shaft: float) -> None:
-    """Refuse a bar between cam and base, at places (n, points), that the cam's shaft would meet."""
-    along = np.roll(bar, -1, axis=1) - bar
-    share = np.clip(np.real(-bar * np.conj(along)) / np.maximum(np.abs(along) ** 2, 1e-300), 0, 1)
-    room = float(np.abs(bar + share * along).min())
+    """Refuse a bar between cam and base that the cam's shaft would meet; outline (positions, points)."""
+    edge = np.roll(bar, -1, axis=1) - bar
+    share = np.clip(np.real(-bar * np.conj(edge)) / np.maximum(np.abs(edge) ** 2, 1e-300), 0, 1)
+    room = float(np.abs(bar + share * edge).min())
     inside = (np.abs(np.angle(np.roll(bar, -1, axis=1) / bar).sum(axis=1)) > np.pi).any()
     if inside or room <= shaft / 2:
         raise DesignError(
             "stock.bar_width",
-            f"the bar of the follower, between cam and base, meets the cam shaft of {shaft:g} mm",
+            f"the follower's bar, between cam and base, meets the cam shaft of {shaft:g} mm",
             f"give a bore of less than {rounded_down(2 * room)} mm, narrower bars or a larger base_radius"
             if room and not inside
             else "give narrower bars or a larger base_radius",
         )
 
 
-# Of the timing mark, as shares of the ring between the hole and the base circle: the line's ends, and where the arrow
-# runs across it.
+# Timing mark, as shares of the ring between the hole and the base circle: both ends of the line, and the arrow's
+# radius.
 LINE, ARROW = (0.2, 0.9), 0.55
-# Sweep of the arrow, rad, and length of its head as a share of the ring: seen at a glance, and clear of both edges.
+# Sweep of the arrow, rad, and length of its head as a share of the ring: easy to see, and clear of both edges.
 SWEEP, HEAD = np.pi / 4, 0.15
 
 
 @record
 class CamStock(AbstractBored):
-    """What a cam and its follower are cut from, and what they turn on; all lengths in mm.
+    """Sheet, bores and bars of a cam and its follower; all lengths in mm.
 
-    Fit and form are those of the cam's bore; other holes run on their pins. Source: keyways as DIN 6885-1 gives them,
-    depth in the hub along the middle; the defaults are chosen here.
+    Parameters
+    ----------
+    thickness : float, optional
+        Thickness of the sheet, mm.
+    bore : float, optional
+        Diameter of the cam shaft, mm; 0 for no hole.
+    bore_form, flat, keyway_width, keyway_depth, fit, interference : optional
+        Form and fit of the cam's bore, as of `AbstractBored`. All other holes run on their pins.
+    clearance : float, optional
+        How much wider a hole is than its pin or shaft, mm.
+    motor : {"nema17"}, optional
+        Motor that drives the cam.
+    roller_bore, pivot_bore : float, optional
+        Diameters of the roller's pin, and of an arm's pivot or the pins in a stem, mm; 0 for no hole.
+    timing_mark : bool, optional
+        Whether to engrave a line towards the contact point at cam angle 0, and an arrow in the direction of rotation.
+    bar_width : float, optional
+        Width of a flat follower's bars and of arms, mm.
+    overhang : float, optional
+        How far a flat face extends beyond the range that the cam touches, mm.
+    stem_length : float, optional
+        Distance from a translating face, or with a base from a translating roller, to the hole in its stem, mm.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range or the bore's form and sizes contradict each other.
+
+    Notes
+    -----
+    Keyways by DIN 6885-1, depth in the hub along the middle; the defaults are chosen here.
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=5.0, at_least=0.01, at_most=1000)
     bore: float = shaft("the cam shaft", 8.0, fitted=True)
     roller_bore: float = shaft("the roller's pin", 4.0)
     timing_mark: bool = entry(
-        "engrave a line towards where the follower touches at cam angle 0, and the way the cam turns", default=False
+        "engrave a line towards the contact point at cam angle 0, and an arrow in the direction of rotation",
+        default=False,
     )
     bar_width: float = quantity(
         "width of a flat follower's bars and of arms", "mm", default=12.0, at_least=0.01, at_most=FARTHEST
     )
     overhang: float = quantity(
-        "how far a flat face runs beyond where the cam touches it", "mm", default=2.0, at_least=0, at_most=FARTHEST
+        "how far a flat face extends beyond the range that the cam touches",
+        "mm",
+        default=2.0,
+        at_least=0,
+        at_most=FARTHEST,
     )
     stem_length: float = quantity(
-        "distance from a translating flat face, or over a base from a translating roller, to the hole in its stem",
+        "distance from a translating flat face, or with a base from a translating roller, to the hole in its stem",
         "mm",
         default=40.0,
         above=0,
         at_most=FARTHEST,
     )
-    pivot_bore: float = shaft("an arm's pivot, or of the pin in a stem", 6.0)
+    pivot_bore: float = shaft("an arm's pivot, or of the pins in a stem", 6.0)
 
     @property
     def bars(self) -> Bars:
-        """What followers need to know of it."""
+        """The sizes that followers are cut with."""
         return Bars(self.bar_width, self.overhang, self.stem_length, self.pivot_bore, self.roller_bore)
 
 
@@ -160,39 +193,64 @@ class CamStock(AbstractBored):
 def cam_parts(
     cam: Cam, stock: CamStock = CamStock(), cut: Undercut | None = None, base: BaseStock | None = None
 ) -> list[Part]:
-    """The parts to cut: `cam`, the plate about its axis, then those of its follower, each in its own frame, mm.
+    """The parts of a cam and its follower that are to be cut.
 
-    They are `roller` and, of an arm or a flat face, `arm` or `follower`; a roller that moves straight needs a guide to
-    fit and gets no plate. With a base, such a roller has a `follower` too, whose two pins slide in the base's slot, and
-    holes that belong together have the same letter. Last comes the base, which then has the holes of the stock's motor,
-    or the `motor_plate`. Where the follower undercuts, the cam plate is what it leaves; `undercut` tells what lift that
-    costs. cut: what it found, where that is known already. Raises DesignError, its field a size of the stock, where
-    holes or bars do not fit.
+    Parameters
+    ----------
+    cam : Cam
+        The cam and its follower.
+    stock : CamStock, optional
+        Sheet, bores and bars.
+    cut : Undercut, optional
+        The result of `undercut`, if it is known already.
+    base : BaseStock, optional
+        Adds a base plate under cam and follower.
 
-        gk.write(gk.cam.cam_parts(cam, gk.cam.CamStock(thickness=6, bore=10)), "cam.dxf")
+    Returns
+    -------
+    list of Part
+        `cam` about its axis; then the plates of the follower, each in its own frame, mm: `roller`, and `arm` or
+        `follower` for an arm or a flat face. A translating roller has no further plate; supply its guide. With a base
+        it has a `follower` whose two pins slide in the base's slot, and holes that belong together have the same
+        letter. The last part is the base, with the holes of the stock's motor; without a base it is the `motor_plate`.
+        If the follower undercuts the cam, the cam plate is the trimmed one.
 
-    Source: derived here.
+    Raises
+    ------
+    DesignError
+        If holes or bars do not fit; its field is a size of the stock.
+
+    Notes
+    -----
+    Derived here.
+
+    Examples
+    --------
+    >>> program = gk.Program((gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)))
+    >>> cam = gk.Cam(gk.TranslatingRoller(10), program, base_radius=40)
+    >>> [part.name for part in gk.cam.cam_parts(cam, gk.cam.CamStock(thickness=6, bore=10))]
+    ['cam', 'roller']
     """
     cut = cut or undercut(cam)
     plate, follower = _cam_plate(cam, stock, cut), cam.follower
     bars = stock.bars, cam.program, cam.base_radius, cam.sense
     if base is None:
-        return [plate, *(_cut(other, stock) for other in follower.plates(*bars)), *stock.motor_parts]
+        return [plate, *(_follower_part(other, stock) for other in follower.plates(*bars)), *stock.motor_parts]
     plates = follower.guided_plates(*bars)
-    parts = [replace(plate, hole_names=("A",)), *(_cut(other, stock, LETTERS) for other in plates)]
+    parts = [replace(plate, hole_names=("A",)), *(_follower_part(other, stock, LETTERS) for other in plates)]
     shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
     return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base, stock.motor)]
 
 
-def _cut(plate: Plate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
+def _follower_part(plate: Plate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
     circles: list[Circle] = []
     names: list[str] = []
     fits: list[HoleFit] = []
     for hole in plate.holes:
-        one = bore(hole.diameter, stock.clearance, hole.widest, f"stock.{hole.key}", hole.centre)
-        circles += one
+        circle = bore(hole.diameter, stock.clearance, hole.widest, f"stock.{hole.key}", hole.centre)
+        circles += circle
         fits += fits_of(hole.diameter, stock.clearance)
-        names += [letters.get(hole.key, "") for _ in one] if letters else []
+        names += [letters.get(hole.key, "") for _ in circle] if letters else []
     return Part(
         plate.name,
         plate.outline,
@@ -216,11 +274,7 @@ def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
 
 
 def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> tuple[AbstractCurve, ...]:
-    """How the cam is put on its shaft, and which way it turns: a radial line in the unit direction `towards`, and from
-    it an arrow.
-
-    Both lie between two circles about the axis, mm. sense: +1 counterclockwise, -1 clockwise.
-    """
+    """Timing line in the unit direction `towards` and arrow in the direction of rotation, between two radii, mm."""
     ring = outer - inner
     start, end = (towards * (inner + share * ring) for share in LINE)
     arrow = Arc(0j, towards * (inner + ARROW * ring), sense * SWEEP)
@@ -232,86 +286,104 @@ def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> t
 
 @checked
 def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = None) -> tuple[Bought, ...]:
-    """The cam's shaft and key, the pins of its follower, the collars that hold them, and the base's screws and feet.
+    """The items to buy: shaft and key of the cam, pins of its follower, collars, and screws and feet of the base.
 
-    For joints by the letters at their holes over a base, and by the names of parts without one. A shaft or pin is as
-    long as all plates, gaps and collars on it. Bearings are not told. Derived here.
+    Parameters
+    ----------
+    cam : Cam
+        The cam and its follower.
+    stock : CamStock, optional
+        Sheet, bores and bars, as for `cam_parts`.
+    base : BaseStock, optional
+        Base plate, as for `cam_parts`.
+
+    Returns
+    -------
+    tuple of Bought
+        Joints are named by the letters at their holes if there is a base, otherwise by the names of parts. A shaft or
+        pin is as long as all plates, gaps and collars on it. Bearings are not included.
+
+    Notes
+    -----
+    Derived here.
     """
     return cam_assembly(cam, stock, base).bought
 
 
 def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
-    """What is bought for a cam and its follower, and how all of it goes together."""
+    """Items to buy for a cam and its follower, and the steps of assembly."""
     follower, thick = cam.follower, stock.thickness
     guided = follower.plates if base is None else follower.guided_plates
     plates = guided(stock.bars, cam.program, cam.base_radius, cam.sense)
-    carrying = [plate for plate in plates if plate.name != "roller"]
-    # A roller runs in the plane of the cam, and what carries it lies under both; a face lies beside the cam.
-    beside = bool(carrying) and follower.knife_edge is not None
-    told = Assembling("" if base is None else "base", thick, base, base is not None, stock.motor)
-    layer = told.lowest + beside
-    gap = thick if base is not None and beside else 0.0
-    told.shaft("A", "cam", stock, (0.0 if base is None else thick) + gap + thick, layer, gap)
-    for plate in carrying:
-        for words in _carried(told, plate, plates, stock, base):
-            told.tell(told.lowest, words)
+    bars = [plate for plate in plates if plate.name != "roller"]
+    # A roller runs in the plane of the cam, and its bar lies under both; a face lies in the plane of the cam.
+    has_bar_below = bool(bars) and follower.knife_edge is not None
+    builder = AssemblyBuilder("" if base is None else "base", thick, base, base is not None, stock.motor)
+    layer = builder.lowest + has_bar_below
+    gap = thick if base is not None and has_bar_below else 0.0
+    builder.shaft("A", "cam", stock, (0.0 if base is None else thick) + gap + thick, layer, gap)
+    for plate in bars:
+        for step in _bar_steps(builder, plate, plates, stock, base):
+            builder.add_step(builder.lowest, step)
     if any(plate.name == "roller" for plate in plates):
-        _roller(told, plates, stock, layer)
-    # A tube keeps a shaft's cam over the follower; a motor's is held by the shaft.
-    over = f", {gap:g} mm above base" if gap and stock.motor else ""
-    told.tell(layer, seated("cam", "A" if told.lettered else "", stock) + f"{over}, as it is drawn and not turned over")
+        _add_roller(builder, plates, stock, layer)
+    # A tube keeps the cam above the follower; on a motor the motor's shaft holds the cam.
+    height = f", {gap:g} mm above base" if gap and stock.motor else ""
+    builder.add_step(layer, seated("cam", "A" if builder.lettered else "", stock) + f"{height}, with the drawn side up")
     if stock.timing_mark:
-        told.tell(layer, "its line is under the follower at cam angle 0, and its arrow the way it turns")
-    told.end(f"a spring or a weight of yours holds {plates[0].name if plates else 'the follower'} to cam")
+        builder.add_step(
+            layer, "the timing line is under the follower at cam angle 0; the arrow shows the direction of rotation"
+        )
+    held = plates[0].name if plates else "the follower"
+    builder.add_last_step(f"supply a spring or weight that holds {held} on cam")
     if base is None:
-        told.end(_left(cam, bool(carrying), stock))
-    return told.told()
+        builder.add_last_step(_unheld(cam, bool(bars), stock))
+    return builder.build()
 
 
-def _carried(
-    told: Assembling, plate: Plate, plates: tuple[Plate, ...], stock: CamStock, base: BaseStock | None
+def _bar_steps(
+    builder: AssemblyBuilder, plate: Plate, plates: tuple[Plate, ...], stock: CamStock, base: BaseStock | None
 ) -> Iterator[str]:
-    """The follower or arm: its own pins glued in, flush where cam or base pass."""
-    held = [hole for hole in plate.holes if hole.key == "pivot_bore" and hole.diameter]
-    count, swings = len(held), plate.name == "arm"
+    """Steps for the follower or arm: its pins are glued in, flush on the side on which cam or base pass."""
+    pivot_holes = [hole for hole in plate.holes if hole.key == "pivot_bore" and hole.diameter]
+    count, swings = len(pivot_holes), plate.name == "arm"
     letter = LETTERS["pivot_bore"]
-    if held and base is not None:
+    if pivot_holes and base is not None:
         pins = f"{count} pins {letter}" if count > 1 else f"pin {letter}"
-        told.pins(letter, plate.name, stock.pivot_bore, 2 * stock.thickness, count, under=True)
-        yield f"glue {pins} into {plate.name}, flush above"
-    elif held:
-        told.buy(plate.name, pin_bill(stock.pivot_bore, stock.thickness, count))
-    carried = any(hole.key == "roller_bore" and hole.diameter for hole in plate.holes)
-    if carried and any(other.name == "roller" for other in plates):
-        named = LETTERS["roller_bore"] if told.lettered else "of roller"
-        yield f"glue the pin {named} into {plate.name}, flush below"
+        builder.pins(letter, plate.name, stock.pivot_bore, 2 * stock.thickness, count, under=True)
+        yield f"glue {pins} into {plate.name}, flush at the top"
+    elif pivot_holes:
+        builder.buy(plate.name, pin_bill(stock.pivot_bore, stock.thickness, count))
+    has_roller_pin = any(hole.key == "roller_bore" and hole.diameter for hole in plate.holes)
+    if has_roller_pin and any(other.name == "roller" for other in plates):
+        pin_name = LETTERS["roller_bore"] if builder.lettered else "of roller"
+        yield f"glue the pin {pin_name} into {plate.name}, flush at the bottom"
     if base is None:
-        yield f"lay {plate.name}" + (", its pin through it into what is to hold it" if held else "")
+        yield f"lay {plate.name}" + (", with its pin through it into your support" if pivot_holes else "")
     elif swings:
-        yield f"lay arm, its pin {letter} through base; a collar on {letter} from below, with room to turn"
+        yield f"lay arm, with its pin {letter} through base; fit a collar on {letter} below base, with play to turn"
     else:
-        collars = f"{count} collars on {letter} from below, with room to slide"
-        yield f"lay {plate.name}, its pins through the slot {letter} of base; {collars}"
+        collars = f"fit {count} collars on {letter} below base, with play to slide"
+        yield f"lay {plate.name}, with its pins through the slot {letter} of base; {collars}"
 
 
-def _roller(told: Assembling, plates: tuple[Plate, ...], stock: CamStock, layer: int) -> None:
-    """The roller on its pin, over what carries it."""
-    on = sum(any(hole.key == "roller_bore" for hole in plate.holes) for plate in plates)
+def _add_roller(builder: AssemblyBuilder, plates: tuple[Plate, ...], stock: CamStock, layer: int) -> None:
+    bars = sum(any(hole.key == "roller_bore" for hole in plate.holes) for plate in plates)
     if not stock.roller_bore:
-        told.tell(layer, "lay roller")
+        builder.add_step(layer, "lay roller")
         return
     letter = LETTERS["roller_bore"]
-    named = letter if told.lettered else "its pin"
-    told.pins(letter, "roller", stock.roller_bore, on * stock.thickness)
-    told.tell(layer, f"lay roller on {named}, where it turns freely; a collar on {named}, with room to turn")
+    pin_name = letter if builder.lettered else "its pin"
+    builder.pins(letter, "roller", stock.roller_bore, bars * stock.thickness)
+    builder.add_step(layer, f"lay roller on {pin_name} so that it turns freely; fit a collar on {pin_name}, with play")
 
 
-def _left(cam: Cam, carried: bool, stock: CamStock) -> str:
-    """What no plate holds where there is no base."""
+def _unheld(cam: Cam, has_bar: bool, stock: CamStock) -> str:
+    """The step for parts that nothing holds without a base."""
     follower = cam.follower
     if follower.oscillates:
-        away = abs(complex(np.ravel(follower.place(np.zeros(1), cam.base_radius).origin)[0]))
-        return f"hold the pivot {away:.6g} mm from the shaft of cam: no plate here does"
-    stem = "follower" if carried else "a stem with the pin of the roller" if follower.rounding else "a stem"
-    shaft = "" if stock.motor else ", and hold the shaft of cam"
-    return f"guide {stem}{shaft}: no plate here does"
+        distance = abs(complex(np.ravel(follower.pose(np.zeros(1), cam.base_radius).origin)[0]))
+        return f"supply a support that holds the pivot {distance:.6g} mm from the shaft of cam"
+    stem = "follower" if has_bar else "a stem with the pin of the roller" if follower.roller_radius else "a stem"
+    shaft = "" if stock.motor else ", and a support for the shaft of cam"
+    return f"supply a guide for {stem}{shaft}"

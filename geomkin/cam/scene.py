@@ -1,15 +1,14 @@
-"""A cam as a scene: cam and follower in contact, what the follower was to do, and where the force acts."""
+"""A cam as a scene: cam and follower in contact, the intended position of the follower, and the force on it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core.arguments import checked
-from ..making.motors import apart, on_motor
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
 from ..model.table import Table
@@ -19,18 +18,14 @@ from .cam import Cam
 from .undercut import Undercut, undercut
 from .untrimmed_outline import UntrimmedOutline
 
-if TYPE_CHECKING:
-    from .cam import Cam
-
-
-# Lengths of the arrow of the force and of the line beside it, and from a straight roller to its guide, as shares of the
-# prime radius: longer ones leave the picture, shorter ones do not show an angle.
+# Length of the force's arrow and of the line next to it, and distance from a translating roller to its guide, as shares
+# of the prime radius. Longer ones leave the picture; shorter ones do not show an angle.
 ARROW, GUIDE = 0.7, 0.5
-# Share of the cam's size by which a follower is lifted to see which way it goes. Larger, and an arm's way is bent;
-# smaller, and it is rounding.
-LIFTED = 1e-6
+# Lift, as a share of the cam's size, that gives the direction in which the follower moves. With a larger value an
+# arm's path is curved; a smaller one is lost in rounding.
+SMALL_LIFT = 1e-6
 
-# Title of each plot and the columns that it shows, of those that there are, the most telling first.
+# Title of each plot and the names of its columns, the most important plot first.
 PLOTS = {
     "lift": "lift",
     "velocity": "velocity",
@@ -51,72 +46,87 @@ def cam_scene(
     cut: Undercut | None = None,
     limits: Sequence[Limit] = (),
 ) -> Scene:
-    """A cam turning under its follower, at the cam angles of its table.
+    """The scene of a cam that turns under its follower.
 
-    table: as `cam_table` gives it. parts: as `cam_parts` gives them. cut: what `undercut` found, where it is known
-    already. limits: lines across the plots of their columns. Where undercut takes lift
-    the follower rests on the corner that is left, and what it should do is drawn beside it. Derived here.
+    Parameters
+    ----------
+    cam : Cam
+        The cam and its follower.
+    table : Table
+        The result of `cam_table`; its cam angles are the frames.
+    parts : sequence of Part, optional
+        The result of `cam_parts`.
+    cut : Undercut, optional
+        The result of `undercut`, if it is known already.
+    limits : sequence of Limit, optional
+        Limit lines of the plots, each of its column.
+
+    Returns
+    -------
+    Scene
+        Where undercut costs lift, the follower rests on the remaining corner and its intended position is drawn too.
+
+    Notes
+    -----
+    Derived here.
     """
     cut = cut or undercut(cam)
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     angle = np.radians(np.asarray(table["cam_angle"], dtype=float))
-    riding = _Riding(cam, cut, angle)
+    follower = _FollowerFrames(cam, cut, angle)
     curves = [SceneCurve(Circle(0j, cam.base_radius), "construction", "base circle")]
     if cam.follower.knife_edge:
         curves.append(SceneCurve(cam.pitch_curve, "pitch", "pitch curve", "cam"))
     if cut.found:
-        curves.append(SceneCurve(UntrimmedOutline(cam).curve, "wanted", "profile that was asked for", "cam"))
-    curves += riding.dimensions(parts)
-    marks = (*riding.joints(parts), *riding.force(), *riding.wished())
-    around = bool(np.isclose(angle[-1] - angle[0], 2 * np.pi))
+        curves.append(SceneCurve(UntrimmedOutline(cam).curve, "wanted", "profile without undercut", "cam"))
+    curves += follower.dimensions(parts)
+    marks = (*follower.joints(parts), *follower.force(), *follower.intended())
+    is_cyclic = bool(np.isclose(angle[-1] - angle[0], 2 * np.pi))
     time = np.asarray(table["time"], dtype=float)
     return Scene(
         table,
-        # The time of a speed that changes is unknown: the scene then lasts two seconds.
+        # With an acceleration the time is unknown, and the scene lasts two seconds.
         time if np.isfinite(time).all() else np.linspace(0, 2, len(time)),
         np.ones(len(angle), dtype=bool),
-        on_motor(tuple(riding.bodies(parts)), motor),
+        with_motor_plate(tuple(follower.bodies(parts)), motor),
         tuple(curves),
         marks,
         tuple(_plots(table, limits)),
-        around,
+        is_cyclic,
     )
 
 
-class _Riding:
-    """Where the follower really is, which undercut keeps below its lift, and where it touches; all (frames,).
+class _FollowerFrames:
+    """Actual pose of the follower, lowered by undercut, and its contact; all (frames,).
 
-    centre: of the roller, or where a face touches. normal: from the cam into the follower; way: the way it is free to
-    go; unit complex.
+    centre: of the roller, or the contact point of a face. normal: from the cam into the follower. path_direction:
+    direction in which the follower moves. Both are unit complex numbers.
     """
 
     def __init__(self, cam: Cam, cut: Undercut, angle: Real):
         self.cam, self.angle = cam, angle
         follower, lift = cam.follower, cam.program.motion(angle).lift
         self.lost = cut.lost_lift(angle)
-        self.asked, self.pose = (follower.place(z, cam.base_radius) for z in (lift, lift - self.lost))
+        self.intended_pose, self.pose = (follower.pose(z, cam.base_radius) for z in (lift, lift - self.lost))
         contact = cam.contact(angle)
-        # In the follower's own frame a roller's centre stays where it is, and so does a face's direction.
-        self.asked_centre = contact.point + follower.rounding * contact.normal
-        centre = self.asked.locate(self.asked_centre)
+        # In the follower's frame a roller's centre and a face's direction are constant.
+        self.intended_centre = contact.point + follower.roller_radius * contact.normal
+        centre = self.intended_pose.locate(self.intended_centre)
         self.centre = self.pose.place(centre)
-        normal = contact.normal * np.conj(np.asarray(self.asked.direction)) * self.pose.direction
-        sunk = self.lost > 0
-        self.contact = np.where(sunk, cut.corner(angle), contact.point)
-        if follower.rounding:
-            normal = np.where(sunk, unit(self.centre - self.contact), contact.normal)
+        normal = contact.normal * np.conj(np.asarray(self.intended_pose.direction)) * self.pose.direction
+        is_lowered = self.lost > 0
+        self.contact = np.where(is_lowered, cut.corner(angle), contact.point)
+        if follower.roller_radius:
+            normal = np.where(is_lowered, unit(self.centre - self.contact), contact.normal)
         self.normal: Complex = normal
-        lifted = follower.place(
-            lift - self.lost + LIFTED * (1.0 if follower.oscillates else cam.prime_radius), cam.base_radius
+        lifted = follower.pose(
+            lift - self.lost + SMALL_LIFT * (1.0 if follower.oscillates else cam.prime_radius), cam.base_radius
         )
-        touching = centre if follower.rounding or follower.knife_edge else self.pose.locate(self.contact)
-        self.way = unit(lifted.place(touching) - self.pose.place(touching))
+        point = centre if follower.roller_radius or follower.knife_edge else self.pose.locate(self.contact)
+        self.path_direction = unit(lifted.place(point) - self.pose.place(point))
 
     def bodies(self, parts: Sequence[Part]) -> Iterator[SceneBody]:
-        """A roller's centre runs in the plane of the cam, and what carries it beside both; a face lies in it too.
-
-        A base lies under all of them.
-        """
+        """A roller and a face lie in the layer of the cam, the bar of a roller next to it, and a base below all."""
         still = np.ones(len(self.angle), dtype=complex)
         follower = self.cam.follower
         poses = {
@@ -124,69 +134,70 @@ class _Riding:
             "roller": Pose(self.centre, still),
             "ground": Pose(0 * still, still),
         }
-        stands = any(part.body == "ground" for part in parts)
+        has_base = any(part.body == "ground" for part in parts)
         names = dict.fromkeys(["cam", *(part.body for part in parts)])
         for name in names:
             pose = poses.get(name, self.pose)
-            held = tuple(part for part in parts if part.body == name)
-            beside = follower.knife_edge is not None and name not in poses
-            layer = 0 if beside or name == "ground" else 1
-            # Over a base what is beside has a layer of its own.
-            layer += stands and follower.knife_edge is not None and name != "ground"
+            body_parts = tuple(part for part in parts if part.body == name)
+            is_bar = follower.knife_edge is not None and name not in poses
+            layer = 0 if is_bar or name == "ground" else 1
+            # Over a base, the bar has its own layer.
+            layer += has_base and follower.knife_edge is not None and name != "ground"
             fixed = name == "ground"
-            yield SceneBody(name, held, np.asarray(pose.origin), np.asarray(pose.direction), layer, fixed)
+            yield SceneBody(name, body_parts, np.asarray(pose.origin), np.asarray(pose.direction), layer, fixed)
 
     def joints(self, parts: Sequence[Part]) -> Iterator[SceneMark]:
-        follower, carried = self.cam.follower, {part.body for part in parts} - {"cam", "roller", "ground"}
+        follower, bars = self.cam.follower, {part.body for part in parts} - {"cam", "roller", "ground"}
         yield SceneMark("fixed pin", np.zeros(len(self.angle), dtype=complex), "construction", "cam shaft")
         if follower.oscillates:
             yield SceneMark("fixed pin", np.asarray(self.pose.origin), "construction", "pivot")
-        if follower.rounding:
+        if follower.roller_radius:
             yield SceneMark("pin", self.centre, "construction", "roller")
-        if follower.oscillates and not carried:
+        if follower.oscillates and not bars:
             arm = self.centre - self.pose.origin
             yield SceneMark("line", np.asarray(self.pose.origin), "construction", "arm", vector=arm)
-        elif not carried:
-            # A stem that no plate is cut of, in a guide that stands still.
-            foot = np.asarray(self.pose.origin)
-            along = dot(self.way[0], foot)
+        elif not bars:
+            # A stem without a plate, in a fixed guide.
+            foot, direction = np.asarray(self.pose.origin), self.path_direction
+            along = dot(direction[0], foot)
             start = foot[np.argmin(along)]
-            clear = max(GUIDE * self.cam.prime_radius, 2 * follower.rounding)
-            guide = np.full(len(along), start + self.way[0] * (np.ptp(along) + clear))
-            stem = self.way * (np.ptp(along) + 1.5 * clear)
+            clear = max(GUIDE * self.cam.prime_radius, 2 * follower.roller_radius)
+            guide = np.full(len(along), start + direction[0] * (np.ptp(along) + clear))
+            stem = direction * (np.ptp(along) + 1.5 * clear)
             yield SceneMark("line", foot, "construction", "follower", vector=stem)
-            yield SceneMark("slide", guide, "construction", "guide", direction=self.way)
+            yield SceneMark("slide", guide, "construction", "guide", direction=direction)
 
     def dimensions(self, parts: Sequence[Part]) -> Iterator[SceneCurve]:
         bodies = {part.body for part in parts}
         arm = next((name for name in sorted(bodies - {"cam", "roller", "ground"})), "")
         pivot, centre = complex(np.asarray(self.pose.origin)[0]), complex(self.centre[0])
-        for curve in cam_dimensions(self.cam, pivot, centre, complex(self.way[0]), arm or "arm"):
+        for curve in cam_dimensions(self.cam, pivot, centre, complex(self.path_direction[0]), arm or "arm"):
             if curve.body in {"", *bodies}:
                 yield curve
 
     def force(self) -> Iterator[SceneMark]:
-        """The pressure angle, between the force on the follower and the way that it is free to go."""
+        """The pressure angle, between the force on the follower and the direction of its motion."""
         length = ARROW * self.cam.prime_radius
         yield SceneMark("point", self.contact, "contact", "contact")
         yield SceneMark("vector", self.contact, "contact", "force on the follower", vector=length * self.normal)
-        yield SceneMark("line", self.contact, "contact", "direction of motion", vector=length * self.way)
+        yield SceneMark("line", self.contact, "contact", "direction of motion", vector=length * self.path_direction)
 
-    def wished(self) -> Iterator[SceneMark]:
-        """The follower where it should be, as long as undercut keeps it from there."""
+    def intended(self) -> Iterator[SceneMark]:
+        """The follower's intended position in the frames in which undercut costs lift."""
         if not self.lost.any():
             return
-        cam, label = self.cam, "follower where it should be"
-        radius, nowhere = cam.follower.rounding, complex(np.nan, np.nan)
-        place = np.where(self.lost > 0, self.asked_centre, nowhere)
+        cam, label = self.cam, "follower without undercut"
+        radius, nowhere = cam.follower.roller_radius, complex(np.nan, np.nan)
+        place = np.where(self.lost > 0, self.intended_centre, nowhere)
         face = cam.follower.contact_travel(cam.program, cam.base_radius, cam.sense)
         if radius:
             yield SceneMark("circle", place, "wanted", label, radius=np.full(len(place), radius))
         elif face is None:
             yield SceneMark("point", place, "wanted", label)
         else:
-            end = np.where(self.lost > 0, self.asked.place(face[0]), nowhere)
-            yield SceneMark("line", end, "wanted", label, vector=self.asked.place(face[1]) - self.asked.place(face[0]))
+            start, end = self.intended_pose.place(face[0]), self.intended_pose.place(face[1])
+            place = np.where(self.lost > 0, start, nowhere)
+            yield SceneMark("line", place, "wanted", label, vector=end - start)
 
 
 def _plots(table: Table, limits: Sequence[Limit]) -> Iterator[Plot]:
@@ -195,30 +206,29 @@ def _plots(table: Table, limits: Sequence[Limit]) -> Iterator[Plot]:
             yield Plot(title, (id,)).with_limits(limits)
 
 
-# Direction of a base radius, deg: off the follower, and off its pivot.
-BASE = 215.0
+# Direction of the dimension of the base radius, deg: clear of the follower and of its pivot.
+BASE_DIRECTION = 215.0
 
 
 def cam_dimensions(cam: Cam, pivot: complex, centre: complex, line: complex, arm: str) -> Iterator[SceneCurve]:
-    """Base radius and the lengths of the follower, as they were declared.
+    """Dimensions of the base radius and of the follower's lengths.
 
-    pivot: of an arm, and centre: of the roller or where it touches, mm on the ground and at the first frame; line:
-    unit, along the follower's way; arm: the body that swings, in whose frame its length lies along x.
+    pivot: of an arm, and centre: of the roller or the contact point, mm, in the ground's frame at the first frame.
+    line: unit direction of the follower's motion. arm: name of the oscillating body; its length lies along its x axis.
     """
-    yield dimension(
-        0j, cam.base_radius * np.exp(1j * np.radians(BASE)), f"base radius {mm(cam.base_radius)}, where the lift is 0"
-    )
+    end = cam.base_radius * np.exp(1j * np.radians(BASE_DIRECTION))
+    yield dimension(0j, end, f"base radius {mm(cam.base_radius)}, where the lift is 0")
     follower = cam.follower
     sizes = {f.name: getattr(follower, f.name) for f in fields(follower) if f.metadata.get("unit") == "mm"}  # type: ignore[arg-type]
-    told = {f.name: f.metadata["description"].removesuffix(", mm") for f in fields(follower) if f.name in sizes}  # type: ignore[arg-type]
+    meanings = {f.name: f.metadata["description"].removesuffix(", mm") for f in fields(follower) if f.name in sizes}  # type: ignore[arg-type]
     foot = centre - line * np.real(np.conj(line) * centre)
     ends = {
         "pivot_distance": (0j, pivot, ""),
         "offset": (0j, complex(foot), ""),
         "arm_length": (0j, abs(centre - pivot) + 0j, arm),
-        "roller_radius": (0j, 1j * follower.rounding, "roller"),
+        "roller_radius": (0j, 1j * follower.roller_radius, "roller"),
     }
     for name, size in sizes.items():
         if name in ends and size:
             start, end, body = ends[name]
-            yield dimension(start, end, f"{name.replace('_', ' ')} {mm(abs(size))}, {told[name]}", body)
+            yield dimension(start, end, f"{name.replace('_', ' ')} {mm(abs(size))}, {meanings[name]}", body)

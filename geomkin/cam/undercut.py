@@ -1,4 +1,4 @@
-"""Undercut: where the follower cuts away what it ought to touch, the cam that is left, and the lift that is lost."""
+"""Undercut of a cam: the cam angles at which it occurs, the trimmed outline, and the lost lift."""
 
 from __future__ import annotations
 
@@ -15,36 +15,48 @@ from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole
 from .cam import Cam
-from .extrema import climb, highest_between, samples
+from .extrema import highest_between, refine_peak, samples
 from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings, refined
 
-# Chords along each stretch that runs backwards, and as closely set over four times its length to either side, within
-# which its loop closes. Fewer may miss a small loop, more take longer.
+# Chords along each backward stretch of the profile; the same density is used over four times its length to either side,
+# where its loop closes. Fewer may miss a small loop, more take longer.
 CHORDS_PER_LOOP = 8
-# A stretch that runs backwards over less than this share of the base radius is a point: its loop is lost in rounding,
-# and so is the lift that it costs. Smaller looks for crossings in rounding, larger loses loops that can be found.
+# A backward stretch shorter than this share of the base radius counts as a point: its loop and the lift that it costs
+# are lost in rounding. A smaller value searches crossings in rounding errors; a larger one misses real loops.
 POINT = 3e-10
-# Angles times corners, on which the follower is let down, in one go: more takes more memory, less takes longer.
+# Angles times corners evaluated at once: more need more memory, fewer take longer.
 BLOCK = 1_000_000
-# Chords to either side within which a crossing is looked for, and, where there is none, looked for again: where one
-# branch is steep its chords run far from it. Fewer lose such crossings, and with them the undercut; more take others.
-BESIDE = (1, 4, 16)
-# Share by which two losses of lift may differ and still count as equal: less lets rounding choose where a symmetric
-# cam is worst, more takes the first of two that differ.
+# Chords to either side in which a crossing is searched, tried in this order: chords of a steep branch are far from the
+# curve. Fewer miss such crossings, and with them the undercut; more find other crossings.
+SEARCH_CHORDS = (1, 4, 16)
+# Relative difference up to which two losses of lift count as equal. With a smaller value rounding chooses the worst
+# angle of a symmetric cam; with a larger one the first of two different losses is chosen.
 TIED = 1e-9
 
-# From one parameter of the untrimmed outline to another.
+# Two parameters of the untrimmed outline.
 Interval = tuple[float, float]
 
 
 @record(eq=False)
 class Undercut:
-    """What undercut does to a cam.
+    """The undercut of a cam and its trimmed outline.
 
-    outline: closed, what the follower leaves as a cutter: all that it covers nowhere, round the cam's axis. The
-    cam's own profile where there is no undercut. spans: (n, 2), cam angles, rad, from and to, between which the
-    follower does not touch where it should, in order; the last may end beyond one turn. corners: (n,) complex,
-    mm, on the cam: the sharp points on which it rests meanwhile. Derived here.
+    Parameters
+    ----------
+    cam : Cam
+        The cam and its follower.
+    outline : AbstractCurve
+        Closed outline of the cam that the follower, as a cutter, leaves round the cam's axis, mm. Without undercut it
+        is the cam's profile.
+    spans : ndarray, shape (n, 2)
+        Ranges of cam angles in which the follower does not touch its profile, rad, in order; the last may end beyond
+        one turn. n is 0 without undercut.
+    corners : ndarray of complex, shape (n,)
+        The corners on which the follower rests in these ranges, mm, on the cam.
+
+    Notes
+    -----
+    Derived here.
     """
 
     cam: Cam
@@ -54,15 +66,37 @@ class Undercut:
 
     @property
     def found(self) -> bool:
-        """Whether there is any."""
+        """Whether there is any undercut."""
         return len(self.spans) > 0
 
     def lost_lift(self, angle: ArrayLike) -> Real:
-        """How far the follower's lift stays below the programme's, mm or rad, at cam angles in rad."""
+        """Lift that the follower loses by undercut.
+
+        Parameters
+        ----------
+        angle : array_like
+            Cam angles, rad, any shape.
+
+        Returns
+        -------
+        ndarray
+            mm, or rad for an oscillating follower; same shape.
+        """
         return self._resting(angle)[0]
 
     def corner(self, angle: ArrayLike) -> Complex:
-        """The corner on which it rests meanwhile, mm, on the ground, at cam angles in rad; nan where it loses none."""
+        """Corner on which the follower rests.
+
+        Parameters
+        ----------
+        angle : array_like
+            Cam angles, rad, any shape.
+
+        Returns
+        -------
+        ndarray of complex
+            Point in the ground's frame, mm, same shape; nan where no lift is lost.
+        """
         return self._resting(angle)[1]
 
     def _resting(self, angle: ArrayLike) -> tuple[Real, Complex]:
@@ -75,12 +109,12 @@ class Undercut:
 
     def _rest(self, angle: Real) -> tuple[Real, Complex]:
         lost, corner = np.zeros(angle.shape), np.full(angle.shape, complex(np.nan, np.nan))
-        since = np.mod(angle[:, None] - self.spans[:, 0], 2 * np.pi)
-        missing = (since < self.spans[:, 1] - self.spans[:, 0]).any(axis=-1)
+        from_start = np.mod(angle[:, None] - self.spans[:, 0], 2 * np.pi)
+        missing = (from_start < self.spans[:, 1] - self.spans[:, 0]).any(axis=-1)
         at = angle[missing]
         corners = self.corners * np.exp(1j * self.cam.sense * at)[:, None]
         rest = self.cam.follower.resting_lift(corners, self.cam.base_radius)
-        # Where lift is lost it rests on a corner: on a smooth part it would stand where the programme puts it.
+        # Where lift is lost the follower rests on a corner; on a smooth part it has the lift of the programme.
         lost[missing] = np.maximum(self.cam.program.motion(at).lift - rest.max(axis=-1), 0)
         highest = np.take_along_axis(corners, rest.argmax(axis=-1)[:, None], axis=-1)[:, 0]
         corner[missing] = np.where(lost[missing] > 0, highest, corner[missing])
@@ -88,27 +122,44 @@ class Undercut:
 
     @cached_property
     def worst(self) -> tuple[float, float]:
-        """Largest lost lift, mm or rad, and the cam angle there, rad; 0 at 0 without undercut."""
+        """Largest lost lift, mm or rad, and its cam angle, rad; both 0 without undercut."""
         if not self.found:
             return 0.0, 0.0
         joints = np.concatenate([self.cam.program.breaks, self.cam.program.breaks[1:] + 2 * np.pi])
         ends = [np.array([a, *joints[(joints > a) & (joints < b)], b]) for a, b in self.spans.tolist()]
         low, high = (np.concatenate([b[which] for b in ends]) for which in (slice(None, -1), slice(1, None)))
         tops = highest_between(low, high, self.lost_lift)
-        # Of equals, as a symmetric cam has them, the first: rounding must not choose.
+        # The first of equal losses of a symmetric cam, independent of rounding.
         first = int((tops[0] >= (1 - TIED) * tops[0].max()).argmax())
         return float(tops[0][first]), float(tops[1][first] % (2 * np.pi))
 
 
 @checked
 def undercut(cam: Cam) -> Undercut:
-    """Undercut of a cam: local, at joints where the velocity jumps, and where one flank cuts into another.
+    """Find the undercut of a cam: local, at joints at which the velocity jumps, and between flanks that cross.
 
-    The curve of all contacts divides the plane. The cam is the part that holds the axis: each other part is
-    covered by the follower at some cam angle, or falls off. So the outline follows the curve from the point
-    nearest to the axis, and leaves it at every crossing for the other branch.
+    Parameters
+    ----------
+    cam : Cam
+        The cam and its follower.
 
-    Source: derived here; undercut itself is that of Rothbart, Cams (1956), on radius of curvature.
+    Returns
+    -------
+    Undercut
+        The trimmed outline, and the ranges of cam angles with undercut.
+
+    Notes
+    -----
+    The curve of all contacts divides the plane. The cam is the region that contains the axis; every other region is
+    covered by the follower at some cam angle, or falls off. So the outline follows the curve from the point nearest to
+    the axis and changes to the other branch at every crossing. Derived here; the term undercut as in Rothbart, Cams
+    (1956), on radius of curvature.
+
+    Examples
+    --------
+    >>> program = gk.Program((gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)))
+    >>> gk.undercut(gk.Cam(gk.TranslatingRoller(10), program, base_radius=40)).found
+    False
     """
     raw = UntrimmedOutline(cam)
     loops, points = _backward(raw)
@@ -125,16 +176,16 @@ def undercut(cam: Cam) -> Undercut:
 
 
 class _Tracing:
-    """Pairs of places at which the curve meets itself, of which those that its outline passes are found to rounding.
+    """Crossings of the curve with itself. Only those on the outline are refined to rounding.
 
-    The others, in what the follower cuts away, are not: there are very many where flanks cross often.
-    pairs (n, 2): parameters. chords (n, 2): numbers of the chords that cross there. settled (n,).
+    The others, in the removed regions, are not refined: there may be very many. pairs (n, 2): parameters. chords
+    (n, 2): indices of the chords that cross. settled (n,): whether a pair is refined.
     """
 
     def __init__(self, raw: UntrimmedOutline, grid: Real, z: Complex, points: list[Interval]):
         self.raw, self.grid = raw, grid
         self.end = float(raw.curve.breaks[-1])
-        # A touch farther, since chords lie inside the curve.
+        # Slightly larger, since chords are inside the curve.
         i, j, s, t = chord_crossings(z, 1.01 * raw.reach)
         following = np.append(grid, self.end)
         self.chords = np.stack([i, j], axis=1)
@@ -147,7 +198,7 @@ class _Tracing:
             self.settled = np.append(self.settled, np.ones(len(points), bool))
 
     def trace(self, start: float) -> tuple[list[Interval], list[Interval]]:
-        """Stretches of the parameter that are kept, from that which holds `start`, and those skipped between them."""
+        """Intervals of the parameter on the outline, starting with the one that contains `start`, and those skipped."""
         while True:
             kept, skipped = _trace(self.pairs, start, self.end)
             passed = ~self.settled & self._near(kept)[self.chords].any(axis=1)
@@ -156,7 +207,7 @@ class _Tracing:
             self._settle(np.flatnonzero(passed))
 
     def _near(self, kept: list[Interval]) -> Mask:
-        """Which chords lie near what is kept: the curve may cross itself two chords away from where its chords do."""
+        """Mask of the chords close to the kept intervals: a crossing may be two chords away from that of the chords."""
         near = np.zeros(len(self.grid), bool)
         for a, b in kept:
             first, last = np.searchsorted(self.grid, [a, b], side="right").tolist()
@@ -166,26 +217,26 @@ class _Tracing:
     def _settle(self, which: Whole) -> None:
         self.settled[which] = True
         following = np.append(self.grid, self.end)
-        for beside in BESIDE:
+        for count in SEARCH_CHORDS:
             chords = self.chords[which]
             low, high = (
-                following[np.maximum(chords - beside, 0)],
-                following[np.minimum(chords + beside + 1, len(self.grid))],
+                following[np.maximum(chords - count, 0)],
+                following[np.minimum(chords + count + 1, len(self.grid))],
             )
             start = self.pairs[which]
-            found = crossings(self.raw.curve, start, low, high, self.raw.last_bit(start))
-            settled = np.isfinite(found[:, 0])
-            settled[settled] = ~self.raw.touches(found[settled])
-            self.pairs[which[settled]] = found[settled]
+            refined_pairs = crossings(self.raw.curve, start, low, high, self.raw.last_bit(start))
+            settled = np.isfinite(refined_pairs[:, 0])
+            settled[settled] = ~self.raw.touches(refined_pairs[settled])
+            self.pairs[which[settled]] = refined_pairs[settled]
             which = which[~settled]
-        # What is found nowhere was none; neighbouring chords may have led to the same crossing: it is kept once.
+        # Pairs without a crossing are dropped, and crossings found from several adjacent chords are kept once.
         self._keep(np.setdiff1d(np.arange(len(self.pairs)), which))
         if len(self.pairs):
-            alike = [
+            groups = [
                 np.cumsum(np.diff(np.sort(t), prepend=t.min()) > 1e-12 * self.end)[t.argsort().argsort()]
                 for t in self.pairs.T
             ]
-            first = np.unique(np.stack(alike), axis=1, return_index=True)[1]
+            first = np.unique(np.stack(groups), axis=1, return_index=True)[1]
             self._keep(np.union1d(first, np.flatnonzero(~self.settled)))
 
     def _keep(self, which: Whole) -> None:
@@ -193,7 +244,7 @@ class _Tracing:
 
 
 def _trace(pairs: Real, start: float, end: float) -> tuple[list[Interval], list[Interval]]:
-    """The same, by the pairs as they now stand, settled or not."""
+    """Kept and skipped intervals for the current pairs, settled or not."""
     if not len(pairs):
         return [(0.0, end)], []
     both = np.concatenate([pairs, pairs[:, ::-1]])
@@ -216,53 +267,54 @@ def _trace(pairs: Real, start: float, end: float) -> tuple[list[Interval], list[
 
 
 def _backward(raw: UntrimmedOutline) -> tuple[list[Interval], list[Interval]]:
-    """Stretches of the parameter along which contact runs backwards within a piece; then, of those too small for a
-    loop to be seen, the two parameters at which the branches beside them would meet.
+    """Intervals of the parameter in which contact runs backwards within a piece; and, for those too short for a loop,
+    the two parameters at which the adjacent branches would meet.
     """
 
-    def advance(angle: Real) -> Real:
-        return raw.cam.contact(angle).advance
+    def speed(angle: Real) -> Real:
+        return raw.cam.contact(angle).profile_speed
 
-    places = samples(raw.cam.program.breaks)
-    values = advance(places)
+    angles = samples(raw.cam.program.breaks)
+    values = speed(angles)
     row, column = np.nonzero((values[:, 1:-1] < values[:, :-2]) & (values[:, 1:-1] <= values[:, 2:]))
     if len(row):
-        # A dip may go below zero between two samples.
-        _, dips = climb(places[row, column], places[row, column + 2], lambda t: -advance(t))
-        places = np.union1d(places, dips)
-    places = places.ravel()
-    change = np.diff(np.concatenate([[False], advance(places) < 0, [False]]).astype(int))
+        # A minimum may be negative between two samples.
+        _, minima = refine_peak(angles[row, column], angles[row, column + 2], lambda t: -speed(t))
+        angles = np.union1d(angles, minima)
+    angles = angles.ravel()
+    change = np.diff(np.concatenate([[False], speed(angles) < 0, [False]]).astype(int))
     starts, ends = np.flatnonzero(change == 1), np.flatnonzero(change == -1) - 1
     if not len(starts):
         return [], []
-    low = _turning(advance, places[np.maximum(starts - 1, 0)], places[starts]).tolist()
-    high = _turning(advance, places[np.minimum(ends + 1, len(places) - 1)], places[ends]).tolist()
+    low = _sign_change(speed, angles[np.maximum(starts - 1, 0)], angles[starts]).tolist()
+    high = _sign_change(speed, angles[np.minimum(ends + 1, len(angles) - 1)], angles[ends]).tolist()
     loops: list[Interval] = []
     points: list[Interval] = []
     for a, b in zip(low, high):
         start, end = raw.parameter(a, ending=False), raw.parameter(b, ending=True)
         piece = float(np.floor(start))
         if end > piece + 1:
-            # The profile jumps in between: chords begin and end at the jump, and need be no closer.
+            # The profile jumps inside the interval. Chords start and end at the jump, so no more are needed.
             continue
         if (back := abs(np.subtract(*raw.curve.point(np.array([start, end]))))) > POINT * raw.cam.base_radius:
             loops.append((start, end))
         else:
-            # The two branches of a small loop meet half the way back from its cusps, whatever the acceleration there.
+            # The branches of a small loop meet at half the backward length from its cusps, for any acceleration there.
             cusps = np.array([start, end])
-            away = np.array([max(2 * start - end, piece), min(2 * end - start, piece + 1)])
-            before, after = _turning(partial(_farther, raw, raw.curve.point(cusps), back / 2), away, cusps).tolist()
+            outside = np.array([max(2 * start - end, piece), min(2 * end - start, piece + 1)])
+            beyond = partial(_distance_beyond, raw, raw.curve.point(cusps), back / 2)
+            before, after = _sign_change(beyond, outside, cusps).tolist()
             points.append((before, after))
     return loops, points
 
 
-def _farther(raw: UntrimmedOutline, tips: Complex, way: float, t: Real) -> Real:
-    """By how much the curve at parameters is farther than a way, mm, from its places at the cusps."""
-    return np.abs(raw.curve.point(t) - tips) - way
+def _distance_beyond(raw: UntrimmedOutline, cusps: Complex, length: float, t: Real) -> Real:
+    """Distance of the curve at parameters t from its cusps, minus a length, mm."""
+    return np.abs(raw.curve.point(t) - cusps) - length
 
 
-def _turning(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real:
-    """Where f, negative at `inside`, changes sign on the way to `outside`; `inside` where the two are the same."""
+def _sign_change(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real:
+    """Sign change of f, negative at `inside`, between `inside` and `outside`; `inside` if the two are equal."""
     for _ in range(60):
         middle = 0.5 * (outside + inside)
         negative = f(middle) < 0
@@ -271,13 +323,13 @@ def _turning(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real:
 
 
 def _grid(raw: UntrimmedOutline, loops: list[Interval], points: list[Interval]) -> Real:
-    """Parameters of the untrimmed outline whose chords cross where it does, loops included."""
+    """Parameters of the untrimmed outline whose chords cross where the curve does, including its loops."""
     grid = [raw.places]
     for a, b in loops:
-        near = np.linspace(5 * a - 4 * b, 5 * b - 4 * a, 9 * CHORDS_PER_LOOP + 1)
-        grid.append(near[(near >= np.floor(a)) & (near < np.ceil(b))])
-    chosen = refined(raw.curve, np.unique(np.concatenate(grid)))
+        dense = np.linspace(5 * a - 4 * b, 5 * b - 4 * a, 9 * CHORDS_PER_LOOP + 1)
+        grid.append(dense[(dense >= np.floor(a)) & (dense < np.ceil(b))])
+    parameters = refined(raw.curve, np.unique(np.concatenate(grid)))
     for a, b in points:
-        before, after = chosen <= a, chosen >= b
-        chosen = chosen[before | after if a < b else before & after]
-    return chosen
+        before, after = parameters <= a, parameters >= b
+        parameters = parameters[before | after if a < b else before & after]
+    return parameters

@@ -1,10 +1,10 @@
-"""What every gear tells of itself: all that plates, checks, measures, tables and mates ask of it."""
+"""The contracts of gears: the properties that plates, checks, measures, tables and mates use."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -15,11 +15,12 @@ from ..core.reprs import still
 from ..plane.curve import AbstractCurve, Reversed
 from ..plane.primitives import Arc, Segment
 from ..plane.vec import Pose, Real
+from .cutters import HelixAngle, transverse_section
 
 __all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike"]
 
-# Lands and tips narrower than this share of the gear are left out: two points that far apart are one in every file,
-# and an arc between them would have no direction.
+# Lands and tips narrower than this share of the gear are omitted: in every file two such points coincide, and an arc
+# between them would have no direction.
 NARROW = 1e-12
 
 # Members that a class may give as fields, properties or cached properties are declared for the type checker only: a
@@ -42,13 +43,13 @@ class _AbstractToothed(ABC):  # noqa: B024  # its members are declared for the t
         @property
         @abstractmethod
         def pitch_radius(self) -> float:
-            """Radius of the circle that rolls on the rack's or the mate's, mm; infinite for a rack."""
+            """Radius of the pitch circle, mm; inf for a rack."""
 
 
 class AbstractGear(_AbstractToothed):
-    """A gear about the origin, or a rack along the x axis, with a tooth centred on +y."""
+    """Base class of gears about the origin, and of racks along the x axis, with a tooth centred on +y."""
 
-    # Whether it is a ring: its teeth point inwards, and its outline is the hole of its plate.
+    # Whether the gear is a ring: its teeth point inwards, and its outline is the hole of its plate.
     is_ring: bool = False
 
     if TYPE_CHECKING:
@@ -56,46 +57,46 @@ class AbstractGear(_AbstractToothed):
         @property
         @abstractmethod
         def tip_radius(self) -> float:
-            """Radius of the tips of the teeth, mm, the smallest of a ring; infinite for a rack."""
+            """Radius of the tip circle, mm, the smallest radius of a ring; inf for a rack."""
 
         @property
         @abstractmethod
         def root_radius(self) -> float:
-            """Radius of the bottoms of the spaces, mm, the largest of a ring; infinite for a rack."""
+            """Radius of the root circle, mm, the largest radius of a ring; inf for a rack."""
 
         @property
         @abstractmethod
         def tip_thickness(self) -> float:
-            """Thickness of a tooth at its tip, mm; negative where the flanks would have met below."""
+            """Thickness of a tooth at its tip, mm; negative if the flanks meet below the tip."""
 
         @property
         @abstractmethod
         def outline(self) -> AbstractCurve:
-            """The whole gear as one closed counterclockwise curve of exact pieces; of a ring the hole of its plate."""
+            """The gear as one closed counterclockwise curve of exact pieces; of a ring, the hole of its plate."""
 
     def _repr_svg_(self) -> str | None:
         return still(self, (self.outline,))
 
     @property
     def hole_room(self) -> float:
-        """Diameter, mm, that a hole about the axis must stay below to leave the teeth standing; 0 for a rack."""
+        """Diameter of the root circle, which a hole about the axis must not reach, mm; 0 for a rack."""
         return 2 * self.root_radius
 
     @property
     def solid_rim(self) -> float | None:
-        """Thickness under the teeth, mm, where nothing is cut out: to the axis; None of a ring, whose plate has it."""
+        """Thickness of the solid gear under its teeth, mm; None for a ring, whose stock defines the rim."""
         return None if self.is_ring else self.root_radius
 
     @property
     def lost_to_undercut(self) -> float | None:
-        """Height of the involute that undercut takes away, mm along the radius; None where no tool can undercut it."""
+        """Height of the involute lost to undercut, mm along the radius; None if no tool can undercut the gear."""
         return None
 
 
 class AbstractTooth(ABC):
-    """Sizes and curves of the tooth on +y of an involute gear, mm and rad, of which nothing is checked.
+    """Sizes and curves of the tooth on +y of an involute gear, mm and rad, without checks.
 
-    What checks, and what looks for sizes to advise, is built on it.
+    The checks of the gears, and the search for sizes to advise, are based on it.
     """
 
     if TYPE_CHECKING:
@@ -103,17 +104,17 @@ class AbstractTooth(ABC):
         @property
         @abstractmethod
         def base_radius(self) -> float:
-            """Radius of the circle from which the flanks unwind, mm."""
+            """Radius of the base circle of the involutes, mm."""
 
         @property
         @abstractmethod
         def tip_radius(self) -> float:
-            """Radius of the tips, mm."""
+            """Radius of the tip circle, mm."""
 
         @property
         @abstractmethod
         def root_radius(self) -> float:
-            """Radius of the bottoms of the spaces, mm."""
+            """Radius of the root circle, mm."""
 
         @property
         @abstractmethod
@@ -122,7 +123,7 @@ class AbstractTooth(ABC):
 
     @abstractmethod
     def half_angle(self, radius: float) -> float:
-        """Half the angle that the tooth takes on a circle through its involute, rad."""
+        """Half the angle of the tooth on a circle through its involute, rad."""
 
     if TYPE_CHECKING:
 
@@ -138,29 +139,29 @@ class AbstractTooth(ABC):
 
     @property
     def tip_edge(self) -> AbstractCurve | None:
-        """Rounding or chamfer of the tip's right-hand edge, from the flank on; None where it is sharp."""
+        """Rounding or chamfer of the tip's right-hand edge, starting at the flank; None if the edge is sharp."""
         return None
 
 
 class AbstractInvoluteGear(AbstractGear):
-    """A gear whose flanks are involutes (ISO 21771, DIN 3960)."""
+    """Base class of gears with involute flanks (ISO 21771, DIN 3960)."""
 
     if TYPE_CHECKING:
 
         @property
         @abstractmethod
         def profile_shift(self) -> float:
-            """Outward shift of the tool that cuts it, modules."""
+            """Profile shift: the outward shift of the cutting tool, modules."""
 
         @property
         @abstractmethod
         def tooth_thickness_allowance(self) -> float:
-            """How much thinner each tooth is along the pitch circle, for backlash, mm."""
+            """Reduction of the thickness of each tooth along the pitch circle, for backlash, mm."""
 
         @property
         @abstractmethod
         def pressure_angle(self) -> float:
-            """Angle of the flanks at the pitch circle, rad: the tool's."""
+            """Pressure angle at the pitch circle, rad: that of the tool."""
 
         @property
         @abstractmethod
@@ -168,56 +169,64 @@ class AbstractInvoluteGear(AbstractGear):
             """Sizes and curves of the tooth on +y."""
 
     def tool(self, turn: Real) -> tuple[AbstractCurve, Pose] | None:
-        """Cutting edge of the tool that cuts it, mm, and where that stands when the gear has turned by `turn`, rad.
+        """Cutting edge of the tool, mm, and its poses.
 
-        Any shape; it rolls on the pitch circle, on the side of +y. None where that is not told.
+        Parameters
+        ----------
+        turn : ndarray
+            Rotations of the gear, rad, any shape.
+
+        Returns
+        -------
+        tuple of AbstractCurve and Pose, or None
+            The tool rolls on the pitch circle, on the side of +y. None if the tool is not modelled.
         """
         return None
 
     @property
     def cutting_angle(self) -> float:
-        """Angle of the line along which the tool cuts the flanks, from the tangent of the circles that roll, rad."""
+        """Working pressure angle between gear and tool, rad."""
         return self.pressure_angle
 
     @property
     def is_undercut(self) -> bool:
-        """Whether the tool's tip cuts away part of the involute it has made."""
+        """Whether the tool's tip removes part of the involute."""
         return False
 
     @property
     def involute_lost(self) -> float:
-        """Share of the involute's length, from base circle to tip, that undercut takes away; 0 without undercut."""
+        """Share of the involute's length, from base circle to tip, that is lost to undercut; 0 without undercut."""
         first, last = self.tooth.rolls
         return (first / last) ** 2 if self.is_undercut else 0.0
 
     @property
     def pitch_radius(self) -> float:
-        """Radius of the circle on which the tool rolls, mm: half the module times the teeth."""
+        """Radius of the pitch circle, mm: half the module times the number of teeth."""
         return self.module * self.teeth / 2
 
     @property
     def base_radius(self) -> float:
-        """Radius of the circle from which the flanks unwind, mm."""
+        """Radius of the base circle, from which the involutes start, mm."""
         return self.tooth.base_radius
 
     @property
     def tip_radius(self) -> float:
-        """Radius of the tips of the teeth, mm: of a ring the smallest."""
+        """Radius of the tip circle, mm: the smallest radius of a ring."""
         return self.tooth.tip_radius
 
     @property
     def root_radius(self) -> float:
-        """Radius of the bottoms of the spaces, mm: of a ring the largest."""
+        """Radius of the root circle, mm: the largest radius of a ring."""
         return self.tooth.root_radius
 
     @property
     def base_pitch(self) -> float:
-        """Distance of neighbouring flanks of one side, along any tangent of the base circle, mm."""
+        """Base pitch: distance of adjacent flanks of the same side along a tangent of the base circle, mm."""
         return 2 * np.pi * self.base_radius / self.teeth
 
     @property
     def form_radius(self) -> float:
-        """Radius where involute and root curve join, mm: where they touch, or cross if the tooth is undercut."""
+        """Form radius, mm: where involute and root curve touch, or cross if the tooth is undercut."""
         return self.base_radius * float(np.hypot(1, self.tooth.rolls[1 if self.is_ring else 0]))
 
     @property
@@ -228,12 +237,23 @@ class AbstractInvoluteGear(AbstractGear):
 
     @property
     def tip_thickness(self) -> float:
-        """Thickness of the tooth along its tip circle, mm; negative where the flanks would have met below."""
+        """Thickness of the tooth along its tip circle, mm; negative if the flanks meet below the tip circle."""
         return self.thickness(self.tip_radius)
 
     @checked
     def thickness(self, radius: float) -> float:
-        """Thickness of the tooth along a circle through its involute, mm."""
+        """Thickness of the tooth along a circle.
+
+        Parameters
+        ----------
+        radius : float
+            Radius of a circle through the involute, mm.
+
+        Returns
+        -------
+        float
+            Length of the arc, mm.
+        """
         return 2 * radius * self.tooth.half_angle(radius)
 
     @property
@@ -248,57 +268,76 @@ class AbstractInvoluteGear(AbstractGear):
 
     @property
     def tip_edge(self) -> AbstractCurve | None:
-        """Rounding or chamfer of the right-hand edge of the tip on +y; None where the edge is sharp."""
+        """Rounding or chamfer of the right-hand edge of the tip on +y; None if the edge is sharp."""
         return self.tooth.tip_edge
 
     @property
     def regions(self) -> Mapping[str, AbstractCurve]:
-        """Curves of the right-hand half of the tooth on +y, from the middle of the space to the middle of the tooth.
+        """Curves of the right-hand half of the tooth on +y, by name, from the inside outwards.
 
-        Of a ring the other way round, so that both go outwards. By name: `bottom land`, `root fillet`, `flank`,
-        `tip rounding` or `tip chamfer`, `tip land`; those that a tooth does not have are left out.
+        The names are `bottom land`, `root fillet`, `flank`, `tip rounding` or `tip chamfer`, and `tip land`; regions
+        that a tooth does not have are omitted. The curves run from the middle of the space to the middle of the tooth,
+        those of a ring in the opposite order and direction.
         """
         edge = self.tip_edge
         start, last = complex(self.root_curve.point(self.root_curve.breaks[0])), edge or self.flank
         end, half_pitch = complex(last.point(last.breaks[-1])), np.pi / self.teeth
         space = 1j * abs(start) * np.exp(-1j * half_pitch)
         lands = _land(space, start), _land(end, 1j * abs(end))
-        word = "tip chamfer" if isinstance(edge, Segment) else "tip rounding"
+        edge_name = "tip chamfer" if isinstance(edge, Segment) else "tip rounding"
+        names = ("bottom land", "root fillet", "flank", edge_name, "tip land")
         curves = (lands[0], self.root_curve, self.flank, edge, lands[1])
-        found = dict(zip(("bottom land", "root fillet", "flank", word, "tip land"), curves))
-        held = {name: curve for name, curve in found.items() if curve is not None}
-        return {name: Reversed(held[name]) for name in reversed(held)} if self.is_ring else held
+        regions = {name: curve for name, curve in zip(names, curves) if curve is not None}
+        return {name: Reversed(regions[name]) for name in reversed(regions)} if self.is_ring else regions
+
+    @checked
+    def transverse(self, helix_angle_deg: HelixAngle) -> Self:
+        """The transverse section of helical teeth whose normal section has this gear's sizes.
+
+        Parameters
+        ----------
+        helix_angle_deg : float
+            Angle of the teeth to the axis at the pitch circle, 0 to 45 deg.
+
+        Returns
+        -------
+        SpurGear or RingGear
+            Module, profile shift, heights, tip edges and tool of the section perpendicular to the axis (ISO 21771);
+            `tooth_thickness_allowance`, mm along the pitch circle, is unchanged.
+        """
+        return transverse_section(self, helix_angle_deg)
 
 
 def _land(start: complex, end: complex) -> Arc | None:
-    """The arc about the axis between two points; None where they are one."""
+    """The arc about the axis between two points; None if they coincide."""
     angle = float(np.angle(end / start))
     return Arc(0j, start, angle) if angle > NARROW else None
 
 
 def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: float, name: str, tool: str) -> None:
-    """Raise DesignError where what a gear drives, called `name` and made by its `tool`, has other teeth."""
+    """Raise DesignError if module or pressure angle of the driven gear `name`, cut by `tool`, are not the driver's."""
     if abs(driver.module - module) > 1e-9 * driver.module:
-        found = f"found {module:g} mm beside {driver.module:g} mm"
-        raise DesignError(f"{name}.module", found, f"give {driver.module:.10g}")
+        problem = f"found {module:g} mm, but the driving gear has {driver.module:g} mm; they must be equal"
+        raise DesignError(f"{name}.module", problem, f"give {driver.module:.10g}")
     if abs(driver.pressure_angle - pressure_angle) > 1e-9:
-        found = f"found {np.degrees(pressure_angle):g} deg beside {np.degrees(driver.pressure_angle):g} deg"
-        raise DesignError(f"{name}.{tool}.pressure_angle_deg", found, "give both tools the same")
+        angles = np.degrees(pressure_angle), np.degrees(driver.pressure_angle)
+        problem = f"found {angles[0]:g} deg, but the driving gear has {angles[1]:g} deg; they must be equal"
+        raise DesignError(f"{name}.{tool}.pressure_angle_deg", problem, "give both tools the same pressure angle")
 
 
 class AbstractShaper(_AbstractToothed):
-    """A gear about the origin that shapes a mate: it is taken as the tool, and the mate is what its teeth leave."""
+    """Base class of gears about the origin that generate a mate: the gear is the tool that cuts the mate's teeth."""
 
     if TYPE_CHECKING:
 
         @property
         @abstractmethod
         def most_backlash(self) -> float:
-            """Backlash, mm along the pitch circle, for which neighbouring teeth of the cutter meet."""
+            """Backlash at which adjacent teeth of the cutter meet, mm along the pitch circle."""
 
     @abstractmethod
     def cutter(self, clearance: Length, backlash: Length = 0.0) -> AbstractCurve:
-        """One tooth of the tool: the gear's own drawn out by the clearance and thicker by the backlash, mm.
+        """One tooth of the tool: the gear's tooth, longer by the clearance and thicker by the backlash, mm.
 
-        Its first pieces are the side that drives, the right-hand one of the tooth on +y.
+        Its first pieces are the driving side, the right-hand side of the tooth on +y.
         """

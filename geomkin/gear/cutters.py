@@ -1,8 +1,9 @@
-"""The rack that defines a gear's teeth, and how far it is shifted."""
+"""The cutting rack that defines a gear's teeth, and profile shifts."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import dataclasses
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 
@@ -13,23 +14,42 @@ from ..core.records import record
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function, roll_at
 
-# Shifts looked at, modules. Gears outside have neither teeth nor use.
+# Range of the search for profile shifts, modules. Gears outside it have no usable teeth.
 LEAST, MOST = -2.0, 3.0
 Teeth = Annotated[int, whole_between(4, 10_000)]
-# Above it, deg, the teeth push along the axis harder than round it, and gears become screws.
+# Largest helix angle, deg: above it the axial force exceeds the tangential one, and gears become screws.
 STEEPEST = 45
 HelixAngle = Annotated[float, between(0, STEEPEST, "deg")]
 Total = Annotated[float, between(-20, 20, "modules")]
+G = TypeVar("G", bound=Any)
 
 
 @record(checked=True)
 class RackCutter:
-    """A straight-flanked cutting rack, lengths in modules; the defaults are basic rack profile A of ISO 53.
+    """A cutting rack with straight flanks, lengths in modules. The defaults are basic rack profile A of ISO 53.
 
-    `addendum` is the gear's: how far its teeth reach above the reference line. `dedendum` is how deep
-    the rack's tip cuts below it, `tip_radius` the rounding of that tip. `fillet_radius` is the fillet at the root of
-    the rack's teeth: such a rack cuts the gear's tips, too, and rounds their edges.
-    Raises DesignError where the flanks meet above the tip, or a tip or root has no room for its rounding.
+    Parameters
+    ----------
+    pressure_angle_deg : float, optional
+        Angle of the flanks, 5 to 45 deg.
+    addendum : float, optional
+        Height of the gear's teeth above the reference line, modules.
+    dedendum : float, optional
+        Depth that the rack cuts below the reference line, modules.
+    tip_radius : float, optional
+        Radius of the rack's tip edges, modules, which forms the gear's root.
+    fillet_radius : float, optional
+        Fillet at the root of the rack's teeth, modules. Such a rack also cuts the gear's tips and rounds their edges.
+
+    Raises
+    ------
+    DesignError
+        If the flanks meet before the tip, or a tip or root has no room for its radius.
+
+    Examples
+    --------
+    >>> gk.SpurGear(24, 2, rack=gk.gear.RackCutter(pressure_angle_deg=25, tip_radius=0.2)).pressure_angle
+    0.4363323129985824
     """
 
     pressure_angle_deg: float = quantity("angle of the flanks", "deg", default=20.0, at_least=5, at_most=45)
@@ -39,14 +59,14 @@ class RackCutter:
     dedendum: float = quantity(
         "depth that the rack cuts below the reference line", "modules", default=1.25, above=0, at_most=5
     )
-    tip_radius: float = quantity("rounding of the rack's tip", "modules", default=0.38, at_least=0)
+    tip_radius: float = quantity("radius of the rack's tip edges", "modules", default=0.38, at_least=0)
     fillet_radius: float = quantity(
         "fillet at the root of the rack's teeth, which rounds the gear's tips", "modules", default=0.0, at_least=0
     )
 
     def __post_init__(self) -> None:
         slope = np.radians(self.pressure_angle_deg)
-        # The rounding grows until the two corners of a tip meet in its middle.
+        # The largest radius is reached when the two corners of a tip meet in its middle.
         narrowest = np.pi / 4 - self.dedendum * np.tan(slope)
         if narrowest < 0:
             raise DesignError(
@@ -76,12 +96,23 @@ class RackCutter:
 
     @checked
     def transverse(self, helix_angle_deg: HelixAngle) -> RackCutter:
-        """The transverse section of a rack that cuts helical teeth, and has these sizes square to the teeth.
+        """The transverse section of a rack for helical teeth whose normal section has these sizes.
 
-        Heights stay as they are in mm, widths grow. The ellipses that the roundings become count as circles that leave
-        the flanks at the same height, so that form radius and undercut are exact; of the ISO 53 rack's rounding they
-        are 0.002, 0.007 and 0.016 modules off at most, at 15, 30 and 45 deg (derived here). helix_angle_deg: of the
-        teeth at the pitch circle, 0 to 45 deg.
+        Parameters
+        ----------
+        helix_angle_deg : float
+            Helix angle of the teeth at the pitch circle, 0 to 45 deg.
+
+        Returns
+        -------
+        RackCutter
+            Heights in mm are unchanged, widths are larger.
+
+        Notes
+        -----
+        In the transverse section the roundings are ellipses. They are replaced by circles that leave the flanks at the
+        same height, so form radius and undercut are exact. For the ISO 53 rack the circles deviate by at most 0.002,
+        0.007 and 0.016 modules at 15, 30 and 45 deg (derived here).
         """
         pressure_angle, ratio, rounding = transverse_factors(self.pressure_angle, helix_angle_deg)
         return RackCutter(
@@ -125,49 +156,95 @@ class RackCutter:
         return float(self.addendum - self.fillet_radius * (1 - np.sin(self.pressure_angle)))
 
     def edge(self, module: float, teeth: int, tooth_thickness_allowance: float = 0.0) -> Polyline:
-        """Its cutting edge along the x axis from left to right, mm, round so many teeth of what it cuts.
+        """The cutting edge round a number of the gear's teeth, from left to right along the x axis.
 
-        One of them is centred on +y, the middle one where their number is odd. module: mm.
-        tooth_thickness_allowance: how much thinner they are along the reference line, modules, for which the rack
-        goes to both sides. Open, of straight edges and arcs.
+        Parameters
+        ----------
+        module : float
+            mm.
+        teeth : int
+            Number of the gear's teeth. One is centred on +y, the middle one if the number is odd.
+        tooth_thickness_allowance : float, optional
+            Reduction of the gear's tooth thickness along the reference line, modules; the rack cuts both sides.
+
+        Returns
+        -------
+        Polyline
+            Open, of straight edges and arcs, mm.
         """
         a = self.pressure_angle
         land = self.corner_side + tooth_thickness_allowance / 2
         top = self.fillet_side - tooth_thickness_allowance / 2
-        # One tooth's right-hand side, downwards: end of the tip, both ends of the flank, start of the bottom land.
+        # The right-hand side of one tooth, downwards: end of the tip, both ends of the flank, start of the bottom land.
         flank_start = top + self.fillet_radius * np.cos(a) + 1j * self.flank_height
         flank_end = np.pi / 2 - land - self.tip_radius * np.cos(a) - 1j * self.flank_depth
         side = np.array([top + 1j * self.addendum, flank_start, flank_end, np.pi / 2 - land - 1j * self.dedendum])
-        # The roundings turn from the flank's slope to the level: a quarter of it as tan.
-        turn = np.tan((np.pi / 2 - a) / 4)
-        turns = np.array([-turn, 0, turn])
-        # Where a corner is sharp, flank and land meet.
+        # Bulge of a rounding, whose sweep is the angle from the flank to the land.
+        bulge = np.tan((np.pi / 2 - a) / 4)
+        side_bulges = np.array([-bulge, 0, bulge])
+        # At a sharp corner, flank and land meet.
         first, last = int(self.fillet_radius == 0), 3 - int(self.tip_radius == 0)
-        side, turns = side[first : last + 1], turns[first:last]
-        bends = [*turns[::-1], 0, *turns, 0]
+        side, side_bulges = side[first : last + 1], side_bulges[first:last]
+        tooth_bulges = [*side_bulges[::-1], 0, *side_bulges, 0]
         tooth = np.concatenate([-np.conj(side)[::-1], side])
-        places = np.pi * (np.arange(teeth) - (teeth - 1) // 2)
-        bulges = np.tile(bends, teeth)[:-1]
-        return Polyline(module * (places[:, None] + tooth).ravel(), bulges, is_closed=False)
+        centres = np.pi * (np.arange(teeth) - (teeth - 1) // 2)
+        bulges = np.tile(tooth_bulges, teeth)[:-1]
+        return Polyline(module * (centres[:, None] + tooth).ravel(), bulges, is_closed=False)
 
 
 def transverse_factors(pressure_angle: float, helix_angle_deg: float) -> tuple[float, float, float]:
-    """Pressure angle, rad, and what lengths in modules and radii of roundings are to be multiplied by."""
+    """Transverse pressure angle, rad, and the factors for lengths in modules and for radii of roundings."""
     ratio = float(np.cos(np.radians(helix_angle_deg)))
     angle = float(np.arctan(np.tan(pressure_angle) / ratio))
     return angle, ratio, ratio * float((1 - np.sin(pressure_angle)) / (1 - np.sin(angle)))
 
 
+def transverse_section(gear: G, helix_angle_deg: float) -> G:
+    """The transverse section of helical teeth whose normal section has the sizes of a gear or rack.
+
+    The module grows, fields in modules shrink by the same factor, and the tool is replaced by its transverse section.
+    """
+    ratio = float(np.cos(np.radians(helix_angle_deg)))
+    changes: dict[str, Any] = {"module": gear.module / ratio, "diametral_pitch": None}
+    for field in dataclasses.fields(gear):
+        value = getattr(gear, field.name)
+        if field.metadata.get("unit") == "modules" and value is not None:
+            changes[field.name] = value * ratio
+        elif hasattr(value, "transverse"):
+            changes[field.name] = value.transverse(helix_angle_deg)
+    return dataclasses.replace(gear, **changes)
+
+
 @checked
 def undercut_free_shift(teeth: Count, rack: RackCutter | None = None) -> float:
-    """The least profile shift, 0 or more, modules, with which a rack does not undercut a gear of `teeth` teeth.
+    """The least profile shift, 0 or more, for which a rack does not undercut a gear.
 
-    The end of the rack's straight flank must meet the line of action outside the base circle: h - z sin^2(alpha) / 2
-    for a flank that is straight down to h below the reference line (Colbourne, The Geometry of Involute Gears).
+    Parameters
+    ----------
+    teeth : int
+        Number of teeth of the gear.
+    rack : RackCutter, optional
+        The cutting rack; by default that of ISO 53.
+
+    Returns
+    -------
+    float
+        Profile shift, modules.
+
+    Notes
+    -----
+    The end of the rack's straight flank must meet the line of action outside the base circle. For a flank that is
+    straight to a depth h below the reference line the shift is h - z sin^2(alpha) / 2 (Colbourne, The Geometry of
+    Involute Gears).
+
+    Examples
+    --------
+    >>> round(gk.gear.undercut_free_shift(12), 4)
+    0.2981
     """
     rack = RackCutter() if rack is None else rack
     least = rack.flank_depth - teeth / 2 * float(np.sin(rack.pressure_angle)) ** 2
-    # Just beyond the limit, where rounding cannot call it undercut.
+    # Slightly beyond the limit, so that rounding does not cause undercut.
     return max(0.0, least + 1e-12 * (1 + abs(least)))
 
 
@@ -175,48 +252,66 @@ def undercut_free_shift(teeth: Count, rack: RackCutter | None = None) -> float:
 def balanced_shifts(
     first: Teeth, second: Teeth, rack: RackCutter | None = None, total: Total = 0.0
 ) -> tuple[float, float]:
-    """Profile shifts, modules, of a pair of spur gears whose flanks slide equally at the two ends of contact.
+    """Profile shifts of a pair of spur gears with equal sliding at both ends of contact.
 
-    first, second: numbers of teeth; total: sum of the shifts; 0 keeps the centre distance of gears without.
-    The largest specific sliding of each gear, at the tips of the other, becomes the same. Teeth reach the
-    rack's addendum above their shifted reference lines; a fillet_radius of the rack is left out. Derived here. Raises
-    DesignError where tips of either gear meet
-    the line of action outside the base circles whatever the shifts.
+    Parameters
+    ----------
+    first, second : int
+        Numbers of teeth, 4 to 10,000.
+    rack : RackCutter, optional
+        The cutting rack of both; by default that of ISO 53. Its fillet_radius is ignored.
+    total : float, optional
+        Sum of the shifts, modules; 0 keeps the centre distance of gears without shift.
+
+    Returns
+    -------
+    tuple of float
+        Profile shifts of the first and the second gear, modules. The largest specific sliding of each gear, at the tips
+        of the other, is then equal.
+
+    Raises
+    ------
+    DesignError
+        If for all shifts the tips of one gear meet the line of action outside the base circles.
+
+    Notes
+    -----
+    Derived here.
     """
     rack = RackCutter() if rack is None else rack
     slope = float(np.tan(rack.pressure_angle))
     base_1, base_2 = (z / 2 * float(np.cos(rack.pressure_angle)) for z in (first, second))
     angle = involute_function(slope) + 2 * slope * total / (first + second)
     if angle <= 0:
-        raise DesignError("total", f"found {total:g}, with which the teeth cannot mesh", "give more")
+        raise DesignError("total", f"found {total:g}, for which the teeth cannot mesh", "give a larger sum")
     between = (base_1 + base_2) * inverse_involute(angle)
 
     def ends(x: float) -> tuple[float, float]:
-        """Lengths of the line of action left of the ends of contact, beside each base circle; negative outside."""
+        """Lengths on the line of action from each base circle to the nearer end of contact; negative outside."""
         tips = (
             base * roll_at(z / 2 + rack.addendum + shift, base)
             for z, base, shift in ((first, base_1, x), (second, base_2, total - x))
         )
-        reach_1, reach_2 = tips
-        return between - reach_2, between - reach_1
+        tip_1, tip_2 = tips
+        return between - tip_2, between - tip_1
 
-    def excess(x: float) -> float:
-        """Positive where the first gear slides more: its sliding is 1 - (z1 / z2) (between - s) / s at s."""
-        one, two = ends(x)
-        if one <= 0 or two <= 0:
-            return float(np.sign(two - one))
-        return first / second * (between - one) / one - second / first * (between - two) / two
+    def sliding_difference(x: float) -> float:
+        """Positive if the first gear slides more: its sliding is 1 - (z1 / z2) (between - s) / s at s."""
+        end_1, end_2 = ends(x)
+        if end_1 <= 0 or end_2 <= 0:
+            return float(np.sign(end_2 - end_1))
+        return first / second * (between - end_1) / end_1 - second / first * (between - end_2) / end_2
 
     low, high = LEAST, MOST
     for _ in range(100):
         middle = 0.5 * (low + high)
-        # More shift of the first takes its contact away from its base circle.
-        low, high = (middle, high) if excess(middle) > 0 else (low, middle)
+        # A larger shift of the first gear moves its contact away from its base circle.
+        low, high = (middle, high) if sliding_difference(middle) > 0 else (low, middle)
     x = 0.5 * (low + high)
     if min(ends(x)) <= 0 or not LEAST + 1e-6 < x < MOST - 1e-6:
         raise DesignError(
             "teeth",
-            f"found {first} and {second}: at no profile shifts both gears keep contact outside their base circles",
+            f"found {first} and {second}: no profile shifts keep the contact of both gears outside their base circles",
             "give more teeth, a smaller addendum or a larger total",
         )
     return x, total - x

@@ -1,4 +1,4 @@
-"""What is measured on gears: span, over pins, chord of a tooth (ISO 21771, DIN 3960); teeth as a table."""
+"""Measures of gears: span, over pins, chordal thickness (ISO 21771, DIN 3960), and a table of tooth coordinates."""
 
 from __future__ import annotations
 
@@ -16,7 +16,17 @@ from .contract import AbstractInvoluteGear
 
 @record
 class SpanMeasure:
-    """length: mm, between flat jaws over `teeth` teeth; radius: of the circle on which they touch, mm."""
+    """A span measurement.
+
+    Parameters
+    ----------
+    teeth : int
+        Number of teeth between the jaws.
+    length : float
+        Distance between the flat jaws, mm.
+    radius : float
+        Radius of the circle on which they touch, mm.
+    """
 
     teeth: int
     length: float
@@ -25,10 +35,18 @@ class SpanMeasure:
 
 @record
 class PinMeasure:
-    """What two pins in opposite spaces measure.
+    """A measurement with two pins in opposite spaces.
 
-    diameter: over the two pins, mm, between them for a ring; pin: their diameter, mm;
-    radius: of the circle through the pins' centres, mm; contact: of the circle on which they touch the flanks, mm.
+    Parameters
+    ----------
+    diameter : float
+        Dimension over the two pins, mm; between them for a ring.
+    pin : float
+        Diameter of the pins, mm.
+    radius : float
+        Radius of the circle through the pins' centres, mm.
+    contact : float
+        Radius of the circle on which the pins touch the flanks, mm.
     """
 
     diameter: float
@@ -39,7 +57,17 @@ class PinMeasure:
 
 @record
 class ChordMeasure:
-    """Of a tooth at a circle: thickness along the arc and the chord, mm, half its angle, rad, height of the tip, mm."""
+    """Thickness of a tooth at a circle.
+
+    Parameters
+    ----------
+    arc, chord : float
+        Thickness along the arc and along the chord, mm.
+    half_angle : float
+        Half the angle of the tooth, rad.
+    height : float
+        Height of the tip above the chord, mm.
+    """
 
     arc: float
     chord: float
@@ -49,10 +77,34 @@ class ChordMeasure:
 
 @checked
 def span(gear: AbstractInvoluteGear, teeth: int | None = None) -> SpanMeasure:
-    """The span over a number of teeth: base pitches between, and one tooth on the base circle.
+    """Span measurement over a number of teeth.
 
-    teeth: left out, the number with which the jaws touch nearest to the middle of the flanks. Raises
-    DesignError where the jaws would touch beside the involute, and for a ring.
+    Parameters
+    ----------
+    gear : AbstractInvoluteGear
+        An external gear.
+    teeth : int, optional
+        Number of teeth; by default the one for which the jaws touch closest to the middle of the flanks.
+
+    Returns
+    -------
+    SpanMeasure
+        Number of teeth, length and radius of contact, mm.
+
+    Raises
+    ------
+    DesignError
+        If the jaws would touch outside the involute, and for a ring.
+
+    Notes
+    -----
+    The span is a number of base pitches plus the thickness of one tooth on the base circle (ISO 21771).
+
+    Examples
+    --------
+    >>> measure = gk.gear.span(gk.SpurGear(24, 2))
+    >>> measure.teeth, round(measure.length, 4)
+    (3, 15.4329)
     """
     _refuse_ring(gear)
     start, end = gear.flank_lengths
@@ -60,24 +112,47 @@ def span(gear: AbstractInvoluteGear, teeth: int | None = None) -> SpanMeasure:
     def length(k: float) -> float:
         return (k - 1) * gear.base_pitch + gear.thickness(gear.base_radius)
 
-    # The jaws' line touches the base circle in its middle: half the span is the tangent length at the contacts.
+    # The line between the jaws touches the base circle at its middle: half the span is the tangent length there.
     fitting = [k for k in range(1, gear.teeth) if start <= length(k) / 2 <= end]
     if not fitting:
         raise DesignError("teeth", "no number of teeth can be spanned", "measure over pins")
     if teeth is None:
         teeth = min(fitting, key=lambda k: abs(length(k) - start - end))
     if teeth not in fitting:
-        near = min(fitting, key=lambda k: abs(k - teeth))
-        raise DesignError("teeth", f"found {teeth}, over which the jaws touch beside the involute", f"give {near}")
+        nearest = min(fitting, key=lambda k: abs(k - teeth))
+        raise DesignError("teeth", f"found {teeth}, for which the jaws miss the involute", f"give {nearest}")
     return SpanMeasure(teeth, length(teeth), float(np.hypot(gear.base_radius, length(teeth) / 2)))
 
 
 @checked
 def over_pins(gear: AbstractInvoluteGear, pin: Length | None = None) -> PinMeasure:
-    """The measure over two pins, or between them in a ring, in spaces as opposite as an odd count allows.
+    """Dimension over two pins, or between them in a ring, in opposite spaces (nearly opposite for an odd number).
 
-    pin: diameter, mm; left out, the one that touches the flanks where reference line and shift put their middle.
-    Raises DesignError where the pin would touch beside the involute, or not stand proud of the tips.
+    Parameters
+    ----------
+    gear : AbstractInvoluteGear
+        An external gear or a ring.
+    pin : float, optional
+        Diameter of the pins, mm; by default pins that touch the flanks at the shifted reference line.
+
+    Returns
+    -------
+    PinMeasure
+        Dimension, pin diameter and radii, mm.
+
+    Raises
+    ------
+    DesignError
+        If a pin would touch outside the involute, or not project beyond the tips.
+
+    Notes
+    -----
+    ISO 21771 and DIN 3960.
+
+    Examples
+    --------
+    >>> round(gk.gear.over_pins(gk.SpurGear(24, 2), pin=3.5).diameter, 3)
+    52.951
     """
     sign = -1 if gear.is_ring else 1
     base = gear.base_radius
@@ -91,38 +166,56 @@ def over_pins(gear: AbstractInvoluteGear, pin: Length | None = None) -> PinMeasu
     slack = 1e-9 * gear.module
     if not (start - slack <= touching <= end + slack and sign * (radius - gear.tip_radius) + pin / 2 > 0):
         remedy = "measure the span instead" if pin == best else f"give about {best:.4g} mm"
-        raise DesignError(
-            "pin", f"found {pin:g} mm, which does not stand out of the spaces or misses the flanks", remedy
-        )
+        raise DesignError("pin", f"found {pin:g} mm, for which the pin is below the tips or misses the flanks", remedy)
     across = 2 * radius * (np.cos(np.pi / (2 * gear.teeth)) if gear.teeth % 2 else 1.0)
     return PinMeasure(float(across + sign * pin), float(pin), radius, float(np.hypot(base, touching)))
 
 
 def _pin(gear: AbstractInvoluteGear, sign: int, half_space: float) -> float:
-    """Diameter of the pin that touches the flanks where the shifted reference line crosses them, mm.
+    """Diameter of the pin that touches the flanks at the shifted reference line, mm.
 
-    Along the flank's normal there the pin's centre lies in the space's middle: with roll angles m of the contact
+    The pin's centre is on the flank's normal there and in the middle of the space: with roll angles m of the contact
     and c of the centre, inv(c) = |c - m| -+ the half space, so that arctan(c) = m +- the half space.
     """
     base = gear.base_radius
     low, high = (length / base for length in gear.flank_lengths)
     m = min(max(roll_at(gear.pitch_radius + gear.profile_shift * gear.module, base), low), high)
-    lean = m + sign * half_space
-    return 2 * base * sign * (float(np.tan(lean)) - m) if lean < np.pi / 2 else float("inf")
+    angle = m + sign * half_space
+    return 2 * base * sign * (float(np.tan(angle)) - m) if angle < np.pi / 2 else float("inf")
 
 
 @checked
 def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasure:
-    """Thickness of a tooth at a circle as a tooth caliper sees it; at the pitch circle if none is given.
+    """Chordal thickness of a tooth at a circle, as measured by a tooth caliper.
 
-    Raises DesignError where the circle passes beside the involute, and for a ring.
+    Parameters
+    ----------
+    gear : AbstractInvoluteGear
+        An external gear.
+    radius : float, optional
+        Radius of the circle, mm; by default the pitch radius.
+
+    Returns
+    -------
+    ChordMeasure
+        Thickness, half angle and height.
+
+    Raises
+    ------
+    DesignError
+        If the circle does not cross the involute, and for a ring.
+
+    Examples
+    --------
+    >>> round(gk.gear.chord(gk.SpurGear(24, 2)).chord, 4)
+    3.1394
     """
     _refuse_ring(gear)
     r = gear.pitch_radius if radius is None else radius
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:
         raise DesignError(
-            "radius", f"found {r:g} mm, beside the involute", f"give {rounded_up(low)} to {rounded_down(high)} mm"
+            "radius", f"found {r:g} mm, outside the involute", f"give {rounded_up(low)} to {rounded_down(high)} mm"
         )
     arc = gear.thickness(r)
     half = arc / (2 * r)
@@ -131,18 +224,28 @@ def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasu
 
 def _refuse_ring(gear: AbstractInvoluteGear) -> None:
     if gear.is_ring:
-        raise DesignError("gear", "found a ring, whose teeth no jaws reach", "measure between pins")
+        raise DesignError("gear", "found a ring, whose teeth cannot be measured with jaws", "measure between pins")
 
 
 @checked
 def tooth_table(gear: AbstractInvoluteGear, tolerance: Positive) -> Table:
-    """The right-hand half of the tooth on +y, from the inside out, as finely as the tolerance, mm, asks.
+    """Coordinates of the right-hand half of the tooth on +y, from the inside outwards.
 
-    The last column names the region of each point, as `regions` of the gear has them.
+    Parameters
+    ----------
+    gear : AbstractInvoluteGear
+        The gear.
+    tolerance : float
+        Largest distance between curve and chords, mm, above 0.
+
+    Returns
+    -------
+    Table
+        One row for each point; the last column is the name of its region, as in `regions` of the gear.
     """
     sides = gear.regions
     chords = [flatten(curve, tolerance) for curve in sides.values()]
-    chords[1:] = [side[1:] for side in chords[1:]]  # neighbouring curves share a point
+    chords[1:] = [side[1:] for side in chords[1:]]  # adjacent curves share a point
     z = np.concatenate(chords)
     half = np.degrees(np.arctan2(z.real, z.imag))
     along = np.append(0.0, np.cumsum(np.abs(np.diff(z))))

@@ -12,22 +12,22 @@ from ..core.fields import SMALLEST, quantity
 INCH = 25.4
 # Largest module, mm.
 LARGEST = 1e5
-# A number once the gear is made, that may be left out if it follows from another.
+# A number that may be omitted if it follows from another one; always set in a finished gear.
 Settled = Annotated[float, ArgumentType(lambda value: value is None or NUMBER.fits(value), NUMBER.allowed)]
 
 
 def module(meaning: str = "pitch diameter per tooth", example: float = 2) -> Any:
-    """The field for a module, which `settle_module` fills in if it is left out."""
+    """The field for a module; `settle_module` sets it if it is omitted."""
     return quantity(meaning, "mm", default=None, above=0, at_most=LARGEST, example=example)
 
 
 def diametral_pitch() -> Any:
-    """The field for the diametral pitch, which may be given instead of a module."""
+    """The field for the diametral pitch, an alternative to the module."""
     return quantity("teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5)
 
 
 def settle_module(gear: Any) -> None:
-    """Set the module of a gear that has a diametral pitch. Raises DesignError if it has neither, or both disagree."""
+    """Set the module of a gear from its diametral pitch. Raises DesignError if it has neither, or both disagree."""
     if gear.diametral_pitch is None:
         if gear.module is None:
             raise DesignError("module", "found neither module nor diametral_pitch", "give one of them", "missing-key")
@@ -36,7 +36,7 @@ def settle_module(gear: Any) -> None:
     if gear.module is not None and abs(gear.module - module) > 1e-9 * module:
         raise DesignError(
             "module",
-            f"found {gear.module:g} mm, but a diametral_pitch of {gear.diametral_pitch:g} makes it {module:.6g} mm",
+            f"found {gear.module:g} mm, but a diametral_pitch of {gear.diametral_pitch:g} means {module:.6g} mm",
             "give one of them",
             "conflict",
         )
@@ -44,7 +44,7 @@ def settle_module(gear: Any) -> None:
     if not SMALLEST <= module <= LARGEST:
         raise DesignError(
             "diametral_pitch",
-            f"found {gear.diametral_pitch:g}, which makes a module of {module:.6g} mm",
+            f"found {gear.diametral_pitch:g}, which means a module of {module:.6g} mm",
             f"give {INCH / LARGEST:g} to 1e5",
             "out-of-range",
         )

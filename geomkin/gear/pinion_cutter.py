@@ -1,4 +1,4 @@
-"""The gear-shaped tool that cuts internal gears."""
+"""The pinion-shaped cutter of internal gears."""
 
 from __future__ import annotations
 
@@ -23,10 +23,26 @@ from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
 class PinionCutter:
     """An involute gear with cutting edges that cuts internal gears, lengths in modules.
 
-    `addendum` is how far its teeth reach above its reference circle, `tip_radius` the rounding of their
-    tips, 0 for sharp. A cutter that has been sharpened has a smaller `profile_shift` than a new one. With a
-    `fillet_radius` the roots of its teeth, which then are as deep as the ring's tips ask, round those tips' edges.
-    Raises DesignError where its teeth are pointed, or their tips have no room for the rounding.
+    Parameters
+    ----------
+    teeth : int, optional
+        Number of teeth, 4 to 1000.
+    pressure_angle_deg : float, optional
+        Angle of the flanks, 5 to 45 deg.
+    addendum : float, optional
+        Height of the teeth above the reference circle, modules.
+    tip_radius : float, optional
+        Radius of the tip edges, modules; 0 for sharp edges.
+    profile_shift : float, optional
+        Profile shift, modules; that of a sharpened cutter is smaller than that of a new one.
+    fillet_radius : float, optional
+        Fillet at the root of the teeth, modules, which rounds the tip edges of the ring. The roots are then as deep as
+        the ring's tips need.
+
+    Raises
+    ------
+    DesignError
+        If the teeth are pointed, or their tips have no room for the radius.
     """
 
     teeth: int = quantity("number of the cutter's teeth", whole=True, default=24, at_least=4, at_most=1000)
@@ -34,7 +50,7 @@ class PinionCutter:
     addendum: float = quantity(
         "height of the cutter's teeth above its reference circle", "modules", default=1.25, above=0, at_most=5
     )
-    tip_radius: float = quantity("rounding of the cutter's tips", "modules", default=0.2, at_least=0)
+    tip_radius: float = quantity("radius of the cutter's tip edges", "modules", default=0.2, at_least=0)
     profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
     fillet_radius: float = quantity(
         "fillet at the root of the cutter's teeth, which rounds the ring's tips", "modules", default=0.0, at_least=0
@@ -44,7 +60,7 @@ class PinionCutter:
         if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
             raise DesignError(
                 "addendum",
-                f"found {self.addendum:g} with {self.teeth} teeth, whose flanks meet below the tip or never begin",
+                f"found {self.addendum:g} with {self.teeth} teeth, for which the flanks meet below the tip or vanish",
                 self._whole_addendum(),
             )
         largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
@@ -57,12 +73,23 @@ class PinionCutter:
 
     @property
     def pressure_angle(self) -> float:
-        """Angle of the flanks at the reference circle, rad."""
+        """Pressure angle at the reference circle, rad."""
         return float(np.radians(self.pressure_angle_deg))
 
     @checked
     def transverse(self, helix_angle_deg: HelixAngle) -> PinionCutter:
-        """The transverse section of a cutter of helical teeth that has these sizes square to them, as of a rack."""
+        """The transverse section of a cutter for helical teeth whose normal section has these sizes.
+
+        Parameters
+        ----------
+        helix_angle_deg : float
+            Helix angle of the teeth at the pitch circle, 0 to 45 deg.
+
+        Returns
+        -------
+        PinionCutter
+            As for `RackCutter.transverse`.
+        """
         pressure_angle, ratio, rounding = transverse_factors(self.pressure_angle, helix_angle_deg)
         return PinionCutter(
             self.teeth,
@@ -75,39 +102,40 @@ class PinionCutter:
 
     @property
     def base_radius(self) -> float:
-        """Radius of the circle from which its flanks unwind, modules."""
+        """Radius of the base circle, modules."""
         return self.teeth / 2 * float(np.cos(self.pressure_angle))
 
     @property
     def outer_radius(self) -> float:
-        """Radius of its tips, modules."""
+        """Radius of the tip circle, modules."""
         return self.teeth / 2 + self.addendum + self.profile_shift
 
     @property
     def half_angle_at_base(self) -> float:
-        """Half the angle that a tooth takes on the base circle, rad."""
+        """Half the angle of a tooth on the base circle, rad."""
         a = np.tan(self.pressure_angle)
         return float((np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a))
 
     @cached_property
     def corner(self) -> TipRounding:
-        """The rounding of its tips, modules and rad."""
+        """The rounding of the tip edges, modules and rad."""
         return tip_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius, self.tip_radius)
 
     def fillet(self, root_radius: float) -> TipRounding:
-        """The fillet at its roots, modules and rad, where they reach a radius: as its tips' rounding, from outside."""
+        """The root fillet for a root radius, modules and rad; computed as a tip rounding of negative radius."""
         return tip_rounding(self.base_radius, self.half_angle_at_base, root_radius, -self.fillet_radius)
 
     def edge(self, module: float, root_radius: float | None = None) -> PolarArray:
-        """The cutter about its axis, mm, a tooth centred on +y; below its base circle, where it cuts nothing, straight.
+        """The cutter's outline about its axis, mm, with a tooth centred on +y.
 
-        module: mm. root_radius: of its roots, modules, which count where they have a fillet.
+        Below the base circle, where it does not cut, the flanks are straight. module: mm. root_radius: of the roots,
+        modules, used if they have a fillet.
         """
-        corner, turned = self.corner, np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
+        corner, cusp = self.corner, np.exp(1j * (np.pi / 2 - self.half_angle_at_base))
         fillet = self.fillet(root_radius) if self.fillet_radius and root_radius else None
         begin = fillet.roll if fillet else 0.0
-        flank = Moved(Involute(module * self.base_radius, begin, corner.roll), Pose(0j, turned))
-        # Its spaces are as deep as its teeth reach out.
+        flank = Moved(Involute(module * self.base_radius, begin, corner.roll), Pose(0j, cusp))
+        # The depth of the spaces equals the addendum.
         root = min(self.base_radius, self.outer_radius - 2 * self.addendum)
         side: list[AbstractCurve] = [flank]
         half_land = max(0.0, np.pi / self.teeth - self.half_angle_at_base)
@@ -130,7 +158,7 @@ class PinionCutter:
         return self.half_angle_at_base - involute_function(np.sqrt((radius / self.base_radius) ** 2 - 1))
 
     def _whole_addendum(self) -> str:
-        """The addendum with which flanks begin and do not meet, in words, or else what might help."""
+        """A remedy: the range of addenda for complete flanks, or other sizes to change."""
         others = "other teeth or profile_shift"
         least = self.base_radius - self.teeth / 2 - self.profile_shift
         if self.half_angle_at_base <= 0:
@@ -140,6 +168,6 @@ class PinionCutter:
         if largest <= max(least, 0.0) + 1e-5:
             return f"give {others}"
         if self.addendum <= least:
-            # A little more, for flanks of some length.
+            # Slightly more, so that the flanks have a length.
             return f"give at least {rounded_up(least + 1e-6)} modules, or {others}"
         return f"give at most {rounded_down(largest)} modules, or {others}"

@@ -21,15 +21,39 @@ from .spur import SpurGear
 
 @record(checked=True)
 class PlanetarySet:
-    """A sun about the origin, equal planets evenly around it, and a ring around them.
+    """A planetary gear set: a sun about the origin, equal planets evenly spaced round it, and a ring.
 
-    Speeds by Willis's equation (Müller, Epicyclic Drive Trains). Raises DesignError where the planets' distances
-    from the sun and in the ring differ, or so many planets cannot be put in.
+    Parameters
+    ----------
+    sun : SpurGear
+        The gear in the middle.
+    planet : SpurGear
+        Each of the planets.
+    ring : RingGear
+        The ring round the planets.
+    planets : int, optional
+        Number of planets, 1 to 100.
+
+    Raises
+    ------
+    DesignError
+        If the centre distances of sun and planet and of planet and ring differ, or if this number of planets cannot be
+        assembled.
+
+    Notes
+    -----
+    Speeds by Willis's equation (Müller, Epicyclic Drive Trains).
+
+    Examples
+    --------
+    >>> gears = gk.gear.PlanetarySet(gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
+    >>> gears.ratios["sun to carrier"]
+    3.5
     """
 
     sun: SpurGear = entry("the gear in the middle", example=SpurGear(24, 2))
-    planet: SpurGear = entry("each of the gears between", example=SpurGear(18, 2))
-    ring: RingGear = entry("the ring around them", example=RingGear(60, 2, addendum=0.8))
+    planet: SpurGear = entry("each of the planets", example=SpurGear(18, 2))
+    ring: RingGear = entry("the ring round the planets", example=RingGear(60, 2, addendum=0.8))
     planets: int = quantity("number of planets", whole=True, default=3, at_least=1, at_most=100)
 
     _repr_html_ = moving
@@ -39,16 +63,28 @@ class PlanetarySet:
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
                 "ring.profile_shift",
-                f"found {self.ring.profile_shift:g}: planets {inner:.6g} mm from the sun, {outer:.6g} mm in the ring",
+                f"found {self.ring.profile_shift:g}, but the planets mesh with the sun {inner:.6g} mm "
+                f"and with the ring {outer:.6g} mm from the axis",
                 self._fitting_ring(),
             )
-        self.outer  # noqa: B018  # refuses a ring in which the planets jam
-        if not self._can_hold(self.planets):
-            raise DesignError("planets", *self._wrong_planets())
+        self.outer  # noqa: B018  # raises if the planets jam in the ring
+        if not self._can_assemble(self.planets):
+            raise DesignError("planets", *self._planets_error())
 
     @checked
     def transverse(self, helix_angle_deg: HelixAngle) -> PlanetarySet:
-        """The transverse section of helical teeth whose normal section has these sizes, as of a spur gear."""
+        """The transverse section of helical teeth whose normal section has these sizes.
+
+        Parameters
+        ----------
+        helix_angle_deg : float
+            Helix angle of the teeth at the pitch circle, 0 to 45 deg.
+
+        Returns
+        -------
+        PlanetarySet
+            The transverse sections of all gears.
+        """
         sun, planet = (gear.transverse(helix_angle_deg) for gear in (self.sun, self.planet))
         return PlanetarySet(sun, planet, self.ring.transverse(helix_angle_deg), self.planets)
 
@@ -59,17 +95,17 @@ class PlanetarySet:
 
     @cached_property
     def outer(self) -> GearPair:
-        """Planet and ring in mesh, at the distance that the sun gives."""
+        """Planet and ring in mesh, at the centre distance of sun and planet."""
         return GearPair(self.planet, self.ring, self.inner.centre_distance)
 
     @property
     def planet_gap(self) -> float:
-        """Room between the tips of neighbouring planets, mm; infinite for one."""
-        return self._room(self.planets)
+        """Gap between the tips of adjacent planets, mm; inf for one planet."""
+        return self._gap(self.planets)
 
     @property
     def ratios(self) -> dict[str, float]:
-        """Turns of the input for one of the output, `input to output` as key; the third member held still."""
+        """Rotations of the input for one of the output, by "input to output"; the third member is fixed."""
         sun, ring = self.sun.teeth, self.ring.teeth
         return {
             "sun to carrier": 1 + ring / sun,
@@ -80,70 +116,95 @@ class PlanetarySet:
             "ring to sun": -sun / ring,
         }
 
-    def speeds(self, **held: float) -> dict[str, float]:
-        """Speeds of `sun`, `ring`, `carrier` and `planet`, all seen from the frame, from two of the first three.
+    def speeds(self, **given: float) -> dict[str, float]:
+        """Speeds of all members relative to the frame, from two of them.
 
-        By Willis's equation sun z_s + ring z_r = carrier (z_s + z_r); any unit.
+        Parameters
+        ----------
+        **given : float
+            Two of `sun`, `ring` and `carrier`, in any unit.
+
+        Returns
+        -------
+        dict
+            Speeds of `sun`, `ring`, `carrier` and `planet`, in the same unit.
+
+        Raises
+        ------
+        DesignError
+            If other members are given, or a speed is not a number.
+
+        Notes
+        -----
+        Willis's equation: sun z_s + ring z_r = carrier (z_s + z_r).
         """
         z_s, z_r, z_p = self.sun.teeth, self.ring.teeth, self.planet.teeth
         weights = {"sun": z_s, "ring": z_r, "carrier": -(z_s + z_r)}
-        if len(held) != 2 or not set(held) <= set(weights):
-            raise DesignError("held", f"found {', '.join(held)}", "give two of sun, ring and carrier")
-        (missing,) = set(weights) - set(held)
-        for name, speed in held.items():
+        if len(given) != 2 or not set(given) <= set(weights):
+            raise DesignError("given", f"found {', '.join(given)}", "give two of sun, ring and carrier")
+        (missing,) = set(weights) - set(given)
+        for name, speed in given.items():
             if not NUMBER.fits(speed):
                 raise refused(name, speed, NUMBER)
-        known = sum(weights[name] * speed for name, speed in held.items())
-        speeds = held | {missing: -known / weights[missing]}
+        known = sum(weights[name] * speed for name, speed in given.items())
+        speeds = given | {missing: -known / weights[missing]}
         planet = speeds["carrier"] - (speeds["sun"] - speeds["carrier"]) * z_s / z_p
         return {name: float(speeds[name]) for name in weights} | {"planet": float(planet)}
 
     @checked
     def poses(self, turn: RealsOrNan) -> tuple[Pose, list[Pose], Pose]:
-        """Where sun, planets and ring stand when the sun has turned by `turn`, rad, and the ring stands still.
+        """Poses of sun, planets and ring at rotations of the sun; the ring is fixed.
 
-        The first planet starts on +y. Any shape.
+        Parameters
+        ----------
+        turn : float or array_like
+            Rotations of the sun, rad, any shape.
+
+        Returns
+        -------
+        tuple of Pose, list of Pose, Pose
+            Sun, planets and ring; the first planet starts on +y.
         """
         t = np.asarray(turn, dtype=float)
         carrier = t / self.ratios["sun to carrier"]
-        still = np.zeros(t.shape, complex)
+        origin = np.zeros(t.shape, complex)
         planets = [self._planet(t, carrier + 2 * np.pi * k / self.planets) for k in range(self.planets)]
-        # Seen along the first arm, planet and ring stand as in their pair; the ring as a whole does not turn.
+        # In the frame of the first arm, planet and ring are posed as in their pair; the ring itself does not rotate.
         arm = np.exp(1j * carrier)
-        lean = np.angle(planets[0].direction * np.conj(arm))
-        ring = self.outer.poses(lean)[1].direction * arm
-        return Pose(still, np.exp(1j * t)), planets, Pose(still, ring)
+        planet_angle = np.angle(planets[0].direction * np.conj(arm))
+        ring = self.outer.poses(planet_angle)[1].direction * arm
+        return Pose(origin, np.exp(1j * t)), planets, Pose(origin, ring)
 
     def _planet(self, turn: Real, arm: Real) -> Pose:
         pose = self.inner.poses(turn - arm)[1]
         return Pose(pose.origin * np.exp(1j * arm), pose.direction * np.exp(1j * arm))
 
-    def _room(self, planets: int) -> float:
+    def _gap(self, planets: int) -> float:
         if planets == 1:
             return float("inf")
         return 2 * self.inner.centre_distance * float(np.sin(np.pi / planets)) - 2 * self.planet.tip_radius
 
-    def _can_hold(self, planets: int) -> bool:
-        """Whether so many planets can be put in evenly, clear of each other."""
-        return (self.sun.teeth + self.ring.teeth) % planets == 0 and self._room(planets) > 0
+    def _can_assemble(self, planets: int) -> bool:
+        """Whether a number of planets can be assembled with even spacing and without touching each other."""
+        return (self.sun.teeth + self.ring.teeth) % planets == 0 and self._gap(planets) > 0
 
-    def _wrong_planets(self) -> tuple[str, str]:
-        """What is wrong with the number of planets, and the nearest that can be put in."""
-        # One always can.
-        near = min((n for n in range(1, 101) if self._can_hold(n)), key=lambda n: (abs(n - self.planets), n))
-        if self._room(self.planets) <= 0:
-            return f"found {self.planets}, whose tips would touch each other", f"give {near}, or other teeth"
+    def _planets_error(self) -> tuple[str, str]:
+        """Problem of the number of planets, and remedy with the nearest valid number."""
+        # A single planet is always valid.
+        nearest = min((n for n in range(1, 101) if self._can_assemble(n)), key=lambda n: (abs(n - self.planets), n))
+        if self._gap(self.planets) <= 0:
+            return f"found {self.planets}, whose tips would touch each other", f"give {nearest}, or other teeth"
         return (
-            f"found {self.planets}, by which {self.sun.teeth} + {self.ring.teeth} teeth cannot be divided: "
-            "they could not be put in evenly"
-        ), f"give {near}, or other teeth"
+            f"found {self.planets}, which cannot be evenly spaced: {self.sun.teeth} + {self.ring.teeth} teeth are not "
+            f"divisible by {self.planets}"
+        ), f"give {nearest}, or other teeth"
 
     @property
     def _outer_distance(self) -> float:
         return GearPair(self.planet, self.ring).tight_distance
 
     def _fitting_ring(self) -> str:
-        """The ring's shift, or failing that its teeth, with which both distances agree."""
+        """A remedy: the ring's profile shift, or else its number of teeth, for which both distances agree."""
         low, high = self.ring.profile_shift - 2, self.ring.profile_shift + 2
         for _ in range(60):
             middle = 0.5 * (low + high)

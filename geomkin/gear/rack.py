@@ -1,8 +1,6 @@
-"""Racks, gears with their axis at infinity, and pinions that roll on them."""
+"""Racks, and pinions that drive them."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,25 +12,46 @@ from ..core.reprs import moving
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from .contract import AbstractGear, check_alike
-from .cutters import HelixAngle, RackCutter
+from .cutters import HelixAngle, RackCutter, transverse_section
 from .module import Settled, diametral_pitch, module, settle_module
 from .spur import SpurGear
 
-# Radius of the corners at the back of the bar, modules: sharp ones cut fingers and chip in a drop.
+# Radius of the corners at the back of the bar, modules: sharp corners cut fingers and chip when dropped.
 CORNER = 0.5
-# Contact beyond a true flank, modules along the line of action, that counts. The root curve leaves the flank along
-# its tangent, so that less digs in by a millionth; the standard tip radius, rounded to 0.38, already reaches so far.
+# Least contact beyond the end of a flank that counts as interference, modules along the line of action. The root curve
+# is tangent to the flank, so with less the overlap is a millionth; the standard tip radius, rounded to 0.38, already
+# causes so much.
 TOUCH = 1e-3
 
 
 @record(checked=True)
 class GearRack(AbstractGear):
-    """A straight bar with teeth on top; its reference line is the x axis, a tooth is centred on +y.
+    """A gear rack: a straight bar with teeth on top. The reference line is the x axis, a tooth is centred on +y.
 
-    The teeth are those that the cutting rack would leave on a gear of infinitely many teeth: straight flanks,
-    roots rounded with the radius of the rack's tips (the basic rack of ISO 53), tips with its fillet_radius. The bar
-    ends in the middle of a space on both sides. Raises DesignError where the teeth are pointed, or as deep as the bar
-    is high.
+    Parameters
+    ----------
+    teeth : int
+        Number of teeth, 1 to 10,000. The bar ends in the middle of a space on both sides.
+    module : float
+        Pitch divided by pi, mm, above 0. Give either `module` or `diametral_pitch`.
+    rack : RackCutter, optional
+        The rack that cuts its mating gears and gives its proportions; by default that of ISO 53.
+    height : float, optional
+        Height of the bar from its back to the reference line, modules, above 0.
+    tooth_thickness_allowance : float, optional
+        Reduction of the thickness of each tooth along the reference line, for backlash, mm.
+    diametral_pitch : float, optional
+        pi teeth per so many inches of length, 1/in.
+
+    Raises
+    ------
+    DesignError
+        If the teeth are pointed, or as deep as the bar is high.
+
+    Notes
+    -----
+    The teeth are those of a gear with infinitely many teeth: straight flanks, roots with the radius of the cutting
+    rack's tips (the basic rack of ISO 53), tips with its fillet_radius.
     """
 
     pitch_radius = tip_radius = root_radius = float("inf")
@@ -42,10 +61,13 @@ class GearRack(AbstractGear):
     module: Settled = module("pitch by pi")
     rack: RackCutter = entry("the rack that cuts its mating gears, and gives its proportions", default=RackCutter())
     height: float = quantity(
-        "of the bar, from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
+        "height of the bar from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
     )
     tooth_thickness_allowance: float = quantity(
-        "how much thinner each tooth is along the reference line, for backlash", "mm", default=0.0, at_least=0
+        "reduction of the thickness of each tooth along the reference line, for backlash",
+        "mm",
+        default=0.0,
+        at_least=0,
     )
     diametral_pitch: float | None = diametral_pitch()
 
@@ -65,21 +87,25 @@ class GearRack(AbstractGear):
                 )
             raise DesignError(
                 "tooth_thickness_allowance",
-                f"found {self.tooth_thickness_allowance:g} mm, which points the teeth",
+                f"found {self.tooth_thickness_allowance:g} mm, for which the teeth are pointed",
                 f"give at most {most * (1 - 1e-5):.6g}",
             )
 
     @checked
     def transverse(self, helix_angle_deg: HelixAngle) -> GearRack:
-        """The transverse section of helical teeth whose normal section has these sizes, as of a spur gear."""
-        ratio = float(np.cos(np.radians(helix_angle_deg)))
-        return replace(
-            self,
-            module=self.module / ratio,
-            diametral_pitch=None,
-            rack=self.rack.transverse(helix_angle_deg),
-            height=self.height * ratio,
-        )
+        """The transverse section of helical teeth whose normal section has these sizes.
+
+        Parameters
+        ----------
+        helix_angle_deg : float
+            Helix angle of the teeth, 0 to 45 deg.
+
+        Returns
+        -------
+        GearRack
+            As for `SpurGear.transverse`.
+        """
+        return transverse_section(self, helix_angle_deg)
 
     @property
     def pressure_angle(self) -> float:
@@ -88,17 +114,17 @@ class GearRack(AbstractGear):
 
     @property
     def pitch(self) -> float:
-        """Distance of neighbouring teeth, mm."""
+        """Distance of adjacent teeth, mm."""
         return float(np.pi * self.module)
 
     @property
     def tip_height(self) -> float:
-        """Of the teeth above the reference line, mm."""
+        """Height of the teeth above the reference line, mm."""
         return self.module * self.rack.addendum
 
     @property
     def root_depth(self) -> float:
-        """Of the spaces below the reference line, mm."""
+        """Depth of the spaces below the reference line, mm."""
         return self.module * self.rack.dedendum
 
     @property
@@ -113,13 +139,13 @@ class GearRack(AbstractGear):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Where the bar begins and ends along the reference line, mm."""
+        """Both ends of the bar along the reference line, mm."""
         first = -((self.teeth - 1) // 2)
         return (first - 0.5) * self.pitch, (first + self.teeth - 0.5) * self.pitch
 
     @property
     def thickness(self) -> float:
-        """Of a tooth along the reference line, mm."""
+        """Thickness of a tooth along the reference line, mm."""
         return self.pitch / 2 - self.tooth_thickness_allowance
 
     @property
@@ -150,7 +176,7 @@ class GearRack(AbstractGear):
         ends = np.array([right + deep, right + back + 1j * corner, right + back - corner])
         ends = np.append(ends, [left + back + corner, left + back + 1j * corner, left + deep])
         quarter = -np.tan(np.pi / 8)
-        # Left to right along the teeth is clockwise: the other way round, with arcs bent the other way.
+        # The edge runs clockwise, so the order and the signs of the bulges are reversed.
         vertices = np.append(edge.vertices, ends)
         bulges = np.append(np.asarray(edge.bulges), [0, 0, quarter, 0, quarter, 0, 0])
         keep = np.abs(np.roll(vertices, -1) - vertices) > 1e-12 * self.height
@@ -160,19 +186,40 @@ class GearRack(AbstractGear):
 
 @record(checked=True)
 class RackPair:
-    """A spur gear and the rack it drives.
+    """A spur gear and the rack that it drives.
 
-    distance: of the gear's axis from the rack's reference line, mm; left out, the one at which teeth that are not
-    thinned have no backlash. Lengths along the line of action are measured from the gear's base circle. Derived here,
-    as the limit of a pair of gears of which one grows.
-    Raises DesignError where modules or pressure angles differ, the teeth jam, or no flanks meet.
+    Parameters
+    ----------
+    pinion : SpurGear
+        The driving gear, about the origin.
+    rack : GearRack
+        The driven rack, with the same module and pressure angle.
+    distance : float, optional
+        Distance of the pinion's axis from the rack's reference line, mm; by default the one at which teeth without
+        thickness allowance have no backlash.
+
+    Raises
+    ------
+    DesignError
+        If modules or pressure angles differ, the teeth jam, or no flanks are in contact.
+
+    Notes
+    -----
+    Lengths along the line of action are measured from the pinion's base circle. Derived here, as the limit of a gear
+    pair for an infinite number of teeth.
+
+    Examples
+    --------
+    >>> pair = gk.gear.RackPair(gk.SpurGear(20, 2), gk.gear.GearRack(12, 2))
+    >>> pair.distance
+    20.0
     """
 
-    # What tables call the two.
+    # Names of the two in tables.
     names = "pinion", "rack"
 
     pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
-    rack: GearRack = entry("the rack it drives", example=GearRack(12, 2))
+    rack: GearRack = entry("the driven rack", example=GearRack(12, 2))
     distance: Settled = quantity(
         "distance of the gear's axis from the rack's reference line", "mm", default=None, above=0, at_most=1e9
     )
@@ -203,7 +250,7 @@ class RackPair:
 
     @property
     def driver(self) -> SpurGear:
-        """The gear that drives: the pinion."""
+        """The driving gear: the pinion."""
         return self.pinion
 
     @property
@@ -212,47 +259,58 @@ class RackPair:
 
     @property
     def module(self) -> float:
-        """Pitch per pi of both, mm."""
+        """Module of both, mm."""
         return self.pinion.module
 
     @property
     def travel(self) -> float:
-        """Way of the rack for one turn of the pinion, mm."""
+        """Displacement of the rack for one rotation of the pinion, mm."""
         return float(np.pi * self.pinion.module * self.pinion.teeth)
 
     @property
     def contact_lengths(self) -> tuple[float, float]:
-        """Where contact begins and ends on the line of action, mm: both true flanks must reach it."""
+        """Start and end of the path of contact on the line of action, mm from the pinion's base circle."""
         start, end = self.pinion.flank_lengths
         high, deep = self._along(-self.rack.form_height), self._along(self.rack.form_depth)
         return max(start, high), min(end, deep)
 
     @property
     def contact_ratio(self) -> float:
-        """Mean number of tooth pairs in contact."""
+        """Contact ratio: mean number of tooth pairs in contact."""
         start, end = self.contact_lengths
         return (end - start) / (self.rack.pitch * float(np.cos(self.pinion.pressure_angle)))
 
     @checked
     def sliding(self, along: RealsOrNan) -> tuple[Real, Real]:
-        """Specific sliding of the pinion and of the rack at places on the line of action, mm, any shape."""
+        """Specific sliding of pinion and rack at points on the line of action.
+
+        Parameters
+        ----------
+        along : float or array_like
+            Lengths on the line of action, mm from the pinion's base circle, any shape.
+
+        Returns
+        -------
+        tuple of ndarray
+            Specific sliding of the pinion and of the rack, as for `GearPair.sliding`.
+        """
         s = np.asarray(along, dtype=float)
-        still = self.pinion.pitch_radius * np.sin(self.pinion.pressure_angle)
+        pitch_point = self.pinion.pitch_radius * np.sin(self.pinion.pressure_angle)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            return (s - still) / s, (still - s) / still
+            return (s - pitch_point) / s, (pitch_point - s) / pitch_point
 
     @property
     def backlash(self) -> float:
-        """Play of the rack along its way, mm."""
+        """Backlash along the rack, mm."""
         pinion, rack = self.pinion, self.rack
-        # The pinion's pitch circle rolls on a line beside the reference line, where the rack's teeth are narrower.
+        # The pinion's pitch circle rolls on a line above the reference line, where the rack's teeth are narrower.
         apart = self.distance - pinion.pitch_radius
         narrower = rack.thickness - 2 * apart * np.tan(pinion.pressure_angle)
         return float(rack.pitch - pinion.thickness(pinion.pitch_radius) - narrower)
 
     @property
     def clearances(self) -> tuple[float, float]:
-        """From the rack's tips to the pinion's root, and from the pinion's tips to the rack's, mm."""
+        """Tip clearances at the root of the pinion and of the rack, mm."""
         return (
             self.distance - self.rack.tip_height - self.pinion.root_radius,
             self.distance + self.rack.root_depth - self.pinion.tip_radius,
@@ -260,41 +318,50 @@ class RackPair:
 
     @property
     def interferences(self) -> tuple[str, ...]:
-        """What hits: `pinion root`, where the rack's tips reach below its true flank, `rack root`, the other way.
+        """Interferences: `pinion root`, where the rack's tips reach below the flank, and `rack root`; empty for none.
 
-        Rounded tips of the rack count as sharp ones, which reach farther.
+        Rounded tips of the rack count as sharp.
         """
         pinion, limit = self.pinion, TOUCH * self.pinion.module
         start, end = pinion.flank_lengths
-        found = {
-            # Undercut has taken away what such a tip would hit.
+        interferences = {
+            # Undercut has removed the material that such a tip would hit.
             "pinion root": self.clearances[0] < 0
             or (not pinion.is_undercut and self._along(-self.rack.tip_height) < start - limit),
             "rack root": self.clearances[1] < 0 or self._along(self.rack.form_depth) < end - limit,
         }
-        return tuple(name for name, hit in found.items() if hit)
+        return tuple(name for name, occurs in interferences.items() if occurs)
 
     @checked
     def poses(self, turn: RealsOrNan) -> tuple[Pose, Pose]:
-        """Where both stand when the pinion, about the origin, has turned by `turn`, rad, any shape.
+        """Poses of pinion and rack at rotations of the pinion.
 
-        The rack lies below, teeth up, and moves along +x. Teeth stand in the middle of spaces.
+        Parameters
+        ----------
+        turn : float or array_like
+            Rotations of the pinion, rad, any shape; at 0 it has a tooth on +y.
+
+        Returns
+        -------
+        tuple of Pose
+            The pinion about the origin, and the rack below it, teeth up, which moves along +x. Teeth are in the middle
+            of spaces, so both sides have half the backlash.
         """
         t = np.asarray(turn, dtype=float)
-        # A tooth on +y has one opposite where the teeth are even, and there the rack needs a space.
+        # With an even number of teeth the pinion has a tooth on -y too, where the rack needs a space.
         along = self.pinion.pitch_radius * t + (0.0 if self.pinion.teeth % 2 else self.rack.pitch / 2)
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(
             along - 1j * self.distance, np.ones(t.shape, complex)
         )
 
     def _along(self, depth: float) -> float:
-        """Length on the line of action where it crosses a line of the rack, `depth` below its reference line, mm."""
+        """Length on the line of action at a line of the rack, `depth` below its reference line, mm."""
         below = depth + self.distance - self.pinion.pitch_radius
         a = self.pinion.pressure_angle
         return float(self.pinion.pitch_radius * np.sin(a) + below / np.sin(a))
 
     def _farthest(self) -> float:
-        """Distance at which the contact ratio is 1, mm: the farther the rack, the later contact begins."""
+        """Distance at which the contact ratio is 1, mm. With a larger distance contact starts later."""
         a = self.pinion.pressure_angle
         start = self.pinion.flank_lengths[1] - self.rack.pitch * np.cos(a)
         room = (start - self.pinion.pitch_radius * np.sin(a)) * np.sin(a)

@@ -1,17 +1,16 @@
-"""Sizes as lines from one end to the other, with their number: of links between pins, of cams, of gears."""
+"""Scenes of gears: frames of a mesh, a gear under its tool, regions of a tooth, and dimensions."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motors import apart, on_motor
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.roles import Role
 from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
@@ -22,28 +21,24 @@ from ..plane.roulettes import Involute, roll_at
 from ..plane.vec import Complex, Pose, Real, Whole
 from .contract import AbstractInvoluteGear
 
-if TYPE_CHECKING:
-    pass
-
-
-# Frames for a pitch: the most, where few pitches are shown; the fewest, where many are; and how many all of them take
-# together. Fewer for a pitch and teeth seem to stand still or to run backwards; more make pages that nobody can send.
+# Frames per pitch: the most, for few pitches; the fewest, for many; and the total. With fewer per pitch, teeth seem to
+# stop or to run backwards; more make pages too large.
 FINE, COARSE, FRAMES = 60, 12, 360
-# Pitches that are shown at most: more than a reader waits for.
+# Largest number of pitches in a scene.
 MOST_PITCHES = 60
-# Seconds that a pitch is shown for: about what the eye follows.
+# Duration of a pitch, s: about what the eye follows.
 PITCH_TIME = 1.0
-# Of a plate's size, how near openings come to each other's places for the plate to look the same.
+# Tolerance, as a share of a plate's size, for openings that coincide after a rotation.
 ALIKE = 1e-6
 
 
 @record
 class Meshing:
-    """Frames of a mesh, in equal steps of a driver's turn.
+    """Frames of a mesh, in equal steps of the driver's rotation.
 
-    contact_ratio: pitches for which a pair of flanks touches, 0 where none does; one pair is followed from its first
-    contact on, then the next that comes as many whole pitches later. pitches: that are shown. cyclic: the last frame
-    looks as the first.
+    contact_ratio: pitches in which a pair of flanks is in contact, 0 for none. One pair is followed from its first
+    contact, then the next, a whole number of pitches later. pitches: in the scene. cyclic: whether the last frame
+    equals the first.
     """
 
     contact_ratio: float
@@ -52,12 +47,12 @@ class Meshing:
 
     @property
     def followed(self) -> int:
-        """Pitches after which the next pair of flanks is followed: that for which one touches, rounded up."""
+        """Pitches after which the next pair of flanks is followed: the contact ratio, rounded up."""
         return pitches_in_contact(self.contact_ratio)
 
     @property
     def steps(self) -> int:
-        """Frames for a pitch."""
+        """Frames per pitch."""
         return max(COARSE, min(FINE, FRAMES // self.pitches))
 
     @cached_property
@@ -67,39 +62,39 @@ class Meshing:
 
     @property
     def passed(self) -> Real:
-        """Pitches that the driver has turned since the first frame, (frames,)."""
+        """Rotation of the driver since the first frame, pitches, (frames,)."""
         return self.frame / self.steps
 
     @property
     def time(self) -> Real:
-        """s."""
+        """Time of each frame, s."""
         return PITCH_TIME * self.passed
 
     @property
     def since(self) -> Real:
-        """Pitches since the pair of flanks that is followed began to touch, (frames,); nan where it has let go."""
+        """Pitches since the first contact of the followed pair of flanks, (frames,); nan after its last contact."""
         return self._touching(self.frame % (self.followed * self.steps) / self.steps)
 
     @property
     def all_since(self) -> Real:
-        """The same of every pair of flanks that touches, (pairs, frames), the youngest first."""
+        """The same for every pair of flanks in contact, (pairs, frames), the latest first."""
         youngest = self.frame % self.steps / self.steps
         return np.array([self._touching(youngest + k) for k in range(self.followed)])
 
     def _touching(self, since: Real) -> Real:
-        # A hair of room: a last contact is not lost to rounding.
+        # The tolerance keeps a last contact from being lost in rounding.
         return np.where(since <= self.contact_ratio * (1 + 1e-12), since, np.nan)
 
 
 def pitches_in_contact(contact_ratio: float) -> int:
-    """Whole pitches within which a pair of flanks begins and ends to touch."""
+    """Whole pitches that contain the contact of a pair of flanks."""
     return max(1, math.ceil(contact_ratio * (1 - 1e-12)))
 
 
 def meshing(contact_ratio: float, wheels: Iterable[tuple[int, Sequence[Part]]]) -> Meshing:
-    """The fewest pitches after which all looks as it did: a keyway, and spokes, come round only with their wheel.
+    """The fewest pitches after which the scene repeats; a keyway or a spoke repeats only with its wheel's rotation.
 
-    wheels: number of teeth, and plates, of each. Derived here.
+    wheels: number of teeth, and plates, of each wheel. Derived here.
     """
     whole = math.lcm(1, *(teeth for teeth, parts in wheels if not all(_alike(part, teeth) for part in parts)))
     pitches = math.lcm(whole, pitches_in_contact(contact_ratio))
@@ -107,14 +102,14 @@ def meshing(contact_ratio: float, wheels: Iterable[tuple[int, Sequence[Part]]]) 
 
 
 def _alike(part: Part, teeth: int) -> bool:
-    """Whether the openings of a wheel of so many teeth look the same after each pitch."""
+    """Whether the openings of a wheel coincide after each pitch."""
     if not part.holes:
         return True
     middles = np.array([_middle(hole.point(_places(hole.breaks))) for hole in part.holes])
     turned = middles * np.exp(2j * np.pi / teeth)
-    apart = np.abs(turned[:, None] - middles).min(axis=1)
+    split_motor_parts = np.abs(turned[:, None] - middles).min(axis=1)
     size = np.abs(part.outline.point(part.outline.breaks)).max()
-    return bool(apart.max() <= ALIKE * size)
+    return bool(split_motor_parts.max() <= ALIKE * size)
 
 
 def _places(breaks: Real) -> Real:
@@ -127,12 +122,27 @@ def _middle(points: Complex) -> complex:
 
 @checked
 def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
-    """A gear turning by a pitch, or by a turn where its plate shows that it turns, under the tool that cuts it.
+    """The scene of a gear that rotates under its cutting tool.
 
-    The tool rolls on the pitch circle. A left-hand flank is followed while it is cut, from the end of its involute that
-    is nearer to the axis to the other, and then the next. parts: as `gear_parts` gives them, of one body. Derived here.
+    Parameters
+    ----------
+    gear : AbstractInvoluteGear
+        The gear.
+    parts : sequence of Part, optional
+        The result of `gear_parts`, of one body.
+
+    Returns
+    -------
+    Scene
+        The gear rotates by one pitch, or by a full turn if its plate is not symmetric. The tool rolls on the pitch
+        circle. A left-hand flank is followed while it is cut, from the inner end of its involute to the outer one, then
+        the next.
+
+    Notes
+    -----
+    Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     name = parts[0].body if parts else "gear"
     (start, end), pitch = gear.flank_lengths, 2 * np.pi / gear.teeth
     frames = meshing((end - start) / gear.base_pitch, [(gear.teeth, parts)])
@@ -143,7 +153,7 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
     curves = [SceneCurve(Circle(0j, radius), role, f"{circle} circle") for circle, role, radius in _circles(gear)]
     curves += tooth_regions(gear, name)
     curves += gear_dimensions(gear, name=name)
-    # A rack of few teeth would run off: it looks the same, but for its ends, when it begins anew with each pitch.
+    # A short rack would leave the picture. It restarts with each pitch, which changes only its ends.
     columns = [Column(f"{name}_turn", "deg", f"turn of the {name}, 0 with a tooth on +y", np.degrees(turn))]
     marks, plots = [axis_mark(frames, 0j, f"axis of the {name}")], []
     if tool := gear.tool(np.mod(turn, pitch)):
@@ -156,12 +166,12 @@ def gear_scene(gear: AbstractInvoluteGear, parts: Sequence[Part] = ()) -> Scene:
         columns += _cut(gear, start + gear.base_pitch * frames.since)
         plots += [Plot(column.meaning, (column.id,)) for column in columns[1:]]
     return meshing_scene(
-        Table(tuple(columns)), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, tuple(plots)
+        Table(tuple(columns)), frames, with_motor_plate(bodies_at(parts, poses), motor), curves, marks, tuple(plots)
     )
 
 
 def _cut(gear: AbstractInvoluteGear, along: Real) -> Iterator[Column]:
-    """Of the flank that is followed, at the tangent lengths at which it is cut, mm; nan where it is not."""
+    """Columns of the followed flank at the tangent lengths at which it is cut, mm; nan while it is not cut."""
     radius = np.hypot(gear.base_radius, along)
     thickness = [gear.thickness(r) if np.isfinite(r) else np.nan for r in radius.tolist()]
     yield Column("thickness", "mm", "thickness of the tooth where it is cut", np.array(thickness))
@@ -179,34 +189,33 @@ def _circles(gear: AbstractInvoluteGear) -> Iterator[tuple[str, Role, float]]:
 def bodies_at(
     parts: Sequence[Part],
     poses: Mapping[str, Pose],
-    called: Mapping[str, str] | None = None,
+    part_bodies: Mapping[str, str] | None = None,
     layers: Mapping[str, int] | None = None,
 ) -> tuple[SceneBody, ...]:
-    """Bodies with their parts at their poses; the ground only where it has any. Those that stand still are fixed.
+    """Bodies with their parts and poses; the ground only if it has parts. Bodies without motion are fixed.
 
-    called: what parts call a body, where that is another name. layers: of those that do not lie in the first layer
-    over the ground.
+    part_bodies: the name of a body in its parts, if different. layers: of bodies that are not in the first layer above
+    the ground.
     """
-    found = []
+    bodies = []
     for name, pose in poses.items():
-        held = tuple(part for part in parts if part.body == (called or {}).get(name, name))
-        if held or name != "ground":
+        body_parts = tuple(part for part in parts if part.body == (part_bodies or {}).get(name, name))
+        if body_parts or name != "ground":
             origin, direction = np.asarray(pose.origin), np.asarray(pose.direction)
-            still = bool((direction == direction[0]).all() and (origin == origin[0]).all())
+            is_fixed = bool((direction == direction[0]).all() and (origin == origin[0]).all())
             layer = ({"ground": 0} | dict(layers or {})).get(name, 1)
-            found.append(SceneBody(name, held, origin, direction, layer, still))
-    return tuple(found)
+            bodies.append(SceneBody(name, body_parts, origin, direction, layer, is_fixed))
+    return tuple(bodies)
 
 
 def contact_marks(places: Complex) -> Iterator[SceneMark]:
-    """Points (contacts, frames) at which flanks touch, mm; nan where they do not. The first has the name of all."""
-    seen = [place for place in places if np.isfinite(place).any()]
-    for k, place in enumerate(seen):
+    """Contact points (contacts, frames), mm; nan for none. Only the first is labelled."""
+    for k, place in enumerate([place for place in places if np.isfinite(place).any()]):
         yield SceneMark("point", place, "contact", "" if k else "contact")
 
 
 def axis_mark(frames: Meshing, place: complex, label: str) -> SceneMark:
-    """The pin of an axis that stands still at a place, mm."""
+    """The pin of a fixed axis, mm."""
     return SceneMark("fixed pin", np.full(frames.frame.shape, place), "construction", label)
 
 
@@ -218,20 +227,20 @@ def meshing_scene(
     marks: Iterable[SceneMark],
     plots: tuple[Plot, ...],
 ) -> Scene:
-    """A scene of frames at all of which the mechanism can be, over the time that they take."""
+    """A scene of frames, in all of which the mechanism is assembled."""
     always = np.ones(frames.frame.shape, bool)
     return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 
 def tooth_regions(gear: AbstractInvoluteGear, name: str) -> Iterator[SceneCurve]:
-    """Right-hand side of the tooth on +y of a gear called `name`, region by region, mm in its frame.
+    """Regions of the right-hand side of the tooth on +y, mm in the frame of the gear `name`.
 
-    Of an undercut tooth also the involute that is lost, from the base circle to where the root curve crosses it.
-    Derived here.
+    An undercut tooth also has the lost involute, from the base circle to its crossing with the root curve. Derived
+    here.
     """
     root, tip = gear.root_curve, gear.tip_edge or gear.flank
     low, high = complex(root.point(root.breaks[0])), complex(tip.point(tip.breaks[-1]))
-    # Lands reach as far on the other side of the tooth's and the space's middle.
+    # Lands are symmetric about the middle of the tooth or the space.
     other = -low.conjugate() * np.exp(-2j * np.pi / gear.teeth)
     regions: list[tuple[str, Role, AbstractCurve]] = [
         ("involute flank", "traced", gear.flank),
@@ -249,7 +258,7 @@ def tooth_regions(gear: AbstractInvoluteGear, name: str) -> Iterator[SceneCurve]
         yield SceneCurve(curve, role, label, name)
 
 
-# Directions, deg, of the diameters of tip, pitch and root circle: apart, and off the line from axis to axis.
+# Directions of the dimensions of tip, pitch and root circle, deg: separate, and clear of the line of centres.
 TIP, PITCH, ROOT = 20.0, 50.0, 155.0
 
 
@@ -264,5 +273,5 @@ def gear_dimensions(gear: AbstractInvoluteGear, centre: complex = 0j, name: str 
 
 
 def centre_distance(start: complex, end: complex) -> SceneCurve:
-    """From axis to axis, mm."""
+    """The dimension of the centre distance, mm."""
     return dimension(start, end, f"centre distance {mm(abs(end - start))}, from axis to axis")

@@ -1,4 +1,4 @@
-"""A gear of any tooth form and the mate it shapes as a scene: both in mesh, and the paths on which they touch."""
+"""Scenes of gear pairs, racks, planetary sets and conjugate gears: gears in mesh and their paths of contact."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motors import apart, on_motor
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneCurve, SceneMark
 from ..model.table import Column, Table, finite
@@ -37,14 +37,30 @@ from .scene import (
 def conjugate_scene(
     mate: Conjugate, contacts: Table, parts: Sequence[Part] = (), pins: Sequence[AbstractCurve] = ()
 ) -> Scene:
-    """A gear turning counterclockwise and its mate, over as many pitches as it takes to follow a tooth's contact.
+    """The scene of a gear that turns counterclockwise and its conjugate mate.
 
-    contacts: as `flank_table` or `pin_table` tells them, of right-hand flanks, which the mate drives. parts: of the
-    mate's body, mate or ring, of the gear's, and of the ground, whose x axis is the line from axis to axis. pins:
-    drawn on the gear, of which no part is cut. Teeth stand in the middle of spaces: play is seen half on either side.
+    Parameters
+    ----------
+    mate : Conjugate
+        The mate.
+    contacts : Table
+        The result of `flank_table` or `pin_table`, for right-hand flanks, which the mate drives.
+    parts : sequence of Part, optional
+        Plates of the mate (body "mate" or "ring"), of the gear, and of the ground, whose x axis is the line of centres.
+    pins : sequence of AbstractCurve, optional
+        Curves on the gear that are drawn without a plate.
+
+    Returns
+    -------
+    Scene
+        The number of pitches follows the contact of one tooth. Teeth are in the middle of spaces, with half the
+        backlash on each side.
+
+    Notes
+    -----
     Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     ratio = mate.gear_teeth / mate.teeth * (1 if mate.is_ring else -1)
     touching = _Touching(contacts, ratio, mate.gear_teeth)
     other = "ring" if mate.is_ring else "mate"
@@ -75,11 +91,11 @@ def conjugate_scene(
     followed = {n: touching.at(frames.since, np.asarray(contacts[n]))[0] for n in ("pressure_angle", "sliding")}
     table = Table(
         (
-            Column(f"{name}_turn", "deg", f"turn of the {name}, 0 with a tooth on +y", np.degrees(turn)),
-            Column(f"{other}_turn", "deg", f"turn of the {other} meanwhile", np.degrees(ratio * turn)),
-            Column("pressure_angle", "deg", "of a tooth's contact", followed["pressure_angle"].real),
-            Column("sliding", "mm/rad", "along the mate's flank there, per turn of the gear", followed["sliding"].real),
-            Column("contacts", "", "contacts of right-hand flanks", np.isfinite(places).sum(axis=0)),
+            Column(f"{name}_turn", "deg", f"rotation of the {name}, 0 with a tooth on +y", np.degrees(turn)),
+            Column(f"{other}_turn", "deg", f"rotation of the {other}", np.degrees(ratio * turn)),
+            Column("pressure_angle", "deg", "pressure angle of a tooth's contact", followed["pressure_angle"].real),
+            Column("sliding", "mm/rad", "sliding on the mate's flank, per rad of the gear", followed["sliding"].real),
+            Column("contacts", "", "number of contacts of right-hand flanks", np.isfinite(places).sum(axis=0)),
         )
     )
     plots = (
@@ -89,17 +105,17 @@ def conjugate_scene(
     )
     always = np.ones(turn.shape, bool)
     poses["ground"] = Pose(still, still + 1j)
-    # Of two discs with pins between them the lower one is shown.
+    # Only the lower of two discs with pins is shown.
     layers = {}
     if pins:
         layers = {name: 1, other: 2} if any(part.body == "ground" for part in parts) else {name: 0}
-    bodies = on_motor(bodies_at(parts, poses, layers=layers), motor)
+    bodies = with_motor_plate(bodies_at(parts, poses, layers=layers), motor)
     return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 
 @record(eq=False)
 class _Touching:
-    """When and where the places on a tooth's flank touch that a table tells, (places,), and what lies between them."""
+    """Contacts of the points of a tooth's flank in a table, (points,), interpolated between them."""
 
     contacts: Table
     ratio: float
@@ -107,52 +123,52 @@ class _Touching:
 
     @property
     def pitch(self) -> float:
-        """rad of the gear."""
+        """Angular pitch of the gear, rad."""
         return 2 * np.pi / self.teeth
 
     @property
     def angle(self) -> Real:
-        """Turn of the gear, the play shared by both sides of its teeth, rad; nan where a place never touches."""
+        """Rotation of the gear with equal backlash on both sides, rad; nan for points that never touch."""
         angle: Real = np.radians(np.asarray(self.contacts["mate_angle"], dtype=float)) / self.ratio
         return angle
 
     @property
     def place(self) -> Complex:
-        """Path of contact, mm."""
+        """Contact points, mm."""
         return np.asarray(self.contacts["contact_x"]) + 1j * np.asarray(self.contacts["contact_y"])
 
     @property
     def first(self) -> float:
-        """Turn of the gear at which a tooth begins to touch, rad; 0 where none does."""
-        found = self.angle[np.isfinite(self.angle)]
-        return float(found.min()) if found.size else 0.0
+        """Rotation of the gear at a tooth's first contact, rad; 0 without contact."""
+        angle = self.angle[np.isfinite(self.angle)]
+        return float(angle.min()) if angle.size else 0.0
 
     @property
     def pitches(self) -> float:
-        """For which a tooth touches."""
-        found = self.angle[np.isfinite(self.angle)]
-        return float(np.ptp(found)) / self.pitch if found.size else 0.0
+        """Duration of a tooth's contact, pitches."""
+        angle = self.angle[np.isfinite(self.angle)]
+        return float(np.ptp(angle)) / self.pitch if angle.size else 0.0
 
     def at(self, since: Real, values: Complex | Real) -> Complex:
-        """Of contacts of one tooth so many pitches since its first, (frames,), the values, (contacts, frames).
+        """Values of the contacts of one tooth, (contacts, frames), at pitches since its first contact, (frames,).
 
-        At least one row; nan where there is no contact. A flank may touch in several places at once.
+        At least one row; nan for no contact. A flank may touch at several points at once.
         """
         angle = self.first + self.pitch * since
         low, high = self.angle[:-1], self.angle[1:]
         with np.errstate(invalid="ignore", divide="ignore"):
             share = (angle[:, None] - low) / (high - low)
         between = (share >= 0) & (share < 1)
-        # The last place of all, where a contact ends, is no start of a stretch.
+        # The last point, the end of contact, does not start an interval.
         between[:, -1] |= share[:, -1] == 1
         number = np.cumsum(between, axis=1) - 1
-        found = np.full((max(1, int(number.max(initial=-1)) + 1), len(since)), np.nan, dtype=complex)
+        contacts = np.full((max(1, int(number.max(initial=-1)) + 1), len(since)), np.nan, dtype=complex)
         frame, k = np.nonzero(between)
-        found[number[frame, k], frame] = values[k] + share[frame, k] * (values[k + 1] - values[k])
-        return found
+        contacts[number[frame, k], frame] = values[k] + share[frame, k] * (values[k + 1] - values[k])
+        return contacts
 
     def paths(self) -> Iterator[Polyline]:
-        """The path of contact, in as many pieces as it has."""
+        """The pieces of the path of contact."""
         known = np.isfinite(self.angle)
         edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
         for start, end in zip(edges[::2].tolist(), edges[1::2].tolist()):
@@ -162,10 +178,10 @@ class _Touching:
 
 @record
 class LineOfAction:
-    """That of a pair whose driver turns counterclockwise about the origin.
+    """The line of action of a pair whose driver turns counterclockwise about the origin.
 
-    Lengths along it, mm, are measured from the driver's base circle; the pitch point lies on +y of the driver, of a
-    rack on -y. Derived here.
+    Lengths along it, mm, are measured from the driver's base circle. The pitch point is on +y of the driver, for a rack
+    on -y. Derived here.
     """
 
     pair: GearPair | RackPair
@@ -177,33 +193,33 @@ class LineOfAction:
 
     @property
     def side(self) -> int:
-        """1 where the other lies on +y of the driver, or is a ring round it; -1 where it is a rack below."""
+        """1 if the mate is on +y of the driver or a ring round it; -1 for a rack below."""
         return -1 if isinstance(self.pair, RackPair) else 1
 
     @property
     def pitch_point(self) -> float:
-        """Length at which the line passes the line of centres, mm."""
+        """Length at which it crosses the line of centres, mm."""
         return self.pair.driver.base_radius * float(np.tan(self.angle))
 
     @property
     def flank_turn(self) -> float:
-        """Turn of the driver, less the roll angle of its contact, rad, within half a pitch of none."""
+        """Rotation of the driver minus the roll angle of its contact, rad, within half a pitch of 0."""
         driver = self.pair.driver
-        # It touches with the left-hand flank of the tooth on +y, or with that of one half a turn on.
+        # Contact is on the left-hand flank of the tooth on +y, or of the opposite tooth.
         opposite = 0.0 if self.side > 0 or driver.teeth % 2 == 0 else np.pi / driver.teeth
         return opposite - self.angle - driver.tooth.half_angle(driver.base_radius)
 
     def place(self, along: ArrayLike) -> Complex:
         """Points of the line, mm, at lengths along it."""
-        ahead = np.exp(1j * (np.pi - self.angle))
-        return np.asarray(self.side * ahead * (np.asarray(along) - 1j * self.pair.driver.base_radius))
+        direction = np.exp(1j * (np.pi - self.angle))
+        return np.asarray(self.side * direction * (np.asarray(along) - 1j * self.pair.driver.base_radius))
 
     def between(self, start: float, end: float) -> Segment:
-        """A stretch of the line."""
+        """The segment between two lengths."""
         return Segment(complex(self.place(start)), complex(self.place(end)))
 
     def circles(self) -> Iterator[SceneCurve]:
-        """Pitch and base circles of both, those that roll on each other; of a rack its pitch line."""
+        """Working pitch circles and base circles of both gears; the pitch line of a rack."""
         driver, pair = self.pair.driver, self.pair
         name, other = pair.names
         if isinstance(pair, RackPair):
@@ -223,21 +239,34 @@ class LineOfAction:
 
 @checked
 def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
-    """Two gears in mesh, or a pinion and its rack, over as many pitches as it takes to follow a pair of flanks.
+    """The scene of two gears in mesh, or of a pinion and its rack.
 
-    The driver turns counterclockwise. Teeth stand in the middle of spaces, as the pair's `poses` have them, and
-    contacts are those of the driver's own flanks: the play that the pair has is seen half on either side. parts: of
-    bodies named as the pair's `names`, and plates of the ground, whose x axis is the line from axis to axis, or runs as
-    the rack. Derived here.
+    Parameters
+    ----------
+    pair : GearPair or RackPair
+        The pair.
+    parts : sequence of Part, optional
+        Plates of the bodies in the pair's `names`, and of the ground, whose x axis is the line of centres or parallel
+        to the rack.
+
+    Returns
+    -------
+    Scene
+        The driver turns counterclockwise, and the number of pitches follows a pair of flanks. Contacts are those of the
+        driver's flanks. Teeth are in the middle of spaces, with half the backlash on each side.
+
+    Notes
+    -----
+    Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     name, other = pair.names
     gear, line, (start, end) = pair.driver, LineOfAction(pair), pair.contact_lengths
     frames, before = _frames(pair, parts)
     roll = (start + gear.base_pitch * (frames.passed - before)) / gear.base_radius
     poses = dict(zip(pair.names, pair.poses(roll + line.flank_turn)))
-    ahead = 1j if isinstance(pair, GearPair) else 1.0 + 0j
-    poses["ground"] = Pose(np.zeros(roll.shape, complex), np.full(roll.shape, ahead))
+    ground_direction = 1j if isinstance(pair, GearPair) else 1.0 + 0j
+    poses["ground"] = Pose(np.zeros(roll.shape, complex), np.full(roll.shape, ground_direction))
     away = complex(np.asarray(poses[other].origin)[0])
     curves = (
         *line.circles(),
@@ -256,15 +285,15 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
         Plot("place of contact on the line of action", ("along",)),
     )
     columns = (*_turns(pair, roll), *_contact(pair, frames))
-    return meshing_scene(Table(columns), frames, on_motor(bodies_at(parts, poses), motor), curves, marks, plots)
+    return meshing_scene(Table(columns), frames, with_motor_plate(bodies_at(parts, poses), motor), curves, marks, plots)
 
 
 def _frames(pair: GearPair | RackPair, parts: Sequence[Part]) -> tuple[Meshing, int]:
-    """Frames, and pitches that the driver turns before its flank touches at last in the middle of a rack."""
+    """Frames, and pitches before the followed contact is in the middle of a rack."""
     if isinstance(pair, GearPair):
         teeth = zip(pair.names, (pair.first.teeth, pair.second.teeth))
         return meshing(pair.contact_ratio, [(z, [p for p in parts if p.body == name]) for name, z in teeth]), 0
-    # As far as teeth of the rack meet the pinion, from one end to the other, and no farther than a turn.
+    # From one end of the rack to the other, and at most one turn of the pinion.
     once = meshing(pair.contact_ratio, [])
     pitches = min(MOST_PITCHES, pair.pinion.teeth, pair.rack.teeth - once.followed - 1)
     frames = Meshing(pair.contact_ratio, max(once.followed, pitches), False)
@@ -272,20 +301,20 @@ def _frames(pair: GearPair | RackPair, parts: Sequence[Part]) -> tuple[Meshing, 
 
 
 def _turns(pair: GearPair | RackPair, roll: Real) -> Iterator[Column]:
-    (name, other), own = pair.names, roll - np.tan(pair.driver.pressure_angle)
-    words = "turn since a flank's pitch point was on the line of action"
-    yield Column(f"{name}_turn", "deg", words, np.degrees(own))
+    (name, other), turn = pair.names, roll - np.tan(pair.driver.pressure_angle)
+    meaning = f"rotation of the {name} since contact at the pitch point"
+    yield Column(f"{name}_turn", "deg", meaning, np.degrees(turn))
     if isinstance(pair, RackPair):
-        yield Column(f"{other}_way", "mm", "way of the rack since", own * pair.driver.pitch_radius)
+        yield Column(f"{other}_way", "mm", "displacement of the rack since then", turn * pair.driver.pitch_radius)
     else:
-        yield Column(f"{other}_turn", "deg", f"turn of the {other} since", np.degrees(own / pair.ratio))
+        yield Column(f"{other}_turn", "deg", f"rotation of the {other} since then", np.degrees(turn / pair.ratio))
 
 
 def _contact(pair: GearPair | RackPair, frames: Meshing) -> Iterator[Column]:
-    """Of the pair of flanks that is followed."""
+    """Columns of the followed pair of flanks."""
     gear = pair.driver
     along = pair.contact_lengths[0] + gear.base_pitch * frames.since
-    yield Column("along", "mm", f"place of a contact on the line of action, from the {pair.names[0]}", along)
+    yield Column("along", "mm", f"contact on the line of action, from the base circle of the {pair.names[0]}", along)
     yield Column(f"{pair.names[0]}_radius", "mm", "radius of that contact", np.hypot(gear.base_radius, along))
     for name, sliding in zip(pair.names, pair.sliding(along)):
         yield Column(f"{name}_sliding", "", f"specific sliding of the {name} there", finite(sliding))
@@ -294,21 +323,36 @@ def _contact(pair: GearPair | RackPair, frames: Meshing) -> Iterator[Column]:
 
 @checked
 def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = ()) -> Scene:
-    """A sun that drives planets in a ring that stands still, at the rows of a table.
+    """The scene of a planetary set with a driving sun and a fixed ring.
 
-    table: `sun_angle`, deg, and `time`. parts: of the bodies sun, planet, ring and carrier; each planet is one.
+    Parameters
+    ----------
+    gears : PlanetarySet
+        The gears.
+    table : Table
+        Columns `sun_angle`, deg, and `time`; its rows are the frames.
+    parts : sequence of Part, optional
+        Plates of the bodies sun, planet, ring, carrier and ground.
+
+    Returns
+    -------
+    Scene
+        Each planet is a body.
+
+    Notes
+    -----
     Derived here.
     """
-    parts, motor = apart(parts)
+    parts, motor = split_motor_parts(parts)
     turn = np.radians(np.asarray(table["sun_angle"], dtype=float))
     sun, planets, ring = gears.poses(turn)
-    # It stands still but for whole pitches, by which its place as seen from a planet jumps.
+    # The ring is fixed; its computed pose differs by whole pitches only.
     ring = Pose(ring.origin, np.full(turn.shape, np.asarray(ring.direction)[0]))
     still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn / gears.ratios["sun to carrier"])
     names = ["planet"] if gears.planets == 1 else [f"planet {k + 1}" for k in range(gears.planets)]
     poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
     poses["ground"] = Pose(still, still + 1)
-    # A base lies against the gears, and the carrier on their other side.
+    # The base is on one side of the gears, the carrier on the other.
     layers = {"carrier": 2 if any(part.body == "ground" for part in parts) else 0}
     bodies = bodies_at(parts, poses, dict.fromkeys(names, "planet"), layers)
     away, (inner, outer) = 1j * gears.inner.centre_distance, (LineOfAction(p) for p in (gears.inner, gears.outer))
@@ -316,11 +360,11 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     curves = [
         SceneCurve(Circle(0j, gears.inner.working_radii[0]), "pitch", "pitch circle of the sun"),
         SceneCurve(Circle(0j, gears.outer.working_radii[1]), "pitch", "pitch circle of the ring"),
-        SceneCurve(Circle(0j, abs(away)), "construction", "way of the planets"),
+        SceneCurve(Circle(0j, abs(away)), "construction", "path of the planets"),
         *gear_dimensions(gears.sun, 0j, "sun"),
         centre_distance(0j, away),
         *(SceneCurve(Circle(0j, gears.inner.working_radii[1]), "pitch", f"pitch circle of {n}", n) for n in names),
-        # Seen along the first arm both contacts stay on their lines; the ring's is that of a planet turning back.
+        # In the frame of the first arm both contacts stay on fixed lines; at the ring the planet turns backwards.
         SceneCurve(inner.between(*gears.inner.contact_lengths), "contact", "contact of sun and planet", "carrier"),
         SceneCurve(Segment(start, end), "contact", "contact of planet and ring", "carrier"),
     ]
@@ -331,6 +375,8 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     angles = tuple(id for id in ("carrier_angle", "planet_angle") if id in table.ids)
     plots = (Plot("angles", angles),) if angles else ()
     time = np.asarray(table["time"], dtype=float)
-    # Of a speed that changes no time is known: then it is shown in two seconds.
+    # With an acceleration the time is unknown, and the scene lasts two seconds.
     time = time if np.isfinite(time).all() else np.linspace(0, 2, len(time))
-    return Scene(table, time, np.ones(turn.shape, bool), on_motor(bodies, motor), tuple(curves), tuple(marks), plots)
+    return Scene(
+        table, time, np.ones(turn.shape, bool), with_motor_plate(bodies, motor), tuple(curves), tuple(marks), plots
+    )

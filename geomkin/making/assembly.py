@@ -1,4 +1,4 @@
-"""What gears and cams turn on, as it is bought: shafts, pins and keys."""
+"""Assembly of gears and cams: the shafts, pins, keys, collars and screws to buy, and the steps."""
 
 from __future__ import annotations
 
@@ -12,47 +12,50 @@ from .fasteners import SIZES, Fastener, gathered
 from .fits import AbstractBored
 from .motors import MOTORS, Motor, MotorName, fixed_under
 
-# What one joint takes, each with its number.
+# The items of one joint: name and number of each.
 Bill = tuple[tuple[str, int], ...]
-# Narrowest and widest that room is kept for a shaft's collar, mm. Smaller ones, and a collar of DIN 705 stands out
-# beyond its shaft or under the feet of a base; larger ones only lengthen shafts.
+# Limits of the width reserved for a shaft's collar along the shaft, mm. With smaller values a collar of DIN 705
+# projects beyond its shaft or below the feet of a base; larger values only lengthen shafts.
 COLLARS = 8.0, 20.0
-# Least width across, mm: the collar for a pin of 3 mm is 7 mm wide, and a smaller one would meet what is beside it.
+# Least diameter reserved for a collar, mm: the collar for a pin of 3 mm has 7 mm; a smaller value lets it touch its
+# neighbours.
 NARROWEST = 8.0
 
 
 def shaft_bill(
     stock: AbstractBored, length: float, count: int = 1, base: float = 0.0, keys: int = 1, is_cut: bool = False
 ) -> Bill:
-    """The shaft of a part, through plates of a length together, mm, and the key where the part has a keyway.
+    """The shaft of a part, and its key if the part has a keyway; empty if the part has neither bore nor motor.
 
-    A motor brings its own shaft, and screws: countersunk ones in a base, mm thick, on which others turn, 0 for none.
-    count: how many such shafts there are, each with a motor of its own; keys: on each of them. is_cut: the shaft over a
-    base is no longer than that. Nothing where the part has neither bore nor motor.
+    A motor includes its shaft and is fixed by screws, which are countersunk if it is under a base.
+
+    length: total thickness of the plates on the shaft, mm. count: number of such shafts, each with its own motor.
+    base: thickness of the base over the motor, mm, 0 for none. keys: number on each shaft. is_cut: whether a motor's
+    shaft is cut to the length.
     """
     across, (width, _) = stock.across_flat, stock.keyway
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
-        face = MOTORS[stock.motor]
-        long = f"cut to {_shown(length)} mm from its face" if is_cut else _least(length)
-        held = ", ".join([f"motor {face.called}", *([form] if stock.bore else []), *([long] if base else [])])
-        return (held, count), (face.screw(base or stock.thickness, sunk=base > 0), 4 * count), *key
-    return ((f"{form}, {_least(length)}", count), *key) if stock.bore else ()
+        motor = MOTORS[stock.motor]
+        shaft_length = f"cut to {_shown(length)} mm from its face" if is_cut else _at_least(length)
+        item = ", ".join([f"motor {motor.product}", *([form] if stock.bore else []), *([shaft_length] if base else [])])
+        return (item, count), (motor.screw(base or stock.thickness, sunk=base > 0), 4 * count), *key
+    return ((f"{form}, {_at_least(length)}", count), *key) if stock.bore else ()
 
 
-def pin_bill(diameter: float, length: float, count: int = 1, what: str = "pin") -> Bill:
-    """Round pins, or plain shafts, of a diameter through plates of a length together, mm; nothing for diameter 0."""
-    return ((f"{what} {diameter:g} mm, {_least(length)}", count),) if diameter else ()
+def pin_bill(diameter: float, length: float, count: int = 1, item: str = "pin") -> Bill:
+    """Round pins or plain shafts through plates of a total thickness, mm; empty for diameter 0."""
+    return ((f"{item} {diameter:g} mm, {_at_least(length)}", count),) if diameter else ()
 
 
 def screw_bill(base: BaseStock, length: float, count: int = 4) -> Bill:
-    """Screws of a base, those of its corners where no count is given, through plates of a length together, mm."""
-    return ((f"screw {base.screw:g} mm, {_least(length)}", count),) if base.screw else ()
+    """Screws of a base, by default one in each corner, through a total thickness, mm."""
+    return ((f"screw {base.screw:g} mm, {_at_least(length)}", count),) if base.screw else ()
 
 
 def collar_width(diameter: float) -> float:
-    """Room along a shaft or pin, mm, for its set collar: as much as the shaft is thick, in whole mm, within limits.
+    """Length reserved along a shaft or pin for its set collar, mm: the diameter in whole mm, within limits.
 
     Collars by DIN 705 A are no wider for shafts of 3 to 50 mm.
     """
@@ -60,12 +63,12 @@ def collar_width(diameter: float) -> float:
 
 
 def collar_across(diameter: float) -> float:
-    """Room across a shaft or pin, mm, for its set collar. Those of DIN 705 A for 3 to 50 mm are no wider."""
+    """Diameter reserved for the set collar of a shaft or pin, mm. DIN 705 A is no wider for 3 to 50 mm."""
     return max(2 * diameter, NARROWEST)
 
 
 def collar_bill(diameter: float, count: int = 1) -> Bill:
-    """Collars that are clamped on a shaft or pin by their own screws."""
+    """Set collars, which are clamped on a shaft or pin by their own screws."""
     return ((f"shaft collar DIN 705 A, {diameter:g} mm", count),)
 
 
@@ -74,8 +77,8 @@ def tube_bill(diameter: float, height: float, count: int = 1) -> Bill:
     return ((f"tube {diameter:g} mm inside, cut to {float(f'{height:.10g}'):g} mm", count),)
 
 
-def _least(length: float) -> str:
-    # How far it stands out is known by who holds it.
+def _at_least(length: float) -> str:
+    # The support decides how far it projects.
     return f"at least {_shown(length)} mm long"
 
 
@@ -84,32 +87,49 @@ def _shown(length: float) -> str:
 
 
 def _key(shaft: float, width: float, room: float) -> str:
-    """The key for a keyway of a width in a part so thick, mm: the shaft's own, or another one that wide."""
+    """The key for a keyway in a part of a thickness `room`, mm: the shaft's standard key, or another of that width."""
     keys = [key for key in (key_of(shaft), *PARALLEL_KEYS) if key and key.width == width]
     return keys[0].bill(room) if keys else f"key {width:g} mm wide, cut to {room:g} mm"
 
 
-# mm left free under what turns under a base, so that it does not rub on what the base stands on.
+# Clearance between rotating parts under a base and the surface below, mm.
 FREE = 2.0
-# mm along a shaft or between two discs, so that what is held between them turns. Less jams when the sheet is thicker
-# than it says; more lets wheels lean.
+# Axial play of a wheel between two collars or discs, mm. With less it jams if the sheet is thicker than nominal; with
+# more the wheels tilt.
 PLAY = 0.5
 
 
 @record
 class Assembly:
-    """What a mechanism takes besides its parts, and how all of it is put together, a line for each layer."""
+    """Assembly of a mechanism.
+
+    Parameters
+    ----------
+    bought : tuple of Bought
+        Items to buy or to cut besides the parts.
+    steps : tuple of str
+        Instructions, one line for each layer from bottom to top.
+    """
 
     bought: tuple[Bought, ...]
     steps: tuple[str, ...]
 
 
-class Assembling:
-    """An assembly while it is told.
+class AssemblyBuilder:
+    """Collects the items and steps of an assembly.
 
-    plate: name of the plate that shafts run in, "" where there is none; thickness: of it, mm. base: its screws, where
-    it has any. lettered: whether letters are engraved at the holes. motor: what turns the lowest wheel, under a base
-    or, without one, on a plate of its own under all others.
+    Parameters
+    ----------
+    plate : str
+        Name of the plate in which the shafts run; "" for none.
+    thickness : float
+        Thickness of that plate, mm.
+    base : BaseStock, optional
+        Screws of the base.
+    lettered : bool
+        Whether letters are engraved at the holes.
+    motor : {"nema17"}, optional
+        Motor of the lowest wheel. It is under the base or, without a base, on its own plate under all others.
     """
 
     def __init__(
@@ -121,141 +141,146 @@ class Assembling:
         motor: MotorName | None = None,
     ):
         self.plate, self.thickness, self.base, self.lettered = plate, thickness, base, lettered
-        self._lines: list[tuple[str, Bill]] = []
+        self._bills: list[tuple[str, Bill]] = []
         self._layers: dict[int, list[str]] = {}
-        self._on_top: list[tuple[int, str]] = []
+        self._upper_collars: list[tuple[int, str]] = []
         self._last: list[str] = []
-        self._under = 0.0
-        self._face = None if motor is None else MOTORS[motor]
-        # Layers of a motor's own plate.
-        self._below = int(motor is not None and base is None)
-        if self._face and self._below:
-            held = f"screw motor_plate from above on motor {self._face.called}, its shaft up, by 4 screws"
-            self._layers[0] = [held]
+        self._height_below = 0.0
+        self._motor = None if motor is None else MOTORS[motor]
+        # Number of layers that the motor's own plate takes.
+        self._motor_layers = int(motor is not None and base is None)
+        if self._motor and self._motor_layers:
+            self._layers[0] = [
+                f"screw motor_plate from above onto motor {self._motor.product}, shaft up, with 4 screws"
+            ]
         if plate:
-            self.tell(0, f"lay {plate}{' on the heads of its screws' if self._below else ''}")
+            self.add_step(0, f"lay {plate}{' on the heads of its screws' if self._motor_layers else ''}")
 
     @property
     def lowest(self) -> int:
-        """The layer of the lowest wheel, over the plate where there is one."""
+        """The layer of the lowest wheel: above the plate if there is one."""
         return int(bool(self.plate))
 
-    def tell(self, layer: int, words: str) -> None:
-        """Add to what is done in a layer, 0 that of the plate or, without one, the lowest."""
-        self._layers.setdefault(layer + self._below, []).append(words)
+    def add_step(self, layer: int, step: str) -> None:
+        """Add a step to a layer; layer 0 is the plate or, without one, the lowest wheel."""
+        self._layers.setdefault(layer + self._motor_layers, []).append(step)
 
-    def end(self, words: str) -> None:
-        """Add to what is done or left at last."""
-        self._last.append(words)
+    def add_last_step(self, step: str) -> None:
+        """Add a step after all layers."""
+        self._last.append(step)
 
-    def mark(self, letter: str, part: str) -> str:
-        """What the bill calls a joint: the letter at its holes or, where none is engraved, a part's name."""
+    def joint_name(self, letter: str, part: str) -> str:
+        """Name of a joint in the bill: the letter at its holes or, if none is engraved, a part's name."""
         return letter if self.lettered else part
 
-    def buy(self, mark: str, bill: Bill) -> None:
-        """Add what a joint takes."""
-        self._lines.append((mark, bill))
+    def buy(self, joint: str, bill: Bill) -> None:
+        """Add the items of a joint."""
+        self._bills.append((joint, bill))
 
     def shaft(
         self, letter: str, part: str, stock: AbstractBored, grip: float, top: int, gap: float = 0.0, keys: int = 1
     ) -> None:
-        """The shaft of a wheel, through plates and gaps of a height together, mm, and a collar at either end.
+        """Add the shaft of a wheel with a collar at each end; a motor holds its shaft itself.
 
-        It goes in with the plate, its upper collar on last in the layer `top`. gap: between plate and wheel, mm, kept
-        by a tube. keys: how many discs have one. A motor holds its shaft itself.
+        The shaft goes in with the plate; its upper collar is the last step of the layer `top`. grip: total height of
+        plates and gaps on the shaft, mm. gap: distance between plate and wheel, mm, kept by a tube. keys: number of
+        keyed discs on the shaft.
         """
-        mark, named = self.mark(letter, part), letter if self.lettered else f"the shaft of {part}"
+        joint, shaft_name = self.joint_name(letter, part), letter if self.lettered else f"the shaft of {part}"
         if stock.motor is not None:
-            self.buy(mark, shaft_bill(stock, grip, base=0.0 if self._below else self.thickness, keys=keys))
-            if not self._below:
-                self.tell(0, fixed_under(self.plate, letter))
+            self.buy(joint, shaft_bill(stock, grip, base=0.0 if self._motor_layers else self.thickness, keys=keys))
+            if not self._motor_layers:
+                self.add_step(0, fixed_under(self.plate, letter))
             return
         if not stock.bore:
             return
-        wide = collar_width(stock.bore)
-        self.buy(mark, shaft_bill(stock, grip + 2 * wide, keys=keys))
-        self.buy(mark, collar_bill(stock.bore, 2))
+        width = collar_width(stock.bore)
+        self.buy(joint, shaft_bill(stock, grip + 2 * width, keys=keys))
+        self.buy(joint, collar_bill(stock.bore, 2))
         if self.plate:
-            self.tell(0, f"put {named} through from above; a collar on {named} from below")
-            self.room(wide)
+            self.add_step(0, f"put {shaft_name} through from above; fit a collar on {shaft_name} below {self.plate}")
+            self.keep_free_below(width)
         if gap:
-            self.buy(mark, tube_bill(stock.bore, gap))
-            self.tell(1, f"a tube of {gap:g} mm on {named}")
-        self._on_top.append((top, f"a collar on {named}" if self.plate else f"a collar on {named} at either end"))
+            self.buy(joint, tube_bill(stock.bore, gap))
+            self.add_step(1, f"put a tube of {gap:g} mm on {shaft_name}")
+        collars = f"fit a collar on {shaft_name}" if self.plate else f"fit a collar on each end of {shaft_name}"
+        self._upper_collars.append((top, collars))
 
-    def room(self, height: float) -> None:
-        """Keep so much free under the plate, mm."""
-        self._under = max(self._under, height)
+    def keep_free_below(self, height: float) -> None:
+        """Reserve a height under the plate, mm."""
+        self._height_below = max(self._height_below, height)
 
     def pins(self, letter: str, part: str, diameter: float, grip: float, count: int = 1, under: bool = False) -> None:
-        """Pins glued into a part that they move with, and a collar on the other end of each.
+        """Add pins that are glued into a part, each with a collar on its other end.
 
-        grip: thickness of all plates on them, mm. under: the collars are under the base.
+        grip: total thickness of the plates on each pin, mm. under: whether the collars are under the base.
         """
         if diameter:
-            mark = self.mark(letter, part)
-            self.buy(mark, pin_bill(diameter, grip + collar_width(diameter), count))
-            self.buy(mark, collar_bill(diameter, count))
+            joint = self.joint_name(letter, part)
+            self.buy(joint, pin_bill(diameter, grip + collar_width(diameter), count))
+            self.buy(joint, collar_bill(diameter, count))
             if under:
-                self.room(collar_width(diameter))
+                self.keep_free_below(collar_width(diameter))
 
-    def planet_shafts(self, mark: str, stock: AbstractBored, grip: float, count: int, collars: bool) -> None:
-        """The shafts of planets, with their keys, and a collar on each where it turns in its carrier."""
-        self.buy(mark, shaft_bill(stock, grip + collars * collar_width(stock.bore), count))
+    def planet_shafts(self, joint: str, stock: AbstractBored, grip: float, count: int, collars: bool) -> None:
+        """Add the shafts of planets with their keys, and a collar on each shaft that turns in the carrier."""
+        self.buy(joint, shaft_bill(stock, grip + collars * collar_width(stock.bore), count))
         if collars:
-            self.buy(mark, collar_bill(stock.bore, count))
+            self.buy(joint, collar_bill(stock.bore, count))
 
     def screws(self, letter: str, diameter: float, grip: float, count: int) -> None:
-        """Screws with their nuts, which are under the plate, through a thickness, mm."""
+        """Add screws through a thickness, mm, with nuts under the plate."""
         if diameter in SIZES:
-            held = Fastener(diameter, "screw", 0.0)
-            each = held.bill(grip)
-            self.room(held.ends(grip)[1])
+            fastener = Fastener(diameter, "screw", 0.0)
+            bill = fastener.bill(grip)
+            self.keep_free_below(fastener.ends(grip)[1])
         else:
-            each = ((f"screw {diameter:g} mm with nut, at least {grip + 2 * diameter:g} mm long", 1),)
-            self.room(2 * diameter)
-        self.buy(letter, tuple((name, number * count) for name, number in each))
+            bill = ((f"screw {diameter:g} mm with nut, at least {grip + 2 * diameter:g} mm long", 1),)
+            self.keep_free_below(2 * diameter)
+        self.buy(letter, tuple((name, number * count) for name, number in bill))
 
-    def told(self, feet: int = 4) -> Assembly:
-        """The assembly, the plate's own screws and feet at last."""
-        if self._face and not self._below:
-            self._stand_over(self._face, self._under + FREE, feet)
-        elif self.plate and self._under:
-            free = self._under + FREE
+    def build(self, feet: int = 4) -> Assembly:
+        """The assembly; the screws and feet of the plate come last."""
+        if self._motor and not self._motor_layers:
+            self._add_motor_feet(self._motor, self._height_below + FREE, feet)
+        elif self.plate and self._height_below:
+            free = self._height_below + FREE
             if self.base is not None and self.base.screw:
                 self.buy(self.plate, screw_bill(self.base, self.thickness + free, feet))
                 self.buy(self.plate, tube_bill(self.base.screw, free, feet))
-                ends = f"screw {self.plate} down by its corners, a tube of {free:g} mm under each"
-                self._last.insert(0, f"{ends}, so that nothing rubs under it")
+                step = f"screw {self.plate} down at its corners, with a tube of {free:g} mm under each"
+                self._last.insert(0, f"{step}, so that nothing rubs below it")
             else:
                 self._last.insert(0, f"keep {free:g} mm free under {self.plate}")
-        for layer, words in self._on_top:
-            self.tell(layer, words)
+        for layer, step in self._upper_collars:
+            self.add_step(layer, step)
         layers = (f"layer {layer}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
-        return Assembly(gathered(self._lines), (*layers, *self._last))
+        return Assembly(gathered(self._bills), (*layers, *self._last))
 
-    def _stand_over(self, motor: Motor, free: float, feet: int) -> None:
-        """Feet over a motor, which is made in several lengths; free: needed by what else is under the base, mm."""
-        under = f"as motor {motor.called} is long, and at least {free:g} mm"
+    def _add_motor_feet(self, motor: Motor, free: float, feet: int) -> None:
+        """Feet for a base over a motor, which is sold in several lengths. free: least height under the base, mm."""
         if self.base is None or not self.base.screw:
-            self._last.insert(0, f"keep as much free under {self.plate} {under}")
+            height = f"the length of motor {motor.product}, at least {free:g} mm,"
+            self._last.insert(0, f"keep {height} free under {self.plate}")
             return
         screw = self.base.screw
         self.buy(self.plate, ((f"screw {screw:g} mm, at least {self.thickness:g} mm longer than its tube", feet),))
         longer = f"{FREE:g} mm longer than the motor, and at least {free:g} mm"
         self.buy(self.plate, ((f"tube {screw:g} mm inside, cut {longer}", feet),))
-        ends = f"screw {self.plate} down by its corners, a tube of the motor's length and {FREE:g} mm under each"
-        self._last.insert(0, f"{ends}, at least {free:g} mm")
+        step = f"screw {self.plate} down at its corners, with a tube under each, {FREE:g} mm longer than the motor"
+        self._last.insert(0, f"{step} and at least {free:g} mm long")
 
 
 def seated(part: str, letter: str, stock: AbstractBored) -> str:
-    """How a wheel or cam is put on its shaft; letter: "" where none is engraved."""
-    on = letter or ("its motor's shaft" if stock.motor else "its shaft")
-    how, (width, _) = ("press" if stock.fit == "press" else "lay"), stock.keyway
+    """The step that puts a wheel or cam on its shaft; letter: "" if none is engraved."""
+    shaft = letter or ("its motor's shaft" if stock.motor else "its shaft")
+    verb, (width, _) = ("press" if stock.fit == "press" else "lay"), stock.keyway
     if not stock.bore:
         return f"lay {part}"
     if stock.across_flat is not None:
-        return f"{how} {part} on {on}, flat on flat"
+        return f"{verb} {part} on {shaft}, flat on flat"
     if width:
-        return f"{how} {part} on {on} with its key, for which the shaft has a keyway {width:g} mm wide"
-    return f"{how} {part} on {on}" if stock.fit == "press" else f"lay {part} on {on}, where it turns unless it is glued"
+        return f"{verb} {part} on {shaft} with its key (the shaft needs a keyway {width:g} mm wide)"
+    if stock.fit == "press":
+        return f"press {part} on {shaft}"
+    return f"lay {part} on {shaft} (it turns on the shaft unless you glue it)"

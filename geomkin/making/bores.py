@@ -1,4 +1,4 @@
-"""Holes for shafts and pins, round, with a flat or with a keyway: how wide, and whether the part can take them."""
+"""Holes for shafts and pins, round, with a flat or with a keyway, and checks that they fit into the part."""
 
 from __future__ import annotations
 
@@ -12,47 +12,46 @@ from ..core.records import record
 from ..model.part import HoleFit
 from ..plane.primitives import Circle, Polyline
 
-# mm. No cutter makes a smaller hole, and no file tells one apart.
+# Least hole, mm. No cutter makes a smaller one.
 SMALLEST = 0.01
 
 
-def shaft(what: str, default: float, fitted: bool = False) -> Any:
-    """A field for the diameter of a shaft or pin that a hole is for; what: "the cam shaft" and so on.
+def shaft(item: str, default: float, fitted: bool = False) -> Any:
+    """The field for the diameter of a shaft or pin; item: "the cam shaft" and so on.
 
-    fitted: the stock says whether the hole is pressed on.
+    fitted: whether the stock has a fit for the hole.
     """
-    pressed = ", or narrower by the interference" if fitted else ""
-    words = f"diameter of {what}, 0 for no hole; its hole is wider by the clearance{pressed}"
-    return quantity(words, "mm", default=default, at_least=0)
+    pressed = ", or for a press fit narrower by the interference" if fitted else ""
+    meaning = f"diameter of {item}, 0 for no hole; its hole is wider by the clearance{pressed}"
+    return quantity(meaning, "mm", default=default, at_least=0)
 
 
 def clearance(default: float) -> Any:
-    """The field of stock tables that makes every hole wider than what goes through it."""
+    """The field of stock tables for the clearance of holes."""
     return quantity(
-        "how much wider than its pin or shaft a hole is", "mm", default=default, at_least=0, at_most=FARTHEST
+        "how much wider a hole is than its pin or shaft", "mm", default=default, at_least=0, at_most=FARTHEST
     )
 
 
 def widened(diameter: float, clearance: float) -> float:
-    """Diameter, mm, of the hole for a shaft or pin; 0 where there is none."""
+    """Diameter of the hole for a shaft or pin, mm; 0 for diameter 0."""
     return diameter + clearance if diameter else 0.0
 
 
 def fits_of(diameter: float, play: float) -> tuple[HoleFit, ...]:
-    """The fit of a hole for a shaft or pin, wider than that by `play`, mm; none where there is none."""
+    """The fit of a hole that is wider than its shaft or pin by `play`, mm; empty for diameter 0."""
     return (HoleFit(diameter, play),) if diameter else ()
 
 
 def bore(diameter: float, clearance: float, widest: float, key: str, centre: complex = 0j) -> tuple[Circle, ...]:
-    """The hole for a shaft, or none for diameter 0, in a part that is `widest` mm across where it is narrowest.
+    """The hole for a shaft; none for diameter 0. Raises DesignError if it is too small, or as wide as the part.
 
-    clearance: how much wider than the shaft it is, mm, negative where it is pressed on. Refuses a hole that is
-    invisible or leaves nothing of the part. key: of the diameter in a recipe; that of the clearance stands in the same
-    table.
+    clearance: how much wider the hole is than the shaft, mm, negative for a press fit. widest: least width of the part
+    round the hole, mm. key: of the diameter in the recipe; the key of the clearance is in the same table.
     """
     if diameter == 0:
         return ()
-    room = f"in a part {widest:.7g} mm wide where it is narrowest"
+    room = f"in a part whose least width is {widest:.7g} mm"
     if not SMALLEST <= diameter < widest - min(clearance, 0.0):
         most = widest - clearance
         sizes = (
@@ -64,7 +63,7 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
     if diameter + clearance >= widest:
         raise DesignError(
             f"{key.rpartition('.')[0]}.clearance",
-            f"found {clearance:g} mm round a shaft of {diameter:g} mm {room}",
+            f"found {clearance:g} mm for a shaft of {diameter:g} mm {room}",
             f"give less than {widest - diameter:.4g} mm, or a smaller {key.rpartition('.')[2]}",
         )
     return (Circle(centre, (diameter + clearance) / 2),)
@@ -73,13 +72,12 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
 def keyed_bore(
     diameter: float, clearance: float, width: float, depth: float, towards: complex, widest: float, key: str
 ) -> tuple[Circle | Polyline, ...]:
-    """The hole for a shaft about a part's axis, with a keyway of a width and depth, mm, on one side.
+    """The hole for a shaft about a part's axis, with a keyway of a width and depth, mm, as one outline.
 
-    diameter: of the shaft; the bore is wider by the clearance, which is negative for a press fit. depth: of the slot
-    beyond the bore, along its middle. towards: unit direction of that middle. The slot has square corners and opens
-    into the bore, as one outline. Width and depth 0: a plain bore; diameter 0: no hole.
-    Raises DesignError, of sizes named `key`.bore and so on, where the hole does not leave a part of `widest` mm
-    across where it is narrowest.
+    diameter: of the shaft; the bore is wider by the clearance, which is negative for a press fit. depth: of the keyway
+    beyond the bore, along its centre line. towards: unit direction of the centre line. The keyway has square corners.
+    With width and depth 0 the bore is plain; for diameter 0 there is no hole. widest: least width of the part, mm.
+    Raises DesignError if the part is too narrow; its field begins with `key`.
     """
     holes = bore(diameter, clearance, widest, f"{key}.bore")
     if width == 0 and depth == 0:
@@ -99,12 +97,12 @@ def keyed_bore(
     if abs(corner) >= widest / 2:
         raise DesignError(
             f"{key}.keyway_depth",
-            f"found {depth:g} mm, so the keyway reaches {abs(corner):.4g} mm from the axis of a part {widest:.4g} mm "
-            "wide where it is narrowest",
+            f"found {depth:g} mm, so the keyway extends {abs(corner):.4g} mm from the axis of a part whose least width "
+            f"is {widest:.4g} mm",
             "give a shallower keyway or a smaller bore",
         )
     mouth = np.sqrt(radius**2 - width**2 / 4) + 0.5j * width
-    # Round the bore from one side of the mouth to the other, and along the slot's three sides.
+    # Round the bore from one side of the mouth to the other, then along the three sides of the keyway.
     sweep = 2 * np.pi - 2 * float(np.angle(mouth))
     corners = np.array([mouth, np.conj(mouth), np.conj(corner), corner])
     return (Polyline(corners * towards, np.array([np.tan(sweep / 4), 0, 0, 0])),)
@@ -113,15 +111,15 @@ def keyed_bore(
 def flattened_bore(
     diameter: float, clearance: float, flat: float, towards: complex, widest: float, key: str
 ) -> tuple[Circle | Polyline, ...]:
-    """The hole for a D-shaft about a part's axis: round but for one flat side; none for diameter 0.
+    """The hole for a D-shaft about a part's axis; none for diameter 0.
 
-    diameter: of the shaft; flat: from its flat side across to the round one, mm, more than half the diameter. The hole
-    stands off the shaft by half the clearance all round, the flat side too. towards: unit direction that the flat
-    side faces. Refuses what `bore` does.
+    diameter: of the shaft; flat: from its flat side across to the round side, mm, more than half the diameter. The gap
+    between hole and shaft is half the clearance all round, at the flat side too. towards: unit direction that the flat
+    side faces. Raises DesignError as `bore` does.
     """
-    if not (round_ones := bore(diameter, clearance, widest, f"{key}.bore")):
+    if not (circles := bore(diameter, clearance, widest, f"{key}.bore")):
         return ()
-    radius = round_ones[0].radius
+    radius = circles[0].radius
     height = flat + clearance - radius
     corner = height + 1j * np.sqrt(radius**2 - height**2)
     sweep = 2 * np.pi - 2 * float(np.angle(corner))
@@ -130,11 +128,11 @@ def flattened_bore(
 
 @record
 class ParallelKey:
-    """A key of one section; all in mm.
+    """A parallel key of one section; all in mm.
 
-    thickest: shaft that takes it. width, height: of the key; the width is that of its keyways. shaft_depth: of the
-    keyway in the shaft; hub_depth: of that in the part, beyond the bore, along its middle. lengths: shortest and
-    longest.
+    thickest: largest shaft for it. width, height: of the key; its keyways have the same width. shaft_depth: of the
+    keyway in the shaft. hub_depth: of the keyway in the part, beyond the bore along the centre line. lengths: shortest
+    and longest.
     """
 
     thickest: float
@@ -145,7 +143,7 @@ class ParallelKey:
     lengths: tuple[float, float]
 
     def bill(self, room: float) -> str:
-        """What is bought for a part so thick, mm: the longest key that is sold and fits, or a piece of bar."""
+        """The longest standard key for a part of a thickness `room`, mm, or else a piece of key steel."""
         section = f"{self.width:g} x {self.height:g}"
         most = min(room, self.lengths[1])
         fitting = [length for length in LENGTHS if self.lengths[0] <= length <= most]
@@ -154,9 +152,9 @@ class ParallelKey:
         return f"parallel key DIN 6885-1 A {section} x {fitting[-1]:g}"
 
 
-# The thinnest shaft that takes a key, mm.
+# The thinnest shaft with a standard key, mm.
 THINNEST = 6.0
-# By shafts up to so many mm, the high form. Another number here, and no key that is sold fits the keyway.
+# Rows by the largest shaft, mm; the high form. With other numbers no standard key fits the keyway.
 # Source: DIN 6885-1, table 1, the same as ISO 773; sections and depths compared with Flender's catalogue MD 30.1,
 # lengths up to a width of 16 mm with the table at engineeringhardware.com/guide/standard/din-6885-parallel-keys.
 PARALLEL_KEYS = tuple(
@@ -184,8 +182,8 @@ PARALLEL_KEYS = tuple(
         (230, 50, 28, 17.0, 11.4, (125, 400)),
     )
 )
-# Lengths in which keys are sold, mm: DIN 6885-1 as ZAE's catalogue E 040 prints it. Between 280 and 400 mm it has 315
-# and 355, other tables 320 and 360: none of these is named, for a shorter key fits as well.
+# Standard lengths of keys, mm: DIN 6885-1 as printed in ZAE's catalogue E 040. Between 280 and 400 mm it has 315 and
+# 355, other tables 320 and 360; none of these is listed, as a shorter key fits as well.
 LENGTHS = (
     6, 8, 10, 12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56, 63, 70, 80,
     90, 100, 110, 125, 140, 160, 180, 200, 220, 250, 280, 400,
@@ -193,9 +191,9 @@ LENGTHS = (
 
 
 def key_of(shaft: float) -> ParallelKey | None:
-    """The key for a shaft of a diameter, mm; None where the standard has none.
+    """The key for a shaft of a diameter, mm; None if the standard has none.
 
-    A range's upper end belongs to it: a shaft of 10 mm takes a key 3 mm wide.
+    The upper end of a range belongs to it: a shaft of 10 mm has a key 3 mm wide.
     """
     if shaft < THINNEST:
         return None

@@ -1,4 +1,4 @@
-"""How a part sits on its shaft: running or pressed on, and held from turning by a flat or a key."""
+"""Bores of parts on shafts: running or press fit, round, with a flat or with a keyway."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from .bores import (
 )
 from .motors import MOTORS, MotorName, motor_plate
 
-# mm. Twice what lasers and printers are off, so that the hole still grips; a hole of 5 mm is stretched by a fiftieth,
-# which wood and plastics bear. More cracks acrylic, less may turn on its shaft.
+# mm. Twice the error of lasers and printers, so that the hole still grips. A hole of 5 mm is stretched by 2 %, which
+# wood and plastics withstand. More cracks acrylic; with less the part may slip on its shaft.
 INTERFERENCE = 0.1
-# From the flat across to the round side of motors' D-shafts by their diameter, mm: of small gear motors (3, 4 and 6),
-# stepping motors (5) and larger ones (8), as their makers draw them; chosen here. Other flats are given.
+# Distance from the flat to the round side of motors' D-shafts, mm, by their diameter: small gear motors (3, 4 and 6),
+# stepping motors (5) and larger ones (8), from makers' drawings; chosen here. For other shafts the user gives `flat`.
 MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
 
 
@@ -38,43 +38,70 @@ Fit = Literal["running", "press"]
 
 
 def form(bore: str = "the bore") -> Any:
-    """A field for the form of a bore; bore: what it is called."""
-    words = f"form of {bore}: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1"
-    return entry(words, default="round")
+    """The field for the form of a bore; bore: its name in the meaning."""
+    meaning = f"form of {bore}: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1"
+    return entry(meaning, default="round")
 
 
 def flat_across() -> Any:
-    """A field for the flat side of a D-shaft."""
-    words = f"of a D-shaft, from its flat side across to the round one; left out, a motor's: {SHAFTS}"
-    return quantity(words, "mm", default=None, above=0, at_most=FARTHEST)
+    """The field for the flat side of a D-shaft."""
+    meaning = f"of a D-shaft, from its flat side across to the round side; if omitted, a motor's: {SHAFTS}"
+    return quantity(meaning, "mm", default=None, above=0, at_most=FARTHEST)
 
 
 def keyway_width(bore: str = "the bore") -> Any:
-    """A field for the width of the keyway in a bore."""
-    words = f"width of the keyway in {bore}, 0 for none or, if keyed, the standard's"
-    return quantity(words, "mm", default=0.0, at_least=0, at_most=FARTHEST)
+    """The field for the width of the keyway in a bore."""
+    meaning = f"width of the keyway in {bore}; 0 for none or, in a keyed bore, for the standard width"
+    return quantity(meaning, "mm", default=0.0, at_least=0, at_most=FARTHEST)
 
 
 def keyway_depth(bore: str = "the bore") -> Any:
-    """A field for the depth of the keyway in a bore."""
-    words = f"depth of the keyway beyond {bore}, along its middle"
-    return quantity(words, "mm", default=0.0, at_least=0, at_most=FARTHEST)
+    """The field for the depth of the keyway in a bore."""
+    meaning = f"depth of the keyway beyond {bore}, along its centre line"
+    return quantity(meaning, "mm", default=0.0, at_least=0, at_most=FARTHEST)
 
 
 def fit(bore: str = "the bore") -> Any:
-    """A field for the fit of a bore."""
-    return entry(f"{bore} is wider than its shaft by the clearance, or is pressed on", default="running")
+    """The field for the fit of a bore."""
+    return entry(f"{bore} runs on its shaft with the clearance, or is a press fit", default="running")
 
 
 def interference() -> Any:
-    """A field for how tight bores sit that are pressed on."""
-    words = "how much narrower than its shaft a bore is that is pressed on"
-    return quantity(words, "mm", default=INTERFERENCE, at_least=0, at_most=FARTHEST)
+    """The field for the interference of press fits."""
+    return quantity("interference of a press-fit bore", "mm", default=INTERFERENCE, at_least=0, at_most=FARTHEST)
 
 
 @record(checked=True)
 class AbstractBored:
-    """What stock tables of parts on a shaft have in common; all lengths in mm."""
+    """Base class of stock tables of parts on a shaft; all lengths in mm.
+
+    Parameters
+    ----------
+    thickness : float, optional
+        Thickness of the sheet, mm.
+    bore : float, optional
+        Diameter of the shaft, mm; 0 for no hole.
+    bore_form : {"round", "D", "keyed"}, optional
+        Form of the bore: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1.
+    flat : float, optional
+        Of a D-shaft, from its flat side across to the round side, mm; if omitted, that of a usual motor.
+    keyway_width, keyway_depth : float, optional
+        Width of the keyway, and its depth beyond the bore along its centre line, mm. In a keyed bore 0 stands for the
+        sizes of the standard, otherwise for no keyway.
+    fit : {"running", "press"}, optional
+        Fit of the bore.
+    interference : float, optional
+        Interference of a press-fit bore, mm.
+    clearance : float, optional
+        How much wider a hole is than its pin or shaft, mm.
+    motor : {"nema17"}, optional
+        Motor that drives the part.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, or if bore, form, flat and keyway contradict each other.
+    """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     bore: float = shaft("the shaft", 0.0, fitted=True)
@@ -86,7 +113,7 @@ class AbstractBored:
     interference: float = interference()
     clearance: float = clearance(0.0)
     motor: MotorName | None = entry(
-        "what turns the part: adds the plate that this motor is screwed to, or its holes to a base; left out, no motor",
+        "motor that drives the part: adds the motor's mounting plate, or its holes in a base; none if omitted",
         default=None,
     )
 
@@ -95,27 +122,27 @@ class AbstractBored:
 
     @property
     def motor_parts(self) -> tuple[Part, ...]:
-        """The plate of the motor, about the part's axis; none without a motor."""
+        """The motor's mounting plate, about the part's axis; empty without a motor."""
         return () if self.motor is None else (motor_plate(self.motor, self.thickness, self.clearance),)
 
     @property
     def play(self) -> float:
-        """How much wider than its shaft the bore is, mm; negative where it is pressed on."""
+        """How much wider the bore is than its shaft, mm; negative for a press fit."""
         return self.clearance if self.fit == "running" else -self.interference
 
     @property
     def hole_diameter(self) -> float:
-        """Diameter, mm, 0 for none, of a round hole that the shaft runs in, as in a base plate."""
+        """Diameter of a round hole in which the shaft runs, as in a base plate, mm; 0 for none."""
         return widened(self.bore, self.clearance)
 
     @property
     def running_fits(self) -> tuple[HoleFit, ...]:
-        """The fit of such a round hole; none for diameter 0."""
+        """The fit of such a round hole; empty for diameter 0."""
         return fits_of(self.bore, self.clearance)
 
     @property
     def fits(self) -> tuple[HoleFit, ...]:
-        """The fit of the bore; none for diameter 0."""
+        """The fit of the bore; empty for diameter 0."""
         if not self.bore:
             return ()
         flat = 0.0 if self.across_flat is None else self.across_flat + self.play
@@ -123,13 +150,13 @@ class AbstractBored:
 
     @property
     def hole_reach(self) -> float:
-        """Radius, mm, within which bore and keyway lie."""
+        """Radius of the circle that contains bore and keyway, mm."""
         width, depth = self.keyway
         return float(abs(widened(self.bore, self.play) / 2 + depth + 0.5j * width))
 
     @property
     def keyway(self) -> tuple[float, float]:
-        """Width of the keyway, and its depth beyond the bore, mm; 0 where there is none."""
+        """Width of the keyway, and its depth beyond the bore, mm; 0 for none."""
         given = self.keyway_width, self.keyway_depth
         if self.bore_form != "keyed" or any(given) or not (key := key_of(self.bore)):
             return given
@@ -137,15 +164,22 @@ class AbstractBored:
 
     @property
     def across_flat(self) -> float | None:
-        """From the flat of the D-shaft across to its round side, mm; None for another shaft."""
+        """Distance from the flat of the D-shaft to its round side, mm; None for other shafts."""
         if self.bore_form != "D":
             return None
         return MOTOR_FLATS.get(self.bore) if self.flat is None else self.flat
 
     def hole(self, towards: complex, widest: float, key: str) -> tuple[Circle | Polyline, ...]:
-        """The bore about the part's axis, none for diameter 0; `widest` is the part, mm, where it is narrowest.
+        """The bore about the part's axis; empty for diameter 0.
 
-        towards: unit direction of the keyway, or that the flat side faces. key: of the stock in a recipe, for refusals.
+        Parameters
+        ----------
+        towards : complex
+            Unit direction of the keyway, or that the flat side faces.
+        widest : float
+            Least width of the part round the bore, mm.
+        key : str
+            Key of the stock in the recipe, for messages.
         """
         if (across := self.across_flat) is not None:
             return flattened_bore(self.bore, self.play, across, towards, widest, key)
@@ -154,16 +188,16 @@ class AbstractBored:
         return bore(self.bore, self.play, widest, f"{key}.bore")
 
     def _check_bore(self) -> None:
-        """Refuse sizes that make no bore, whatever the part."""
+        """Refuse sizes that do not define a bore, whatever the part."""
         if self.bore_form != "round" and not self.bore:
-            problem = f'found 0 mm, which is no hole, and bore_form = "{self.bore_form}"'
+            problem = f'found 0 mm, which means no hole, and bore_form = "{self.bore_form}"'
             raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"')
         if self.flat is not None and self.bore_form != "D":
-            problem = f"found {self.flat:g} mm of a bore that has no flat"
-            raise DesignError("flat", problem, 'leave it out, or give bore_form = "D"')
-        if self.motor is not None and self.bore >= (boss := MOTORS[self.motor].pilot):
+            problem = f"found {self.flat:g} mm for a bore without a flat"
+            raise DesignError("flat", problem, 'omit it, or give bore_form = "D"')
+        if self.motor is not None and self.bore >= (boss := MOTORS[self.motor].boss_diameter):
             problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
-            raise DesignError("bore", problem, f"give less than {boss:g} mm, or leave out motor")
+            raise DesignError("bore", problem, f"give less than {boss:g} mm, or omit motor")
         if self.bore_form == "D":
             self._check_flat()
         if self.fit == "press":
@@ -173,12 +207,12 @@ class AbstractBored:
             nearest = f"at least {THINNEST:g}" if self.bore < THINNEST else f"at most {thickest:g}"
             raise DesignError(
                 "bore",
-                f"found {self.bore:g} mm, and DIN 6885-1 has keys for shafts of {THINNEST:g} to {thickest:g} mm",
-                f'give {nearest} mm, keyway_width and keyway_depth of your own, or bore_form = "D"',
+                f"found {self.bore:g} mm, but DIN 6885-1 has keys for shafts of {THINNEST:g} to {thickest:g} mm only",
+                f'give {nearest} mm, your own keyway_width and keyway_depth, or bore_form = "D"',
             )
 
     def _check_interference(self) -> None:
-        """Refuse one that leaves no hole, where the shaft is narrowest."""
+        """Refuse an interference that leaves no hole where the shaft is narrowest."""
         narrowest = self.across_flat or self.bore
         if 0 < narrowest < self.interference + SMALLEST:
             problem = f"found {self.interference:g} mm, which leaves no hole for a shaft {narrowest:g} mm across"
@@ -191,8 +225,8 @@ class AbstractBored:
             shafts = ", ".join(f"{shaft:g}" for shaft in MOTOR_FLATS)
             raise DesignError(
                 "bore",
-                f"found {self.bore:g} mm, and no usual D-shaft is so thick",
-                f"give one of {shafts}, or flat, more than {half:g} and less than {self.bore:g} mm",
+                f"found {self.bore:g} mm, which is no usual diameter of a D-shaft",
+                f"give one of {shafts}, or give flat, more than {half:g} and less than {self.bore:g} mm",
             )
         if not half < across < self.bore:
             raise DesignError(

@@ -1,4 +1,4 @@
-"""What a mechanism is made of: parts, as a cutter or a printer needs to know them, and things that are bought."""
+"""Parts of a mechanism, as a cutter or printer needs them, and items to buy."""
 
 from __future__ import annotations
 
@@ -18,11 +18,18 @@ from ..plane.vec import Pose
 
 @record(checked=True)
 class Twist:
-    """How the section of a solid moves from its bottom, which the drawing shows, to its top.
+    """Motion of a solid's section from its bottom, which the drawing shows, to its top, in proportion to the height.
 
-    It turns about the part's origin by `turn`, rad, counterclockwise as seen from above, and slides along x by `shift`,
-    mm, in proportion to the height. herringbone: all the way at half the height, and back again at the top. moves: what
-    of the section; the rest goes straight up.
+    Parameters
+    ----------
+    turn : float, optional
+        Rotation about the part's origin, rad, counterclockwise as seen from above.
+    shift : float, optional
+        Displacement along x, mm.
+    herringbone : bool, optional
+        Whether the motion is complete at half the height and reverses to the top.
+    moves : {"outline", "holes"}, optional
+        The curves that move; the others are straight.
     """
 
     turn: float = 0.0
@@ -32,20 +39,39 @@ class Twist:
 
     @checked
     def at(self, share: RealsOrNan) -> Pose:
-        """Where what moves stands at shares of the height, 0 at the bottom and 1 at the top, any shape."""
-        way = np.asarray(share, dtype=float)
-        way = 1 - abs(2 * way - 1) if self.herringbone else way
-        return Pose(self.shift * way + 0j, np.exp(1j * self.turn * way))
+        """Pose of the moving curves at given heights.
+
+        Parameters
+        ----------
+        share : float or array_like
+            Shares of the height, 0 at the bottom and 1 at the top, any shape.
+
+        Returns
+        -------
+        Pose
+            Of the same shape, mm.
+        """
+        progress = np.asarray(share, dtype=float)
+        progress = 1 - abs(2 * progress - 1) if self.herringbone else progress
+        return Pose(self.shift * progress + 0j, np.exp(1j * self.turn * progress))
 
 
 @record(checked=True)
 class HoleFit:
-    """What goes through a hole, and how it sits there; all in mm.
+    """The fit of a hole on its shaft, pin or screw; all in mm.
 
-    diameter: of the round thing that goes through. play: how much wider the hole is, negative where it is pressed on.
-    flat: of the hole for a D-shaft, from its flat side across to the round one; 0 for none. keyway: its width, and its
-    depth beyond the bore, along its middle; 0 for none. travel: of what slides in a slot, between the middles of its
-    ends; 0 for a hole.
+    Parameters
+    ----------
+    diameter : float
+        Diameter of the shaft, pin or screw, mm, above 0.
+    play : float
+        How much wider the hole is, mm; negative for a press fit.
+    flat : float, optional
+        Of a hole for a D-shaft, from its flat side across to the round side, mm; 0 for none.
+    keyway : tuple of float, optional
+        Width of the keyway, and its depth beyond the bore along the centre line, mm; 0 for none.
+    travel : float, optional
+        Of a slot, the distance of the centres of its ends, mm; 0 for a hole.
     """
 
     diameter: Positive
@@ -57,14 +83,43 @@ class HoleFit:
 
 @record(checked=True, eq=False)
 class Part:
-    """A plate, flat or with a section that moves as it goes up.
+    """A plate, or a solid with a moving section such as a helical gear.
 
-    name: also its file name. outline and holes: closed curves in the part's own frame, mm, in either
-    direction; thickness, mm. layer: the operation that cuts the outline. count: how many to make. marks:
-    open or closed curves engraved within the outline. body: whose motion it follows, by the name that the
-    mechanism gives it; "" for a part that belongs to no motion, as a drawing. hole_names: what is engraved beside
-    each hole, such as the letter of a joint; empty for none. twist: of a helical gear; None for what goes straight up.
-    fits: of holes, in their order, None for one that nothing goes through; as far as there are any.
+    Parameters
+    ----------
+    name : str
+        Name of the part and of its file.
+    outline : AbstractCurve
+        Closed curve in the part's frame, mm, in either direction.
+    holes : tuple of AbstractCurve
+        Closed curves, mm.
+    thickness : float
+        Thickness of the sheet, mm.
+    layer : str, optional
+        Layer of the outline, the operation that cuts it.
+    count : int, optional
+        Number of copies to make.
+    marks : tuple of AbstractCurve, optional
+        Open or closed curves that are engraved inside the outline, mm.
+    body : str, optional
+        Name of the mechanism's body whose motion the part follows; "" for a part without motion.
+    hole_names : tuple of str, optional
+        Text engraved next to each hole, such as the letter of a joint.
+    twist : Twist, optional
+        Motion of the section along the height; None for straight sides.
+    fits : tuple of HoleFit or None, optional
+        Fits of the holes in their order, None for an empty hole; may be shorter than `holes`.
+
+    Raises
+    ------
+    DesignError
+        If the name cannot be a file name, or there are more fits than holes.
+
+    Examples
+    --------
+    >>> square = gk.plane.Polyline(np.array([0, 40, 40 + 40j, 40j]))
+    >>> gk.Part("plate", square, (), thickness=3.0).layer
+    'CUT'
     """
 
     name: str
@@ -90,9 +145,16 @@ class Part:
 
 @record
 class Bought:
-    """A line of the bill: what is bought, or cut from a rod, how many, and what for.
+    """A line of the bill: an item to buy, or to cut from a rod.
 
-    joints: by the letters at their holes, or by the names of the parts that turn on it.
+    Parameters
+    ----------
+    name : str
+        The item.
+    count : int
+        Number of pieces.
+    joints : tuple of str
+        Its joints, by the letters at their holes or by the names of the parts that turn on it.
     """
 
     name: str
@@ -100,6 +162,6 @@ class Bought:
     joints: tuple[str, ...]
 
     @property
-    def told(self) -> dict[str, object]:
-        """The same as plain values for a file."""
+    def data(self) -> dict[str, object]:
+        """Plain values for a file."""
         return {"name": self.name, "count": self.count, "joints": list(self.joints)}

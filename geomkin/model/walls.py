@@ -1,4 +1,4 @@
-"""The thinnest wall of a part: whether heat and handling leave it standing."""
+"""The thinnest wall of a part, which heat and handling must not break."""
 
 from __future__ import annotations
 
@@ -17,70 +17,84 @@ from ..plane.vec import Complex, cross
 from .check import Check
 from .part import Part
 
-# Least wall as a share of the sheet's thickness. Cutting services ask for 0.5 to 1.5 between holes and to an edge. Less
-# than the least of them no one cuts; more fails walls that some would.
+# Least wall as a share of the sheet's thickness. Cutting services require 0.5 to 1.5 between holes and to an edge. No
+# service cuts thinner walls; a larger share fails walls that some would cut.
 OF_THICKNESS = 0.5
-# Least wall in kerfs; derived here. The zone that a beam heats on either side is about as wide as its cut. In a wall of
-# two kerfs two such zones meet, and nothing of the sheet's own strength is left.
+# Least wall in kerfs; derived here. A beam heats a zone about as wide as its cut on either side. In a wall of two kerfs
+# two such zones meet, and no unheated material is left.
 OF_KERF = 2.0
-# Walls are found to this share of the limit; finer takes longer and tells nothing.
+# Accuracy of a wall as a share of the limit. A finer one takes longer without benefit.
 ACCURACY = 1e-4
-# ... but within these shares of the part's size. Finer gives a million chords, coarser loses the shape.
+# Limits of that accuracy as shares of the part's size. Finer gives a million chords, coarser loses the shape.
 FINEST, COARSEST = 2e-6, 1e-4
-# Necks are told up to this many limits wide. More takes longer and says nothing of whether the part holds.
+# Largest width of a reported neck, in limits. Wider necks take longer to find and are strong enough.
 NECKS = 2.0
-# Plates whose necks are kept, as many as a recipe has whose other sizes are varied. More fill the memory; fewer, and
-# plates that stay the same are looked at anew each time.
-KEPT = 16
+# Number of cached plates: as many as a recipe has while its other sizes are varied. More need memory; with fewer,
+# unchanged plates are measured again.
+CACHED = 16
 
 
 def least_wall(thickness: float, kerf: float) -> float:
-    """The thinnest wall that should be cut, mm, in a sheet of a thickness by a beam of a kerf."""
+    """The thinnest wall that should be cut, mm, for a thickness of the sheet and a kerf, mm."""
     return max(OF_THICKNESS * thickness, OF_KERF * kerf)
 
 
 def thinnest_wall(part: Part, limit: float) -> float:
-    """Width, mm, of the thinnest wall of a part; inf where it has none.
+    """Width of the thinnest wall of a part.
 
-    A wall stands between two boundaries, hole and edge or hole and hole; also between two places of one boundary
-    that face each other squarely, such as a neck or the sides of a bar, if it is less than two limits wide. What
-    tapers to an edge or a point is no wall. Found on the exact curves, to a ten-thousandth of the limit (two
-    millionths of the part's size at least, a ten-thousandth at most), and rounded to that.
+    Parameters
+    ----------
+    part : Part
+        The part; only its own section counts.
+    limit : float
+        Least width that is required, mm.
+
+    Returns
+    -------
+    float
+        Width, mm; inf if the part has no wall. It is exact to 1e-4 of the limit (at least 2e-6 and at most 1e-4 of the
+        part's size), and rounded to that.
+
+    Notes
+    -----
+    A wall is between two boundaries, hole and edge or hole and hole. It is also between two opposite parallel stretches
+    of one boundary, such as a neck or the sides of a bar, if less than two limits wide. Material that tapers to an edge
+    or a point is no wall.
     """
     size = extent(part.outline)
     accuracy = float(np.clip(ACCURACY * limit, FINEST * size, COARSEST * size))
     curves = (part.outline, *part.holes)
     loops = [_loop(curve, accuracy / 2, 1 if k == 0 else -1, limit) for k, curve in enumerate(curves)]
-    round_ones = [isinstance(curve, Circle) for curve in curves]
-    places = [np.array([curve.centre]) if isinstance(curve, Circle) else z for curve, z in zip(curves, loops)]
-    found = region.spacing(places, [curve.radius if isinstance(curve, Circle) else 0.0 for curve in curves])
-    if (thin := min(found, NECKS * limit)) > 0:
-        # Of equal copies one is tried. A round hole faces itself only across its opening, where there is no material.
-        tried = [
+    are_round = [isinstance(curve, Circle) for curve in curves]
+    points = [np.array([curve.centre]) if isinstance(curve, Circle) else z for curve, z in zip(curves, loops)]
+    wall = region.spacing(points, [curve.radius if isinstance(curve, Circle) else 0.0 for curve in curves])
+    if (widest := min(wall, NECKS * limit)) > 0:
+        # One of several equal copies is enough. Opposite sides of a round hole have no material between them.
+        counts = [
             0 if is_round and k else len(z) // curve.count if isinstance(curve, PolarArray) else len(z)
-            for k, (curve, z, is_round) in enumerate(zip(curves, loops, round_ones))
+            for k, (curve, z, is_round) in enumerate(zip(curves, loops, are_round))
         ]
-        found = min(found, _neck(tuple(loop.tobytes() for loop in loops), tuple(tried), thin))
-    # Half of the last digit is no less than the accuracy, so that a round number comes out as one.
+        wall = min(wall, _neck(tuple(loop.tobytes() for loop in loops), tuple(counts), widest))
+    # Half of the last digit is at least the accuracy, so that round numbers are exact.
     digits = -int(np.ceil(np.log10(2 * accuracy)))
-    return round(found, digits)
+    return round(wall, digits)
 
 
-@lru_cache(maxsize=KEPT)
-def _neck(loops: tuple[bytes, ...], tried: tuple[int, ...], within: float) -> float:
-    """The least neck, kept: it takes longest of all, and of a plate that is looked at again it is the same."""
-    return region.neck([np.frombuffer(loop, dtype=complex) for loop in loops], tried, within)
+@lru_cache(maxsize=CACHED)
+def _neck(loops: tuple[bytes, ...], counts: tuple[int, ...], widest: float) -> float:
+    """The narrowest neck. It is cached, as this search takes longest and plates are often measured again."""
+    return region.neck([np.frombuffer(loop, dtype=complex) for loop in loops], counts, widest)
 
 
 def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) -> Complex:
     """Chords of a boundary with the material on their left; sense: +1 for an outline, -1 for a hole.
 
-    Edges longer than `longest` are halved: the ends of two equal ones that face each other see only corners.
+    Edges longer than `longest` are halved, as the end of an edge may be opposite a corner only.
     """
     z = flatten(curve, tolerance / 2)
     if not isinstance(curve, PolarArray):
-        # Outlines given point by point may have far more than their form asks for; a hole no larger than the tolerance
-        # would be thinned away.
+        # Outlines given by points may have far more points than necessary; a hole no larger than the tolerance would
+        # vanish.
         fewer = region.thinned(z, tolerance / 2)
         z = fewer if len(fewer) > 2 else z
     z = z[z != np.roll(z, 1)]
@@ -91,33 +105,55 @@ def _loop(curve: AbstractCurve, tolerance: float, sense: int, longest: float) ->
 
 
 def thinnest_walls(parts: Iterable[Part], kerf: float) -> dict[str, float]:
-    """The same of each part, mm, by its name, with the limit that is asked of it.
+    """The thinnest wall of each part by its name.
 
-    Of what is twisted it is the least that any slice may have, as what turns stands otherwise over what does not.
+    Parameters
+    ----------
+    parts : iterable of Part
+        The parts.
+    kerf : float
+        Width of the cut, mm, which with the thickness gives the limit.
+
+    Returns
+    -------
+    dict of str to float
+        Width, mm. For a twisted part it is a lower bound for all slices.
     """
     return {
-        part.name: min(thinnest_wall(one, least_wall(part.thickness, kerf)) for one in _sections(part))
+        part.name: min(thinnest_wall(section, least_wall(part.thickness, kerf)) for section in _sections(part))
         for part in parts
     }
 
 
 def _sections(part: Part) -> tuple[Part, ...]:
-    """What no slice of a part has thinner walls than: its own section where all of it moves alike."""
+    """Sections with walls at most as thin as those of any slice: the part itself if its whole section moves."""
     if part.twist is None or not part.holes:
         return (part,)
     if part.twist.shift:
-        # As seen by the outline, which slides along x, a round hole is a slot. Holes stand as they do from each other.
-        ways = [(c.centre, c.centre - part.twist.shift, c.radius) for c in part.holes if isinstance(c, Circle)]
-        return (part, *(replace(part, holes=(slot(*way),), hole_names=(), fits=()) for way in ways))
+        # Relative to the outline, which slides along x, a round hole is a slot. Holes keep their distances.
+        slots = [slot(c.centre, c.centre - part.twist.shift, c.radius) for c in part.holes if isinstance(c, Circle)]
+        return (part, *(replace(part, holes=(hole,), hole_names=(), fits=()) for hole in slots))
     sides = region.nearest(flatten(part.outline, FINEST * extent(part.outline)))
     inner = replace(part, outline=Circle(0j, float(np.abs(sides).min())))
     return replace(part, holes=(), hole_names=(), fits=()), inner
 
 
 def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] | None = None) -> tuple[Check, ...]:
-    """The thinnest wall of each part that has one and is cut from a sheet, as what is twisted cannot be.
+    """Checks of the thinnest wall of each flat part; twisted parts are not cut from a sheet.
 
-    walls: of the parts, where they are known already.
+    Parameters
+    ----------
+    parts : iterable of Part
+        The parts.
+    kerf : float
+        Width of the cut, mm.
+    walls : mapping of str to float, optional
+        The result of `thinnest_walls`, if it is known already.
+
+    Returns
+    -------
+    tuple of Check
+        One for each part with a wall.
     """
     checks = []
     flat = [part for part in parts if part.twist is None]

@@ -89,7 +89,7 @@ class AbstractRecipe(_Shared, ABC):
     @property
     def assembly_summary(self) -> Mapping[str, object]:
         """What is bought and the steps, as entries of summary.json; those that a kind does not tell are left out."""
-        told = {"bought": [one.told for one in self.bought], "steps": list(self.steps)}
+        told = {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
         return {name: lines for name, lines in told.items() if lines}
 
     @property

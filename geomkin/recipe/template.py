@@ -219,7 +219,7 @@ def _plain(node: Any) -> Any:
     node = {key: part if key in ("default", "enum", "const") else _plain(part) for key, part in node.items()}
     # Where a formula is from is for those who read the code.
     if isinstance(node.get("description"), str):
-        node["description"] = re.split(r"\n\nSource\b", node["description"])[0]
+        node["description"] = re.split(r"\n\n(?:Source\b|\w+\n---)", node["description"])[0]
     # Examples are written as Python has them; templates show them as TOML.
     if isinstance(node.get("examples"), list):
         del node["examples"]

@@ -1,1 +1,1 @@
-"""Anything as the page that shows it moving."""
+"""Animated pages of mechanisms in a notebook."""

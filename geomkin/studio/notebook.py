@@ -1,4 +1,4 @@
-"""Anything that moves, shown moving in a notebook: the same scene and the same page as a recipe's."""
+"""Animated pages of mechanisms in a notebook, with the same scene and page as a recipe."""
 
 from __future__ import annotations
 
@@ -49,22 +49,29 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
 from ..synthesis.found import Found
 
-# Pixels of the frame: drawing, controls and plots are seen at once, and the rest below them is scrolled to. It can be
-# drawn larger by its corner.
-HIGH = 660
-# Frames of a full turn, and of a way between limits or along a curve, both ends included.
+# Height of the frame, pixels: drawing, controls and plots are visible at once, the rest by scrolling. The user can
+# resize it.
+FRAME_HEIGHT = 660
+# Frames of a full turn, both ends included; a range between limits has half as many.
 FRAMES = 361
-# Share of a way between limits that is left out at each end: at a limit itself rates are infinite, and no plot shows
-# anything else. Larger, and the picture stops visibly short of it.
-SHORT = 1e-3
-# Of parts in a picture: the distance between outline and chords as a share of the smallest one's size, and the least
-# share of the largest one's that can be cut.
+# Share of a range between limits that is omitted at each end, since rates are infinite at the limits. With a larger
+# value the picture visibly stops before the limit.
+END_MARGIN = 1e-3
+# Chord tolerance of parts in a picture: as a share of the smallest part's size, and at least as a share of the largest.
 FINE, FINEST = 1e-3, 2e-7
 
 
 @record(eq=False)
 class Shown:
-    """A page that shows something moving, as a notebook shows it at the end of a cell. name: its title."""
+    """An animated page, which a notebook displays at the end of a cell.
+
+    Parameters
+    ----------
+    name : str
+        Title of the page.
+    page : bytes
+        The HTML page, UTF-8.
+    """
 
     name: str
     page: bytes
@@ -73,51 +80,91 @@ class Shown:
         return f"Shown({printable(self.name, 60)}: a page of {len(self.page) / 1000:.0f} kB; save(path) writes it)"
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own, which reaches nothing of what is around it."""
-        told = escape(self.page.decode("utf-8"))
-        style = f"width:100%;height:{HIGH}px;border:0;resize:vertical;overflow:auto"
-        allowed = 'sandbox="allow-scripts allow-downloads"'
-        return f'<iframe title="{escape(self.name)}" {allowed} style="{style}" srcdoc="{told}"></iframe>'
+        """The page in a sandboxed frame, isolated from the notebook."""
+        html = escape(self.page.decode("utf-8"))
+        style = f"width:100%;height:{FRAME_HEIGHT}px;border:0;resize:vertical;overflow:auto"
+        sandbox = 'sandbox="allow-scripts allow-downloads"'
+        return f'<iframe title="{escape(self.name)}" {sandbox} style="{style}" srcdoc="{html}"></iframe>'
 
     @checked
     def save(self, path: str | Path) -> Path:
-        """Write the page to a file, which opens from a folder or a mail; the path. FileError where it cannot be."""
+        """Write the page to a file, which opens in any browser.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written.
+        """
         path = Path(path)
         write_whole(path.parent, {path.name: self.page})
         return path
 
 
-def _is_shown(value: Any) -> bool:
+def _is_showable(value: Any) -> bool:
     if isinstance(value, (tuple, list)):
-        return bool(value) and all(isinstance(one, Part) for one in value)
+        return bool(value) and all(isinstance(item, Part) for item in value)
     return _job.dispatch(type(value)) is not _job.dispatch(object)
 
 
-WHAT = ArgumentType(
-    _is_shown,
+SHOWABLE = ArgumentType(
+    _is_showable,
     "a recipe, its file or text, a linkage, a motion, a cam, a gear, a pair of gears, a planetary set, a part or "
     "several, a curve, or a linkage that a synthesis found",
 )
-Showable = Annotated[Any, WHAT]
+Showable = Annotated[Any, SHOWABLE]
 
 
 @checked
 def show(thing: Showable) -> Shown:
-    """Anything as the page that shows it moving, inline in a notebook.
+    """Show a mechanism as an animated page in a notebook.
 
-    A recipe, or what `load` reads, as its own page. A linkage is driven over a full turn at 60 rpm, or as far as the
-    limits of its driver allow, on branch +1; for another way or branch show `move(...)`. What a synthesis found goes
-    its full turn, or over all of the wanted places. A cam turns under its follower, gears roll in mesh or under the
-    tool that cuts them. A curve is run along, at an even pace of its parameter. Parts lie as on their sheet. Links, of
-    which no stock is told, are lines; cams and rings have plates of fitting size.
-    DesignError for what has no picture or cannot move; what `load` raises for a file.
+    Parameters
+    ----------
+    thing : recipe, str, Path, mapping, or any object of this library that can be drawn
+        - A recipe, or its file or text: its own page.
+        - A linkage: driven over a full turn at 60 rpm, or between the limits of its driver, on branch +1. For another
+          range or branch, show `move(...)`.
+        - A linkage found by a synthesis: driven over a full turn, or over all wanted positions.
+        - A cam, a gear, a gear pair or a planetary set: a cam turns under its follower, gears turn in mesh or under
+          their cutting tool.
+        - A curve: a point moves along it at a constant rate of the parameter.
+        - A part or several: arranged on their sheet.
+
+        Links without a stock are shown as lines; cams and rings have plates of a suitable size.
+
+    Returns
+    -------
+    Shown
+        The page; `save(path)` writes it.
+
+    Raises
+    ------
+    DesignError
+        If the object has no picture or cannot move.
+    RecipeError, FileError
+        If a recipe or its file cannot be read.
+
+    Examples
+    --------
+    >>> gk.show(gk.FourBar(100, 30, 90, 70)).name
+    'FourBar'
     """
     job = _job(thing)
     return Shown(job.name, page(job))
 
 
 def inline(thing: object) -> str:
-    """What a notebook shows of a thing; where there is nothing to show, in words why."""
+    """HTML of an object for a notebook; if there is nothing to show, the reason."""
     try:
         return show(thing)._repr_html_()
     except GeomkinError as error:
@@ -126,11 +173,11 @@ def inline(thing: object) -> str:
 
 @singledispatch
 def _job(thing: object) -> Job:
-    """What is written on the page of a thing."""
-    raise refused("thing", thing, WHAT)
+    """The content of an object's page."""
+    raise refused("thing", thing, SHOWABLE)
 
 
-def _loose(
+def _static_job(
     thing: object, scene: Scene, parts: Sequence[Part] = (), checks: Sequence[Check] = (), about: str = ""
 ) -> Job:
     return Job(type(thing).__name__, StaticSource(tuple(parts), scene.table, scene, tuple(checks)), 1.0, about=about)
@@ -156,7 +203,7 @@ def _(motion: Motion) -> Job:
     least = LEAST_TRANSMISSION_ANGLE_DEG
     table, limit = motion_table(motion), Limit("transmission_angle", least, f"at least {least:g} deg")
     scene = linkage_scene(motion, table, plots=motion_plots(motion, table, [limit]))
-    return _loose(motion, scene, (), linkage_checks(motion))
+    return _static_job(motion, scene, (), linkage_checks(motion))
 
 
 @_job.register
@@ -170,7 +217,7 @@ def _(found: Found) -> Job:
 
 
 def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float] | None) -> Job:
-    """A linkage over a full turn, or over the `wanted` places, or as far as it can."""
+    """A linkage over a full turn, over the range `wanted`, or between its limits."""
     if linkage.linkage.is_batch:
         raise DesignError("thing", "found an array of linkages", "give one at a time")
     slides = linkage.linkage.driven_slider is not None
@@ -180,33 +227,33 @@ def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float]
     except DesignError as error:
         if wanted is None:
             raise DesignError(
-                "thing", error.problem, "show its motion instead, move(...) over the way wanted"
+                "thing", error.problem, "show its motion over the range you want instead: move(...)"
             ) from None
     if limits == (TURN,):
-        way = np.linspace(*TURN, FRAMES)
+        drive = np.linspace(*TURN, FRAMES)
     else:
-        way = np.linspace(*(_reached(limits, slides) if wanted is None else wanted), FRAMES // 2 + 1)
-    speed = float(np.ptp(way)) if slides else 2 * np.pi
-    about = f"InputDyad at {speed:.3g} mm/s." if slides else "InputDyad at 60 rpm."
-    return replace(_job(move(linkage, way, branch, speed or 1.0)), name=type(linkage).__name__, about=about)
+        drive = np.linspace(*(_widest_range(limits, slides) if wanted is None else wanted), FRAMES // 2 + 1)
+    speed = float(np.ptp(drive)) if slides else 2 * np.pi
+    about = f"Driven at {speed:.3g} mm/s." if slides else "Driven at 60 rpm."
+    return replace(_job(move(linkage, drive, branch, speed or 1.0)), name=type(linkage).__name__, about=about)
 
 
-def _reached(limits: Sequence[tuple[float, float]], slides: bool) -> tuple[float, float]:
-    """The widest way between two limits, a hair within them."""
+def _widest_range(limits: Sequence[tuple[float, float]], slides: bool) -> tuple[float, float]:
+    """The widest range between two limits, without a small margin at each end."""
     if not limits:
-        raise DesignError("thing", "it can be put together nowhere", "change the sizes that keep it open")
+        raise DesignError("thing", "it cannot be assembled in any position", "change its lengths")
     spans = list(limits)
     (first, *_), (last, *_) = spans[0], spans[-1]
     if not slides and len(spans) > 1 and first == TURN[0] and spans[-1][1] == TURN[1]:
-        # One way that the start of the turn cuts in two.
+        # One range that contains the start of the turn.
         spans = [(last - TURN[1], spans[0][1]), *spans[1:-1]]
     low, high = max(spans, key=lambda span: span[1] - span[0])
-    return low + SHORT * (high - low), high - SHORT * (high - low)
+    return low + END_MARGIN * (high - low), high - END_MARGIN * (high - low)
 
 
 @_job.register
 def _(cam: Cam) -> Job:
-    # Plates of its own size, without the holes that nothing is told of.
+    # Plates in proportion to the cam, without holes, whose sizes are not given.
     size = cam.prime_radius
     stock = CamStock(
         thickness=0.1 * size, bore=0, roller_bore=0, pivot_bore=0, bar_width=0.3 * size, overhang=0.05 * size,
@@ -237,7 +284,7 @@ def _ring_stock(ring: AbstractGear) -> RingStock:
 
 
 def _files(radius: float) -> Files:
-    """Teeth told as finely as their size asks for: nothing is written."""
+    """Tolerance in proportion to the gear; no files are written."""
     return Files(tolerance=float(np.clip(1e-4 * radius, 1e-6, 10)))
 
 
@@ -245,7 +292,7 @@ def _files(radius: float) -> Files:
 def _(pair: GearPair | RackPair) -> Job:
     gears: dict[str, AbstractGear] = {name: getattr(pair, name) for name in pair.names}
     parts = [part for name, gear in gears.items() for part in _plate(gear, name)]
-    return _loose(pair, replace(pair_scene(pair, parts)), parts, mesh_checks(pair))
+    return _static_job(pair, replace(pair_scene(pair, parts)), parts, mesh_checks(pair))
 
 
 def _plate(gear: AbstractGear, name: str) -> tuple[Part, ...]:
@@ -265,32 +312,32 @@ def _(part: Part) -> Job:
 @_job.register(tuple)
 @_job.register(list)
 def _(parts: Sequence[Part]) -> Job:
-    """As they lie on their sheet."""
+    """Parts arranged on their sheet."""
     sizes = [extent(part.outline) for part in parts]
     tolerance = max(FINE * min(sizes), FINEST * max(sizes))
     sheet = Job("parts", StaticSource(tuple(parts)), tolerance).sheets[0]
-    one = np.ones(1, dtype=complex)
+    unit = np.ones(1, dtype=complex)
     names = [placed.cut.part.name for placed in sheet.placed]
-    told = [f"{name} {names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]
+    labels = [f"{name} {names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]
     bodies = tuple(
-        SceneBody(name, (placed.cut.part,), placed.shift * one, placed.turn * one)
-        for name, placed in zip(told, sheet.placed)
+        SceneBody(name, (placed.cut.part,), placed.shift * unit, placed.turn * unit)
+        for name, placed in zip(labels, sheet.placed)
     )
-    table = Table((Column("sheet", "", "the parts as they lie on it", np.ones(1)),))
+    table = Table((Column("sheet", "", "parts on the sheet", np.ones(1)),))
     scene = Scene(table, np.zeros(1), np.ones(1, dtype=bool), bodies, cyclic=False)
-    return replace(_loose(parts, scene, parts), name=parts[0].name if len(parts) == 1 else f"{len(parts)} parts")
+    return replace(_static_job(parts, scene, parts), name=parts[0].name if len(parts) == 1 else f"{len(parts)} parts")
 
 
 @_job.register
 def _(curve: AbstractCurve) -> Job:
-    """A point that runs along it."""
+    """A point that moves along the curve."""
     t = np.linspace(curve.breaks[0], curve.breaks[-1], FRAMES)
-    place = curve.point(t)
+    point = curve.point(t)
     table = Table((
         Column("t", "", "parameter of the curve", t),
-        *xy_columns("point", "mm", "place on the curve", place),
+        *xy_columns("point", "mm", "point on the curve", point),
         Column("curvature", "1/mm", "curvature, positive to the left", finite(curve.curvature(t))),
-        Column("speed", "mm", "way along the curve per 1 of the parameter", np.abs(curve.velocity(t))),
+        Column("speed", "mm", "length along the curve per unit of the parameter", np.abs(curve.velocity(t))),
     ))  # fmt: skip
     scene = Scene(
         table,
@@ -298,12 +345,12 @@ def _(curve: AbstractCurve) -> Job:
         np.ones(FRAMES, dtype=bool),
         (),
         (SceneCurve(curve, "construction", "curve"),),
-        (SceneMark("point", place, "traced", "point", trail=True),),
+        (SceneMark("point", point, "traced", "point", trail=True),),
         (
             Plot("curvature", ("curvature",)),
-            Plot("place", ("point_x", "point_y")),
+            Plot("position", ("point_x", "point_y")),
             Plot("speed of the parameter", ("speed",)),
         ),
         curve.closed,
     )
-    return _loose(curve, scene)
+    return _static_job(curve, scene)

@@ -97,8 +97,8 @@ def test_no_follower_slips_into_the_cam_along_the_normal(cam):
 def test_pressure_angle_is_between_the_normal_and_the_way_of_the_follower(cam):
     contact, h = cam.contact(DEGREES), 1e-6
     local, lift = cam.follower_pose(DEGREES).locate(contact.point), cam.program.motion(DEGREES).lift
-    way = cam.follower.place(lift + h, cam.base_radius).place(local)
-    way = way - cam.follower.place(lift - h, cam.base_radius).place(local)
+    way = cam.follower.pose(lift + h, cam.base_radius).place(local)
+    way = way - cam.follower.pose(lift - h, cam.base_radius).place(local)
     if isinstance(cam.follower, OscillatingRoller):
         # The roller turns on its pin: what the arm is pushed by is the way of the pin.
         way = placed(cam, lift + h) - placed(cam, lift - h)

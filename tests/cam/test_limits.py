@@ -214,7 +214,7 @@ def test_a_hill_between_samples_limits_the_least_base_radius_too(degrees):
 def test_a_hill_between_samples_limits_the_largest_base_radius_too(tried):
     """A limit that a radius that is tried keeps at all samples, and breaks between them: the largest is smaller."""
     follower, program = OscillatingRoller(10, 100, 80), SWINGS
-    low, high = follower.base_radii(np.radians(14))
+    low, high = follower.base_radius_range(np.radians(14))
     radius = low + (high - low) * (tried + 0.5) / base_circle.TRIED
 
     def leaning(radius, angles):

@@ -189,7 +189,7 @@ def test_what_is_wrong_is_told_word_by_word(name):
 )
 def test_arms_reach_cams_between_two_sizes_that_are_told(follower, low, high):
     """Low: the pivot's distance less what is on the arm; high: a little less than all of it in line, or square."""
-    least, most = follower.base_radii(np.radians(14))
+    least, most = follower.base_radius_range(np.radians(14))
     assert least == pytest.approx(low) and high < most < high + 1
     for base in (least * (1 + 1e-6) + 1e-6, most * (1 - 1e-6)):
         place = gk.Cam(follower, SWINGS, base).follower_pose(np.linspace(0, 2 * np.pi, 99))

@@ -27,7 +27,7 @@ class PointedBar(gk.cam.AbstractFollower):
     width: float = quantity("width of the bar", "mm", above=0, at_most=1000, example=8)
     kind: Literal["pointed-bar"] = "pointed-bar"
     oscillates = False
-    rounding = 0.0
+    roller_radius = 0.0
 
     def __post_init__(self):
         check_sizes(self)
@@ -44,7 +44,7 @@ class PointedBar(gk.cam.AbstractFollower):
         if self.width > 2 * base_radius:
             raise gk.DesignError("follower.width", "it is wider than the cam", "give a narrower bar")
 
-    def base_radii(self, largest_lift):
+    def base_radius_range(self, largest_lift):
         return 0.0, np.inf
 
     def contact(self, motion, base_radius, sense):
@@ -55,7 +55,7 @@ class PointedBar(gk.cam.AbstractFollower):
         turn = (np.conj(u) * (motion.acceleration - 2j * sense * motion.velocity - point)).imag / np.abs(u) ** 2
         return gk.cam.Contact(point, normal, turn, np.abs(u), sense * np.angle(normal))
 
-    def place(self, lift, base_radius):
+    def pose(self, lift, base_radius):
         """Origin at the point, x axis along the bar."""
         return gk.plane.Pose(base_radius + lift + 0j, np.ones(np.shape(lift), complex))
 
@@ -64,7 +64,7 @@ class PointedBar(gk.cam.AbstractFollower):
         on_line = np.abs(points.imag) < 1e-9
         return np.where(on_line, points.real - base_radius, -np.inf)
 
-    def joint(self, pose, start, end):
+    def surface_between(self, pose, start, end):
         return gk.plane.Segment(start, end)
 
     def outer_radius_bound(self, motion, base_radius, sense):
@@ -73,12 +73,12 @@ class PointedBar(gk.cam.AbstractFollower):
     def convex_radius(self, program, base_radius, sense):
         def curvature(angle):
             contact = self.contact(program.motion(angle), base_radius, sense)
-            return -sense * contact.turn / contact.advance
+            return -sense * contact.normal_rate / contact.profile_speed
 
         bend, at = highest(program.breaks, curvature)
         return np.where(bend > 0, 1 / np.abs(bend), np.inf), at
 
-    def excess(self, motion, base_radius, sense, least_radius):
+    def undercut_violation(self, motion, base_radius, sense, least_radius):
         return np.full(np.shape(motion.lift), -1.0)
 
     def contact_travel(self, program, base_radius, sense):

@@ -22,15 +22,15 @@ def test_a_cam_by_itself_shows_the_follower_in_lines(name):
     scene, follower = scene_of(cam), cam.follower
     (contact,) = marks(scene, "point", "contact")
     pins = {mark.label: mark.place for mark in scene.marks if mark.sort.endswith("pin")}
-    assert ("pivot" in pins) == follower.oscillates and ("roller" in pins) == bool(follower.rounding)
+    assert ("pivot" in pins) == follower.oscillates and ("roller" in pins) == bool(follower.roller_radius)
     assert scene.cyclic and scene.assembled.all() and not any(body.parts for body in scene.bodies)
-    if follower.rounding:
+    if follower.roller_radius:
         # Where it touches is a roller's radius from its centre, all the time.
-        assert np.abs(pins["roller"] - contact.place) == pytest.approx(np.full(121, follower.rounding))
+        assert np.abs(pins["roller"] - contact.place) == pytest.approx(np.full(121, follower.roller_radius))
     if follower.oscillates:
         (arm,) = marks(scene, "line", "arm")
         assert (arm.place == pins["pivot"]).all() and not marks(scene, "slide")
-        if follower.rounding:
+        if follower.roller_radius:
             assert np.abs(arm.place + arm.vector - pins["roller"]).max() < 1e-9
     else:
         (stem,), (guide,) = marks(scene, "line", "follower"), marks(scene, "slide", "guide")
@@ -61,7 +61,7 @@ def test_what_undercut_keeps_from_its_place_is_drawn_where_it_should_be(sort):
     follower = gk.TranslatingRoller(12, 0) if sort == "circle" else gk.TranslatingFlat(0)
     cam = gk.Cam(follower, SHARP, 20)
     scene = scene_of(cam)
-    (wished,) = [mark for mark in scene.marks if mark.label == "follower where it should be"]
+    (wished,) = [mark for mark in scene.marks if mark.label == "follower without undercut"]
     lost = np.asarray(scene.table["lost_lift"])
     (way,) = marks(scene, "line", "direction of motion")
     assert wished.sort == sort and (lost > 0).any() and np.array_equal(np.isfinite(wished.place), lost > 0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.making.motors import apart, on_motor
+from geomkin.making.motors import split_motor_parts, with_motor_plate
 from geomkin.plane import Circle
 
 from .gallery import RECIPES, marks, named, recipe
@@ -58,14 +58,14 @@ def scenes_with(parts):
 
 def test_the_plate_of_a_motor_lies_still_under_everything():
     motor = plate(15 + 15j, body="motor")
-    assert apart((motor, plate()))[1] == (motor,)
+    assert split_motor_parts((motor, plate()))[1] == (motor,)
     for with_motor, without in zip(scenes_with((motor,)), scenes_with(())):
         first, *others = with_motor.bodies
         assert (first.name, first.parts, first.fixed, first.layer) == ("motor", (motor,), True, 0)
         assert (first.direction == 1).all() and (first.origin == 0).all()
         assert first.origin.shape == first.direction.shape == without.bodies[0].origin.shape
         assert [(b.name, b.layer) for b in others] == [(b.name, b.layer + 1) for b in without.bodies]
-    assert on_motor(without.bodies, ()) is without.bodies
+    assert with_motor_plate(without.bodies, ()) is without.bodies
 
 
 LAYERS = {

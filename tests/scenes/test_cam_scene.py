@@ -57,7 +57,7 @@ def test_where_lift_is_lost_what_was_asked_for_is_drawn_beside_it():
     assert np.array_equal(np.isfinite(wished.place), lost > 0) and (lost > 0).any()
     apart = np.abs(wished.place - named(scene, "roller").origin)
     np.testing.assert_allclose(apart[lost > 0], lost[lost > 0], rtol=1e-9)
-    assert [curve.label for curve in scene.curves if curve.role == "wanted"] == ["profile that was asked for"]
+    assert [curve.label for curve in scene.curves if curve.role == "wanted"] == ["profile without undercut"]
 
 
 def test_limits_of_the_checks_are_lines_in_the_plots():

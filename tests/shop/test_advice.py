@@ -133,7 +133,7 @@ def test_a_sheet_that_a_screws_nut_is_too_high_for_is_told_by_how_many():
 
     assert f"as high as {sheets(0.3):.0f} sheets" in problem
     for thick in np.arange(0.3, 0.6, 0.01).round(2).tolist():
-        assert fastener_of(4.0, thick, None, 0.2, None).sort == ("screw" if sheets(thick) <= most else "rod")
+        assert fastener_of(4.0, thick, None, 0.2, None).form == ("screw" if sheets(thick) <= most else "rod")
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -78,7 +78,7 @@ def test_the_plates_in_the_cams_plane_touch_it_and_no_more(cam):
     for angle in np.radians(np.arange(3, 360, 13)):
         turned = moved(plate, gk.plane.Pose(0, np.exp(1j * cam.sense * angle)))
         lift = cam.program.motion(angle).lift - lost(angle)
-        pose = cam.follower.place(lift, cam.base_radius)
+        pose = cam.follower.pose(lift, cam.base_radius)
         if rider.name == "roller" and isinstance(cam.follower, OscillatingRoller):
             pose = gk.plane.Pose(pose.place(cam.follower.arm_length))
         there = moved(shape, pose)

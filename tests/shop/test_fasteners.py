@@ -175,7 +175,7 @@ def test_what_is_no_screw_is_a_rod_or_refused():
 
 def test_sheets_so_thin_that_a_nut_is_a_pile_of_them_have_rods():
     assert (
-        LinkStock(thickness=0.4).fastener_used.sort == "rod" and LinkStock(thickness=0.8).fastener_used.sort == "screw"
+        LinkStock(thickness=0.4).fastener_used.form == "rod" and LinkStock(thickness=0.8).fastener_used.form == "screw"
     )
     with pytest.raises(DesignError, match="fastener: found a screw, whose nut is as high as .* sheets"):
         LinkStock(thickness=0.1, fastener="screw")

@@ -61,7 +61,7 @@ def test_keys_are_those_of_the_standard():
 
 
 def test_screws_nuts_and_washers_are_those_of_the_standards():
-    found = [[d, s.pitch, *s.head, *s.lengths, s.corners, s.height, *s.washer] for d, s in SIZES.items()]
+    found = [[d, s.pitch, *s.head, *s.lengths, s.nut_width, s.nut_height, *s.washer] for d, s in SIZES.items()]
     assert found == rows(SCREWS)
     assert [list(LENGTHS)] == rows(OF_SCREWS)
     assert {s.screw.split()[-1] for d, s in SIZES.items() if d < 3} == {"4762"}
@@ -71,7 +71,12 @@ def test_screws_nuts_and_washers_are_those_of_the_standards():
 def test_a_stepping_motor_has_the_face_that_its_size_is_named_after():
     """NEMA 17: a square of 1.7 inches at most; screws M3 at 31 mm on a circle of 43.84 mm, a boss of 22 x 2 mm."""
     (motor,) = MOTORS.values()
-    assert 42 <= motor.side <= 43.2 and (motor.pilot, motor.boss, motor.shaft, motor.thread) == (22, 2, 5, 3)
+    assert 42 <= motor.face_width <= 43.2 and (motor.boss_diameter, motor.boss_height, motor.shaft, motor.thread) == (
+        22,
+        2,
+        5,
+        3,
+    )
     boss, *screws = motor.holes(0.0)
     assert 2 * np.abs([hole.centre for hole in screws]) == pytest.approx(4 * [43.84], abs=0.01)
     assert {round(2 * hole.radius, 9) for hole in screws} == {3.4} and 2 * boss.radius == 22

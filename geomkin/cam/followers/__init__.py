@@ -1,4 +1,4 @@
-"""What rides on a cam: the table of followers that a recipe may name. A new one is one class, and one row here."""
+"""The followers of cams, and the table of their kinds. A new follower is one class and one row here."""
 
 from .flat import OscillatingFlat, TranslatingFlat
 from .follower import FOLLOWERS

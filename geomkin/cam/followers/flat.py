@@ -1,4 +1,4 @@
-"""Followers with a flat face: on a straight line and on an arm."""
+"""Followers with a flat face, translating and oscillating."""
 
 from __future__ import annotations
 
@@ -33,68 +33,73 @@ from .follower import (
 
 
 class AbstractFace(AbstractFollower):
-    """A follower that touches the cam with a flat face; it cannot follow a cam that is hollow anywhere.
+    """Base class of followers that touch the cam with a flat face. Such a cam must be convex everywhere.
 
-    Source: Rothbart, Cams (1956), flat-faced followers.
+    Notes
+    -----
+    Rothbart, Cams (1956), flat-faced followers.
     """
 
-    rounding = 0.0
+    roller_radius = 0.0
     knife_edge = None
 
     def outer_radius_bound(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
-        # Of the face's line, the point nearest to the axis.
+        # The distance from the axis to the line of the face.
         contact = self.contact(motion, base_radius, sense)
         return dot(contact.normal, contact.point)
 
-    def joint(self, pose: Pose, start: complex, end: complex) -> Segment:
+    def surface_between(self, pose: Pose, start: complex, end: complex) -> Segment:
         return Segment(start, end)
 
     def convex_radius(self, program: Program, base_radius: float, sense: int) -> tuple[Real, Real]:
         def below(angle: Real) -> Real:
             contact = self.contact(program.motion(angle), base_radius, sense)
-            return -contact.advance / np.abs(contact.turn)
+            return -contact.profile_speed / np.abs(contact.normal_rate)
 
         radius, at = highest(program.breaks, below)
         return -radius, at
 
     def undercut_violation(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
         contact = self.contact(motion, base_radius, sense)
-        return least_radius * np.abs(contact.turn) - contact.advance
+        return least_radius * np.abs(contact.normal_rate) - contact.profile_speed
 
     def contact_travel(self, program: Program, base_radius: float, sense: int) -> tuple[float, float]:
         def along(angle: Real) -> Real:
             motion = program.motion(angle)
             contact = self.contact(motion, base_radius, sense)
-            return np.real(self.place(motion.lift, base_radius).locate(contact.point))
+            return np.real(self.pose(motion.lift, base_radius).locate(contact.point))
 
         return -largest(program.breaks, lambda t: -along(t))[0], largest(program.breaks, along)[0]
 
     def face(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[float, float]:
-        """Ends of the face that is cut, mm along its x axis: what is touched, and the overhang on both sides."""
+        """Range of the face that is cut, mm along its x axis: the contact range with the overhang on both sides."""
         low, high = self.contact_travel(program, base_radius, sense)
         return low - bars.overhang, high + bars.overhang
 
 
 def on_face(
-    normal: Complex, distance: tuple[Real, Real, Real], turn: tuple[Real, Real], pressure_angle: Real, sense: int
+    normal: Complex,
+    distance: tuple[Real, Real, Real],
+    normal_rate: tuple[Real, Real],
+    pressure_angle: Real,
+    sense: int,
 ) -> Contact:
     """Contact of a flat face.
 
-    distance: p, mm, of the face from the cam's axis and its derivatives by cam angle; turn: rate of the
-    normal's angle phi as seen from the cam, and its derivative. The cam's support function is p(phi), so
-    it touches at n (p + i dp/dphi) with the radius of curvature p + d2p/dphi2.
-
-    Source: derived here, from the support function of a convex curve.
+    distance: p, mm, from the cam's axis to the face, and its derivatives by cam angle. normal_rate: rate of the
+    normal's angle phi in the cam's frame, and its derivative. The cam's support function is p(phi), so the contact is
+    n (p + i dp/dphi) and the radius of curvature p + d2p/dphi2. Derived here, from the support function of a convex
+    curve.
     """
     p, p1, p2 = distance
-    rate, rate1 = turn
+    rate, rate1 = normal_rate
     along = p1 / rate
     radius = p + (p2 - along * rate1) / rate**2
     return Contact(normal * (p + 1j * along), normal, rate, -sense * rate * radius, pressure_angle)
 
 
 def straight_face_base_radius(program: Program, least_radius: float, tilt_deg: float) -> float:
-    """The radius of curvature is rho = Rb + (s + s'') cos(tilt), so that least_radius - min(s + s'') cos(tilt)."""
+    """The radius of curvature is rho = Rb + (s + s'') cos(tilt), so Rb = least_radius - min(s + s'') cos(tilt)."""
 
     def below(angle: Real) -> Real:
         motion = program.motion(angle)
@@ -107,9 +112,15 @@ def straight_face_base_radius(program: Program, least_radius: float, tilt_deg: f
 class TranslatingFlat(AbstractFace):
     """A flat face that moves along y. At lift 0 it touches the base circle.
 
-    The pressure angle is the tilt all the way round, and 0 for a face square to y.
+    Parameters
+    ----------
+    tilt_deg : float, optional
+        Angle of the face from the x axis, counterclockwise, between -90 and 90 deg.
 
-    Source: Rothbart, Cams (1956), flat-faced follower; the tilted face derived here.
+    Notes
+    -----
+    The pressure angle equals the tilt at every cam angle. Rothbart, Cams (1956), flat-faced follower; the tilted face
+    is derived here.
     """
 
     tilt_deg: float = quantity(
@@ -120,7 +131,7 @@ class TranslatingFlat(AbstractFace):
 
     @property
     def tilt(self) -> float:
-        """rad."""
+        """Angle of the face from the x axis, rad."""
         return float(np.radians(self.tilt_deg))
 
     @property
@@ -128,21 +139,21 @@ class TranslatingFlat(AbstractFace):
         return 0.0
 
     def check(self, program: Program, base_radius: float, sense: int) -> None:
-        """Nothing: a face that moves straight reaches every cam."""
+        """Accept every cam: a translating face reaches all of them."""
 
-    def base_radii(self, largest_lift: float) -> tuple[float, float]:
+    def base_radius_range(self, largest_lift: float) -> tuple[float, float]:
         return 0.0, np.inf
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
-        """p = Rb + s cos(tilt), and the normal stands still: the pressure angle is the tilt, times the cam's sense."""
+        """p = Rb + s cos(tilt). The normal is constant; the pressure angle is the tilt times the cam's sense."""
         cosine = np.cos(self.tilt)
-        lift, still = base_radius + cosine * motion.lift, 0 * motion.lift
+        lift, zero = base_radius + cosine * motion.lift, 0 * motion.lift
         distance = lift, cosine * motion.velocity, cosine * motion.acceleration
-        normal = 1j * np.exp(1j * self.tilt) + still
-        return on_face(normal, distance, (still - sense, still), still + sense * self.tilt, sense)
+        normal = 1j * np.exp(1j * self.tilt) + zero
+        return on_face(normal, distance, (zero - sense, zero), zero + sense * self.tilt, sense)
 
-    def place(self, lift: Real, base_radius: float) -> Pose:
-        """Origin where the face crosses the y axis, x axis along the face."""
+    def pose(self, lift: Real, base_radius: float) -> Pose:
+        """The origin is the point where the face crosses the y axis; the x axis runs along the face."""
         origin = 1j * (base_radius / np.cos(self.tilt) + lift)
         return Pose(origin, np.full(np.shape(lift), np.exp(1j * self.tilt)))
 
@@ -153,15 +164,15 @@ class TranslatingFlat(AbstractFace):
         return straight_face_base_radius(program, least_radius, self.tilt_deg)
 
     def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
-        """The face on its stem."""
+        """One plate: the face with its stem."""
         face, width = self.face(bars, program, base_radius, sense), bars.bar_width
         outline, end = stemmed_face(face, self.tilt, width, bars.stem_length)
         hole = Hole("pivot_bore", bars.pivot_bore, width, end)
-        # The corners of a face lie beyond what the cam touches.
+        # The corners of a face lie outside its contact range.
         return (Plate("follower", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
 
     def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
-        """The same with a second hole in the stem."""
+        """The same plate with a second hole in the stem."""
         (follower,) = self.plates(bars, program, base_radius, sense)
         return (replace(follower, holes=guide_holes(bars, 1j * np.exp(-1j * self.tilt))),)
 
@@ -170,23 +181,33 @@ class TranslatingFlat(AbstractFace):
 class OscillatingFlat(AbstractFace):
     """A flat face on an arm that swings about a pivot at (pivot_distance, 0).
 
-    psi = asin((Rb - f) / c) + lift is the angle at the pivot between the line to the cam's axis and the
-    face, with Rb the base radius, c the pivot distance and f the face offset.
+    Parameters
+    ----------
+    pivot_distance : float
+        Distance of the pivot from the cam axis, along +x, mm, above 0.
+    face_offset : float, optional
+        Distance of the face from the pivot, mm, positive if the pivot is on the cam's side of the face.
+    side : {"above", "below"}, optional
+        Side of the line from cam axis to pivot on which the face is.
 
-    Source: Rothbart, Cams (1956), oscillating flat-faced follower; formulas derived here.
+    Notes
+    -----
+    The angle at the pivot between the line to the cam's axis and the face is psi = asin((Rb - f) / c) + lift, with
+    base radius Rb, pivot distance c and face offset f. Rothbart, Cams (1956), oscillating flat-faced follower; the
+    formulas are derived here.
     """
 
     pivot_distance: float = quantity(
         "distance of the arm's pivot from the cam axis, along +x", "mm", above=0, at_most=FARTHEST, example=100
     )
     face_offset: float = quantity(
-        "distance of the face from the pivot, positive where the pivot lies on the cam's side of it",
+        "distance of the face from the pivot, positive if the pivot is on the cam's side of the face",
         "mm",
         default=0.0,
         at_least=-FARTHEST,
         at_most=FARTHEST,
     )
-    side: Side = entry("side of the line from cam axis to pivot on which the face rides", default="above")
+    side: Side = entry("side of the line from cam axis to pivot on which the face is", default="above")
     kind: Literal["oscillating-flat"] = "oscillating-flat"
     oscillates = True
     # A smaller cam is undercut.
@@ -197,13 +218,13 @@ class OscillatingFlat(AbstractFace):
         return max(self.pivot_distance, abs(self.face_offset))
 
     def check(self, program: Program, base_radius: float, sense: int) -> None:
-        """The face must reach the cam on the cam's side of its pivot, and turn against it all the way round."""
+        """Require that the face reaches the cam, and that it never swings as fast as the cam turns."""
         lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
-        low, high = self.base_radii(lift)
+        low, high = self.base_radius_range(lift)
         if not low < base_radius < high:
             digits = ".4g" if high - low > 1e-2 * high else ".12g"
-            limits = f"cams with a base_radius above {low:{digits}} and below {high:{digits}} mm, not {base_radius:g}"
-            reached = limits if low < high else "no cam"
+            limits = f"only cams with a base_radius above {low:{digits}} and below {high:{digits}} mm"
+            reached = f"{limits}, not {base_radius:g}" if low < high else "no cam"
             raise DesignError(
                 "follower.pivot_distance",
                 f"found {self.pivot_distance:g} mm with face_offset {self.face_offset:g} mm and lifts up to "
@@ -215,52 +236,52 @@ class OscillatingFlat(AbstractFace):
         if slowest >= 1:
             raise DesignError(
                 "program",
-                f"at {np.degrees(angle):.4g} deg the face turns with the cam, and {slowest:.4g} times as fast: "
-                "no profile can move it so",
+                f"at {np.degrees(angle):.4g} deg the face turns with the cam and {slowest:.4g} times as fast; "
+                "no profile can produce that motion",
                 "give a longer segment or a smaller lift there",
             )
 
-    def base_radii(self, largest_lift: float) -> tuple[float, float]:
+    def base_radius_range(self, largest_lift: float) -> tuple[float, float]:
         c, f = self.pivot_distance, self.face_offset
-        # At psi = -90 and 90 deg the face stands square to the line of the two axes, and touches beside its pivot.
+        # At psi = -90 and 90 deg the face is perpendicular to the line of the two axes and the contact is at the pivot.
         return max(0.0, f - c), max(0.0, f + c * float(np.cos(np.clip(largest_lift, 0, np.pi))))
 
     def start_angle(self, base_radius: float) -> float:
         """psi at lift 0, rad."""
         c, up = self.pivot_distance, (base_radius, -self.face_offset)
-        # By its tangent, with exact sums: the sine alone tells half of the digits where the face stands nearly square.
+        # By the tangent and exact sums: near 90 deg the sine alone has only half of the digits.
         down = -base_radius, self.face_offset
         return float(np.arctan2(fsum(up), np.sqrt(fsum((c, *up)) * fsum((c, *down)))))
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
-        """p = c sin(psi) + f; it touches at the distance c cos(psi) / (1 + sgn tau s') from the pivot's foot."""
+        """p = c sin(psi) + f; the contact is at c cos(psi) / (1 + sense tau s') along the face."""
         tau, c = side_sign(self.side), self.pivot_distance
         psi = self.start_angle(base_radius) + motion.lift
         sine, cosine = c * np.sin(psi), c * np.cos(psi)
         v, a = motion.velocity, motion.acceleration
         distance = sine + self.face_offset, cosine * v, cosine * a - sine * v**2
-        still = 0 * psi
-        turn = -sense - tau * v + still, -tau * a + still
+        zero = 0 * psi
+        normal_rate = -sense - tau * v + zero, -tau * a + zero
         along = cosine / (1 + sense * tau * v)
-        pressure_angle = np.arctan2(self.face_offset + still, along)
-        return on_face(-1j * tau * arm_direction(psi, tau), distance, turn, pressure_angle, sense)
+        pressure_angle = np.arctan2(self.face_offset + zero, along)
+        return on_face(-1j * tau * arm_direction(psi, tau), distance, normal_rate, pressure_angle, sense)
 
-    def place(self, lift: Real, base_radius: float) -> Pose:
-        """Origin at the pivot, x axis along the face towards the cam."""
+    def pose(self, lift: Real, base_radius: float) -> Pose:
+        """The origin is the pivot; the x axis runs along the face towards the cam."""
         direction = arm_direction(self.start_angle(base_radius) + lift, side_sign(self.side))
         return Pose(np.full(np.shape(lift), complex(self.pivot_distance)), direction)
 
     def resting_lift(self, points: Complex, base_radius: float) -> Real:
-        away = points - self.pivot_distance
+        from_pivot = points - self.pivot_distance
         with np.errstate(invalid="ignore"):
-            along = np.sqrt(np.abs(away) ** 2 - self.face_offset**2)
-        psi = -side_sign(self.side) * np.angle(-away) - np.arctan2(self.face_offset, along)
+            along = np.sqrt(np.abs(from_pivot) ** 2 - self.face_offset**2)
+        psi = -side_sign(self.side) * np.angle(-from_pivot) - np.arctan2(self.face_offset, along)
         return np.where(np.isfinite(along), psi - self.start_angle(base_radius), -np.inf)
 
     def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
-        """The arm about its pivot, with the face."""
+        """One plate: the arm about its pivot, with the face."""
         face, width = self.face(bars, program, base_radius, sense), bars.bar_width
         outline = faced_arm(face, self.face_offset, width, side_sign(self.side))
         hole = Hole("pivot_bore", bars.pivot_bore, width)
-        # The corners of a face lie beyond what the cam touches.
+        # The corners of a face lie outside its contact range.
         return (Plate("arm", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)

@@ -1,4 +1,4 @@
-"""Followers that roll: on a straight line and on an arm."""
+"""Roller followers, translating and oscillating."""
 
 from __future__ import annotations
 
@@ -21,12 +21,17 @@ from .follower import AbstractFollower, Bars, Contact, Hole, Plate, Side, arm_di
 
 @record
 class AbstractRoller(AbstractFollower):
-    """A follower that touches the cam with a roller; radius 0 is a knife edge.
+    """Base class of followers that touch the cam with a roller or a knife edge.
 
-    The profile is the curve parallel to the pitch curve, the path of the roller's centre on the cam, at the distance
-    of the roller's radius.
+    Parameters
+    ----------
+    roller_radius : float
+        Radius of the roller, mm; 0 for a knife edge.
 
-    Source: Rothbart, Cams (1956), pitch curve and cam profile.
+    Notes
+    -----
+    The profile is parallel to the pitch curve, the path of the roller's centre on the cam, at the distance of the
+    roller's radius: Rothbart, Cams (1956), pitch curve and cam profile.
     """
 
     roller_radius: float = quantity("radius of the roller", "mm", at_least=0, at_most=FARTHEST, example=10)
@@ -34,11 +39,7 @@ class AbstractRoller(AbstractFollower):
     @property
     @abstractmethod
     def centre(self) -> complex:
-        """The roller's centre in the follower's own frame, mm."""
-
-    @property
-    def rounding(self) -> float:
-        return self.roller_radius
+        """The roller's centre in the follower's frame, mm."""
 
     @property
     def knife_edge(self) -> Self:
@@ -47,7 +48,7 @@ class AbstractRoller(AbstractFollower):
     def outer_radius_bound(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
         return np.abs(self.knife_edge.contact(motion, base_radius + self.roller_radius, sense).point)
 
-    def joint(self, pose: Pose, start: complex, end: complex) -> Arc:
+    def surface_between(self, pose: Pose, start: complex, end: complex) -> Arc:
         centre = complex(pose.place(self.centre))
         return Arc(centre, start, float(np.angle((end - centre) / (start - centre))))
 
@@ -56,53 +57,71 @@ class AbstractRoller(AbstractFollower):
 
         def curvature(angle: Real) -> Real:
             contact = knife.contact(program.motion(angle), prime_radius, sense)
-            return -sense * contact.turn / np.abs(contact.advance)
+            return -sense * contact.normal_rate / np.abs(contact.profile_speed)
 
-        # By curvature, which stays finite where the pitch curve is straight and its radius is not.
-        bend, at = highest(program.breaks, curvature)
+        # The curvature is finite where the pitch curve is straight; the radius is not.
+        peak, at = highest(program.breaks, curvature)
         with np.errstate(divide="ignore"):
-            return np.where(bend > 0, 1 / np.maximum(bend, 0), np.inf) - self.roller_radius, at
+            return np.where(peak > 0, 1 / np.maximum(peak, 0), np.inf) - self.roller_radius, at
 
     def undercut_violation(self, motion: FollowerMotion, base_radius: float, sense: int, least_radius: float) -> Real:
-        # A profile with this radius left is one that a roller larger by as much just does not undercut.
+        # A profile has at least this radius if a roller that is larger by the same amount does not undercut it.
         larger = replace(self, roller_radius=self.roller_radius + least_radius) if least_radius else self
-        return -larger.contact(motion, base_radius - least_radius, sense).advance
+        return -larger.contact(motion, base_radius - least_radius, sense).profile_speed
 
     def contact_travel(self, program: Program, base_radius: float, sense: int) -> None:
         return None
 
     def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
-        """The roller; none of a knife edge. One that moves straight is carried by the guide at hand, not by a plate."""
+        """The roller; none for a knife edge. A translating roller is held by a guide that is not included."""
         radius = self.roller_radius
         hole = Hole("roller_bore", bars.roller_bore, 2 * radius)
         return (Plate("roller", Circle(0j, radius), (hole,)),) if radius else ()
 
 
 def on_roller(
-    centre: Complex, slope: Complex, bend: Complex, radius: float, sense: int, way: Complex | complex, sign: int
+    centre: Complex,
+    velocity: Complex,
+    acceleration: Complex,
+    radius: float,
+    sense: int,
+    direction: Complex | complex,
+    sign: int,
 ) -> Contact:
-    """Contact of a roller of a radius, mm, whose centre has the derivatives slope and bend by cam angle.
+    """Contact of a roller; velocity and acceleration of its centre are by cam angle.
 
-    way: unit direction in which the centre moves as the lift grows. sign: +1 or -1, of the pressure angle. With B the
-    centre, the pitch curve E B has the velocity E u, u = B' - i sgn B, and the roller lies to the left of it for
-    sgn = +1. Derived here.
+    direction: unit direction in which the centre moves as the lift grows. sign: +1 or -1, of the pressure angle. With
+    the centre B, the pitch curve E B has the velocity E u, u = B' - i sense B, and the roller lies to the left of it
+    for sense = +1. Derived here.
     """
-    u = slope - 1j * sense * centre
+    u = velocity - 1j * sense * centre
     speed = np.abs(u)
     normal = 1j * sense * u / speed
-    turn = cross(u, bend - 2j * sense * slope - centre) / speed**2
-    pressure_angle = sign * np.angle(normal * np.conj(way))
-    return Contact(centre - radius * normal, normal, turn, speed + sense * radius * turn, pressure_angle)
+    rate = cross(u, acceleration - 2j * sense * velocity - centre) / speed**2
+    pressure_angle = sign * np.angle(normal * np.conj(direction))
+    return Contact(centre - radius * normal, normal, rate, speed + sense * radius * rate, pressure_angle)
 
 
 @record(checked=True)
 class TranslatingRoller(AbstractRoller):
-    """A roller that moves along a straight line parallel to y; radius 0 is a knife edge.
+    """A roller or knife edge that moves along a straight line parallel to y.
 
-    The line passes the cam's axis at `offset`, mm, positive to +x. With the cam's sense times the offset above 0 the
-    pressure angle is smaller on the rise and larger on the return.
+    Parameters
+    ----------
+    roller_radius : float
+        Radius of the roller, mm; 0 for a knife edge.
+    offset : float, optional
+        Distance of that line from the cam's axis, mm, positive to +x; smaller than the prime radius.
 
-    Source: Rothbart, Cams (1956), offset translating follower; formulas derived here.
+    Notes
+    -----
+    If the cam's sense times the offset is above 0, the pressure angle is smaller on the rise and larger on the return.
+    Rothbart, Cams (1956), offset translating follower; the formulas are derived here.
+
+    Examples
+    --------
+    >>> gk.TranslatingRoller(roller_radius=10, offset=5).size
+    10
     """
 
     offset: float = quantity(
@@ -128,30 +147,30 @@ class TranslatingRoller(AbstractRoller):
         if abs(self.offset) >= prime:
             raise DesignError(
                 "follower.offset",
-                f"found {self.offset:g} mm, but the roller's centre starts {prime:g} mm from the axis",
+                f"found {self.offset:g} mm, not below the prime radius of {prime:g} mm",
                 f"give an offset below {prime:g} mm or a larger base_radius",
             )
 
-    def base_radii(self, largest_lift: float) -> tuple[float, float]:
+    def base_radius_range(self, largest_lift: float) -> tuple[float, float]:
         return max(0.0, abs(self.offset) - self.roller_radius), np.inf
 
     def start_height(self, base_radius: float) -> float:
         """Height of the roller's centre above the cam's axis at lift 0, mm."""
-        # By factors that are exact: an offset that nearly is the prime radius leaves few digits of their squares.
+        # By exact factors: if the offset is close to the prime radius, the difference of squares has few digits.
         sides = (fsum((base_radius, self.roller_radius, sign * self.offset)) for sign in (1, -1))
         return float(np.sqrt(prod(sides)))
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
         centre = self.offset + 1j * (self.start_height(base_radius) + motion.lift)
-        slope, bend = 1j * motion.velocity, 1j * motion.acceleration
-        return on_roller(centre, slope, bend, self.roller_radius, sense, 1j, sense)
+        velocity, acceleration = 1j * motion.velocity, 1j * motion.acceleration
+        return on_roller(centre, velocity, acceleration, self.roller_radius, sense, 1j, sense)
 
-    def place(self, lift: Real, base_radius: float) -> Pose:
-        """Origin at the roller's centre, x axis as the ground's."""
+    def pose(self, lift: Real, base_radius: float) -> Pose:
+        """The origin is the roller's centre; the x axis is parallel to the ground's."""
         return Pose(self.offset + 1j * (self.start_height(base_radius) + lift), np.ones(np.shape(lift), complex))
 
     def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
-        """The roller, and a stem that carries it, between cam and base."""
+        """The roller and its stem, which lies between cam and base."""
         roller, width = self.plates(bars, program, base_radius, sense), bars.bar_width
         pin = (Hole("roller_bore", bars.roller_bore, width),) if roller else ()
         outline = rounded_hull([0j, 1j * bars.stem_length], width / 2)
@@ -166,12 +185,24 @@ class TranslatingRoller(AbstractRoller):
 
 @record(checked=True)
 class OscillatingRoller(AbstractRoller):
-    """A roller on an arm that swings about a pivot at (pivot_distance, 0); radius 0 is a knife edge.
+    """A roller or knife edge on an arm that swings about a pivot at (pivot_distance, 0).
 
-    psi = acos((c^2 + L^2 - Rp^2) / 2 c L) + lift is the angle at the pivot between the lines to the cam's
-    axis and to the roller's centre, with c the pivot distance, L the arm length and Rp the prime radius.
+    Parameters
+    ----------
+    roller_radius : float
+        Radius of the roller, mm; 0 for a knife edge.
+    pivot_distance : float
+        Distance of the pivot from the cam axis, along +x, mm, above 0.
+    arm_length : float
+        Distance of the roller's centre from the pivot, mm, above 0.
+    side : {"above", "below"}, optional
+        Side of the line from cam axis to pivot on which the roller is.
 
-    Source: Rothbart, Cams (1956), oscillating roller follower; formulas derived here.
+    Notes
+    -----
+    The angle at the pivot between the lines to the cam's axis and to the roller's centre is
+    psi = acos((c^2 + L^2 - Rp^2) / 2 c L) + lift, with pivot distance c, arm length L and prime radius Rp. Rothbart,
+    Cams (1956), oscillating roller follower; the formulas are derived here.
     """
 
     pivot_distance: float = quantity(
@@ -180,7 +211,7 @@ class OscillatingRoller(AbstractRoller):
     arm_length: float = quantity(
         "distance of the roller's centre from the pivot", "mm", above=0, at_most=FARTHEST, example=80
     )
-    side: Side = entry("side of the line from cam axis to pivot on which the roller rides", default="above")
+    side: Side = entry("side of the line from cam axis to pivot on which the roller is", default="above")
     kind: Literal["oscillating-roller"] = "oscillating-roller"
     oscillates = True
 
@@ -194,11 +225,11 @@ class OscillatingRoller(AbstractRoller):
 
     def check(self, program: Program, base_radius: float, sense: int) -> None:
         lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
-        low, high = self.base_radii(lift)
+        low, high = self.base_radius_range(lift)
         if not low < base_radius < high:
             digits = ".4g" if high - low > 1e-2 * high else ".12g"
-            limits = f"cams with a base_radius above {low:{digits}} and below {high:{digits}} mm, not {base_radius:g}"
-            reached = limits if low < high else "no cam"
+            limits = f"only cams with a base_radius above {low:{digits}} and below {high:{digits}} mm"
+            reached = f"{limits}, not {base_radius:g}" if low < high else "no cam"
             raise DesignError(
                 "follower.arm_length",
                 f"found {self.arm_length:g} mm with pivot_distance {self.pivot_distance:g} mm and lifts up to "
@@ -206,45 +237,46 @@ class OscillatingRoller(AbstractRoller):
                 "change arm_length, pivot_distance or base_radius",
             )
 
-    def base_radii(self, largest_lift: float) -> tuple[float, float]:
+    def base_radius_range(self, largest_lift: float) -> tuple[float, float]:
         c, arm = self.pivot_distance, self.arm_length
-        # At psi = 180 deg the arm points straight away from the axis and can swing no farther from it.
+        # At psi = 180 deg the arm points away from the axis, the limit of its swing.
         farthest = np.sqrt(c**2 + arm**2 + 2 * c * arm * np.cos(np.clip(largest_lift, 0, np.pi)))
         return max(0.0, abs(c - arm) - self.roller_radius), max(0.0, float(farthest) - self.roller_radius)
 
     def start_angle(self, base_radius: float) -> float:
         """psi at lift 0, rad."""
         c, arm, prime = self.pivot_distance, self.arm_length, (base_radius, self.roller_radius)
-        # By the half angle and exact sums, which keep their digits where the three points are nearly in line.
+        # By the half angle and exact sums, which keep their digits if the three points are nearly collinear.
         opposite = fsum((*prime, -c, arm)) * fsum((*prime, c, -arm))
         adjacent = fsum((c, arm, -base_radius, -self.roller_radius)) * fsum((c, arm, *prime))
         return 2 * float(np.arctan2(np.sqrt(opposite), np.sqrt(adjacent)))
 
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
         tau = side_sign(self.side)
-        reach = self.arm_length * arm_direction(self.start_angle(base_radius) + motion.lift, tau)
-        # The arm's direction turns by -tau per unit of lift.
-        slope = -1j * tau * motion.velocity * reach
-        bend = -1j * tau * motion.acceleration * reach - motion.velocity**2 * reach
-        way = -1j * tau * reach / self.arm_length
-        return on_roller(self.pivot_distance + reach, slope, bend, self.roller_radius, sense, way, tau)
+        arm = self.arm_length * arm_direction(self.start_angle(base_radius) + motion.lift, tau)
+        # The arm rotates by -tau per unit of lift.
+        velocity = -1j * tau * motion.velocity * arm
+        acceleration = -1j * tau * motion.acceleration * arm - motion.velocity**2 * arm
+        direction = -1j * tau * arm / self.arm_length
+        centre = self.pivot_distance + arm
+        return on_roller(centre, velocity, acceleration, self.roller_radius, sense, direction, tau)
 
-    def place(self, lift: Real, base_radius: float) -> Pose:
-        """Origin at the pivot, x axis towards the roller's centre."""
+    def pose(self, lift: Real, base_radius: float) -> Pose:
+        """The origin is the pivot; the x axis points to the roller's centre."""
         direction = arm_direction(self.start_angle(base_radius) + lift, side_sign(self.side))
         return Pose(np.full(np.shape(lift), complex(self.pivot_distance)), direction)
 
     def resting_lift(self, points: Complex, base_radius: float) -> Real:
-        away = points - self.pivot_distance
-        arm, gap = self.arm_length, np.abs(away)
+        from_pivot = points - self.pivot_distance
+        arm, distance = self.arm_length, np.abs(from_pivot)
         with np.errstate(invalid="ignore", divide="ignore"):
-            spread = np.arccos((arm**2 + gap**2 - self.roller_radius**2) / (2 * arm * gap))
-        # Angle at the pivot from the line to the axis to that to the point, and on to the roller beyond it.
-        psi = -side_sign(self.side) * np.angle(-away) + spread
-        return np.where(np.isfinite(spread), psi - self.start_angle(base_radius), -np.inf)
+            to_centre = np.arccos((arm**2 + distance**2 - self.roller_radius**2) / (2 * arm * distance))
+        # Angles at the pivot: from the line to the axis to the line to the point, and on to the roller's centre.
+        psi = -side_sign(self.side) * np.angle(-from_pivot) + to_centre
+        return np.where(np.isfinite(to_centre), psi - self.start_angle(base_radius), -np.inf)
 
     def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
-        """The roller, and the arm about its pivot."""
+        """The roller and the arm about its pivot."""
         roller, width = super().plates(bars, program, base_radius, sense), bars.bar_width
         pivot, pin = (
             Hole("pivot_bore", bars.pivot_bore, width),

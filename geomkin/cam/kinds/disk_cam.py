@@ -42,9 +42,9 @@ from ..program.segments import (
 from ..scene import cam_scene
 from ..undercut import Undercut, undercut
 
-# Of a cycloidal rise, so that the curve through them rests at both ends.
+# Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
-# Of each kind of segment one that lifts a follower from rest at 120 deg to rest at 240 deg.
+# For each kind of segment, an example that lifts a follower from rest at 120 deg to rest at 240 deg.
 LIFTS: dict[str, Segment] = {
     "rise": Rise("3-4-5", rise=20, end_deg=240),
     "polynomial": LiftPolynomial(
@@ -60,25 +60,39 @@ LIFTS: dict[str, Segment] = {
 
 @record(kw_only=True)
 class DiskCamRecipe(AbstractAssembledRecipe):
-    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates.
+
+    Parameters
+    ----------
+    cam : Cam
+        The cam and its follower.
+    drive : Drive, optional
+        Speed of the cam, rpm above 0, and the steps of the table.
+    stock : CamStock, optional
+        Sheet, bores and bars of cam and follower.
+    base : BaseStock, optional
+        Base plate that holds the shaft, and the pivot of an arm or the guide of a stem; none if omitted.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
 
     can_be_scaled: ClassVar[bool] = True
     kind: Literal["disk-cam"] = "disk-cam"
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
-    stock: CamStock = entry("what cam and follower are cut from", default=CamStock())
+    stock: CamStock = entry("sheet, bores and bars of cam and follower", default=CamStock())
     base: BaseStock | None = entry(
-        "a base plate that holds the shaft, and the pivot of an arm or the guide of a stem; left out, none",
+        "a base plate that holds the shaft, and the pivot of an arm or the guide of a stem; none if omitted",
         default=None,
     )
-    files: Files = entry("what is written", default=Files())
+    files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
         speed = self.drive.speed_rpm
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
             remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
-            raise DesignError("drive.speed_rpm", f"found {speed:g}; cam.direction is the way the cam turns", remedy)
+            raise DesignError("drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy)
         self.drive.check_rows()
 
     @property
@@ -87,7 +101,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def cut(self) -> Undercut:
-        """The cam that the follower leaves, trimmed where it undercuts."""
+        """The undercut of the cam and its trimmed outline."""
         return undercut(self.cam)
 
     @cached_property
@@ -101,12 +115,12 @@ class DiskCamRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Cam and follower, and their base."""
+        """The plates of cam, follower and base."""
         return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
 
     @cached_property
     def assembly(self) -> Assembly:
-        """What cam and follower turn on and are held by, and how all of it goes together."""
+        """Shafts, pins and collars of cam and follower, and the steps of assembly."""
         return cam_assembly(self.cam, self.stock, self.base)
 
     @cached_property
@@ -115,9 +129,9 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
 
     def _limits(self) -> tuple[Limit, ...]:
-        most, roller = most_pressure_angle(self.cam), self.cam.follower.rounding
+        most, roller = most_pressure_angle(self.cam), self.cam.follower.roller_radius
         curvature = (
-            Limit("pitch_curvature", 1 / roller, "the roller's own: above it the roller undercuts")
+            Limit("pitch_curvature", 1 / roller, "1 / roller radius: undercut above")
             if roller
             else Limit("profile_curvature", 1 / LEAST_CONVEX_RADIUS, "sharper edges wear")
         )
@@ -125,9 +139,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def notes(self) -> Mapping[str, object]:
-        """Peaks of each segment, the least base circle within the usual pressure angle, optimised segments, and what
-        undercut does.
-        """
+        """Peaks of each segment, least base circle for the usual pressure angle, optimised segments and undercut."""
         cam = self.cam
         notes: dict[str, object] = {"peaks": self._peaks()}
         try:
@@ -150,23 +162,23 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
 
     def _peaks(self) -> dict[str, dict[str, object]]:
-        """Of each segment that moves the largest sizes by cam angle, and its peak factors."""
+        """For each segment that moves: the peaks of its derivatives by cam angle, and its peak factors."""
         unit = "rad" if self.cam.follower.oscillates else "mm"
-        found: dict[str, dict[str, object]] = {}
+        entries: dict[str, dict[str, object]] = {}
         for k, peaks in self.cam.program.peaks.items():
             segment = self.cam.program.segments[k]
             law = getattr(segment, "law", segment.kind)
             sizes = {"velocity": peaks.velocity, "acceleration": peaks.acceleration, "jerk": peaks.jerk}
             sizes |= dict(zip(("Cv", "Ca", "Cj"), peaks.factors))
-            found[f"segment_{k + 1}"] = (
+            entries[f"segment_{k + 1}"] = (
                 {"law": law if isinstance(law, str) else "given", "units": f"{unit}/rad, {unit}/rad2, {unit}/rad3"}
                 | {name: float(f"{value:.9g}") for name, value in sizes.items()}
             )  # fmt: skip
-        return found
+        return entries
 
     @property
     def facts(self) -> tuple[str, ...]:
-        """Peak factors of each segment that ends at another lift than it starts."""
+        """Peak factors of each segment whose lifts at start and end differ."""
         factors = "Cv {Cv:.4g}, Ca {Ca:.4g}, Cj {Cj:.4g}"
         return tuple(
             f"{name.replace('_', ' ')}, {peaks['law']}: {factors.format(**peaks)}"
@@ -178,20 +190,20 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit
         return {
             f"lost_lift_{unit}": float(f"{lost * size:.9g}"),
-            "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # of a flat peak no more digits are sure
+            "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # the angle of a flat peak has no more certain digits
             "spans_deg": [[float(f"{np.degrees(a):.9g}") for a in span] for span in self.cut.spans],
         }
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """Follower and programme of the kinds asked for; an arm is lifted by as many degrees as others by mm."""
+        """Follower and programme of the requested kinds; lifts of an arm are as many degrees as the others are mm."""
         follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
         lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])
         if follower.oscillates:
             values = vars(lift)
             in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]
-            swung: dict[str, Any] = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
-            lift = replace(lift, **swung)
+            in_degrees: dict[str, Any] = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
+            lift = replace(lift, **in_degrees)
         return {
             "cam.base_radius": follower.example_base_radius,
             "cam.follower": follower,

@@ -16,26 +16,26 @@ from .laws import Ends, Law, PiecewisePolynomial
 from .segments import LiftTable, Pointed
 from .smoothing_spline import smoothest_within
 
-# Rows of all tables of a programme: nearly three times a table of 0.1 deg. More take seconds to fit and tell no more.
+# Largest number of rows of all tables of a programme: nearly three tables in steps of 0.1 deg. More need seconds.
 MOST_ROWS = 10_000
 # Columns of a CSV file; of those with lifts, whether these are angles.
 ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
-# Neighbouring rows held against a polynomial of the fifth degree: fewer take the motion for scatter, more see less.
+# Adjacent rows compared with a polynomial of the fifth degree. Fewer count the motion as scatter, more resolve less.
 WINDOW = 7
-# Rows below which their scatter is not told: of fewer, it would be a guess.
+# Least number of rows for an estimate of their scatter.
 FEWEST = 24
-# A band of so many standard deviations to either side holds nearly all rows: in a narrower one the curve follows their
-# scatter, in a wider one it leaves the motion.
+# Half width, in standard deviations, of a band that contains nearly all rows. In a narrower band the curve follows
+# their scatter, in a wider one it leaves the motion.
 WIDE = 3.0
-# Where every second row scatters more than so many times as much as all rows, it is the motion that is seen, in too few
-# rows. Less calls true scatter motion, more calls motion scatter.
+# If every second row scatters more than this many times as much as all rows, the rows are too few for the motion. A
+# smaller value counts true scatter as motion, a larger one motion as scatter.
 MOTION = 3.0
-# Places looked at from each row to the next for the largest acceleration: fewer may miss it.
-LOOKS = 8
+# Samples between two rows in the search for the largest acceleration. Fewer may miss it.
+SAMPLES = 8
 
 
 def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, bool]:
-    """The field that has them, (n, 2) angles in deg with lifts, and whether the lifts are in degrees."""
+    """The name of the field with rows, the rows (n, 2) of angles in deg and lifts, and whether lifts are in degrees."""
     offered = (
         {"rows": segment.rows, "rows_deg": segment.rows_deg, "file": segment.file}
         if isinstance(segment, LiftTable)
@@ -53,7 +53,7 @@ def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, b
 
 
 def checked_rows(rows: object, field: str) -> Real:
-    """The rows as an array (n, 2); refused under the field's name where they are none."""
+    """The rows as an array (n, 2). Raises DesignError with the field's name for anything else."""
     try:
         points = np.array(rows, dtype=float)
         fits = points.dtype.kind == "f" and points.ndim == 2 and points.shape[1] == 2 and len(points) <= MOST_ROWS
@@ -71,7 +71,7 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
     if not isinstance(name, str | Path):
         raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
     text = read_text_file(name, folder, "a CSV file")
-    # Counted first: as lists of numbers a file of this size takes a gigabyte.
+    # Counted first: a much larger file would need a gigabyte as lists of numbers.
     count = text.count("\n")
     if count > MOST_ROWS + 1:
         raise DesignError(
@@ -85,7 +85,7 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
         raise DesignError(
             "file",
             f"the first line of {printable(name)} does not name {lacking}",
-            f"name its columns there: {ANGLE} and one of {' and '.join(LIFTS)}, separated by commas or semicolons",
+            f"name its columns: {ANGLE} and one of {' and '.join(LIFTS)}, separated by commas or semicolons",
         )
     columns = header.index(ANGLE), header.index(lifts[0])
     points = []
@@ -94,7 +94,7 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
             continue
         if "".join(line[len(header) :]).strip():
             problem = f"line {k} of {printable(name)} has {len(line)} cells, the first line {len(header)}"
-            raise DesignError("file", problem, "give as many; decimal commas need semicolons between the cells")
+            raise DesignError("file", problem, "give the same number; decimal commas need semicolons between the cells")
         points.append(
             [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
         )
@@ -111,11 +111,10 @@ def _number(line: list[str], column: int, place: str) -> float:
 
 @record(eq=False)
 class TableFit:
-    """Lifts (n,), mm or deg, at rising x (n,) from 0 to 1, and how far a curve may stay from them.
+    """A curve near the lifts (n,) of a table, mm or deg, at rising x (n,) from 0 to 1.
 
-    ends: slope and curvature by x at both ends, None where it closes on itself. within: 0 for a curve through all.
-
-    Source: derived here; the curve is that of `smoothest_within`.
+    ends: slope and curvature by x at both ends; None for a periodic curve. within: band; 0 for a curve through all
+    rows. Derived here; the curve is that of `smoothest_within`.
     """
 
     x: Real
@@ -125,19 +124,19 @@ class TableFit:
 
     @cached_property
     def law(self) -> Law:
-        """The smoothest curve within the band; through all rows where there is none, or no spline is found in it."""
-        return self._near(self.within)
+        """The smoothest curve within the band; the curve through all rows if there is no band, or no spline in it."""
+        return self._law_within(self.within)
 
-    def _near(self, within: float) -> Law:
+    def _law_within(self, within: float) -> Law:
         smooth = smoothest_within(self.x, self.lifts, self.ends, within) if within > 0 else None
         return smooth or spline_through(self.x, self.lifts, self.ends)
 
     @cached_property
     def scatter(self) -> float:
-        """Standard deviation, mm or deg, by which the rows scatter about a smooth motion.
+        """Standard deviation of the rows from a smooth motion, mm or deg.
 
-        By what rows next to each other miss polynomials of the fifth degree. nan where that cannot be told: of
-        few rows, or of rows so far apart that the motion itself does not look smooth in them.
+        Estimated from the deviation of adjacent rows from polynomials of the fifth degree. nan for too few rows, or for
+        rows too far apart to resolve the motion.
         """
         if len(self.x) < FEWEST:
             return np.nan
@@ -146,22 +145,21 @@ class TableFit:
 
     @property
     def wide(self) -> float:
-        """A band, mm or deg, in which a curve need not follow the scatter."""
+        """Width of a band in which a curve need not follow the scatter, mm or deg."""
         return WIDE * self.scatter
 
     @cached_property
     def noise(self) -> float:
-        """How much of the acceleration is scatter of the rows, as a share of the motion's peak.
+        """Part of the acceleration that is due to scatter of the rows, as a share of the motion's peak.
 
-        The largest difference from the smoothest curve in a band as wide as the rows scatter. inf if that curve is a
-        rest or a steady motion, but for less than the band: then all of the acceleration is scatter. nan as for
-        `scatter`.
+        It is the largest difference from the smoothest curve in the band `wide`. inf if that curve is a dwell or a
+        uniform motion within the band: then all of the acceleration is scatter. nan as for `scatter`.
         """
         if not self.wide > self.within:
             return 0.0 * self.scatter
-        step = np.diff(self.x)[:, None] * np.arange(LOOKS) / LOOKS
+        step = np.diff(self.x)[:, None] * np.arange(SAMPLES) / SAMPLES
         places = (self.x[:-1, None] + step).ravel()
-        motion, curve = (np.asarray(law(places)) for law in (self._near(self.wide), self.law))
+        motion, curve = (np.asarray(law(places)) for law in (self._law_within(self.wide), self.law))
         steady = motion[0, 0] + (motion[0, -1] - motion[0, 0]) * places / places[-1]
         if np.abs(motion[0] - steady).max() <= self.wide:
             return np.inf
@@ -169,15 +167,15 @@ class TableFit:
 
 
 def _scatter(x: Real, lifts: Real) -> float:
-    """Standard deviation of what polynomials of the fifth degree leave over, by the upper quartile of all windows.
+    """Standard deviation from polynomials of the fifth degree, by the upper quartile of all windows.
 
-    Half of the windows may lie in a dwell that is known exactly; the few at joints of the motion lie above it.
+    Half of the windows may be in an exact dwell; the few at joints of the motion are above the quartile.
     """
     number = np.arange(len(x) - WINDOW + 1)[:, None] + np.arange(WINDOW)
     at = x[number] - x[number[:, :1]]
     at = at / at[:, -1:]
     apart = at[:, :, None] - at[:, None, :] + np.eye(WINDOW)
-    # Divided differences, which leave nothing of such a polynomial; their squares add up to 1.
+    # Divided differences, which are 0 for such a polynomial; the squares of the weights add up to 1.
     weights = 1 / np.prod(apart, axis=2)
     weights /= np.sqrt(np.sum(weights**2, axis=1))[:, None]
     missed = np.abs(np.sum(weights * lifts[number], axis=1))
@@ -196,7 +194,7 @@ def spline_through(x: Real, values: Real, ends: Ends) -> PiecewisePolynomial:
 
 
 def _times(a: Real, b: Real) -> Real:
-    """Products of 2 x 2 matrices with matrices of two rows, in a fixed order."""
+    """Products of 2 x 2 matrices with matrices of two rows, in a fixed order of summation."""
     return a[..., :1] * b[..., :1, :] + a[..., 1:] * b[..., 1:, :]
 
 
@@ -259,7 +257,7 @@ def _quintic(knots: Real, values: Real, ends: Ends) -> Real:
 
 
 def _links(width: Real, step: Real, i: Whole) -> tuple[Real, Real, Real, Real]:
-    """What knots i ask of the states before, at and after them, (len(i), 2, 2) each, and the right side."""
+    """Equations of knots i: coefficients of the states before, at and after them, (len(i), 2, 2), and right side."""
     h, g = width[i - 1][:, None], width[i][:, None]
     third = [-24 / h**2, -3 / h, 36 / g**2 - 36 / h**2, 9 / h + 9 / g, 24 / g**2, -3 / g]
     fourth = [-168 / h**3, -24 / h**2, -192 / h**3 - 192 / g**3, 36 / h**2 - 36 / g**2, -168 / g**3, 24 / g**2]

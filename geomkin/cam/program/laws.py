@@ -1,10 +1,10 @@
 """Laws of motion from 0 to 1 over 0 <= x <= 1, each with its derivatives to the third: normalised as in VDI 2143.
 
-Every law returns (4, ...): f, f', f'', f''' by x. Scaled to a rise h over an angle beta, the k-th
-derivative by angle is h f^(k) / beta^k. A law whose derivatives jump inside carries an attribute
-`breaks`: x from 0 to 1, the jumps between; at a jump it answers for the piece that starts there.
-The peaks in the docstrings are those of f', f'' and f'''. They and the laws stand in Norton, Cam Design and
-Manufacturing Handbook, on double-dwell cams, most also in VDI 2143 Blatt 1 (1980); the forms here are derived.
+Every law returns (4, ...): f, f', f'', f''' by x. For a rise h over an angle beta, the k-th derivative by angle is
+h f^(k) / beta^k. A law with inner jumps of its derivatives has an attribute `breaks`: the x of the jumps, with 0 and 1;
+at a jump the piece that starts there counts. The peaks in the docstrings are those of f', f'' and f'''. They and the
+laws are in Norton, Cam Design and Manufacturing Handbook, on double-dwell cams, most also in VDI 2143 Blatt 1 (1980);
+the forms here are derived.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ LawName = Literal[
     "3-4-5",
     "4-5-6-7",
 ]
-# Conditions whose equations multiply rounding by more than this do not settle the polynomial: a slope without its
-# lift, or so many places between that it swings far beyond them. Larger lets such polynomials pass, smaller refuses
-# sound ones of a high degree.
+# Largest condition number of a polynomial's equations: a slope without its lift exceeds it, or so many intermediate
+# points that the polynomial oscillates. A larger value accepts such polynomials, a smaller one refuses valid ones of a
+# high degree.
 WORST = 1e10
 # Slope and curvature at the start and at the end, by x; None for a spline that closes on itself.
 Ends = tuple[tuple[float, float], tuple[float, float]] | None
@@ -177,13 +177,13 @@ def breaks_of(law: Law) -> Real:
     return np.asarray(law.breaks if isinstance(law, BrokenLaw) else (0.0, 1.0), dtype=float)
 
 
-# How far a law of the caller's own may miss 0, 1 and its own integrals, relative to its size: more hides a
-# wrong derivative, less refuses laws that are themselves computed by differences.
+# Largest relative error of a user's law at 0, at 1 and of its integrals. A larger value hides a wrong derivative, a
+# smaller one refuses laws that are computed by differences.
 TRUST = 1e-6
 
 
 def law_of(law: LawName | Law) -> Law:
-    """A law by name, or a callable that has been tried: shape, ends, finite, each row the derivative of the last."""
+    """A law by name, or a callable after checks of its shape, its ends, and of each row as derivative of the last."""
     if isinstance(law, str):
         if law not in LAWS:
             raise DesignError("law", f"found {law!r}", f"give {', '.join(LAWS)} or a callable")
@@ -208,14 +208,14 @@ def law_of(law: LawName | Law) -> Law:
     if abs(ends[0, 0]) > TRUST or abs(ends[0, -1] - 1) > TRUST:
         raise DesignError("law", f"it runs from {ends[0, 0]:g} to {ends[0, -1]:g}", "make it run from 0 to 1")
     for k in range(3):
-        # At a jump the law answers for the piece after it, so steps that end at one are compared by f alone.
+        # At a jump the law returns the values of the piece after it, so steps that end there are checked for f only.
         last = np.isin(edges[1:], breaks[1:-1]) & (k > 0)
         missed = np.abs(np.diff(ends[k]) - inside[k + 1] @ weights * step / 2)[~last].max(initial=0)
         if missed > TRUST * max(1, np.abs(inside[k]).max()):
             raise DesignError(
                 "law",
                 f"its row {k + 1} is not the derivative of its row {k}",
-                "correct it, or name the places of its jumps in its attribute `breaks`",
+                "correct it, or list the x of its jumps in its attribute `breaks`",
             )
     return law
 
@@ -224,7 +224,7 @@ def law_of(law: LawName | Law) -> Law:
 class ChebyshevLaw:
     """A law as one polynomial. rows (degree + 1, 4): Chebyshev coefficients over 0 <= x <= 1 of f, f', f'', f'''.
 
-    Chebyshev's and not plain powers: at degree 15 those lose half their digits.
+    Chebyshev polynomials, since powers lose half their digits at degree 15.
     """
 
     rows: Real
@@ -243,12 +243,12 @@ def chebyshev_law(series: Sequence[Real]) -> ChebyshevLaw:
 
 def derive(coefficients: Real, order: int) -> Real:
     """Chebyshev coefficients of a derivative by x, of each column by itself."""
-    # x runs from 0 to 1 and a Chebyshev polynomial's own variable from -1 to 1.
+    # x is from 0 to 1, the variable of a Chebyshev polynomial from -1 to 1.
     return chebyshev.chebder(coefficients, order, scl=2) if order else coefficients
 
 
 def condition_row(x: ArrayLike, order: int, degree: int) -> Real:
-    """What each Chebyshev polynomial to `degree` adds to the derivative of that order at x (...): (degree + 1, ...)."""
+    """Derivatives of an order at x (...) of the Chebyshev polynomials up to a degree: (degree + 1, ...)."""
     return chebyshev.chebval(2 * np.asarray(x) - 1, derive(np.eye(degree + 1), order))
 
 
@@ -261,8 +261,8 @@ def polynomial_from(conditions: Sequence[tuple[float, int, float]]) -> Chebyshev
     if not size.all() or np.linalg.cond(rows / size[:, None]) > WORST:
         raise DesignError(
             "",
-            "its conditions do not settle one polynomial",
-            "give the lower derivatives before the higher ones, or fewer places between",
+            "its conditions do not determine one polynomial",
+            "give the lower derivatives too, or fewer intermediate points",
         )
     f = np.linalg.solve(rows / size[:, None], np.array([v for _, _, v in conditions]) / size)
     return chebyshev_law([derive(f, k) for k in range(4)])

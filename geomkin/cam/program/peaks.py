@@ -14,14 +14,14 @@ class SegmentPeaks:
     Parameters
     ----------
     velocity, acceleration, jerk : float
-        mm/rad, mm/rad2 and mm/rad3; of a follower that swings rad/rad, rad/rad2 and rad/rad3. The acceleration is inf
+        mm/rad, mm/rad2 and mm/rad3; for an oscillating follower rad/rad, rad/rad2 and rad/rad3. The acceleration is inf
         if the velocity jumps inside the segment or at one of its ends, the jerk if velocity or acceleration does. A
-        jump at an end counts only for a segment whose own value there is not 0: a dwell beside a harmonic rise has
-        none, nor has a cycloidal return that follows it.
+        jump at an end counts only for a segment whose value there is not 0: a dwell next to a harmonic rise has none,
+        nor has a cycloidal return that follows it.
     rise : float
         Lift at its end less that at its start, mm or rad.
     angle : float
-        Cam angle that it takes, rad.
+        Range of cam angles of the segment, rad.
 
     Notes
     -----

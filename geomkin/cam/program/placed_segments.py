@@ -1,4 +1,4 @@
-"""Where the segments of a programme begin and end: angles and lifts, worked out from what was given."""
+"""Start and end of the segments of a programme: angles and lifts, computed from the given ones."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from ...plane.vec import Real
 from .given_lifts import MOST_ROWS, checked_rows, read_rows
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 
-# Angles, deg, and lifts, mm or deg, that a person wrote to add up may miss by this much: less refuses
-# thirds of a turn written with nine digits, more hides a real gap.
+# Tolerance of sums of given angles, deg, and lifts, mm or deg. A smaller value refuses thirds of a turn written with
+# nine digits, a larger one hides a real gap.
 SLIP = 1e-7
-# Segments of a programme: more take seconds to put together, and are more than a cam can have.
+# Largest number of segments of a programme. More take seconds, and are more than a cam can have.
 MOST_SEGMENTS = 10_000
 
 
 @record(eq=False)
 class PlacedSegment:
-    """A segment in its place. start, end: deg; lift, end_lift: mm, or deg where `oscillates`.
+    """A segment with its limits. start, end: deg. lift, end_lift: mm, or deg if `oscillates`.
 
-    oscillates: None where it fits both, as a dwell does. points: (n, 2) given angles and lifts, for a
-    spline or a table; between, for a polynomial.
+    place: its name in messages. oscillates: None if it suits both, as a dwell does. points: (n, 2) given angles and
+    lifts of a spline or a table; intermediate ones of a polynomial.
     """
 
     place: str
@@ -45,13 +45,13 @@ class PlacedSegment:
         return float(np.radians(self.end) - np.radians(self.start))
 
     def x(self, angle: Real) -> Real:
-        """0 at the start and 1 at the end, for angles in deg."""
+        """Share of the segment, 0 at the start and 1 at the end, for angles in deg."""
         return (angle - self.start) / (self.end - self.start)
 
 
 @contextmanager
 def naming(place: str) -> Iterator[None]:
-    """Put the segment's place before the field a refusal names."""
+    """Put the segment's name before the field of a DesignError."""
     try:
         yield
     except DesignError as error:
@@ -60,7 +60,7 @@ def naming(place: str) -> Iterator[None]:
 
 
 def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> list[PlacedSegment]:
-    """Segments one after another from 0 to 360 deg, or the reason why not. folder: where files of tables lie."""
+    """Limits of the segments from 0 to 360 deg. folder: of files of tables. Raises DesignError if they do not fit."""
     made: list[PlacedSegment] = []
     angle, lift, rows = 0.0, 0.0, 0
     if len(segments) > MOST_SEGMENTS:
@@ -92,7 +92,7 @@ def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> li
                 "too-much-work",
             )
     _check_whole(made, angle, lift)
-    # A slip in the last lift would be a jump at the end of the turn.
+    # A rounding error of the last lift would be a jump at the end of the turn.
     last = made[-1].points.copy()
     last[-1:, 1:] = made[0].lift if isinstance(made[-1].segment, Pointed) else last[-1:, 1:]
     return [*made[:-1], replace(made[-1], end_lift=made[0].lift, points=last)]
@@ -106,7 +106,7 @@ def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
         raise DesignError(
             "program",
             f"{swings[False]} has its lift in mm and {swings[True]} in degrees",
-            "give all in mm for a follower that slides, or all in degrees for one that swings",
+            "give all in mm for a translating follower, or all in degrees for an oscillating one",
         )
     unit = "deg" if True in swings else "mm"
     if abs(lift - made[0].lift) > max(SLIP, band(made[-1].segment)):
@@ -130,7 +130,7 @@ def _end(segment: Timed, before: float) -> float:
         raise DesignError(
             "end_deg", f"the segment runs from {before:g} to {known[0]:g} deg", "give an end after its start"
         )
-    # The last one ends where the turn does, not a slip beside it.
+    # The last segment ends exactly at the end of the turn.
     return 360.0 if abs(known[0] - 360) <= SLIP else known[0]
 
 
@@ -138,12 +138,12 @@ def _apart(start: float, before: float) -> tuple[str, str]:
     kind = "a gap" if start > before else "an overlap"
     return (
         f"found {start:g}, but the segment before ends at {before:g} deg: {kind}",
-        "leave start_deg out, or add a dwell between them",
+        "omit start_deg, or add a dwell between them",
     )
 
 
 def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
-    """Lift at the end, and whether it was given in degrees, None where that cannot be told."""
+    """Lift at the end, and whether it was given in degrees; None if unknown."""
     if isinstance(segment, Dwell):
         return before, None
     if isinstance(segment, Return):
@@ -153,13 +153,13 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
         if segment.end_lift_deg is not None:
             end, oscillates = segment.end_lift_deg, True
     else:
-        ways = [
+        candidates = [
             (segment.end_lift, 0.0, False),
             (segment.rise, before, False),
             (segment.end_lift_deg, 0.0, True),
             (segment.rise_deg, before, True),
         ]
-        given = [(start + value, swings) for value, start, swings in ways if value is not None]
+        given = [(start + value, swings) for value, start, swings in candidates if value is not None]
         if len(given) != 1:
             found = "neither" if not given else "both" if len(given) == 2 else "more"
             raise DesignError("rise", f"of rise and end_lift found {found}", "give one of them, in mm or in degrees")
@@ -180,36 +180,36 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
 def _given(
     place: str, segment: Pointed, before: float, lift: float | None, folder: str | Path | None, alone: bool
 ) -> PlacedSegment:
-    """A segment from its own points. lift: that of the segment before, None for the first."""
+    """A segment with its own points. lift: of the segment before, None for the first."""
     field, points, oscillates = read_rows(segment, folder)
-    # Rows of a file have no place in the recipe: a message finds them by their angle.
+    # Rows of a file have no index in the recipe; messages name their angle.
     row = "" if field == "file" else "[{}]"
     unit = "deg" if oscillates else "mm"
     if len(points) < 2:
-        raise DesignError(field, f"found {len(points)}", "give two at least: where it starts and where it ends")
+        raise DesignError(field, f"found {len(points)}", "give at least two rows, for start and end")
     falls = np.flatnonzero(np.diff(points[:, 0]) <= 0)
     if len(falls):
         k = int(falls[0])
         problem = f"the angle {points[k + 1, 0]:g} deg follows {points[k, 0]:g} deg"
-        raise DesignError(field + row.format(k + 1), problem, "let the angles rise")
+        raise DesignError(field + row.format(k + 1), problem, "give rising angles")
     if alone and isinstance(segment, LiftTable):
-        # In equal steps, the next row would be the first again.
+        # With equal steps, the next row would be the first one again.
         steps = np.diff([*points[:, 0], 360.0])
         if np.ptp(steps) <= 1e-6 * steps[0]:
             points = np.vstack([points, [360.0, points[0, 1]]])
     start, end = points[[0, -1], 0]
     if abs(start - before) > SLIP:
         problem, _ = _apart(start, before)
-        raise DesignError(field + row.format(0), problem, f"let the angles start at {before:g} deg")
+        raise DesignError(field + row.format(0), problem, f"start the angles at {before:g} deg")
     start, end = before, 360.0 if abs(end - 360) <= SLIP else float(end)
     slip = band(segment) or SLIP
     if lift is None:
         lift = float(points[0, 1])
     if abs(points[0, 1] - lift) > slip:
         problem = f"the lift starts at {points[0, 1]:g} {unit}, but the segment before ends at {lift:g}"
-        raise DesignError(field + row.format(0), problem, "let the lifts agree")
+        raise DesignError(field + row.format(0), problem, "give equal lifts")
     low = int(points[:, 1].argmin())
-    # Measured rows of a dwell lie to both sides of it.
+    # Measured rows of a dwell deviate to both sides.
     if points[low, 1] < -band(segment):
         problem = f"the lift is {points[low, 1]:g} {unit} at {points[low, 0]:g} deg, below the base circle"
         raise DesignError(field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius")
@@ -218,9 +218,9 @@ def _given(
 
 
 def band(segment: Segment) -> float:
-    """How far a curve may leave a table's rows: as given, or 3/4 of the last decimal; 0 where it goes through them.
+    """Band of a table's curve: as given, or 3/4 of the last decimal; 0 for a curve through the rows.
 
-    Half of the last decimal is the rounding itself; with less left over, the curve follows the rounding.
+    Half of the last decimal is the rounding error itself; in a narrower band the curve follows the rounding.
     """
     if not isinstance(segment, LiftTable):
         return 0.0

@@ -1,4 +1,4 @@
-"""Each segment of a programme as a law over its angle, those that meet their neighbours after those that do not."""
+"""The motion programme of a cam: its segments, solved as laws of motion, and its motion over one turn."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ from .segments import (
     Segment,
 )
 
-# Slope, curvature and jerk by radian.
+# First, second and third derivative of the lift by radian.
 State = tuple[float, float, float]
 REST: State = (0.0, 0.0, 0.0)
 
 
 @record(eq=False)
 class SolvedSegment:
-    """Lift = placed.lift + scale law(x), with x from 0 to 1 over the segment; law None where it rests.
+    """A segment with its law: lift = placed.lift + scale law(x), x from 0 to 1; law None for a dwell.
 
-    In the units of `placed`. optimum: by radian, where the segment is one. fit: where it is a table.
+    Units are those of `placed`. optimum: of an optimised segment, by radian. fit: of a table.
     """
 
     placed: PlacedSegment
@@ -60,11 +60,11 @@ class SolvedSegment:
 
 
 def solve_segments(placed: Sequence[PlacedSegment]) -> list[SolvedSegment]:
-    """The segments of a programme, each with its law: those that meet their neighbours after those that do not."""
+    """The segments of a programme with their laws. Segments that match their neighbours are solved after the others."""
     alone: list[SolvedSegment | None] = []
     for segment in placed:
         with naming(segment.place):
-            alone.append(_alone(segment))
+            alone.append(_independent(segment))
     n = len(placed)
     solved = list(alone)
     for k, segment in enumerate(placed):
@@ -72,12 +72,12 @@ def solve_segments(placed: Sequence[PlacedSegment]) -> list[SolvedSegment]:
             before, after = alone[k - 1], alone[(k + 1) % n]
             start, end = before.state(1.0) if before else REST, after.state(0.0) if after else REST
             with naming(segment.place):
-                solved[k] = _meeting(segment, start, end, n)
+                solved[k] = _matched(segment, start, end, n)
     return [segment for segment in solved if segment]
 
 
-def _alone(placed: PlacedSegment) -> SolvedSegment | None:
-    """A segment that asks nothing of its neighbours; None for one that does."""
+def _independent(placed: PlacedSegment) -> SolvedSegment | None:
+    """A segment that does not depend on its neighbours; None for others."""
     segment = placed.segment
     if isinstance(segment, Dwell):
         return SolvedSegment(placed, None, 0.0)
@@ -85,7 +85,7 @@ def _alone(placed: PlacedSegment) -> SolvedSegment | None:
         return SolvedSegment(placed, law_of(segment.law), placed.end_lift - placed.lift)
     if not isinstance(segment, LiftPolynomial):
         return None
-    # Derivatives by radian are in radians where the lift is in degrees.
+    # If the lift is in degrees, its derivatives by radian are in radians.
     unit = np.radians(1) if placed.oscillates else 1.0
     given = {
         0.0: (segment.start_velocity_per_rad, segment.start_acceleration_per_rad2, segment.start_jerk_per_rad3),
@@ -102,14 +102,14 @@ def _alone(placed: PlacedSegment) -> SolvedSegment | None:
     return SolvedSegment(placed, polynomial_from(conditions), 1.0)
 
 
-def _meeting(placed: PlacedSegment, start: State, end: State, count: int) -> SolvedSegment:
-    """A segment that takes slope and curvature from its neighbours' `start` and `end`."""
+def _matched(placed: PlacedSegment, start: State, end: State, count: int) -> SolvedSegment:
+    """A segment that matches velocity and acceleration of its neighbours, `start` and `end`."""
     segment = placed.segment
     if isinstance(segment, OptimisedPolynomial | OptimisedSpline):
         return _optimal(placed, segment, start, end)
     x, lifts = placed.x(placed.points[:, 0]), placed.points[:, 1] - placed.lift
     first, last = ((v * placed.radians, a * placed.radians**2) for v, a, _ in (start, end))
-    # Alone, it is its own neighbour.
+    # A single segment is its own neighbour.
     ends: Ends = None if count == 1 else (first, last)
     if not isinstance(segment, LiftTable):
         return SolvedSegment(placed, spline_through(x, lifts, ends), 1.0)
@@ -126,22 +126,22 @@ def _optimal(
     # Solved for a rise of 1, so that equal shapes are solved once.
     size = rise or max(map(abs, [*sides[0], *sides[1]]))
     if size == 0:
-        raise DesignError("rise", "it does not move", "use a dwell")
+        raise DesignError("rise", "the follower does not move", "use a dwell")
     if segment.jerk_limit and not rise:
-        raise DesignError("jerk_limit", "it is a multiple of the rise, which is 0", "leave it out")
+        raise DesignError("jerk_limit", "it is a multiple of the rise, which is 0", "omit it")
     first, last = (tuple(value / size for value in side) for side in sides)
     if isinstance(segment, OptimisedSpline):
-        found = optimal_spline(segment.intervals, rise / size, first, last, segment.jerk_limit)
+        optimum = optimal_spline(segment.intervals, rise / size, first, last, segment.jerk_limit)
     elif segment.match_jerk and segment.degree < 7:
-        raise DesignError("degree", f"found {segment.degree}, too low to match the jerk", "give 7 at least")
+        raise DesignError("degree", f"found {segment.degree}, too low to match the jerk", "give at least 7")
     else:
-        found = optimal_polynomial(segment.degree, rise / size, first, last, segment.jerk_limit)
+        optimum = optimal_polynomial(segment.degree, rise / size, first, last, segment.jerk_limit)
     unit = np.radians(1) if placed.oscillates else 1.0
-    return SolvedSegment(placed, found.law, size, found.scaled(size * unit, angle))
+    return SolvedSegment(placed, optimum.law, size, optimum.scaled(size * unit, angle))
 
 
 def lift_range(solved: SolvedSegment) -> tuple[float, float, float]:
-    """Least lift of a segment, mm or deg, the angle there, deg, and the largest lift; seen in 1024 steps."""
+    """Least lift of a segment, mm or deg, its angle, deg, and the largest lift; sampled in 1024 steps."""
     placed = solved.placed
     if solved.law is None:
         return placed.lift, placed.start, placed.lift
@@ -151,21 +151,28 @@ def lift_range(solved: SolvedSegment) -> tuple[float, float, float]:
     return lift[k].item(), placed.start + x[k].item() * (placed.end - placed.start), lift.max().item()
 
 
-# What a segment's lift is called where it is an arm's; not written where there is none.
+# Keys of a segment's lift in degrees; omitted from a recipe if not given.
 ARM_LIFTS = ("rise_deg", "end_lift_deg")
-# A curve through given values, such as measured ones, may dip below the base circle by this share of the lift:
-# less than a cutter follows. Less refuses values for their last decimal, more shows on the cam.
+# A curve through given values may go below the base circle by this share of the lift, less than a cutter follows. A
+# smaller share refuses values because of their last decimal; a larger one is visible on the cam.
 DIP = 1e-4
 
 
 @record(eq=False)
 class FollowerMotion:
-    """The follower over cam angles: lift mm and its derivatives by angle, mm/rad, mm/rad2, mm/rad3.
+    """Motion of the follower over cam angles; all arrays have one shape.
 
-    For a follower that swings, rad, rad/rad, rad/rad2, rad/rad3. Times the speed in rad/s, its square and its cube
-    they are rates by time.
+    Parameters
+    ----------
+    lift : ndarray
+        Lift, mm; rad for an oscillating follower.
+    velocity, acceleration, jerk : ndarray
+        Derivatives by the cam angle, mm/rad, mm/rad2 and mm/rad3; rad/rad, rad/rad2 and rad/rad3 for an oscillating
+        follower. Multiplied by the speed in rad/s, its square and its cube they are rates by time.
 
-    Source: the s v a j diagrams of Norton, Cam Design and Manufacturing Handbook.
+    Notes
+    -----
+    The s v a j diagrams of Norton, Cam Design and Manufacturing Handbook.
     """
 
     lift: Real
@@ -176,15 +183,35 @@ class FollowerMotion:
 
 @record
 class Program:
-    """Segments one after another from 0 to 360 deg, whose lift ends where it began and stays above 0.
+    """A motion programme: segments in order from 0 to 360 deg. Lift at start and end is equal and is never negative.
 
-    folder: where a table's file must lie, there or below, as for a recipe's; a script's, without one, may lie anywhere.
-    DesignError, its field a segment such as `program[2].end_deg`, where the segments do not fill the turn, overlap,
-    or their lifts do not close or fall below the base circle. Derived here.
+    Parameters
+    ----------
+    segments : sequence of segments
+        `Dwell`, `Rise`, `Return`, `LiftPolynomial`, `LiftSpline`, `LiftTable`, `OptimisedPolynomial` or
+        `OptimisedSpline`.
+    folder : str or Path, optional
+        Folder that must contain the file of a table, as for a recipe; by default a file may be anywhere.
+
+    Raises
+    ------
+    DesignError
+        If the segments do not fill the turn or overlap, or if the lifts do not close or fall below the base circle.
+        Its field is a segment such as `program[2].end_deg`.
+
+    Notes
+    -----
+    Derived here.
+
+    Examples
+    --------
+    >>> program = gk.Program((gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)))
+    >>> float(program.motion(np.radians(150)).lift)
+    20.0
     """
 
     segments: Sequence[Segment]
-    # Where a text lay is no part of what it says: the same recipe read from two folders is equal.
+    # Not compared: the same recipe read from two folders is equal.
     folder: str | Path | None = field(default=None, compare=False)
 
     @classmethod
@@ -205,7 +232,7 @@ class Program:
             raise DesignError("segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell")
         if not isinstance(self.folder, (str, Path, type(None))):
             raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder")
-        # Refuses what does not add up.
+        # Raises for inconsistent segments.
         _ = self._stretches
 
     @cached_property
@@ -213,13 +240,19 @@ class Program:
         return _Stretches(solve_segments(place_segments(self.segments, self.folder)))
 
     def at_scale(self, scale: float) -> Program:
-        """The same with lifts in mm multiplied, those of a file too; how far a curve may leave rows goes with them."""
+        """The programme with all lifts in mm multiplied, including those of files and the bands of tables.
+
+        Parameters
+        ----------
+        scale : float
+            The factor.
+        """
         if self.oscillates:
             return self
         return Program(tuple(with_lengths(self._written_out(segment), scale) for segment in self.segments), self.folder)
 
     def _written_out(self, segment: Segment) -> Segment:
-        """A table whose rows stand in it, and how far a curve may leave them as a length."""
+        """A table with its rows instead of a file, and its band as a length."""
         if not isinstance(segment, LiftTable):
             return segment
         rows, within = tuple((x, lift) for x, lift in read_rows(segment, self.folder)[1].tolist()), band(segment)
@@ -229,7 +262,7 @@ class Program:
 
     @property
     def oscillates(self) -> bool:
-        """Whether lifts are angles of an arm, given in degrees and told in radians. False for dwells alone."""
+        """Whether lifts are angles of an arm, given in degrees and returned in radians; False for dwells only."""
         return self._stretches.oscillates
 
     @property
@@ -239,121 +272,132 @@ class Program:
 
     @property
     def optima(self) -> dict[int, Optimum]:
-        """Of each optimised segment, by its place in `segments`: peaks in mm/rad2 and mm/rad3 and the bound.
+        """Optima of the optimised segments by their index in `segments`: peaks and bound, mm/rad2 and mm/rad3.
 
-        For a follower that swings, rad/rad2 and rad/rad3.
+        rad/rad2 and rad/rad3 for an oscillating follower.
         """
         solved = self._stretches.solved
-        return {k: one.optimum for k, one in enumerate(solved) if one.optimum is not None}
+        return {k: segment.optimum for k, segment in enumerate(solved) if segment.optimum is not None}
 
     @property
     def tables(self) -> dict[int, TableFit]:
-        """Of each table, by its place in `segments`: its rows in mm or deg, and how much they scatter."""
-        return {k: one.fit for k, one in enumerate(self._stretches.solved) if one.fit is not None}
+        """Fits of the tables by their index in `segments`: rows in mm or deg, and their scatter."""
+        return {k: segment.fit for k, segment in enumerate(self._stretches.solved) if segment.fit is not None}
 
     @property
     def jumps(self) -> FollowerMotion:
-        """How much each derivative jumps at `breaks[:-1]`, up positive; the first at 0 deg, where the turn closes.
+        """Jumps of each derivative at `breaks[:-1]`, positive upwards; the first is at 0 deg, where the turn closes.
 
-        A jump in velocity is an infinite acceleration, as where a uniform motion meets a dwell. What
-        is below 1e-9 of the largest value is rounding, and told as 0.
+        A jump in velocity is an infinite acceleration, as between a uniform motion and a dwell. Jumps below 1e-9 of the
+        largest value are rounding and returned as 0.
         """
         return FollowerMotion(*self._stretches.jumps())
 
     @cached_property
     def peaks(self) -> dict[int, SegmentPeaks]:
-        """Largest velocity, acceleration and jerk of each segment that moves, by its place in `segments`."""
+        """Largest velocity, acceleration and jerk of each segment that moves, by its index in `segments`."""
         stretches, tops = self._stretches, self._stretches.tops()
-        found = {}
+        peaks = {}
         for k, (number, rise, width) in enumerate(zip(stretches.numbers, stretches.rises, stretches.widths.tolist())):
             if stretches.law_of[k] < len(stretches.laws):
                 velocity, acceleration, jerk = tops[:, stretches.segment == k].max(axis=1).tolist()
-                found[number] = SegmentPeaks(velocity, acceleration, jerk, rise, width)
-        return found
+                peaks[number] = SegmentPeaks(velocity, acceleration, jerk, rise, width)
+        return peaks
 
     def motion(self, angle: ArrayLike) -> FollowerMotion:
-        """The follower at cam angles of any shape, rad; at a joint, that of the segment that starts there."""
+        """Motion of the follower.
+
+        Parameters
+        ----------
+        angle : float or array_like
+            Cam angles, rad, any shape. At a joint the segment that starts there counts.
+
+        Returns
+        -------
+        FollowerMotion
+            Lift and derivatives, same shape.
+        """
         return FollowerMotion(*self._stretches.motion(np.asarray(angle, dtype=float)))
 
 
 class _Stretches:
-    """A programme's segments as arrays: segments (n,), smooth stretches of them between breaks (p,), distinct laws.
+    """A programme's segments as arrays: segments (n,), their smooth stretches between breaks (p,), distinct laws.
 
-    starts, widths (n,): rad. scales (4, n): what a law's rows are multiplied by. segment, low, high (p,):
-    the segment a stretch lies in, and its x there.
+    starts, widths (n,): rad. scales (4, n): factors of a law's rows. segment, low, high (p,): the segment of a
+    stretch, and its range of x.
     """
 
     def __init__(self, solved: list[SolvedSegment]):
         self.solved = solved
-        self.oscillates = any(one.placed.oscillates for one in solved)
+        self.oscillates = any(segment.placed.oscillates for segment in solved)
         self._check_base()
-        # Where one dwell follows another nothing changes: they count as one.
-        resting = [one.law is None for one in solved]
+        # Adjacent dwells count as one.
+        resting = [segment.law is None for segment in solved]
         self.numbers = [k for k in range(len(solved)) if not (k and resting[k] and resting[k - 1])]
         solved = [solved[k] for k in self.numbers]
         unit = np.radians(1) if self.oscillates else 1.0
-        limits = np.radians([*(one.placed.start for one in solved), 360.0])
+        limits = np.radians([*(segment.placed.start for segment in solved), 360.0])
         self.starts, self.widths = limits[:-1], np.diff(limits)
-        self.lifts = np.array([one.placed.lift for one in solved]) * unit
-        self.rises = [(one.placed.end_lift - one.placed.lift) * unit for one in solved]
-        rises = np.array([one.scale for one in solved])
+        self.lifts = np.array([segment.placed.lift for segment in solved]) * unit
+        self.rises = [(segment.placed.end_lift - segment.placed.lift) * unit for segment in solved]
+        rises = np.array([segment.scale for segment in solved])
         self.scales = rises * unit * self.widths ** -np.arange(4.0)[:, None]
-        self.laws = list({id(one.law): one.law for one in solved if one.law}.values())
+        self.laws = list({id(segment.law): segment.law for segment in solved if segment.law}.values())
         number = {id(law): k for k, law in enumerate(self.laws)}
-        # The last number is that of no law: rest.
-        self.law_of = np.array([number.get(id(one.law), len(self.laws)) for one in solved])
-        inner = [np.array([0.0, 1.0]) if one.law is None else breaks_of(one.law) for one in solved]
+        # The last number stands for a dwell, without a law.
+        self.law_of = np.array([number.get(id(segment.law), len(self.laws)) for segment in solved])
+        inner = [np.array([0.0, 1.0]) if segment.law is None else breaks_of(segment.law) for segment in solved]
         self.segment = np.repeat(np.arange(len(solved)), [len(x) - 1 for x in inner])
         self.low = np.concatenate([x[:-1] for x in inner])
-        # At a break inside a segment the stretch before ends just before it, whatever the angle's rounding says.
+        # At a break inside a segment the stretch before ends just before it, independent of the angle's rounding.
         ends = np.concatenate([x[1:] for x in inner])
         self.high = np.where(ends < 1, np.nextafter(ends, 0), 1.0)
         self.breaks = np.append(self.starts[self.segment] + self.widths[self.segment] * self.low, limits[-1])
 
     def motion(self, angle: Real) -> Real:
         """(4, ...) at angles in rad."""
-        turned = np.where((angle >= 0) & (angle <= self.breaks[-1]), angle, np.mod(angle, 2 * np.pi))
-        stretch = np.clip(np.searchsorted(self.breaks, turned, side="right") - 1, 0, len(self.segment) - 1)
+        wrapped = np.where((angle >= 0) & (angle <= self.breaks[-1]), angle, np.mod(angle, 2 * np.pi))
+        stretch = np.clip(np.searchsorted(self.breaks, wrapped, side="right") - 1, 0, len(self.segment) - 1)
         segment = self.segment[stretch]
-        x = (turned - self.starts[segment]) / self.widths[segment]
+        x = (wrapped - self.starts[segment]) / self.widths[segment]
         return self.values(segment, np.clip(x, self.low[stretch], self.high[stretch]))
 
     def values(self, segment: Whole, x: Real) -> Real:
-        """(4, ...) at places x from 0 to 1 of segments."""
+        """(4, ...) at x from 0 to 1 of segments."""
         out = np.zeros((4, *np.shape(x)))
         flat, segments, places = out.reshape(4, -1), np.ravel(segment), np.ravel(x)
-        # By law, not by segment: a programme of very many segments costs no more than a short one.
+        # Evaluated by law, so that a programme of very many segments takes no longer than a short one.
         laws = self.law_of[segments]
         order = np.argsort(laws, kind="stable")
         limits = np.searchsorted(laws[order], np.arange(len(self.laws) + 1))
         for law, start, end in zip(self.laws, limits[:-1], limits[1:]):
             if end > start:
-                where = order[start:end]
-                flat[:, where] = self.scales[:, segments[where]] * law(places[where])
+                points = order[start:end]
+                flat[:, points] = self.scales[:, segments[points]] * law(places[points])
         out[0] += self.lifts[segment]
         return out
 
     def jumps(self) -> Real:
-        """(4, p): values after each break less those before."""
+        """(4, p): values after each break minus those before."""
         before, after = self._ends
         return after - np.roll(before, 1, axis=1)
 
     @cached_property
     def _ends(self) -> tuple[Real, Real]:
-        """(4, p) each: values before the end of each stretch, and at its start, less rounding.
+        """(4, p) each: values before the end of each stretch, and at its start, without rounding errors.
 
-        What is below 1e-9 of the largest value is 0, and what differs so little across a joint is the same.
+        Values below 1e-9 of the largest are 0, and smaller differences across a joint are removed.
         """
         before, after = self.values(self.segment, self.high), self.values(self.segment, self.low)
-        # Places between, none of them where a symmetric motion is 0.
+        # Inner samples, at which a symmetric motion is not 0.
         inside = [self.values(self.segment, self.low + share * (self.high - self.low)) for share in (0.3, 0.6)]
         small = 1e-9 * np.abs([before, *inside, after]).max(axis=(0, 2))[:, None]
         after = np.where(np.abs(after - np.roll(before, 1, axis=1)) > small, after, np.roll(before, 1, axis=1))
         return np.where(np.abs(before) > small, before, 0.0), np.where(np.abs(after) > small, after, 0.0)
 
     def tops(self) -> Real:
-        """(3, p): largest velocity, acceleration and jerk of each stretch, infinite if a lower derivative jumps at one
-        of its ends, unless it is 0 on this side.
+        """(3, p): largest velocity, acceleration and jerk of each stretch; inf if a lower derivative jumps at an end
+        and is not 0 on this side.
         """
         tops = np.array([highest(self.breaks, partial(self._size, k))[0] for k in (1, 2, 3)])
         (before, after), jumps = self._ends, self.jumps() != 0
@@ -366,19 +410,19 @@ class _Stretches:
 
     def _check_base(self) -> None:
         unit = "deg" if self.oscillates else "mm"
-        seen = [(one, *lift_range(one)) for one in self.solved]
-        highest = max(high for *_, high in seen)
-        for one, low, angle, _ in seen:
-            # A curve near rows may dip as far as it may leave them.
-            if low < -max(SLIP, DIP * highest, band(one.placed.segment)):
+        ranges = [(segment, *lift_range(segment)) for segment in self.solved]
+        highest_lift = max(high for *_, high in ranges)
+        for segment, low, angle, _ in ranges:
+            # The curve of a table may go below 0 by its band.
+            if low < -max(SLIP, DIP * highest_lift, band(segment.placed.segment)):
                 raise DesignError(
-                    one.placed.place,
+                    segment.placed.place,
                     f"the lift falls to {low:g} {unit} at {angle:g} deg, below the base circle",
                     "give other values there, or more lift and a smaller base_radius",
                 )
 
 
 def _plain(segment: Segment) -> dict[str, Any]:
-    """A segment as a recipe gives it; an arm's lifts only where there is an arm."""
+    """A segment as in a recipe, without unused lifts in degrees."""
     given = asdict(segment)
     return {name: value for name, value in given.items() if value is not None or name not in ARM_LIFTS}

@@ -1,10 +1,10 @@
-"""The segments a motion programme is made of, as a recipe writes them.
+"""The segments of a motion programme, as a recipe contains them.
 
-Every segment starts where the one before ends; its end is given by `end_deg` or `duration_deg`. Lifts
-are in mm for a follower that slides, in degrees, with `_deg` in the name, for one that swings.
-Derivatives are by the cam's angle in radians: mm/rad, mm/rad2, mm/rad3, and for a swinging follower
-rad/rad, rad/rad2, rad/rad3. That is what a pressure angle and a curvature are made of, and times the
-speed in rad/s it is a velocity; by the degree a jerk would be 190000 times smaller.
+Every segment starts at the end of the one before; its end is given by `end_deg` or `duration_deg`. Lifts are in mm for
+a translating follower, in degrees, with `_deg` in the name, for an oscillating one. Derivatives are by the cam angle in
+radians: mm/rad, mm/rad2, mm/rad3, and for an oscillating follower rad/rad, rad/rad2, rad/rad3. Pressure angle and
+curvature use these, and multiplied by the speed in rad/s the first one is a velocity; by degrees a jerk would be
+190000 times smaller.
 """
 
 from __future__ import annotations
@@ -34,98 +34,163 @@ def _derivative(meaning: str, unit: str) -> Any:
 
 @record
 class Dwell:
-    """The follower rests. Give two of start, end and duration; the start may be left to the segment before.
+    """A dwell: the follower rests.
 
-    Source: the word is that of Rothbart, Cams (1956).
+    Parameters
+    ----------
+    start_deg, end_deg, duration_deg : float, optional
+        Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
+        starts at the end of the one before.
+
+    Notes
+    -----
+    The term is that of Rothbart, Cams (1956).
     """
 
     kind: Literal["dwell"] = "dwell"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
+    start_deg: float | None = _angle("cam angle at the start")
+    end_deg: float | None = _angle("cam angle at the end")
+    duration_deg: float | None = _angle("range of cam angles")
 
 
 @record
 class Rise:
-    """The follower moves away, by `rise` or to `end_lift`; give one of the two.
+    """A rise: the follower moves away from the cam's axis.
 
-    In the library, `law` may be a callable: of x (...) from 0 to 1, it returns f, f', f'', f''' as
-    (4, ...), with f from 0 to 1. Where a derivative jumps inside, its attribute `breaks` says so, x from 0 to 1.
+    Parameters
+    ----------
+    law : str or callable
+        Law of motion: "uniform", "parabolic", "harmonic", "cycloidal", "modified-trapezoid", "modified-sine", "3-4-5"
+        or "4-5-6-7". A callable of x (...) from 0 to 1 returns f, f', f'', f''' with shape (4, ...), f from 0 to 1;
+        its attribute `breaks` lists the x of jumps of derivatives, with 0 and 1.
+    rise, end_lift : float, optional
+        Displacement, positive outwards, or lift at the end, mm. Give one of the two.
+    rise_deg, end_lift_deg : float, optional
+        The same for an arm, deg.
+    start_deg, end_deg, duration_deg : float, optional
+        Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
+        starts at the end of the one before.
 
-    Source of the named laws: VDI 2143 Blatt 1 (1980); Norton, Cam Design and Manufacturing Handbook.
+    Notes
+    -----
+    The named laws are those of VDI 2143 Blatt 1 (1980) and Norton, Cam Design and Manufacturing Handbook.
+
+    Examples
+    --------
+    >>> gk.Rise("3-4-5", rise=20, end_deg=150).rise
+    20
     """
 
     law: AnyLaw = entry(LAW_MEANING, example="cycloidal")
-    rise: float | None = _lift("how far it moves, positive outward")
-    end_lift: float | None = _lift("lift above the base circle where it ends")
+    rise: float | None = _lift("displacement, positive outwards")
+    end_lift: float | None = _lift("lift above the base circle at the end")
     kind: Literal["rise"] = "rise"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
-    rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
-    end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
+    start_deg: float | None = _angle("cam angle at the start")
+    end_deg: float | None = _angle("cam angle at the end")
+    duration_deg: float | None = _angle("range of cam angles")
+    rise_deg: float | None = _lift("displacement of an arm, positive outwards", "deg")
+    end_lift_deg: float | None = _lift("lift of an arm at the end", "deg")
 
 
 @record
 class Return:
-    """The follower moves back to `end_lift`, 0 unless given. `law` as for a rise.
+    """A return: the follower moves back towards the cam's axis.
 
-    Source of the named laws: VDI 2143 Blatt 1 (1980); Norton, Cam Design and Manufacturing Handbook.
+    Parameters
+    ----------
+    law : str or callable
+        Law of motion, as for `Rise`.
+    end_lift : float, optional
+        Lift at the end, mm.
+    end_lift_deg : float, optional
+        The same for an arm, deg.
+    start_deg, end_deg, duration_deg : float, optional
+        Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
+        starts at the end of the one before.
+
+    Notes
+    -----
+    The named laws are those of VDI 2143 Blatt 1 (1980) and Norton, Cam Design and Manufacturing Handbook.
     """
 
     law: AnyLaw = entry(LAW_MEANING, example="cycloidal")
     end_lift: float = quantity(
-        "lift above the base circle where it ends", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
+        "lift above the base circle at the end", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
     kind: Literal["return"] = "return"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
-    end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
+    start_deg: float | None = _angle("cam angle at the start")
+    end_deg: float | None = _angle("cam angle at the end")
+    duration_deg: float | None = _angle("range of cam angles")
+    end_lift_deg: float | None = _lift("lift of an arm at the end", "deg")
 
 
 @record
 class LiftPolynomial:
-    """The polynomial of least degree that meets the conditions given, and no others.
+    """The polynomial of least degree that meets given conditions.
 
-    The lift at the start is that of the segment before; the lift at the end is given, and any of the
-    derivatives at either end. Values between raise the degree by one each.
+    Parameters
+    ----------
+    rise, end_lift : float, optional
+        Displacement, positive outwards, or lift at the end, mm. Give one of the two.
+    rise_deg, end_lift_deg : float, optional
+        The same for an arm, deg.
+    start_velocity_per_rad, end_velocity_per_rad : float, optional
+        Velocity at start and end, mm/rad; rad/rad for an arm.
+    start_acceleration_per_rad2, end_acceleration_per_rad2 : float, optional
+        Acceleration at start and end, mm/rad2; rad/rad2 for an arm.
+    start_jerk_per_rad3, end_jerk_per_rad3 : float, optional
+        Jerk at start and end, mm/rad3; rad/rad3 for an arm.
+    through : sequence of (float, float), optional
+        Intermediate values as (cam angle in deg, lift in mm, or in deg for an arm).
+    start_deg, end_deg, duration_deg : float, optional
+        Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
+        starts at the end of the one before.
 
-    Source: polynomials from boundary conditions, Norton, Cam Design and Manufacturing Handbook.
+    Notes
+    -----
+    The lift at the start is that of the segment before. Each condition raises the degree by one. Polynomials from
+    boundary conditions: Norton, Cam Design and Manufacturing Handbook.
     """
 
-    rise: float | None = _lift("how far it moves, positive outward")
-    end_lift: float | None = _lift("lift above the base circle where it ends")
-    rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
-    end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
-    start_velocity_per_rad: float | None = _derivative("velocity where it starts; rad/rad for an arm", "mm/rad")
+    rise: float | None = _lift("displacement, positive outwards")
+    end_lift: float | None = _lift("lift above the base circle at the end")
+    rise_deg: float | None = _lift("displacement of an arm, positive outwards", "deg")
+    end_lift_deg: float | None = _lift("lift of an arm at the end", "deg")
+    start_velocity_per_rad: float | None = _derivative("velocity at the start; rad/rad for an arm", "mm/rad")
     start_acceleration_per_rad2: float | None = _derivative("acceleration there; rad/rad2 for an arm", "mm/rad2")
     start_jerk_per_rad3: float | None = _derivative("jerk there; rad/rad3 for an arm", "mm/rad3")
-    end_velocity_per_rad: float | None = _derivative("velocity where it ends; rad/rad for an arm", "mm/rad")
+    end_velocity_per_rad: float | None = _derivative("velocity at the end; rad/rad for an arm", "mm/rad")
     end_acceleration_per_rad2: float | None = _derivative("acceleration there; rad/rad2 for an arm", "mm/rad2")
     end_jerk_per_rad3: float | None = _derivative("jerk there; rad/rad3 for an arm", "mm/rad3")
     through: Rows = entry(
-        "values between, as [cam angle in deg, lift in mm, or deg for an arm]", default=(), units=("deg", "mm")
+        "intermediate values, as [cam angle in deg, lift in mm, or deg for an arm]", default=(), units=("deg", "mm")
     )
     kind: Literal["polynomial"] = "polynomial"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
+    start_deg: float | None = _angle("cam angle at the start")
+    end_deg: float | None = _angle("cam angle at the end")
+    duration_deg: float | None = _angle("range of cam angles")
 
 
 @record
 class LiftSpline:
-    """The smoothest curve through given values, from the first to the last: a quintic spline, without jumps in jerk.
+    """The smoothest curve through given values, a quintic spline with continuous jerk.
 
-    Its ends take slope and curvature from the neighbours, so that nothing jumps there but the jerk.
-    Alone in a programme it closes on itself. First in a programme it sets the lift at angle 0.
+    Parameters
+    ----------
+    points : sequence of (float, float), optional
+        Values as (cam angle in deg, lift in mm), from the start of the segment to its end.
+    points_deg : sequence of (float, float), optional
+        The same for an arm, with the lift in deg.
 
-    Source: natural splines of odd degree as the smoothest curves, de Boor, A Practical Guide to Splines (1978); the
-    equations are derived here.
+    Notes
+    -----
+    At both ends velocity and acceleration match those of the neighbours, so only the jerk jumps. A spline that is the
+    only segment is periodic; as the first segment it defines the lift at angle 0. Natural splines of odd degree as the
+    smoothest curves: de Boor, A Practical Guide to Splines (1978); the equations are derived here.
     """
 
     points: Rows | None = entry(
-        "values, as [cam angle in deg, lift in mm], from its start to its end", default=None, units=("deg", "mm")
+        "values, as [cam angle in deg, lift in mm], from start to end", default=None, units=("deg", "mm")
     )
     points_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     kind: Literal["spline"] = "spline"
@@ -133,22 +198,34 @@ class LiftSpline:
 
 @record
 class LiftTable:
-    """Many values from measurement or another program, in the recipe or in a CSV file.
+    """Many lifts, measured or from another program, in the recipe or in a CSV file.
 
-    Two derivatives of rounded or measured values are mostly rounding and noise: a curve through all of 360 rows of
-    a 20 mm rise in 120 deg, rounded to 0.001 mm, misses the motion by 3 times its peak acceleration. So the curve
-    is the smoothest that leaves no row by more than `within`: of all quintic splines the one with the least integral
-    of squared jerk. Rows rounded to some decimals need no `within`: it is 3/4 of the last of the `decimals`. The same
-    rows then give the acceleration to 0.2 % of the peak. What jumps is rounded off: where rows a degree apart
-    run on from a dwell into a cycloidal rise, the acceleration is good to 5 % and the jerk, which jumps, to half its
-    jump. So give dwells as dwells and tables for what is between, or better the law itself. With ten decimals or
-    more the curve goes through the rows.
+    Parameters
+    ----------
+    decimals : int, optional
+        Decimal places to which the lifts are rounded; the band is then 3/4 of the last one. From 10 on the curve passes
+        through all rows.
+    rows : sequence of (float, float), optional
+        Values as (cam angle in deg, lift in mm), from the start of the segment to its end.
+    rows_deg : sequence of (float, float), optional
+        The same for an arm, with the lift in deg.
+    file : str, optional
+        CSV file whose first line names the columns `cam_angle_deg` and `lift_mm`, or `lift_deg` for an arm; other
+        columns are ignored. A relative name refers to the folder of the recipe.
+    within : float, optional
+        Largest distance of the curve from every row, mm; deg for an arm. Give either this or `decimals`.
 
-    Ends as for a spline. Alone in a programme it closes on itself, and rows in equal steps may leave out
-    that at 360 deg. The file is CSV with a first line that names the columns `cam_angle_deg` and `lift_mm`, or
-    `lift_deg` for an arm; others are ignored. A relative name is looked for beside the recipe.
+    Notes
+    -----
+    The second derivative of rounded or measured values is mostly noise: a curve through all of 360 rows of a 20 mm rise
+    in 120 deg, rounded to 0.001 mm, misses the motion by 3 times its peak acceleration. So the curve is the smoothest
+    quintic spline, with the least integral of squared jerk, that stays within the band. The same rows then give the
+    acceleration to 0.2 % of the peak. Jumps are rounded off: if rows one degree apart contain the joint of a dwell and
+    a cycloidal rise, the acceleration there is exact to 5 % and the jerk, which jumps, to half its jump. So give dwells
+    as dwells, or better the law itself. The ends are those of `LiftSpline`; rows in equal steps of a periodic table may
+    omit 360 deg.
 
-    Source: smoothing splines after Reinsch, Numer. Math. 10 (1967) 177-183, with a bound for each row; derived here.
+    Smoothing splines after Reinsch, Numer. Math. 10 (1967) 177-183, with a bound for each row; derived here.
     """
 
     decimals: int | None = quantity(
@@ -160,12 +237,12 @@ class LiftTable:
         example=3,
     )
     rows: Rows | None = entry(
-        "values, as [cam angle in deg, lift in mm], from its start to its end", default=None, units=("deg", "mm")
+        "values, as [cam angle in deg, lift in mm], from start to end", default=None, units=("deg", "mm")
     )
     rows_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     file: str | None = entry("CSV file with columns cam_angle_deg and lift_mm or lift_deg", default=None)
     within: float | None = quantity(
-        "how far the curve may stay from every row, as the rows are measured; deg for an arm",
+        "largest distance of the curve from every row; deg for an arm",
         "mm",
         default=None,
         above=0,
@@ -176,21 +253,37 @@ class LiftTable:
 
 @record(checked=True)
 class OptimisedPolynomial:
-    """Of all polynomials of a degree that meet the neighbours' lift, slope and curvature, the one of least
-    peak acceleration.
+    """The polynomial of a degree with the least peak acceleration that matches its neighbours.
 
-    Where the neighbour meets its own neighbours too, as a spline does, both come to rest. Between two
-    rests 3-4-5 is degree 5, and even degrees gain nothing.
+    Parameters
+    ----------
+    degree : int, optional
+        Degree, 5 to 15.
+    rise, end_lift : float, optional
+        Displacement, positive outwards, or lift at the end, mm. Give one of the two.
+    rise_deg, end_lift_deg : float, optional
+        The same for an arm, deg.
+    match_jerk : bool, optional
+        Whether to match the neighbours' jerk too; needs degree 7 or more.
+    jerk_limit : float, optional
+        Largest jerk as a multiple of rise / angle^3; cycloidal has 39.5, 3-4-5 has 60.
+    start_deg, end_deg, duration_deg : float, optional
+        Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
+        starts at the end of the one before.
 
-    Source: derived here, as a linear programme.
+    Notes
+    -----
+    Lift, velocity and acceleration match those of the neighbours. Next to a segment that matches its neighbours too,
+    such as a spline, both come to rest. Between two dwells degree 5 is 3-4-5, and even degrees have no benefit.
+    Derived here, as a linear programme.
     """
 
     degree: int = quantity("degree of the polynomial", default=9, at_least=5, at_most=15, whole=True)
-    rise: float | None = _lift("how far it moves, positive outward")
-    end_lift: float | None = _lift("lift above the base circle where it ends")
-    rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
-    end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
-    match_jerk: bool = entry("whether to meet the neighbours' jerk too; takes degree 7 at least", default=False)
+    rise: float | None = _lift("displacement, positive outwards")
+    end_lift: float | None = _lift("lift above the base circle at the end")
+    rise_deg: float | None = _lift("displacement of an arm, positive outwards", "deg")
+    end_lift_deg: float | None = _lift("lift of an arm at the end", "deg")
+    match_jerk: bool = entry("whether to match the neighbours' jerk too; needs degree 7 or more", default=False)
     jerk_limit: float | None = quantity(
         "largest jerk, as a multiple of rise / angle^3; cycloidal has 39.5, 3-4-5 has 60",
         default=None,
@@ -198,27 +291,41 @@ class OptimisedPolynomial:
         at_most=1e6,
     )
     kind: Literal["optimised-polynomial"] = "optimised-polynomial"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
+    start_deg: float | None = _angle("cam angle at the start")
+    end_deg: float | None = _angle("cam angle at the end")
+    duration_deg: float | None = _angle("range of cam angles")
 
 
 @record
 class OptimisedSpline:
-    """Of all motions with an acceleration straight over each of equal intervals that meet the neighbours' lift,
-    slope and curvature, the one of least peak acceleration.
+    """The motion with piecewise linear acceleration and the least peak acceleration that matches its neighbours.
 
-    Many intervals come near the least of all motions: 4 rise / angle^2 between two rests, and with a
-    jerk of at most J rise / angle^3 that times J/16 (1 - sqrt(1 - 32/J)), J at least 32.
+    Parameters
+    ----------
+    intervals : int, optional
+        Number of equal intervals of the acceleration, 3 to 400.
+    rise, end_lift : float, optional
+        Displacement, positive outwards, or lift at the end, mm. Give one of the two.
+    rise_deg, end_lift_deg : float, optional
+        The same for an arm, deg.
+    jerk_limit : float, optional
+        Largest jerk as a multiple of rise / angle^3; cycloidal has 39.5, 3-4-5 has 60.
+    start_deg, end_deg, duration_deg : float, optional
+        Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
+        starts at the end of the one before.
 
-    Source: derived here, as a linear programme.
+    Notes
+    -----
+    Lift, velocity and acceleration match those of the neighbours. With many intervals the peak approaches the least of
+    all motions: 4 rise / angle^2 between two dwells, and with a jerk of at most J rise / angle^3 that times
+    J/16 (1 - sqrt(1 - 32/J)), J at least 32. Derived here, as a linear programme.
     """
 
     intervals: int = quantity("intervals of the acceleration", default=20, at_least=3, at_most=400, whole=True)
-    rise: float | None = _lift("how far it moves, positive outward")
-    end_lift: float | None = _lift("lift above the base circle where it ends")
-    rise_deg: float | None = _lift("how far an arm swings, positive outward", "deg")
-    end_lift_deg: float | None = _lift("an arm's lift where it ends", "deg")
+    rise: float | None = _lift("displacement, positive outwards")
+    end_lift: float | None = _lift("lift above the base circle at the end")
+    rise_deg: float | None = _lift("displacement of an arm, positive outwards", "deg")
+    end_lift_deg: float | None = _lift("lift of an arm at the end", "deg")
     jerk_limit: float | None = quantity(
         "largest jerk, as a multiple of rise / angle^3; cycloidal has 39.5, 3-4-5 has 60",
         default=None,
@@ -226,12 +333,12 @@ class OptimisedSpline:
         at_most=1e6,
     )
     kind: Literal["optimised-spline"] = "optimised-spline"
-    start_deg: float | None = _angle("cam angle where it starts")
-    end_deg: float | None = _angle("cam angle where it ends")
-    duration_deg: float | None = _angle("cam angle it takes")
+    start_deg: float | None = _angle("cam angle at the start")
+    end_deg: float | None = _angle("cam angle at the end")
+    duration_deg: float | None = _angle("range of cam angles")
 
 
-# Those that move to a lift, those whose start and end are given as angles, those that bring their own points.
+# Segments that move to a lift, segments with start and end as angles, and segments with their own points.
 Moving = Rise | LiftPolynomial | OptimisedPolynomial | OptimisedSpline
 Timed = Dwell | Return | Moving
 Pointed = LiftSpline | LiftTable

@@ -1,4 +1,4 @@
-"""The curve that a piece of a tooth leaves in a mate that rolls with it: the law of gearing, point by point."""
+"""The curve that a piece of a tooth generates in a rolling mate: the law of gearing, point by point."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from ...core.records import record
 from ...plane.curve import AbstractCurve, SubCurve
 from ...plane.vec import Complex, Mask, Real, unit
 
-# Share of a piece by which a velocity is asked inside its end, where that is a cusp of the tooth or where two roots
-# touch. Smaller drowns in rounding, larger tells the velocity of another place.
+# Distance from a piece's end, as a share of the piece, at which a velocity is computed if the end is a cusp of the
+# tooth or a point where two roots touch. A smaller value is lost in rounding, a larger one belongs to another point.
 INSIDE = 1e-5
-# Squared share of the pitch radius below which the two roots are one: smaller leaves the square root of rounding,
-# a gap of 1e-8 between curves that meet there.
+# Squared share of the pitch radius below which the two roots count as equal. A smaller value leaves the square root of
+# the rounding error, a gap of 1e-8 between curves that meet.
 ONE_ROOT = 1e-14
-# The same below which a velocity near a fold is its limit: at this place rounding and the limit err alike, by 1e-5.
+# Squared share below which a velocity close to a fold is replaced by its limit: there both have an error of 1e-5.
 NEAR_FOLD = 1e-11
 
 
 class TangentPoint(NamedTuple):
-    """Points of a tooth with unit tangents, the material to their left; both may move with a parameter.
+    """Points of a tooth with unit tangents and the material to their left; both may depend on a parameter.
 
-    point (...,) mm; tangent (...,); speed (...,) of the point along the tangent, mm, and turning (...,) of the
-    tangent, rad, per unit of the parameter.
+    point (...,) mm. tangent (...,). speed (...,): of the point along the tangent, mm, and turning (...,): rotation of
+    the tangent, rad, per unit of the parameter.
     """
 
     point: Complex
@@ -47,22 +47,22 @@ class ToothRun:
         return self.curve.breaks
 
     def touch(self, t: Real) -> TangentPoint:
-        """The curve itself; at a cusp with the tangent just inside."""
+        """Points of the curve; at a cusp with the tangent just inside."""
         v = self.curve.velocity(t)
-        # Just before a cusp at 0 it is less than a number tells in full.
-        still, inner = np.abs(v) < np.finfo(float).tiny, t
-        if still.any():
+        # Close to a cusp the velocity underflows.
+        at_cusp, inner = np.abs(v) < np.finfo(float).tiny, t
+        if at_cusp.any():
             b = self.breaks
             k = np.clip(np.searchsorted(b, t, side="right") - 1, 0, len(b) - 2)
-            inner = np.where(still, t + INSIDE * (0.5 * (b[k] + b[k + 1]) - t), t)
-            v = np.where(still, self.curve.velocity(inner), v)
+            inner = np.where(at_cusp, t + INSIDE * (0.5 * (b[k] + b[k + 1]) - t), t)
+            v = np.where(at_cusp, self.curve.velocity(inner), v)
         speed = np.abs(v)
         return TangentPoint(self.curve.point(t), unit(v), speed, self.curve.curvature(inner) * speed)
 
 
 @record(eq=False)
 class ToothCorner:
-    """A convex corner: one point, whose tangent turns left from `tangent` by `sweep`, rad."""
+    """A convex corner: one point, whose tangent rotates left from `tangent` by `sweep`, rad."""
 
     place: complex
     tangent: complex
@@ -70,23 +70,31 @@ class ToothCorner:
 
     @property
     def breaks(self) -> Real:
-        """The turn of the tangent, from none to all."""
+        """Start and end of the tangent's rotation, rad."""
         return np.array([0.0, self.sweep])
 
     def touch(self, t: Real) -> TangentPoint:
-        """The corner at a turn of its tangent, rad."""
+        """The corner at rotations of its tangent, rad."""
         one = np.ones(np.shape(t))
         return TangentPoint(np.full(one.shape, self.place), self.tangent * np.exp(1j * t), 0 * one, one)
 
 
 @record(eq=False)
 class ToothContact:
-    """Where points of a tooth touch its mate. All (...,), nan where they never do.
+    """Contacts of points of a tooth with its mate; arrays of one shape, nan for points that never touch.
 
-    angle: of the driving gear, rad counterclockwise from where its tooth stands on +y; place: in the fixed
-    frame, the driving gear about the origin and the pitch point on +y, mm; tooth, mate: the same point in the
-    frames of the two gears, mm; sliding: of the gear on its mate along the tooth's tangent, mm per rad of the
-    gear; pressure_angle: between the common normal and the pitch circles' tangent, rad.
+    Parameters
+    ----------
+    angle : ndarray
+        Rotation of the gear, rad counterclockwise; 0 when its tooth is on +y.
+    place : ndarray of complex
+        Contact in the fixed frame, mm, with the gear about the origin and the pitch point on +y.
+    tooth, mate : ndarray of complex
+        Contact in the frames of gear and mate, mm.
+    sliding : ndarray
+        Sliding of the gear on its mate along the tooth's tangent, mm per rad of the gear.
+    pressure_angle : ndarray
+        Angle between the common normal and the tangent of the pitch circles, rad.
     """
 
     angle: Real
@@ -98,10 +106,10 @@ class ToothContact:
 
 
 class Meeting(NamedTuple):
-    """A point of the tooth, and the pitch point that its normal passes when it touches.
+    """A point of the tooth, and the pitch point on its normal at contact.
 
-    b, q: place of the pitch point along the normal, mm, from the foot of the gear's axis on it, and from the tooth's
-    point; direction: of the pitch point from the gear's axis.
+    b, q: position of the pitch point along the normal, mm, from the foot of the perpendicular from the gear's axis, and
+    from the tooth's point. direction: from the gear's axis to the pitch point.
     """
 
     touch: TangentPoint
@@ -112,21 +120,20 @@ class Meeting(NamedTuple):
 
 @record(eq=False)
 class ConjugateCurve(AbstractCurve):
-    """What a piece of a tooth leaves in its mate, in the mate's frame.
+    """The curve that a piece of a tooth generates in its mate, in the mate's frame.
 
-    The gear of pitch radius r turns about the origin; its mate, of pitch radius R, below 0 where one of the
-    two is a ring, about i (r + R) while the gear's +y lies on the line of centres. By the law of gearing (Litvin and
-    Fuentes, Gear Geometry and Applied Theory; the forms that follow are derived here) the
-    normal at the touching point passes the pitch point P = r e^{i phi}. With tangent T and normal i T:
-    conj(T) P = a + i b where a = Re(conj(T) z), b = root sqrt(r^2 - a^2); no root where the normal misses the
-    pitch circle. z touches when the pitch point has turned to phi in the gear's frame. With k = 1 + r / R the
-    mate then turns by k per turn of phi about P, and the speed of its touching point along T is g / b,
-    g = b s + k q (s - w q) for a tooth point of speed s whose tangent turns by w. Where g = 0 the curve has a
-    cusp; beyond it, k g > 0, the two would cut each other.
+    The gear of pitch radius r rotates about the origin. Its mate, of pitch radius R, below 0 if one of the two is a
+    ring, rotates about i (r + R) while the gear's +y is on the line of centres. By the law of gearing (Litvin and
+    Fuentes, Gear Geometry and Applied Theory; the following forms are derived here) the normal at the contact point
+    passes through the pitch point P = r e^{i phi}. With tangent T and normal i T: conj(T) P = a + i b with
+    a = Re(conj(T) z), b = root sqrt(r^2 - a^2); there is no root if the normal misses the pitch circle. The point z is
+    in contact when the pitch point is at phi in the gear's frame. With k = 1 + r / R the mate rotates by k per rad of
+    phi about P, and the speed of its contact point along T is g / b, g = b s + k q (s - w q) for a tooth point of speed
+    s whose tangent rotates by w. If g = 0 the curve has a cusp; beyond it, k g > 0, the two would cut each other.
 
-    t runs over [start, end] within 0 to 1, which is the tooth's piece from `first` to `last`. At a fold, where
-    the two roots meet and the touching point turns back on the tooth, the parameter is drawn out as its
-    square root, in which the curve passes on smoothly. turn: direction of the mate's frame.
+    The parameter t is in [start, end] within 0 to 1, which is the tooth's piece from `first` to `last`. At a fold the
+    two roots meet and the contact point reverses on the tooth; there t is the square root of the tooth's parameter, so
+    that the curve is smooth. turn: direction of the mate's frame.
     """
 
     side: ToothRun | ToothCorner
@@ -142,7 +149,7 @@ class ConjugateCurve(AbstractCurve):
 
     @property
     def k(self) -> float:
-        """Turn of the mate per turn of the line of centres, both seen from the gear."""
+        """Rotation of the mate per rotation of the line of centres, both in the gear's frame."""
         return 1 + self.pitch_radius / self.mate_radius
 
     def tooth_parameter(self, t: ArrayLike) -> Real:
@@ -186,10 +193,10 @@ class ConjugateCurve(AbstractCurve):
     def _meeting(self, u: Real) -> Meeting:
         touch = self.side.touch(self.tooth_parameter(u))
         r = self.pitch_radius
-        seen = np.conj(touch.tangent) * touch.point
-        squared = (r - seen.real) * (r + seen.real)
+        local = np.conj(touch.tangent) * touch.point
+        squared = (r - local.real) * (r + local.real)
         b = self.root * np.sqrt(np.where(squared > ONE_ROOT * r**2, squared, 0))
-        return Meeting(touch, b, b - seen.imag, unit(touch.tangent * (seen.real + 1j * b)))
+        return Meeting(touch, b, b - local.imag, unit(touch.tangent * (local.real + 1j * b)))
 
     def _phi(self, m: Meeting) -> Real:
         """Angle of the pitch point from +y in the gear's frame, rad."""
@@ -209,7 +216,7 @@ class ConjugateCurve(AbstractCurve):
         return m.b * s + self.k * m.q * (s - w * m.q)
 
     def sound(self, t: ArrayLike) -> Real:
-        """Negative where the two touch without cutting each other, 0 at a cusp."""
+        """Negative for contact without undercut, 0 at a cusp."""
         m = self._meeting(np.asarray(t, dtype=float))
         return self.k * self._g(m) / (m.touch.speed + np.abs(m.touch.turning) * self.pitch_radius)
 
@@ -220,7 +227,7 @@ class ConjugateCurve(AbstractCurve):
         return self.course(t)[1]
 
     def course(self, t: ArrayLike) -> tuple[Complex, Complex]:
-        """Point and velocity together, at the cost of one."""
+        """Point and velocity, from one evaluation."""
         u = np.asarray(t, dtype=float)
         at = self._meeting(u)
         u, m = self._inside(u, at)
@@ -228,14 +235,14 @@ class ConjugateCurve(AbstractCurve):
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = self._rate(u) / m.b
         if any(self.folds):
-            # Speed of a along the tooth: b^2 grows by 2 r times it from the fold on.
+            # Rate of a along the tooth: from the fold on, b^2 grows by 2 r times it.
             grows = np.abs(s + w * np.imag(np.conj(m.touch.tangent) * m.touch.point))
             stretch = np.pi / 2 if all(self.folds) else 1.0
             with np.errstate(divide="ignore"):
                 limit = self.root * stretch * np.sqrt(2 * (self.last - self.first) / (r * grows))
             ratio = np.where((m.b**2 < NEAR_FOLD * r**2) & self._at_fold(u), limit, ratio)
         with np.errstate(invalid="ignore"):
-            # Endless where nothing is left of a piece too small to tell its points apart.
+            # Infinite for a piece whose points differ by rounding only.
             return self._place(at), m.touch.tangent * self._turned(m) * self._g(m) * ratio
 
     def curvature(self, t: ArrayLike) -> Real:
@@ -249,8 +256,8 @@ class ConjugateCurve(AbstractCurve):
         return ((u < 0.5) & self.folds[0]) | ((u >= 0.5) & self.folds[1])
 
     def _inside(self, u: Real, m: Meeting) -> tuple[Real, Meeting]:
-        """The meeting m at u, or the one just inside the piece where two roots touch without a fold."""
-        # Nearer to such a place than this the square root has lost more digits than the step costs.
+        """The meeting m at u; just inside the piece if two roots touch at u without a fold."""
+        # Closer to such a point the square root loses more digits than the step costs.
         lost = (np.abs(m.b) < INSIDE * self.pitch_radius) & ~self._at_fold(u)
         if lost.any():
             u = np.where(lost, np.clip(u, INSIDE, 1 - INSIDE), u)
@@ -258,11 +265,11 @@ class ConjugateCurve(AbstractCurve):
         return u, m
 
     def contact(self, t: ArrayLike) -> ToothContact:
-        """Where and when these points touch."""
+        """Contacts at these parameters."""
         m = self._meeting(np.asarray(t, dtype=float))
         phi = self._phi(m)
         place = m.touch.point * np.exp(-1j * phi)
-        # Seen from the mate the gear turns by k about the pitch point: i k (z - P), which lies along T.
+        # In the mate's frame the gear rotates by k about the pitch point: i k (z - P), which is along T.
         angle = np.arccos(np.clip(np.abs(np.real(np.conj(m.touch.tangent) * m.direction)), 0, 1))
         return ToothContact(-phi, place, m.touch.point, self._place(m), self.k * m.q, angle)
 

@@ -1,4 +1,4 @@
-"""The boundary of what a tooth sweeps in its mate: the sound pieces of all conjugate curves, walked along."""
+"""The boundary of the region that a tooth sweeps in its mate, traced along the valid pieces of conjugate curves."""
 
 from __future__ import annotations
 
@@ -18,31 +18,31 @@ from ...plane.subdivision import CORNER, direction
 from ...plane.vec import Complex, Mask, Real, Whole, cross
 from .conjugate_curve import ConjugateCurve, ToothCorner, ToothRun
 
-# Shares of a piece at which it is looked at: evenly, and ever closer towards its ends, where an undercut that has only
-# just begun crosses within a millionth of them. Fewer let a crossing slip through.
+# Sample shares of a piece: evenly spaced, and denser towards its ends, where slight undercut causes crossings within a
+# millionth of them. Fewer samples miss such crossings.
 _ENDS = 0.5 / 64 * 10.0 ** (-np.arange(0, 22) / 3)
 GRID = np.unique(np.concatenate([np.linspace(0, 1, 65), _ENDS, 1 - _ENDS]))
-# Ends of curves that differ by less than this share of the mate's size meet. Larger joins what an undercut parts,
-# smaller lets rounding part what meets.
+# Ends of curves coincide if they differ by less than this share of the mate's size. A larger value joins curves that an
+# undercut separates; with a smaller one rounding separates coincident ends.
 MEET = 1e-8
-# Share of the pitch radius, squared, within which a normal at a break grazes the pitch circle. Larger splits curves
-# that pass it smoothly, smaller lets rounding decide on which side a pin begins.
+# A normal at a break is tangent to the pitch circle within this share of the squared pitch radius. A larger value
+# splits curves that pass smoothly; with a smaller one rounding decides on which side a pin begins.
 GRAZE = 1e-9
-# Newton's steps towards a crossing: five from near by, more where two curves part at a sliver of an angle. Fewer lose
-# such crossings, more only repeat what leads nowhere.
+# Newton steps towards a crossing: five from a nearby start, more if two curves separate at a very small angle. Fewer
+# lose such crossings; more have no benefit.
 MOST_STEPS = 8
-# Step of both parameters, which run over 1, below which the next one would be lost in rounding. Larger leaves a
-# crossing off its place, smaller goes on where rounding alone moves it.
+# Newton's method stops when the step of both parameters, of range 1, is below this. A larger value leaves an error;
+# with a smaller one rounding keeps it going.
 SETTLED = 1e-12
-# Shares of an interval at which a change of sign is looked for at once: a call costs as much for many as for one.
+# Shares of an interval at which a sign change is searched at once: one call costs the same for many points.
 SHARES = np.linspace(0, 1, 33)
-# Curves that a walk follows before it is given up as going round in circles.
+# Largest number of curves in a trace before it is regarded as endless.
 MOST_CURVES = 400
 
 
 @record(eq=False)
 class BoundaryPiece:
-    """A conjugate curve from one of its parameters to another, in the direction walked."""
+    """A conjugate curve between two of its parameters, in the direction of the trace."""
 
     curve: ConjugateCurve
     start: float
@@ -51,10 +51,10 @@ class BoundaryPiece:
 
 @record(eq=False)
 class Swept:
-    """What one tooth, the material to its left, sweeps in its mate.
+    """The region that one tooth, with the material to its left, sweeps in its mate.
 
-    curves: the sound pieces of every conjugate curve. sense: for each +1 where it runs along the tooth's
-    tangent, so that what is swept lies to its left, -1 where against it.
+    curves: the valid pieces of all conjugate curves. sense: +1 for a curve in the direction of the tooth's tangent,
+    with the swept region to its left, -1 for the opposite direction.
     """
 
     curves: list[ConjugateCurve]
@@ -64,9 +64,9 @@ class Swept:
     size: float
 
     def boundary(self, limit: float, rising: bool) -> list[BoundaryPiece]:
-        """The boundary within the circle of radius `limit` about the mate, or outside it where not `rising`.
+        """The boundary inside the circle of radius `limit` about the mate, or outside it if not `rising`.
 
-        Walked along the tooth's tangent, from the limit through the deepest point to the limit.
+        It is traced along the tooth's tangent, from the circle through the deepest point to the circle.
         """
         sign = 1 if rising else -1
         depths = [sign * np.abs(p) for p in self.points]
@@ -79,9 +79,10 @@ class Swept:
         return [*reversed_back, middle, *ahead[1:]]
 
     def _walk(self, at: int, u: float, along: int, limit: float, sign: int) -> list[BoundaryPiece]:
-        """From a point of the boundary to the limit: at each crossing on to the curve that leads out of what is swept.
+        """Trace from a point of the boundary to the limit.
 
-        Every curve lies in what is swept, so the boundary leaves one where another crosses it, and nowhere else.
+        All curves are inside the swept region, so the boundary changes from one curve to another exactly where the
+        other one crosses it outwards.
         """
         steps: list[BoundaryPiece] = []
         while len(steps) < MOST_CURVES:
@@ -89,8 +90,8 @@ class Swept:
             end = curve.end if ahead > 0 else curve.start
             out = self._exit(at, u, ahead, limit, sign)
             stop = end if out is None else out
-            if found := self._crossing(at, u, stop, along):
-                v, at, w = found
+            if crossing := self._crossing(at, u, stop, along):
+                v, at, w = crossing
                 steps.append(BoundaryPiece(curve, u, v))
                 u = w
                 continue
@@ -100,10 +101,10 @@ class Swept:
             at = self._next(at, complex(curve.point(end)), along)
             curve = self.curves[at]
             u = curve.start if along * self.sense[at] > 0 else curve.end
-        raise DesignError("tooth", "its sweep in the mate has no clear boundary", "give a tooth of smoother form")
+        raise DesignError("tooth", "the region it sweeps in the mate has no clear boundary", "give a smoother tooth")
 
     def _exit(self, at: int, u: float, ahead: int, limit: float, sign: int) -> float | None:
-        """First parameter after u where the curve reaches the limiting circle."""
+        """First parameter after u at which the curve reaches the limiting circle."""
         grid, curve = self.grids[at], self.curves[at]
         t = np.concatenate([[u], grid[(grid - u) * ahead > 0][::ahead]])
         over = sign * (np.abs(curve.point(t)) - limit)
@@ -114,35 +115,35 @@ class Swept:
         return float(first_change(lambda x: sign * (np.abs(curve.point(x)) - limit), t[k], t[k + 1]))
 
     def _next(self, at: int, place: complex, along: int) -> int:
-        """The curve that begins where one has ended; of several the one that leads farthest out of what is swept."""
+        """The curve that starts at the end of another; of several, the outermost."""
         near = MEET * self.size
         starts = {k: 0 if along * sense > 0 else -1 for k, sense in enumerate(self.sense)}
-        found = [k for k, start in starts.items() if k != at and abs(self.points[k][start] - place) < near]
-        if not found:
+        candidates = [k for k, start in starts.items() if k != at and abs(self.points[k][start] - place) < near]
+        if not candidates:
             raise DesignError(
                 "tooth",
-                f"what it leaves of the mate ends {abs(place):.5g} mm from the mate's axis",
-                "give a tooth whose flanks go on deeper, or less addendum",
+                f"the mate's flank that it generates ends {abs(place):.5g} mm from the mate's axis",
+                "give a tooth with deeper flanks, or a smaller addendum",
             )
-        if len(found) == 1:
-            return found[0]
-        ahead = {k: self._ahead(k, place, starts[k]) for k in found}
-        first = ahead[found[0]]
-        return min(found, key=lambda k: along * float(np.angle(ahead[k] / first)))
+        if len(candidates) == 1:
+            return candidates[0]
+        directions = {k: self._direction(k, place, starts[k]) for k in candidates}
+        first = directions[candidates[0]]
+        return min(candidates, key=lambda k: along * float(np.angle(directions[k] / first)))
 
-    def _ahead(self, k: int, place: complex, start: int) -> complex:
-        """The way from a place to where a curve that begins there is a thousandth of the mate's size off, or ends."""
+    def _direction(self, k: int, place: complex, start: int) -> complex:
+        """Vector from a curve's start to its point at a distance of 1e-3 of the mate's size, or to its end."""
         curve, step = self.curves[k], 1 if start == 0 else -1
         t, far = self.grids[k][::step], 1e-3 * self.size
         beyond = np.flatnonzero(np.abs(self.points[k][::step] - place) > far)
         if not len(beyond):
             return complex(curve.point(t[-1])) - place
-        # All at one distance: curves that leave together part by less than a step of their grids.
+        # The same distance for all curves, which may separate by less than a step of their grids.
         at = first_change(lambda x: np.abs(curve.point(x) - place) - far, t[beyond[0] - 1], t[beyond[0]])
         return complex(curve.point(at)) - place
 
     def _crossing(self, at: int, u: float, stop: float, along: int) -> tuple[float, int, float] | None:
-        """The first crossing after u, before `stop`, with a curve that leads out there: parameter, curve, its own."""
+        """The first crossing between u and `stop` with a curve that leads outwards: parameter, curve, its parameter."""
         mine, first = self.curves[at], None
         inner = self.grids[at]
         inner = inner[(inner > min(u, stop)) & (inner < max(u, stop))]
@@ -152,7 +153,7 @@ class Swept:
             if k == at:
                 continue
             i, j = _near(boxes, self._boxes[k])
-            # Nothing behind a crossing already found is used.
+            # Parts beyond a crossing that is already known are skipped.
             near = (t[:-1] < stop)[i] if stop > u else (t[1:] > stop)[i]
             here, there = _crossing(mine, other, middles[i[near]], _middles(self.grids[k])[j[near]], self.size)
             keep = (here != u) & (here >= min(u, stop)) & (here <= max(u, stop))
@@ -173,18 +174,18 @@ class Swept:
         return [_boxes(t, curve) for t, curve in zip(self.grids, self.curves)]
 
     def _are_joints(self, one: int, other: int, places: Complex) -> Mask:
-        """Whether two curves merely meet end to end at places."""
+        """Mask of the places at which two curves only meet end to end."""
         away = [np.abs(self.points[k][[0, -1], None] - places).min(axis=0) for k in (one, other)]
         near: Mask = np.max(away, axis=0) < MEET * self.size
         return near
 
 
 def sweep(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius: float, turn: complex) -> Swept:
-    """Everything that one tooth sweeps. step: direction in which the next tooth follows it, 1 for a closed curve."""
-    curves = [c for side in _sides(tooth, step) for c in _sound(side, pitch_radius, mate_radius, turn)]
+    """The region that one tooth sweeps. step: rotation to the next tooth; 1 for a closed curve."""
+    curves = [c for side in _sides(tooth, step) for c in _valid_curves(side, pitch_radius, mate_radius, turn)]
     if not curves:
-        raise DesignError("tooth", "no normal of it meets the pitch circle", "give another pitch_radius")
-    # Along the tangent where b has the sign that a sound touch asks for.
+        raise DesignError("tooth", "none of its normals meets the pitch circle", "give another pitch_radius")
+    # +1 if b has the sign that valid contact requires.
     sense = [-c.root * int(np.sign(c.k)) for c in curves]
     grids: list[Real] = [c.start + (c.end - c.start) * GRID for c in curves]
     points = [c.point(g) for c, g in zip(curves, grids)]
@@ -200,16 +201,16 @@ def _sides(tooth: AbstractCurve, step: complex) -> list[ToothRun | ToothCorner]:
         last = k == len(runs) - 1
         after = complex(direction(tooth, runs[(k + 1) % len(runs)][:1], after=True)[0]) * (step if last else 1)
         before = complex(direction(tooth, run[-1:], after=False)[0])
-        bend = float(np.angle(after / before))
-        if bend > CORNER:
-            sides.append(ToothCorner(complex(tooth.point(run[-1])), before, bend))
+        corner = float(np.angle(after / before))
+        if corner > CORNER:
+            sides.append(ToothCorner(complex(tooth.point(run[-1])), before, corner))
     return sides
 
 
-def _sound(
+def _valid_curves(
     side: ToothRun | ToothCorner, pitch_radius: float, mate_radius: float, turn: complex
 ) -> list[ConjugateCurve]:
-    """The parts of a side's two conjugate curves along which it touches the mate without cutting it."""
+    """The parts of a side's two conjugate curves with contact but without undercut."""
     b = side.breaks
     grid = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in pairwise(b)]))
 
@@ -218,8 +219,8 @@ def _sound(
         foot = np.real(np.conj(touch.tangent) * touch.point) / pitch_radius
         return (1 - foot) * (1 + foot)
 
-    found = []
-    # Where a normal only grazes the pitch circle, the roots touch and part again: a pin's or a cycloid's beginning.
+    curves = []
+    # Where a normal is tangent to the pitch circle, the roots touch and separate again, as at the start of a pin.
     grazing = b[np.abs(reach(b)) < GRAZE]
     near = 1e-6 * (b[-1] - b[0])
     limits = sorted({*(t for t in _changes(reach, grid) if (np.abs(t - grazing) > near).all()), *grazing, b[0], b[-1]})
@@ -233,26 +234,25 @@ def _sound(
             t = np.unique(np.concatenate([b0 + (b1 - b0) * GRID for b0, b1 in pairwise(inner)]))
             edges = _changes(whole.sound, t)
             for start, end in pairwise(edges):
-                ways = np.diff(whole.point(np.array([start, 0.5 * (start + end), end])))
-                # Where the roots touch, rounding makes slivers.
-                if whole.sound(np.array(0.5 * (start + end))) < 0 and np.abs(ways).sum() > 0.1 * MEET * abs(
-                    mate_radius
-                ):
-                    found.append(replace(whole, start=start, end=end))
-    return found
+                chords = np.diff(whole.point(np.array([start, 0.5 * (start + end), end])))
+                # Where the roots touch, rounding creates pieces without length.
+                has_length = np.abs(chords).sum() > 0.1 * MEET * abs(mate_radius)
+                if whole.sound(np.array(0.5 * (start + end))) < 0 and has_length:
+                    curves.append(replace(whole, start=start, end=end))
+    return curves
 
 
 def _is_fold(side: ToothRun | ToothCorner, t: float, pitch_radius: float) -> bool:
-    """Whether the foot of the gear's axis on the normals passes the pitch circle here, and does not just touch it."""
+    """Whether the normals cross the pitch circle's tangent here, and do not just touch it."""
     touch = side.touch(np.array(t))
-    seen = complex(np.conj(touch.tangent) * touch.point)
-    grows = abs(float(touch.speed + touch.turning * seen.imag))
+    local = complex(np.conj(touch.tangent) * touch.point)
+    rate = abs(float(touch.speed + touch.turning * local.imag))
     size = float(touch.speed + abs(touch.turning) * pitch_radius)
-    return abs(abs(seen.real) - pitch_radius) < 1e-12 * pitch_radius and grows > 1e-6 * size
+    return abs(abs(local.real) - pitch_radius) < 1e-12 * pitch_radius and rate > 1e-6 * size
 
 
 def _changes(f: Callable[[Real], Real], grid: Real) -> list[float]:
-    """The grid's two ends and the places between where f changes its sign, to rounding."""
+    """The grid's two ends and the sign changes of f between them, to rounding."""
     positive = f(grid) > 0
     changes = np.flatnonzero(positive[1:] != positive[:-1])
     inner = first_change(f, grid[changes], grid[changes + 1]).tolist()
@@ -269,7 +269,7 @@ def _changes(f: Callable[[Real], Real], grid: Real) -> list[float]:
 
 
 def first_change(f: Callable[[Real], Real], low: ArrayLike, high: ArrayLike) -> Real:
-    """Where f first changes its sign between pairs of parameters (...,), to rounding; a jump counts."""
+    """First sign change of f between pairs of parameters (...,), to rounding; a jump counts."""
     low, high = np.asarray(low, dtype=float)[..., None], np.asarray(high, dtype=float)[..., None]
     above = f(high) > 0
     for _ in range(12):  # sixty halvings
@@ -289,9 +289,9 @@ def _middles(t: Real) -> Real:
 
 
 def _boxes(t: Real, curve: ConjugateCurve) -> Real:
-    """Box (4, n - 1) about the curve between neighbouring parameters: low x, low y, high x, high y."""
+    """Boxes (4, n - 1) of the curve between adjacent parameters: low x, low y, high x, high y."""
     z, middle = curve.point(t), curve.point(_middles(t))
-    # As far again as the middle stands off the chord, which is more than a smooth piece bulges.
+    # The margin is the middle's distance from the chord, more than a smooth piece can exceed the three points.
     room = np.abs(middle - 0.5 * (z[:-1] + z[1:]))
     low = np.minimum(z[:-1].real, z[1:].real) - room, np.minimum(z[:-1].imag, z[1:].imag) - room
     high = np.maximum(z[:-1].real, z[1:].real) + room, np.maximum(z[:-1].imag, z[1:].imag) + room
@@ -308,7 +308,7 @@ def _near(a: Real, b: Real) -> tuple[Whole, Whole]:
 
 
 def _crossing(a: ConjugateCurve, b: ConjugateCurve, u: Real, v: Real, size: float) -> tuple[Real, Real]:
-    """Parameters where two curves cross, by Newton's steps from near by; none for steps that lead nowhere."""
+    """Parameters at which two curves cross, by Newton's method from nearby starts; diverging starts are dropped."""
     u, v, moving = u.copy(), v.copy(), np.arange(len(u))
     for _ in range(MOST_STEPS):
         if not len(moving):
@@ -318,13 +318,13 @@ def _crossing(a: ConjugateCurve, b: ConjugateCurve, u: Real, v: Real, size: floa
         with np.errstate(divide="ignore", invalid="ignore"):
             turn = cross(mine, theirs)
             du, dv = cross(there - here, theirs) / turn, cross(there - here, mine) / turn
-        sure = np.isfinite(du) & np.isfinite(dv)
-        u[moving[~sure]] = np.nan
-        moving, du, dv = moving[sure], du[sure], dv[sure]
+        finite = np.isfinite(du) & np.isfinite(dv)
+        u[moving[~finite]] = np.nan
+        moving, du, dv = moving[finite], du[finite], dv[finite]
         before = u[moving], v[moving]
         u[moving], v[moving] = np.clip(before[0] + du, a.start, a.end), np.clip(before[1] + dv, b.start, b.end)
         moving = moving[np.abs(u[moving] - before[0]) + np.abs(v[moving] - before[1]) > SETTLED]
-    sure = np.isfinite(u)
-    u, v = u[sure], v[sure]
+    finite = np.isfinite(u)
+    u, v = u[finite], v[finite]
     met = np.abs(b.point(v) - a.point(u)) < 1e-11 * size
     return u[met], v[met]

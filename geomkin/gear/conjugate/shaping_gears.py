@@ -1,4 +1,4 @@
-"""Gears of any tooth form, told by one flank: as a curve, by points, or straight."""
+"""Gears of any tooth form, defined by one flank (a curve, points or a straight line) or by pins."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from ..contract import AbstractGear, AbstractShaper
 from ..module import Settled, diametral_pitch, module, settle_module
 from ..tooth import toothed
 
-# Pitch radii from the axis that a flank may reach. More is no tooth, and its chords could be without number.
+# Largest radius of a flank, in pitch radii. Larger ones are no teeth, and could need any number of chords.
 FARTHEST_OUT = 4
-# A flank that runs out a little, stays steep and rounds over towards the tip.
+# Example of a flank: steep, and curved towards the tip.
 EXAMPLE = (3.4 + 33.2j, 2.9 + 34.4j, 2.35 + 36j, 1.75 + 37.6j, 1.0 + 39j)
-# Points of a flank. More, each with its own bend, take minutes to shape a mate.
+# Largest number of points of a flank. With more it takes minutes to generate a mate.
 MOST_POINTS = 100
 
 
 class AbstractFlankGear(AbstractGear, AbstractShaper):
-    """A gear whose tooth on +y is symmetric, with lands about the axis at tips and bottoms."""
+    """Base class of gears with a symmetric tooth on +y, and with tip and bottom lands about the axis."""
 
     if TYPE_CHECKING:
 
@@ -63,25 +63,43 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
 
     @property
     def most_backlash(self) -> float:
-        """Backlash, mm, for which neighbouring teeth of the mate's cutter meet: it takes up the whole bottom lands."""
+        """Backlash at which adjacent teeth of the mate's cutter meet, mm: it equals the bottom lands."""
         return 2 * self.pitch_radius * self._half_land(self.flank)
 
     @checked
     def cutter(self, clearance: Length, backlash: Length = 0.0) -> AbstractCurve:
-        """What cuts a mate: the tooth drawn out and made thicker; its right-hand flank is piece 0 all the same.
+        """The cutter of a mate: the gear's tooth, longer and thicker. Piece 0 is its right-hand flank.
 
-        clearance: room at the mate's roots, mm along the radius, for which the flanks are drawn out straight at the
-        tip. backlash: play of the pair, mm along the pitch circle, for which each flank is turned about the axis,
-        away from the tooth's middle, by backlash / (2 pitch_radius). The mate's flanks are as much turned, so that
-        either runs at the same constant ratio. The gear's own flank touches where the cutter's does, when the gear
-        has turned less by that angle, counterclockwise, for the right-hand flank, and more for the left.
+        Parameters
+        ----------
+        clearance : float
+            Clearance at the mate's roots, mm along the radius; the flanks continue straight beyond the tip.
+        backlash : float, optional
+            Backlash of the pair, mm along the pitch circle; each flank is rotated about the axis, away from the tooth's
+            middle, by backlash / (2 pitch_radius).
+
+        Returns
+        -------
+        AbstractCurve
+            One pitch of the cutter, mm.
+
+        Raises
+        ------
+        DesignError
+            If adjacent teeth of the cutter meet, or the extended flanks do.
+
+        Notes
+        -----
+        The mate's flanks are rotated by the same angle, so both sides run at the same constant ratio. The gear's flank
+        touches at the same point as the cutter's, at a rotation of the gear that differs by that angle: less,
+        counterclockwise, for the right-hand flank, more for the left.
         """
         if clearance == 0 and backlash == 0:
             return self.outline.piece
         if backlash > self.most_backlash:
             raise DesignError(
                 "backlash",
-                f"found {backlash:.5g} mm, for which neighbouring teeth of the mate's cutter run into each other",
+                f"found {backlash:.5g} mm, for which adjacent teeth of the mate's cutter meet",
                 f"give at most {self.most_backlash * (1 - 1e-5):.6g}",
             )
         flank = Moved(self.flank, Pose(0j, np.exp(-0.5j * backlash / self.pitch_radius)))
@@ -89,7 +107,7 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             return self._toothed([flank]).piece
         end = complex(flank.point(flank.breaks[-1]))
         along = complex(direction(flank, flank.breaks[-1:], after=False)[0])
-        # Up the tangent to the wider circle: |end + s along| = tip + clearance.
+        # Along the tangent to the larger circle: |end + s along| = tip + clearance.
         rise = (np.conj(along) * end).real
         grown = clearance * (2 * self.tip_radius + clearance)
         squared = rise**2 + grown
@@ -98,32 +116,31 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             room = abs(end - along * end.real / along.real) - self.tip_radius if along.real < 0 else 0.0
             raise DesignError(
                 "clearance",
-                f"found {clearance:.5g} mm, but the flanks drawn on beyond the tip meet after {room:.5g}",
+                f"found {clearance:.5g} mm, but the flanks, extended beyond the tip, meet after {room:.5g} mm",
                 f"give at most {room * (1 - 1e-5):.6g}",
             )
         return self._toothed([flank, Segment(end, end + s * along)]).piece
 
     def _half_land(self, flank: AbstractCurve) -> float:
-        """Half the angle of the bottom land that a flank leaves, rad."""
+        """Half the angle of the bottom land next to a flank, rad."""
         return max(0.0, np.pi / self.teeth - float(np.angle(1j / complex(flank.point(flank.breaks[0])))))
 
     def _toothed(self, side: list[AbstractCurve]) -> PolarArray:
-        """All teeth from the right-hand side of one."""
         return toothed(side, self.teeth, self._half_land(side[0]))
 
     def _check_flank(self) -> None:
-        """The flank must make a tooth: past the pitch circle, on its own side, within half a pitch."""
+        """Raise DesignError if the flank does not cross the pitch circle, or leaves its half pitch."""
         self._check_reach()
         z = flatten(self.flank, 1e-4 * self.pitch_radius)
         angle = np.angle(1j / z)
         if not self.root_radius < self.pitch_radius < self.tip_radius:
             raise DesignError(
                 "flank",
-                f"it runs from {self.root_radius:.5g} to {self.tip_radius:.5g} mm from the axis, "
-                f"past no pitch circle of {self.pitch_radius:.5g} mm",
+                f"it runs from {self.root_radius:.5g} to {self.tip_radius:.5g} mm from the axis "
+                f"and does not cross the pitch circle of {self.pitch_radius:.5g} mm",
                 "give it from the bottom land out to the tip, across the pitch circle",
             )
-        # A flank may end in the tooth's middle, up to rounding.
+        # A flank may end in the middle of the tooth.
         if angle.min() < -1e-9:
             raise DesignError(
                 "flank", "it crosses the middle of its tooth", "give the side with x >= 0 and +y in the middle"
@@ -131,12 +148,12 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         if angle.max() > np.pi / self.teeth * (1 + 1e-9):
             raise DesignError(
                 "flank",
-                f"it lies up to {np.degrees(angle.max()):.4g} deg from the middle of its tooth, beyond half a pitch",
-                f"keep it within {180 / self.teeth:.4g} deg of +y: thinner teeth or fewer",
+                f"it is up to {np.degrees(angle.max()):.4g} deg from the middle of its tooth, beyond half a pitch",
+                f"keep it within {180 / self.teeth:.4g} deg of +y: give thinner or fewer teeth",
             )
 
     def _check_reach(self) -> None:
-        """Far beyond the pitch circle there is no tooth, and no end to what it would take to look at it."""
+        """Raise DesignError if the flank is closed, not finite, or extends far beyond the pitch circle."""
         b = self.flank.breaks
         z = self.flank.point(np.concatenate([b, 0.5 * (b[:-1] + b[1:])]))
         if self.flank.closed or not np.isfinite(z).all():
@@ -145,23 +162,34 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         if (far := float(np.abs(z).max())) > most:
             raise DesignError(
                 "flank",
-                f"it reaches {far:.5g} mm from the axis, with a pitch circle of {self.pitch_radius:.5g} mm",
+                f"it extends {far:.5g} mm from the axis, but the pitch radius is {self.pitch_radius:.5g} mm",
                 f"keep it within {most * (1 - 1e-5):.6g} mm of the axis",
             )
 
 
 @record(checked=True, eq=False)
 class FlankGear(AbstractFlankGear):
-    """A gear about the origin, its tooth on +y symmetric, with lands about the axis at tips and bottoms.
+    """A gear about the origin whose symmetric tooth on +y has a given flank.
 
-    flank: its right-hand side from the bottom land out to the tip, in the half plane x >= 0 and within half a
-    pitch of +y. pitch_radius, mm: of the circle that rolls on the mate's.
-    Raises DesignError where the flank makes no tooth.
+    Parameters
+    ----------
+    flank : AbstractCurve
+        Right-hand flank of the tooth from the bottom land out to the tip, mm, with x >= 0 and within half a pitch of
+        +y.
+    teeth : int
+        Number of teeth, 2 to 10,000.
+    pitch_radius : float
+        Radius of the pitch circle, mm, above 0.
+
+    Raises
+    ------
+    DesignError
+        If the flank does not define a tooth.
     """
 
     flank: AbstractCurve
     teeth: int = quantity("number of teeth", whole=True, at_least=2, at_most=10_000)
-    pitch_radius: float = quantity("radius of the circle that rolls on the mate's", "mm", above=0, at_most=FARTHEST)
+    pitch_radius: float = quantity("radius of the pitch circle", "mm", above=0, at_most=FARTHEST)
 
     def __post_init__(self) -> None:
         self._check_flank()
@@ -174,11 +202,32 @@ class FlankGear(AbstractFlankGear):
 
 @record(checked=True)
 class StraightSidedGear(AbstractFlankGear):
-    """A gear whose teeth have straight flanks, about the origin, a tooth on +y; heights in modules.
+    """A gear with straight-sided teeth about the origin, with a tooth on +y.
 
-    Heights and thicknesses are those of the straight tooth itself: along its middle from the pitch circle, and
-    square to that, so that at the pitch circle the tooth is half a pitch, pi / 2 modules, thick.
-    Raises DesignError where the flanks meet below the tip, or neighbouring teeth run into each other.
+    Parameters
+    ----------
+    teeth : int
+        Number of teeth, 4 to 1000.
+    module : float
+        Pitch diameter per tooth, mm, above 0. Give either `module` or `diametral_pitch`.
+    flank_angle_deg : float, optional
+        Angle between a flank and the middle of its tooth, 0 to 60 deg.
+    addendum : float, optional
+        Height of the teeth above the pitch circle, modules, above 0.
+    dedendum : float, optional
+        Depth of the spaces below the pitch circle, modules, above 0.
+    diametral_pitch : float, optional
+        Teeth per inch of pitch diameter, 1/in.
+
+    Raises
+    ------
+    DesignError
+        If the flanks meet below the tip, or adjacent teeth meet.
+
+    Notes
+    -----
+    Heights are measured along the middle of the tooth, thicknesses perpendicular to it. At the pitch circle the tooth
+    is pi / 2 modules, half a pitch, thick.
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=1000, example=40)
@@ -203,11 +252,11 @@ class StraightSidedGear(AbstractFlankGear):
         if half > np.pi / self.teeth:
             raise DesignError(
                 "dedendum",
-                f"found {self.dedendum:g}, at which neighbouring teeth run into each other",
+                f"found {self.dedendum:g}, for which adjacent teeth meet",
                 f"give at most {rounded_down(self._deepest())}, or a smaller flank_angle_deg",
             )
         if self.root_radius >= self.pitch_radius:
-            problem = f"found {self.dedendum:g}, so little that the bottom lands lie outside the pitch circle"
+            problem = f"found {self.dedendum:g}, for which the bottom lands are outside the pitch circle"
             raise DesignError("dedendum", problem, f"give {self._shallowest()}")
 
     @property
@@ -215,13 +264,13 @@ class StraightSidedGear(AbstractFlankGear):
         return float(max(np.tan(np.radians(self.flank_angle_deg)), 1e-300))
 
     def _deepest(self) -> float:
-        """The dedendum at which the bottom lands vanish, modules: where a flank meets the line between two teeth."""
+        """The dedendum at which the bottom lands vanish, modules."""
         a = np.tan(np.pi / self.teeth)
         return float((self.teeth / 2 * a - np.pi / 4) / (self._slope + a) * (1 - 1e-12))
 
     def _shallowest(self) -> str:
-        """The dedendum at which the straight flank passes the pitch circle once more, if it does, in words."""
-        # The smaller d of (pi / 4 + slope d)^2 + (teeth / 2 - d)^2 = (teeth / 2)^2, in the form that keeps its digits.
+        """A remedy: the dedendum at which the straight flank crosses the pitch circle again, if it does."""
+        # The smaller solution d of (pi / 4 + slope d)^2 + (teeth / 2 - d)^2 = (teeth / 2)^2, without cancellation.
         square, half = 1 + self._slope**2, self.teeth / 2 - np.pi / 4 * self._slope
         under = half**2 - square * (np.pi / 4) ** 2
         if half <= 0 or under < 0:
@@ -235,7 +284,7 @@ class StraightSidedGear(AbstractFlankGear):
 
     @property
     def tip_thickness(self) -> float:
-        """Thickness of the tooth at its tip, mm; negative where the flanks would have met below."""
+        """Thickness of the tooth at its tip, mm; negative if the flanks meet below the tip."""
         return self.module * (np.pi / 2 - 2 * self.addendum * self._slope)
 
     @property
@@ -253,9 +302,23 @@ class StraightSidedGear(AbstractFlankGear):
 
 @record(checked=True)
 class PointToothGear(AbstractFlankGear):
-    """A gear about the origin whose tooth on +y has a flank through given points and its mirror image.
+    """A gear about the origin whose symmetric tooth on +y has a flank through given points, a spline.
 
-    The flank is the spline through the points. Raises DesignError where it makes no tooth.
+    Parameters
+    ----------
+    teeth : int
+        Number of teeth, 4 to 1000.
+    module : float
+        Pitch diameter per tooth, mm, above 0. Give either `module` or `diametral_pitch`.
+    points : tuple of complex
+        Right-hand flank from the bottom land out to the tip, mm; at most 100 points.
+    diametral_pitch : float, optional
+        Teeth per inch of pitch diameter, 1/in.
+
+    Raises
+    ------
+    DesignError
+        If the flank does not define a tooth.
     """
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=1000, example=24)
@@ -276,7 +339,7 @@ class PointToothGear(AbstractFlankGear):
             raise DesignError("points", error.problem, error.remedy, error.id) from None
 
     def _check_points(self) -> None:
-        """Neither so many points nor so far off that no tooth could have them."""
+        """Raise DesignError for too many points, or points that no tooth could have."""
         points = self.points
         if len(points) > MOST_POINTS:
             raise DesignError("points", f"found {len(points)}", f"give at most {MOST_POINTS}", "too-much-work")
@@ -284,14 +347,14 @@ class PointToothGear(AbstractFlankGear):
         if max((abs(z) for z in points), default=0.0) <= self.pitch_radius:
             raise DesignError(
                 "points",
-                f"none lies outside the pitch circle of {self.pitch_radius:.5g} mm",
+                f"none is outside the pitch circle of {self.pitch_radius:.5g} mm",
                 "give them from the bottom land out to the tip, across the pitch circle",
             )
         far = [k for k, z in enumerate(points) if abs(z) > most]
         if far:
             raise DesignError(
                 "points",
-                f"point {far[0] + 1} lies {abs(points[far[0]]):.5g} mm from the axis, with a pitch circle of "
+                f"point {far[0] + 1} is {abs(points[far[0]]):.5g} mm from the axis, but the pitch radius is "
                 f"{self.pitch_radius:.5g} mm",
                 f"give points within {most * (1 - 1e-5):.6g} mm of the axis",
             )
@@ -309,9 +372,23 @@ class PointToothGear(AbstractFlankGear):
 
 @record(checked=True)
 class LanternPinion(AbstractShaper):
-    """Round pins on a circle about the origin, one of them on +y, held between two discs.
+    """A lantern pinion: round pins on a circle about the origin, one of them on +y, between two discs.
 
-    Raises DesignError where neighbouring pins meet.
+    Parameters
+    ----------
+    pins : int
+        Number of pins, 4 to 1000.
+    module : float
+        Diameter of the pin circle per pin, mm, above 0. Give either `module` or `diametral_pitch`.
+    pin_diameter : float
+        Diameter of the pins, mm, above 0.
+    diametral_pitch : float, optional
+        Pins per inch of the pin circle's diameter, 1/in.
+
+    Raises
+    ------
+    DesignError
+        If adjacent pins meet.
     """
 
     pins: int = quantity("number of pins", whole=True, at_least=4, at_most=1000, example=12)
@@ -327,7 +404,7 @@ class LanternPinion(AbstractShaper):
         if self.pin_diameter >= chord:
             raise DesignError(
                 "pin_diameter",
-                f"found {self.pin_diameter:g} mm, but neighbouring pins are {chord:.4g} mm apart",
+                f"found {self.pin_diameter:g} mm, but adjacent pins are {chord:.4g} mm apart",
                 f"give less than {rounded_down(chord)} mm, about {chord / 2:.3g}",
             )
 
@@ -338,7 +415,7 @@ class LanternPinion(AbstractShaper):
 
     @property
     def pitch_radius(self) -> float:
-        """Radius of the circle through the pins' centres, which rolls on the wheel's pitch circle, mm."""
+        """Radius of the pitch circle, which passes through the pins' centres, mm."""
         return self.module * self.pins / 2
 
     @property
@@ -348,30 +425,47 @@ class LanternPinion(AbstractShaper):
 
     @property
     def circles(self) -> tuple[Circle, ...]:
-        """All pins."""
+        """The circles of all pins, mm."""
         places = 1j * self.pitch_radius * np.exp(2j * np.pi * np.arange(self.pins) / self.pins)
         return tuple(Circle(complex(z), self.pin_diameter / 2) for z in places)
 
     @property
     def most_backlash(self) -> float:
-        """Backlash, mm, for which neighbouring pins of the wheel's cutter meet."""
+        """Backlash at which adjacent pins of the wheel's cutter meet, mm."""
         pin = float(np.arcsin(self.pin_diameter / 2 / self.pitch_radius))
         return 2 * self.pitch_radius * (np.pi / self.pins - pin)
 
     @checked
     def cutter(self, clearance: Length, backlash: Length = 0.0) -> AbstractCurve:
-        """What cuts a wheel: the pin drawn out and made thicker, counterclockwise from its innermost point.
+        """The cutter of a wheel: the pin, longer and thicker, counterclockwise from its innermost point.
 
-        Piece 0 is the quarter that drives, from the innermost point to the rightmost. clearance: room at the wheel's
-        roots, mm, by which the pin is drawn out along the radius. backlash: play of the pair, mm along the pitch
-        circle, for which the two halves are turned apart about the pinion's axis, each by
-        backlash / (2 pitch_radius), and joined by arcs about it. The pin itself touches where its turned half does,
-        when the pinion has turned less by that angle, counterclockwise, for the right-hand half, and more for the left.
+        Parameters
+        ----------
+        clearance : float
+            Clearance at the wheel's roots, mm, by which the pin is longer along the radius.
+        backlash : float, optional
+            Backlash of the pair, mm along the pitch circle. The two halves of the pin are rotated apart about the
+            pinion's axis, each by backlash / (2 pitch_radius), and joined by arcs.
+
+        Returns
+        -------
+        AbstractCurve
+            Closed, mm. Piece 0 is the driving quarter, from the innermost point to the rightmost.
+
+        Raises
+        ------
+        DesignError
+            If adjacent pins of the cutter meet.
+
+        Notes
+        -----
+        The pin touches at the same point as its rotated half, at a rotation of the pinion that differs by that angle:
+        less, counterclockwise, for the right-hand half, more for the left.
         """
         if backlash >= self.most_backlash:
             raise DesignError(
                 "backlash",
-                f"found {backlash:.5g} mm, which leaves nothing of the wheel between two pins",
+                f"found {backlash:.5g} mm, for which no teeth of the wheel remain between two pins",
                 f"give at most {self.most_backlash * (1 - 1e-5):.6g}",
             )
         centre, radius, turn = 1j * self.pitch_radius, self.pin_diameter / 2, 0.5 * backlash / self.pitch_radius

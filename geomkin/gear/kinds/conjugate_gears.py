@@ -1,4 +1,4 @@
-"""Recipes of gears with teeth of any form, or round pins for teeth, and the mates they shape."""
+"""Recipes of gears with teeth of any form, or with round pins, and of the mates that they generate."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ from .helical import boss_checks, check_tooth_points
 
 @record(checked=True)
 class Mate:
-    """The gear that is to run with the one given."""
+    """The mate of a given gear."""
 
     teeth: int = quantity("number of the mate's teeth", whole=True, at_least=2, at_most=10_000, example=60)
     addendum: float = quantity(
         "height of the mate's teeth beyond its pitch circle", "mm", above=0, at_most=FARTHEST, example=2
     )
-    internal: bool = entry("the mate is a ring round the gear", default=False)
+    internal: bool = entry("whether the mate is a ring round the gear", default=False)
     clearance: float = quantity(
-        "room between the gear's tips and the mate's roots", "mm", default=0.5, at_least=0, at_most=FARTHEST
+        "clearance between the gear's tips and the mate's roots", "mm", default=0.5, at_least=0, at_most=FARTHEST
     )
     backlash: float = quantity(
-        "play between the teeth along the pitch circle, taken off the mate's teeth",
+        "backlash along the pitch circle, by which the mate's teeth are thinner",
         "mm",
         default=0.0,
         at_least=0,
@@ -54,12 +54,12 @@ class Mate:
     )
 
 
-# What `conjugate` and the cutters call them, and the keys that give them here.
+# Arguments of `conjugate` and of the cutters -> keys of the recipe.
 KEYS = {"mate_teeth": "mate.teeth"} | {name: f"mate.{name}" for name in ("addendum", "clearance", "backlash")}
 
 
 class AbstractShapedRecipe(AbstractAssembledRecipe):
-    """What recipes of a gear and the mate that its teeth shape have in common."""
+    """Base class of recipes of a gear and the mate that its teeth generate."""
 
     mate: Mate
     stock: PairStock | LanternStock
@@ -68,16 +68,16 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
     @property
     @abstractmethod
     def shaper(self) -> AbstractShaper:
-        """The gear that shapes the mate."""
+        """The gear that generates the mate."""
 
     @cached_property
     def design(self) -> Conjugate:
-        """The mate, shaped."""
+        """The generated mate."""
         return _mate(self.shaper, self.mate)
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """Sizes that follow, and the places of the tooth that never touch, by their distance from the gear's axis."""
+        """Derived sizes, and the parts of the tooth that never touch, by their distance from the gear's axis."""
         mate = self.design
         jams = "teeth without backlash jam: give mate.backlash, mm"
         return {
@@ -91,26 +91,26 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
                     "why": u.why,
                 }
                 for u in mate.untouched
-                # The other side of the tooth is alike.
+                # The other side of the tooth is the mirror image.
                 if u.start < 1
             ],
             **self.assembly_summary,
         }
 
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
-        """Gear and mate, and the base that both stand on where one is asked for. reach: of the gear, mm."""
+        """Gear and mate, and their base if there is one. reach: largest radius of the gear, mm."""
         if self.base is None:
             return *parts, *self.stock.motor_parts
         mate, stock = self.design, self.stock
         if mate.is_ring:
-            raise DesignError("base", "found one for a ring, which turns on no shaft", "leave it out")
+            raise DesignError("base", "found a base for a ring, which has no shaft", "omit base")
         reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
         keys = ("stock.bore", "stock.mate_bore")
         plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
         return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
 
     def check_points(self, gears: list[AbstractCurve]) -> None:
-        """Whether the teeth of gears and their mate can be drawn in time."""
+        """Raise DesignError if the teeth of gears and mate have too many points."""
         mate = [self.design.outline]
         check_tooth_points(self.files, gears if self.design.is_ring else gears + mate, mate * self.design.is_ring)
 
@@ -124,31 +124,31 @@ def _mate(gear: AbstractShaper, wanted: Mate) -> Conjugate:
     except DesignError as error:
         most = _most_backlash(gear, wanted)
         if most < wanted.backlash:
-            problem = f"found {wanted.backlash:g} mm, which leaves no teeth to the mate"
-            # A little less, so that the number still works when rounded.
+            problem = f"found {wanted.backlash:g} mm, for which the mate has no teeth"
+            # Slightly less, so that the rounded number is valid too.
             raise DesignError("mate.backlash", problem, f"give at most {most * (1 - 1e-5):.6g}") from None
         raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy, error.id) from None
 
 
 def _most_backlash(gear: AbstractShaper, wanted: Mate) -> float:
-    """Backlash, mm, that takes all of the mate's tips, or for which its cutter's teeth meet; inf if none is wanted."""
+    """Backlash for which the mate's tip lands vanish or its cutter's teeth meet, mm; inf if there is none."""
     if not wanted.backlash:
         return float("inf")
     mate = _mate(gear, dataclasses.replace(wanted, backlash=0.0))
-    # Each side of a tooth is turned as a whole.
+    # Each side of a tooth is rotated as a whole.
     return min(gear.most_backlash, mate.tip_thickness * mate.pitch_radius / mate.tip_radius)
 
 
 @record(kw_only=True)
 class ToothedRecipe(AbstractShapedRecipe):
-    """A gear with flanks of some form and the mate that they shape."""
+    """A gear with flanks of some form and the mate that they generate."""
 
     kind: str
     gear: AbstractFlankGear
     mate: Mate
-    stock: PairStock = entry("what the gears are cut from", default=PairStock())
-    base: BaseStock | None = entry("a base plate under both gears; left out, none", default=None)
-    files: Files = entry("what is written", default=Files())
+    stock: PairStock = entry("sheet and bores of the gears", default=PairStock())
+    base: BaseStock | None = entry("a base plate under both gears; none if omitted", default=None)
+    files: Files = entry("formats and tolerance of the files", default=Files())
 
     @property
     def shaper(self) -> AbstractShaper:
@@ -178,13 +178,27 @@ class ToothedRecipe(AbstractShapedRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """Both in mesh."""
+        """Both gears in mesh."""
         return conjugate_scene(self.design, self.table, self.parts)
 
 
 @record(kw_only=True)
 class StraightSidedGearsRecipe(ToothedRecipe):
-    """A gear with straight-sided teeth and the mate that they shape, outside it or as a ring around it."""
+    """A gear with straight-sided teeth and the mate that they generate, outside it or as a ring round it.
+
+    Parameters
+    ----------
+    gear : StraightSidedGear
+        The gear.
+    mate : Mate
+        Teeth, addendum, clearance and backlash of the mate.
+    stock : PairStock, optional
+        Sheet and bores.
+    base : BaseStock, optional
+        Base plate under both gears; none if omitted.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
 
     kind: Literal["straight-sided-gears"] = "straight-sided-gears"
     gear: StraightSidedGear
@@ -192,7 +206,21 @@ class StraightSidedGearsRecipe(ToothedRecipe):
 
 @record(kw_only=True)
 class PointToothGearsRecipe(ToothedRecipe):
-    """A gear with teeth through given points and the mate that they shape, outside it or as a ring around it."""
+    """A gear with teeth through given points and the mate that they generate, outside it or as a ring round it.
+
+    Parameters
+    ----------
+    gear : PointToothGear
+        The gear.
+    mate : Mate
+        Teeth, addendum, clearance and backlash of the mate.
+    stock : PairStock, optional
+        Sheet and bores.
+    base : BaseStock, optional
+        Base plate under both gears; none if omitted.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
 
     kind: Literal["point-tooth-gears"] = "point-tooth-gears"
     gear: PointToothGear
@@ -200,15 +228,29 @@ class PointToothGearsRecipe(ToothedRecipe):
 
 @record(kw_only=True)
 class LanternGearsRecipe(AbstractShapedRecipe):
-    """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins shape."""
+    """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins generate.
+
+    Parameters
+    ----------
+    pinion : LanternPinion
+        The pinion.
+    mate : Mate
+        Teeth, addendum, clearance and backlash of the wheel.
+    stock : LanternStock, optional
+        Sheet and bores of discs and wheel.
+    base : BaseStock, optional
+        Base plate under pinion and wheel; none if omitted.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
 
     kind: Literal["lantern-gears"] = "lantern-gears"
     pinion: LanternPinion
-    # Pins stay in contact for a pitch only on long teeth.
+    # Only long teeth keep a pin in contact for one pitch.
     mate: Mate = entry("the wheel", example=Mate(48, 7.5))
-    stock: LanternStock = entry("what discs and wheel are cut from", default=LanternStock())
-    base: BaseStock | None = entry("a base plate under pinion and wheel; left out, none", default=None)
-    files: Files = entry("what is written", default=Files())
+    stock: LanternStock = entry("sheet and bores of discs and wheel", default=LanternStock())
+    base: BaseStock | None = entry("a base plate under pinion and wheel; none if omitted", default=None)
+    files: Files = entry("formats and tolerance of the files", default=Files())
 
     @property
     def shaper(self) -> LanternPinion:
@@ -216,12 +258,12 @@ class LanternGearsRecipe(AbstractShapedRecipe):
 
     @property
     def own_quarters(self) -> int:
-        """Quarters of a pin's right-hand side that touch: the outer one, which some rings need, is not drawn out."""
+        """Quarters of the cutter's right-hand side that belong to the pin: with a clearance the outer one does not."""
         return 1 if self.mate.clearance else 2
 
     @cached_property
     def table(self) -> Table:
-        """The pin's right-hand side, as far as its cutter is the pin itself: the quarter drawn out touches nothing."""
+        """Contact along the pin's right-hand side, where the cutter coincides with the pin."""
         return pin_table(self.design, self.own_quarters, self.mate.backlash)
 
     @property
@@ -242,5 +284,5 @@ class LanternGearsRecipe(AbstractShapedRecipe):
 
     @cached_property
     def scene(self) -> Scene:
-        """Both in mesh, the pins between the pinion's discs."""
+        """Both in mesh, with the pins between the pinion's discs."""
         return conjugate_scene(self.design, self.table, self.parts, self.pinion.circles)

@@ -43,51 +43,71 @@ from .helical import (
 
 @record(kw_only=True)
 class GearPairRecipe(AbstractHelicalRecipe):
-    """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
+    """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts.
+
+    Parameters
+    ----------
+    first, second : SpurGear
+        The driving and the driven gear.
+    shifts : {"given", "avoid-undercut", "balance-sliding"}, optional
+        Profile shifts: as given, the least without undercut, or of the given sum with equal sliding of both gears.
+    centre_distance : float, optional
+        Distance of the axes, mm; if omitted, the one without backlash.
+    first_stock, second_stock : GearStock, optional
+        Sheet and bore of each gear.
+    base : BaseStock, optional
+        Base plate under both gears; if omitted, a bar that holds their shafts.
+    helix_angle_deg, hand, herringbone, section : optional
+        Direction of the teeth, and the section to which the sizes refer.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
 
     kind: Literal["gear-pair"] = "gear-pair"
     first: SpurGear = entry("the driving gear", example=SpurGear(12, 3, 0.6))
     second: SpurGear = entry("the driven gear", example=SpurGear(24, 3, 0.36))
     shifts: Literal["given", "avoid-undercut", "balance-sliding"] = entry(
-        "profile shifts as given, the least that avoid undercut, or of the given sum such that both slide alike",
+        "profile shifts as given, the least without undercut, or of the given sum with equal sliding of both gears",
         default="given",
     )
     centre_distance: float | None = quantity(
-        "distance of the axes; left out, the one without backlash", "mm", default=None, above=0, at_most=1e9
+        "distance of the axes; if omitted, the one without backlash", "mm", default=None, above=0, at_most=1e9
     )
-    first_stock: GearStock = entry("what the driving gear is cut from", default=GearStock())
-    second_stock: GearStock = entry("what the driven gear is cut from", default=GearStock())
+    first_stock: GearStock = entry("sheet and bore of the driving gear", default=GearStock())
+    second_stock: GearStock = entry("sheet and bore of the driven gear", default=GearStock())
     base: BaseStock | None = entry(
-        "a base plate under both gears; left out, a bar that holds their shafts", default=None
+        "a base plate under both gears; if omitted, a bar that holds their shafts", default=None
     )
-    files: Files = entry("what is written", default=Files())
+    files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.check_faces({"first_stock": self.first_stock.thickness, "second_stock": self.second_stock.thickness})
         if self.second_stock.motor is not None:
-            raise DesignError("second_stock.motor", "found a motor at the driven gear", "give it to first_stock")
-        self.design  # noqa: B018  refuses gears that cannot mesh
+            problem = "found a motor for the driven gear"
+            raise DesignError("second_stock.motor", problem, "give first_stock.motor instead")
+        self.design  # noqa: B018  raises for gears that cannot mesh
 
     @cached_property
     def design(self) -> GearPair:
-        """The gears with the shifts that were asked for, in mesh."""
+        """The gears in mesh, with the requested profile shifts."""
         with self.naming_section():
             return self._pair(self.in_section(self.first), self.in_section(self.second))
 
-    def _pair(self, one: SpurGear, two: SpurGear) -> GearPair:
+    def _pair(self, first: SpurGear, second: SpurGear) -> GearPair:
         if self.shifts == "avoid-undercut":
-            shifts = undercut_free_shift(one.teeth, one.rack), undercut_free_shift(two.teeth, two.rack)
+            shifts = undercut_free_shift(first.teeth, first.rack), undercut_free_shift(second.teeth, second.rack)
         elif self.shifts == "balance-sliding":
-            shifts = balanced_shifts(one.teeth, two.teeth, one.rack, one.profile_shift + two.profile_shift)
+            total = first.profile_shift + second.profile_shift
+            shifts = balanced_shifts(first.teeth, second.teeth, first.rack, total)
         else:
-            shifts = one.profile_shift, two.profile_shift
-        one, two = (replace(g, profile_shift=x) for g, x in zip((one, two), shifts))
-        return GearPair(one, two) if self.centre_distance is None else GearPair(one, two, self.centre_distance)
+            shifts = first.profile_shift, second.profile_shift
+        first, second = (replace(g, profile_shift=x) for g, x in zip((first, second), shifts))
+        return GearPair(first, second, self.centre_distance) if self.centre_distance else GearPair(first, second)
 
     @property
     def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock, Helix], ...]:
-        """Both gears as they are cut: name, gear, stock and helix."""
+        """Both gears: name, gear, stock and helix."""
         pair, helix = self.design, self.helix
         return ("first", pair.first, self.first_stock, helix), ("second", pair.second, self.second_stock, helix.mate)
 
@@ -97,9 +117,9 @@ class GearPairRecipe(AbstractHelicalRecipe):
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        own = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
+        gears = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
         boss = boss_checks("first", self.design.first.root_radius, self.first_stock.motor, self.base)
-        return (*mesh_checks(self.design), *own, *boss)
+        return (*mesh_checks(self.design), *gears, *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -120,7 +140,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
             return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
-            # As much plate around a hole as the hole is wide.
+            # The width of the plate round a hole equals the widest hole.
             axes = [0j, complex(self.design.centre_distance)]
             keys = ("first_stock.bore", "second_stock.bore")
             bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness, keys)
@@ -130,7 +150,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
 
     @cached_property
     def assembly(self) -> Assembly:
-        """Shafts and keys, what holds them in the base plate and that to the ground, and how it goes together."""
+        """Shafts, keys, collars and screws, and the steps of assembly."""
         first, second = (Wheel(name, letter, stock) for (name, _, stock, _), letter in zip(self.gears, "AB"))
         plate = self.first_stock.thickness if self.first_stock.bore and self.second_stock.bore else None
         return pair_assembly(first, second, self.design.centre_distance, plate, self.base, self.helix)
@@ -142,7 +162,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """Shafts, where a base is asked for."""
+        """Shafts, if a base is requested."""
         return {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
 
     @property
@@ -159,32 +179,50 @@ class GearPairRecipe(AbstractHelicalRecipe):
 
 @record(kw_only=True)
 class RackAndPinionRecipe(AbstractHelicalRecipe):
-    """A pinion and the rack it drives."""
+    """A pinion and the rack it drives.
+
+    Parameters
+    ----------
+    pinion : SpurGear
+        The driving gear.
+    rack : GearRack
+        The rack.
+    distance : float, optional
+        Distance of the pinion's axis from the rack's reference line, mm; if omitted, the one without backlash.
+    stock : GearStock, optional
+        Sheet of both, and bore of the pinion.
+    base : RackBaseStock, optional
+        Base plate that guides the rack; none if omitted.
+    helix_angle_deg, hand, herringbone, section : optional
+        Direction of the teeth, and the section to which the sizes refer.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
 
     kind: Literal["rack-and-pinion"] = "rack-and-pinion"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
     rack: GearRack = entry("the rack", example=GearRack(12, 2))
     distance: float | None = quantity(
-        "distance of the pinion's axis from the rack's reference line; left out, the one without backlash",
+        "distance of the pinion's axis from the rack's reference line; if omitted, the one without backlash",
         "mm",
         default=None,
         above=0,
         at_most=1e9,
     )
-    stock: GearStock = entry("what both are cut from", default=GearStock())
-    base: RackBaseStock | None = entry("a base plate that guides the rack; left out, none", default=None)
-    files: Files = entry("what is written", default=Files())
+    stock: GearStock = entry("sheet of both, and bore of the pinion", default=GearStock())
+    base: RackBaseStock | None = entry("a base plate that guides the rack; none if omitted", default=None)
+    files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.design  # noqa: B018  refuses gears that cannot mesh
+        self.design  # noqa: B018  raises for gears that cannot mesh
 
     @cached_property
     def design(self) -> RackPair:
-        """Both in mesh."""
+        """Pinion and rack in mesh."""
         with self.naming_section():
-            given = (self.in_section(self.pinion), self.in_section(self.rack))
-            return RackPair(*given) if self.distance is None else RackPair(*given, self.distance)
+            pinion, rack = self.in_section(self.pinion), self.in_section(self.rack)
+            return RackPair(pinion, rack) if self.distance is None else RackPair(pinion, rack, self.distance)
 
     @cached_property
     def table(self) -> Table:
@@ -193,9 +231,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         pinion = self.design.pinion
-        own = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
+        gear = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
         boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
-        return (*mesh_checks(self.design), *own, *boss)
+        return (*mesh_checks(self.design), *gear, *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -204,12 +242,12 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         (rack,) = gear_parts(self.design.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
-        held = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
-        return replace(pinion, hole_names=("A",)), *held
+        rack_and_base = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
+        return replace(pinion, hole_names=("A",)), *rack_and_base
 
     @cached_property
     def assembly(self) -> Assembly:
-        """The pinion's shaft, the rack's pins, what the base takes, and how all of it goes together."""
+        """The pinion's shaft, the rack's pins, the screws of the base, and the steps of assembly."""
         return rack_assembly(self.stock, self.design.distance, self.base, self.helix)
 
     @cached_property
@@ -219,7 +257,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """A shaft, and pins that leave a thin rack its walls, where a base is asked for."""
+        """A shaft, and pins thin enough for the rack, if a base is requested."""
         if "base" not in asked:
             return {}
         return {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}

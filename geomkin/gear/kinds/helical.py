@@ -1,4 +1,4 @@
-"""What recipes of gears have in common: keys of helices, points that are counted before they are drawn, and notes."""
+"""Shared parts of gear recipes: keys of helices, the limit of points, and notes."""
 
 from __future__ import annotations
 
@@ -32,49 +32,47 @@ if TYPE_CHECKING:
 
 
 G = TypeVar("G", "SpurGear", "RingGear", "GearRack", "PlanetarySet")
-# Points of all teeth together. More take over five seconds, or a gigabyte, to write and to fill with triangles.
+# Limit of points of all teeth together. More need over five seconds, or a gigabyte, for writing and triangulation.
 MOST = 200_000
-# What a point round a hole takes beside one of an outline: triangles between a ring's teeth and its rim are slower.
-IN_A_RING = 2
-# Step from one tolerance to the next that is looked at, and how many: to a thousand times the one given.
-WIDER, LOOKS = 1.25, 31
+# Weight of a point of a ring: triangulation between its teeth and its rim is slower than of an outline.
+RING_WEIGHT = 2
+# Factor between trial tolerances, and their number: up to a thousand times the given one.
+WIDER, TRIALS = 1.25, 31
 STRAIGHT = Helix()
 
 
 @record(checked=True, kw_only=True)
 class AbstractHelicalRecipe(AbstractAssembledRecipe):
-    """What recipes of involute gears have in common."""
+    """Base class of recipes of involute gears."""
 
     advice: ClassVar[str] = (
-        "If teeth lie on helices, sizes are those of the section across the axis, which drawings show; with the "
-        "normal section, modules, pressure angles, profile shifts and heights are those square to the teeth."
+        "All reported sizes of helical teeth refer to the transverse section, which drawings show. If the recipe's "
+        "section is normal, its modules, pressure angles, profile shifts and heights refer to the normal section."
     )
 
     kind: str
     helix_angle_deg: float = helix_angle()
-    hand: Hand = entry(
-        "hand of the helices, of gears in mesh that of the one that drives; the others follow", default="right"
-    )
-    herringbone: bool = entry("the upper half of the face has the other hand", default=False)
+    hand: Hand = entry("hand of the helices of the driving gear; the others follow", default="right")
+    herringbone: bool = entry("whether the upper half of the face has the other hand", default=False)
     section: Literal["transverse", "normal"] = entry(
-        "the section that sizes of gears are given in: across the axis, or square to the teeth", default="transverse"
+        "section to which sizes of gears refer: perpendicular to the axis, or to the teeth", default="transverse"
     )
 
     def __post_init__(self) -> None:
-        self.helix  # noqa: B018  refuses a herringbone of straight teeth
+        self.helix  # noqa: B018  raises for a herringbone with straight teeth
 
     @property
     def helix(self) -> Helix:
-        """Of the gear that drives."""
+        """Helix of the driving gear."""
         return Helix(self.helix_angle_deg, self.hand, self.herringbone)
 
     def in_section(self, gear: G) -> G:
-        """The transverse section of a gear of the recipe, whichever section its sizes are given in."""
+        """The transverse section of a gear of the recipe."""
         return gear.transverse(self.helix_angle_deg) if self.section == "normal" else gear
 
     @contextmanager
     def naming_section(self) -> Iterator[None]:
-        """Refusals of sizes that were converted: sizes of the transverse section are in them, and what they are."""
+        """Add to a DesignError for converted sizes that its sizes refer to the transverse section."""
         try:
             yield
         except DesignError as error:
@@ -87,53 +85,52 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
 
     @property
     def subtitle(self) -> str:
-        """That of the kind, with the form of the teeth where they are not straight."""
-        told = self.about()
+        """The introduction of the kind, with the form of helical teeth."""
+        about = self.about()
         if not self.helix_angle_deg:
-            return told
+            return about
         form = "herringbone" if self.herringbone else "helical"
-        if "spur gear" in told:
-            return told.replace("spur gear", f"{form} gear")
-        return f"{told} Its teeth are {'herringbones' if self.herringbone else form}."
+        if "spur gear" in about:
+            return about.replace("spur gear", f"{form} gear")
+        return f"{about} Its teeth are {'herringbones' if self.herringbone else form}."
 
     def check_faces(self, thicknesses: Mapping[str, float]) -> None:
-        """Refuse a herringbone whose faces bend at different heights. thicknesses: of each stock, mm, by its key."""
+        """Refuse a herringbone whose gears reverse at different heights. thicknesses: of each stock by key, mm."""
         (_, first), *others = thicknesses.items()
         for key, thickness in others:
             if self.herringbone and thickness != first:
                 raise DesignError(
                     f"{key}.thickness",
-                    f"found {thickness:g} mm beside {first:g} mm: the two bends of a herringbone do not meet",
+                    f"found {thickness:g} mm, but the first gear has {first:g} mm; herringbones need equal faces",
                     f"give {first:g} mm",
                 )
 
 
 def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[AbstractCurve] | None = None) -> None:
-    """Raise DesignError where outlines of gears, and holes of rings, take more points than can be drawn in time."""
+    """Raise DesignError if outlines of gears and rings have too many points to write within seconds."""
     if not files.wants_parts:
         return
-    weights = [(curve, 1) for curve in gears] + [(curve, IN_A_RING) for curve in rings or []]
-    # What is larger than any sheet is refused for that.
+    weights = [(curve, 1) for curve in gears] + [(curve, RING_WEIGHT) for curve in rings or []]
+    # Gears larger than any sheet are refused elsewhere.
     toothed = [(c, weight) for c, weight in weights if isinstance(c, PolarArray) and abs(c.point(0.0)) < WIDEST / 2]
 
     def points(tolerance: float) -> int:
-        # Each pitch ends where the next begins.
+        # Adjacent pitches share a point.
         return sum(weight * curve.count * (len(flatten(curve.piece, tolerance)) - 1) for curve, weight in toothed)
 
     if (count := points(files.tolerance)) > MOST:
         teeth = sum(curve.count for curve, _ in toothed)
         raise DesignError(
             "tolerance",
-            f"found {files.tolerance:g} mm, with which {teeth:,} teeth take the work of {count:,} points; "
-            f"{MOST:,} can be drawn",
-            # Gears of fewer teeth have more bend to each.
+            f"found {files.tolerance:g} mm, for which {teeth:,} teeth count as {count:,} points; the limit is {MOST:,}",
+            # With fewer teeth, each has more curvature.
             _remedy(files.tolerance, points, teeth * MOST // count * 9 // 10),
         )
 
 
 def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str:
-    """The least tolerance, of some, with which so many teeth can be drawn, and the teeth that can be with this one."""
-    for k in range(1, LOOKS + 1):
+    """A remedy: the least trial tolerance within the limit of points, or the number of teeth for this tolerance."""
+    for k in range(1, TRIALS + 1):
         wider = float(f"{tolerance * WIDER**k:.3g}")
         if points(wider) <= MOST:
             return f"give at least {wider:g} mm, or at most {teeth:,} teeth"
@@ -141,26 +138,26 @@ def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str
 
 
 def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseStock | None) -> tuple[Check, ...]:
-    """Whether a wheel on a motor under the base rests on the base, beside the hole for the motor's boss.
+    """Check that a wheel on a motor under the base rests on the base, outside the hole for the motor's boss.
 
-    radius: mm, within which the wheel has no gaps, such as that of its roots; derived here.
+    radius: of the wheel's solid part, such as the root radius, mm. Derived here.
     """
     if motor is None or base is None:
         return ()
-    rests = radius - (MOTORS[motor].pilot + base.clearance) / 2
+    rests = radius - (MOTORS[motor].boss_diameter + base.clearance) / 2
     words = f"{name} beyond the hole for the motor's boss"
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 
 
 def shown(value: float) -> float:
-    """A number with the digits that a summary carries."""
+    """A number with the digits of a summary."""
     return float(f"{value:.9g}")
 
 
 def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:
-    """Radii and measures for the shop, mm; a measure that a gear does not have is left out.
+    """Radii and measures of a gear, mm, in the transverse section; measures that do not exist are omitted.
 
-    Radii and base pitch are those of the transverse section. face_width: mm, asked for where teeth lie on helices.
+    face_width: mm, used for helical teeth.
     """
     notes: dict[str, object] = {
         "teeth": gear.teeth,
@@ -195,7 +192,7 @@ def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: 
 
 
 def _helical_measures(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mapping[str, object]:
-    """The span, square to the teeth, where the face is wide enough for both jaws (ISO 21771)."""
+    """The span perpendicular to the teeth, if the face is wide enough for both jaws (ISO 21771)."""
     try:
         over = span(gear)
     except DesignError:
@@ -207,15 +204,15 @@ def _helical_measures(gear: AbstractInvoluteGear, helix: Helix, face_width: floa
 
 
 def helix_notes(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mapping[str, object]:
-    """How the teeth of a gear lie along its face; empty for straight ones."""
-    one = _helix(gear, helix, face_width)
-    return {"helix": one} if one else {}
+    """The helix of a gear; empty for straight teeth."""
+    notes = _helix(gear, helix, face_width)
+    return {"helix": notes} if notes else {}
 
 
 def helices_notes(sizes: Mapping[str, tuple[AbstractInvoluteGear, Helix, float]]) -> Mapping[str, object]:
-    """The same of several gears by name, each with its helix and the width of its face, mm."""
-    told = {name: one for name, size in sizes.items() if (one := _helix(*size))}
-    return {"helix": told} if told else {}
+    """The helices of several gears by name, each given with its helix and face width, mm."""
+    helices = {name: notes for name, size in sizes.items() if (notes := _helix(*size))}
+    return {"helix": helices} if helices else {}
 
 
 def _helix(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mapping[str, object]:
@@ -235,9 +232,7 @@ def _helix(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mappi
 
 
 def overlap_notes(contact_ratio: float, module: float, helix: Helix, face_width: float) -> Mapping[str, object]:
-    """What helices add to the transverse contact ratio of two gears, over the face that both have; of a herringbone
-    half of it. Empty for straight teeth.
-    """
+    """Overlap ratio and total contact ratio of two helical gears over their common face; empty for straight teeth."""
     if not helix.slope:
         return {}
     overlap = helix.overlap_ratio(module, face_width)
@@ -245,11 +240,11 @@ def overlap_notes(contact_ratio: float, module: float, helix: Helix, face_width:
 
 
 def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = STRAIGHT) -> Mapping[str, object]:
-    """The play of two gears, mm, and if they have none, how to give them some. distance: of the axes, mm."""
+    """Backlash of two gears, mm, and advice if there is none. distance: of the axes, mm."""
     backlash = round(pair.backlash, 9) + 0.0
     if backlash:
         return {"backlash_mm": backlash}
-    # Least normal backlash of ISO/TR 10064-2, mm, for steel; along the pitch circle it is larger.
+    # Least normal backlash by ISO/TR 10064-2, mm, for steel; along the pitch circle it is larger.
     least = 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * helix.normal_module(pair.module))
     along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
     advice = f"teeth without backlash jam: give tooth_thickness_allowance to both gears, about {along / 2:.2f} mm each"
@@ -257,7 +252,7 @@ def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = ST
 
 
 def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:
-    """What two gears do together. face_width: mm, that both have; asked for where teeth lie on helices."""
+    """Data of two gears in mesh. face_width: common to both, mm, used for helical teeth."""
     start, end = pair.contact_lengths
     return {
         "ratio": shown(pair.ratio),

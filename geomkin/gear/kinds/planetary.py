@@ -41,23 +41,43 @@ from .helical import (
 
 @record(kw_only=True)
 class PlanetaryRecipe(AbstractHelicalRecipe):
-    """A sun, planets and a ring: all gears and the carrier that holds the planets; the sun drives, the ring stands."""
+    """A sun, planets and a ring: all gears and the carrier of the planets; the sun drives, the ring is fixed.
+
+    Parameters
+    ----------
+    gears : PlanetarySet
+        The gears.
+    drive : Drive, optional
+        Speed of the sun, rpm, and the steps of the table.
+    sun_stock, planet_stock : GearStock, optional
+        Sheet and bore of the sun and of the planets.
+    ring_stock : RingStock, optional
+        Sheet and rim of the ring.
+    base : BaseStock, optional
+        Base plate that holds the ring and the sun's shaft; none if omitted.
+    helix_angle_deg, hand, herringbone, section : optional
+        Direction of the teeth, and the section to which the sizes refer.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
 
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
     drive: Drive = entry("how the sun turns", default=Drive())
-    sun_stock: GearStock = entry("what the sun is cut from", default=GearStock())
-    planet_stock: GearStock = entry("what the planets are cut from", default=GearStock())
-    ring_stock: RingStock = entry("what the ring is cut from", default=RingStock())
-    base: BaseStock | None = entry("a base plate that holds the ring and the sun's shaft; left out, none", default=None)
-    files: Files = entry("what is written", default=Files())
+    sun_stock: GearStock = entry("sheet and bore of the sun", default=GearStock())
+    planet_stock: GearStock = entry("sheet and bore of the planets", default=GearStock())
+    ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
+    base: BaseStock | None = entry(
+        "a base plate that holds the ring and the sun's shaft; none if omitted", default=None
+    )
+    files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
         super().__post_init__()
         sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
         self.check_faces({"sun_stock": sun, "planet_stock": planet, "ring_stock": ring})
         if self.planet_stock.motor is not None:
-            raise DesignError("planet_stock.motor", "found a motor at planets", "give it to sun_stock")
+            raise DesignError("planet_stock.motor", "found a motor for the planets", "give sun_stock.motor instead")
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
 
     @cached_property
@@ -68,7 +88,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     @cached_property
     def table(self) -> Table:
-        """A turn of the carrier, in steps of the sun; with an acceleration also the rates of carrier and planets."""
+        """One rotation of the carrier in steps of the sun; with an acceleration also rates of carrier and planets."""
         ratio = self.design.ratios["sun to carrier"]
         steps = int(np.ceil(360 * ratio / self.drive.step_deg - 1e-9))
         speed, acceleration = self.drive.speed, self.drive.acceleration_rad_per_s2
@@ -77,10 +97,10 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         planet = np.degrees(sun * speeds["planet"])
         return Table(
             (
-                Column("sun_angle", "deg", "turn of the sun", np.degrees(sun)),
+                Column("sun_angle", "deg", "rotation of the sun", np.degrees(sun)),
                 Column("time", "s", "time", sun / (np.nan if acceleration else speed) + 0.0),
-                Column("carrier_angle", "deg", "turn of the carrier", np.degrees(sun * speeds["carrier"])),
-                Column("planet_angle", "deg", "turn of each planet, seen from the frame", planet),
+                Column("carrier_angle", "deg", "rotation of the carrier", np.degrees(sun * speeds["carrier"])),
+                Column("planet_angle", "deg", "rotation of each planet relative to the frame", planet),
                 *(
                     Column(f"{body}_{name}", unit, f"{word} of the {body}", np.full(len(sun), speeds[body] * rate))
                     for body in ("carrier", "planet")
@@ -106,7 +126,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         )
 
     def _collar_checks(self) -> tuple[Check, ...]:
-        """Whether collars under the carrier pass beside the plate of the sun's motor, which is under them."""
+        """Check that collars under the carrier clear the plate of the sun's motor below them."""
         motor, planet = self.sun_stock.motor, self.planet_stock
         if motor is None or self.base is not None or not planet.bore or not turns_with_shaft(planet):
             return ()
@@ -126,10 +146,10 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         )
         if self.base is not None:
             first, planets, ring = parts
-            held = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base, sun.motor)
-            # Planets that run on no shafts have no holes to name.
-            named = ("C",) if planet.bore else ()
-            parts = (replace(first, hole_names=("A",)), replace(planets, hole_names=named), *held)
+            ring_and_base = planetary_base(gears, ring, self.ring_stock.rim, sun.bore, self.base, sun.motor)
+            # Planets without shafts have no holes.
+            letters = ("C",) if planet.bore else ()
+            parts = (replace(first, hole_names=("A",)), replace(planets, hole_names=letters), *ring_and_base)
         else:
             parts += sun.motor_parts
         if not planet.bore:
@@ -143,18 +163,18 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     @cached_property
     def assembly(self) -> Assembly:
-        """Shafts and keys, the ring's screws, what holds the base, and how all of it goes together."""
+        """Shafts, keys and screws, and the steps of assembly."""
         stocks = self.sun_stock, self.planet_stock, self.ring_stock
         return planetary_assembly(self.design, stocks, self.base, self.helix)
 
     @cached_property
     def scene(self) -> Scene:
-        """A turn of the carrier."""
+        """One rotation of the carrier."""
         return planetary_scene(self.design, self.table, self.parts)
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """A shaft and room for the ring's screws, where a base is asked for."""
+        """A shaft, and a rim wide enough for the ring's screws, if a base is requested."""
         return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in asked else {}
 
     @property

@@ -1,1 +1,1 @@
-"""Plates of gears, their bores, spokes, carriers and base plates."""
+"""Plates of gears, bores, spokes, carriers and base plates."""

@@ -1,4 +1,4 @@
-"""Bases of gears, and carriers: what holds pairs, racks and planets at their working distances."""
+"""Base plates of gear pairs, racks and planetary sets, and carriers of planets."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from ...plane.primitives import Circle, rounded_hull
 from ..planetary import PlanetarySet
 from ..rack import RackPair
 
-# Least distance of a rack's two guide pins in thicknesses of its bar under the teeth. Nearer, the play of the pins in
-# their slot lets the rack tilt; farther asks for longer racks.
-APART = 2.0
-# Screws that hold a ring: evenly round it, as few as keep it flat.
+# Least distance between a rack's two guide pins, in thicknesses of its bar under the teeth. With less the rack tilts in
+# the play of the slot; more needs longer racks.
+LEAST_PIN_DISTANCE = 2.0
+# Number of screws that hold a ring, evenly spaced: the fewest that keep it flat.
 RING_SCREWS = 6
 
 
@@ -36,18 +36,41 @@ def pair_base(
     keys: tuple[str, str] = ("first_stock.bore", "second_stock.bore"),
     motor: MotorName | None = None,
 ) -> Part:
-    """The base of two wheels: one shaft at the origin, the other at `distance`, mm, on +x; letters A and B.
+    """The base plate of two wheels.
 
-    reaches: how far each wheel reaches from its axis; shafts: their diameters, mm. keys: of these in a recipe, for
-    refusals. motor: what turns the first shaft; the base has its holes there. Raises DesignError where a shaft has no
-    diameter, the holes meet, or the second one lies over the motor.
+    Parameters
+    ----------
+    distance : float
+        Distance of the axes, mm, above 0. The first shaft is at the origin (letter A), the second on +x (letter B).
+    reaches : tuple of float
+        Largest radius of each wheel, mm.
+    shafts : tuple of float
+        Diameter of each shaft, mm.
+    thickness : float
+        Thickness of the plate, mm, above 0.
+    stock : BaseStock, optional
+        Screws, edge and clearance.
+    keys : tuple of str, optional
+        Keys of the diameters in the recipe, for messages.
+    motor : {"nema17"}, optional
+        Motor of the first shaft; the plate then has holes for it.
+
+    Returns
+    -------
+    Part
+        The base, of the body "ground".
+
+    Raises
+    ------
+    DesignError
+        If a diameter is 0, the holes meet, or the second hole lies over the motor.
     """
     axes = (0j, complex(distance))
     openings = [
         BaseOpening("a gear's shaft", key, shaft, (axis,), letter, head=collar_across(shaft), motor=below)
         for key, shaft, axis, letter, below in zip(keys, shafts, axes, "AB", (motor, None))
     ]
-    # Of wheels within each other the larger one counts.
+    # If one wheel surrounds the other, the larger one determines the box.
     low, high = (f(side * r + z.real for z, r in zip(axes, reaches)) for f, side in ((min, -1), (max, 1)))
     tall = max(reaches)
     return standing_plate((complex(low, -tall), complex(high, tall)), openings, stock, thickness)
@@ -62,21 +85,46 @@ def rack_base(
     key: str = "stock.bore",
     motor: MotorName | None = None,
 ) -> tuple[Part, Part]:
-    """The rack with holes for two guide pins, and the base: the pinion's shaft, A, and the slot of the pins, B.
+    """The rack with two guide pins, and the base plate of rack and pinion.
 
-    The pinion is about the base's origin, the rack below it. The slot lets the rack go as far as the pinion's axis
-    stays between the middles of its outer teeth. rack: its plate without the holes. shaft: diameter, mm; key: of it in
-    a recipe. motor: what turns it; the base has its holes there. Raises DesignError where the rack is too short or too
-    thin for the pins, or the slot lies over the motor. Derived here.
+    Parameters
+    ----------
+    pair : RackPair
+        The pinion and its rack.
+    rack : Part
+        Plate of the rack without the holes of the pins.
+    shaft : float
+        Diameter of the pinion's shaft, mm.
+    stock : RackBaseStock, optional
+        Screws, edge, clearance and guide pins.
+    key : str, optional
+        Key of the shaft's diameter in the recipe, for messages.
+    motor : {"nema17"}, optional
+        Motor of the pinion; the base then has holes for it.
+
+    Returns
+    -------
+    tuple of Part
+        The rack with its holes, and the base: the pinion's shaft at the origin (letter A) and the slot of the pins
+        (letter B). The slot lets the rack move until the pinion's axis is opposite the centre of an outer tooth.
+
+    Raises
+    ------
+    DesignError
+        If the rack is too short or too thin for the pins, or the slot lies over the motor.
+
+    Notes
+    -----
+    Derived here.
     """
     bar, pinion = pair.rack, pair.pinion
     middle = -1j * (bar.root_depth + bar.solid_rim / 2)
     # As far from the ends as from the back.
     left, right = (end - side * bar.solid_rim / 2 for side, end in zip((-1, 1), bar.ends))
-    if right - left < APART * bar.solid_rim:
-        least = int(np.ceil((APART + 1) * bar.solid_rim / bar.pitch))
+    if right - left < LEAST_PIN_DISTANCE * bar.solid_rim:
+        least = int(np.ceil((LEAST_PIN_DISTANCE + 1) * bar.solid_rim / bar.pitch))
         raise DesignError(
-            "rack.teeth", f"found {bar.teeth}, too few for two guide pins", f"give at least {least}, or leave out base"
+            "rack.teeth", f"found {bar.teeth}, too few for two guide pins", f"give at least {least}, or omit base"
         )
     pins = [
         bore(stock.guide_pin, stock.clearance, bar.solid_rim, "base.guide_pin", x + middle)[0] for x in (left, right)
@@ -112,34 +160,74 @@ def planetary_base(
     stock: BaseStock = BaseStock(),
     motor: MotorName | None = None,
 ) -> tuple[Part, Part]:
-    """The ring with holes for screws in its rim, and the base: the sun's shaft, A, and the same screws, B.
+    """The ring with screw holes in its rim, and the base plate of a planetary set.
 
-    The base lies under the gears, so that the carrier lies over them. ring: its plate without the holes; rim: its
-    width, mm, outside the teeth. shaft: diameter of the sun's, mm. motor: what turns it; the base has its holes there.
-    Raises DesignError where rim or sun are too small, or the ring's screws lie over the motor. Derived here.
+    Parameters
+    ----------
+    gears : PlanetarySet
+        The gears.
+    ring : Part
+        Plate of the ring without the screw holes.
+    rim : float
+        Width of the ring outside its teeth, mm, above 0.
+    shaft : float
+        Diameter of the sun's shaft, mm.
+    stock : BaseStock, optional
+        Screws, edge and clearance.
+    motor : {"nema17"}, optional
+        Motor of the sun; the base then has holes for it.
+
+    Returns
+    -------
+    tuple of Part
+        The ring with its holes, and the base: the sun's shaft at the origin (letter A) and the screws of the ring
+        (letter B). The base is under the gears, the carrier above them.
+
+    Raises
+    ------
+    DesignError
+        If the rim or the sun is too small, or the ring's screws lie over the motor.
+
+    Notes
+    -----
+    Derived here.
     """
     if not stock.screw:
-        raise DesignError("base.screw", "found 0 mm, but screws hold the ring", "give their diameter")
+        raise DesignError("base.screw", "found 0 mm, but the ring is held by screws", "give their diameter")
     outer = gears.ring.root_radius + rim
     places = (outer - rim / 2) * np.exp(2j * np.pi * (np.arange(RING_SCREWS) + 0.5) / RING_SCREWS)
-    # The ring stands turned by a part of a pitch, so that its teeth meet those of the planets.
+    # The ring is rotated by a part of a pitch, so that its teeth mesh with the planets.
     turned = complex(np.asarray(gears.poses(0.0)[2].direction))
     holes = [bore(stock.screw, stock.clearance, rim, "base.screw", complex(z))[0] for z in places / turned]
     openings = [BaseOpening("the sun's shaft", "sun_stock.bore", shaft, (0j,), "A", motor=motor)]
-    # Their heads and nuts are at most twice as wide.
+    # Heads and nuts are at most twice as wide as the screws.
     screw = "a screw of the ring", "base.screw", stock.screw
     openings += [BaseOpening(*screw, (complex(z),), "B", head=2 * stock.screw) for z in places]
     fits = (*(None for _ in ring.holes), *(RING_SCREWS * fits_of(stock.screw, stock.clearance)))
-    held = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)), fits=fits)
+    drilled = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)), fits=fits)
     corner = complex(outer, outer)
-    return held, standing_plate((-corner, corner), openings, stock, ring.thickness)
+    return drilled, standing_plate((-corner, corner), openings, stock, ring.thickness)
 
 
 @checked
 def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: Positive, thickness: Positive) -> Part:
-    """The plate that holds the planets at their distance, the sun's shaft passing its middle.
+    """The carrier: a plate that holds the planets at their distance from the sun.
 
-    diameters: of the holes for the shafts of sun and planets, mm.
+    Parameters
+    ----------
+    gears : PlanetarySet
+        The gears.
+    diameters : tuple of float
+        Diameters of the holes for the shafts of sun and planets, mm; 0 for no hole.
+    margin : float
+        Width of the plate outside the widest hole, mm, above 0.
+    thickness : float
+        Thickness of the plate, mm, above 0.
+
+    Returns
+    -------
+    Part
+        The plate, of the body "carrier", with the sun's axis at the origin.
     """
     sun, planet = diameters
     around = 1j * gears.inner.centre_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)

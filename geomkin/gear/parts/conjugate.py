@@ -1,4 +1,4 @@
-"""Stock of a gear and the mate that it shapes: the bores of both, each with its own fit and form."""
+"""Stock of a gear and the mate that it generates: the bores of both, each with its own fit and form."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from ..conjugate.shaping_gears import LanternPinion
 from ..contract import AbstractGear
 from .gears import plate_of
 
-# Keys of a bore that the mate has, too, under names of its own.
-OWN = re.compile(r"\b(bore_form|bore|keyway_width|keyway_depth|flat)\b")
+# Keys of a bore for which the mate has its own key, with the prefix mate_.
+BORE_KEYS = re.compile(r"\b(bore_form|bore|keyway_width|keyway_depth|flat)\b")
 
 
 @record
 class AbstractMated(AbstractBored):
-    """What stock tables of a gear and its mate have in common; all lengths in mm.
+    """Base class of stock tables of a gear and its mate; all lengths in mm.
 
-    Clearance, interference and thickness are those of both; a ring has no bore. A motor turns the gear.
+    Clearance, interference and thickness apply to both gears. A ring has no bore. A motor drives the gear.
     """
 
     bore: float = shaft("the gear's shaft", 8.0, fitted=True)
@@ -48,7 +48,7 @@ class AbstractMated(AbstractBored):
 
     @property
     def mate(self) -> AbstractBored:
-        """The same of the mate, as that of a gear by itself."""
+        """The stock of the mate as a single gear."""
         return AbstractBored(
             thickness=self.thickness,
             bore=self.mate_bore,
@@ -62,33 +62,52 @@ class AbstractMated(AbstractBored):
         )
 
     def mate_hole(self, towards: complex, widest: float, key: str) -> tuple[AbstractCurve, ...]:
-        """The mate's bore about its axis, as `hole` is the gear's."""
+        """The mate's bore about its axis; the parameters are those of `hole`."""
         with _of_mate():
             return self.mate.hole(towards, widest, key)
 
 
 @contextmanager
 def _of_mate() -> Iterator[None]:
-    """Refusals of a bore, by the names that its keys have for the mate."""
+    """Translate the keys in a DesignError of a bore to those of the mate."""
     try:
         yield
     except DesignError as error:
         table, dot, name = error.field.rpartition(".")
-        field, remedy = OWN.sub(r"mate_\1", name), OWN.sub(r"mate_\1", error.remedy)
+        field, remedy = BORE_KEYS.sub(r"mate_\1", name), BORE_KEYS.sub(r"mate_\1", error.remedy)
         problem = error.problem.replace("bore_form", "mate_bore_form")
         raise DesignError(f"{table}{dot}{field}", problem, remedy, error.id) from None
 
 
 @record
 class PairStock(AbstractMated):
-    """What a gear and its mate are cut from, and how they sit on their shafts."""
+    """Sheet and bores of a gear and its mate; all lengths in mm.
+
+    Parameters
+    ----------
+    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor : optional
+        As of `AbstractBored`: thickness of both sheets, and bore of the gear, mm.
+    mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit : optional
+        Bore of the mate, mm.
+    rim : float, optional
+        Width outside the teeth of a ring, mm.
+    """
 
 
 @record
 class LanternStock(AbstractMated):
-    """What a lantern pinion's discs and its wheel are cut from, and how they sit on their shafts; the pins are rods.
+    """Sheet and bores of a lantern pinion's discs and of its wheel, the mate; all lengths in mm. The pins are rods.
 
-    The wheel is the pinion's mate.
+    Parameters
+    ----------
+    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor : optional
+        As of `AbstractBored`: thickness of all sheets, and bore of the discs, mm.
+    mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit : optional
+        Bore of the wheel, mm.
+    rim : float, optional
+        Width outside the teeth of a ring, mm.
+    edge : float, optional
+        Width of a disc outside its pins, mm.
     """
 
     bore: float = shaft("the pinion's shaft", 8.0, fitted=True)
@@ -98,7 +117,27 @@ class LanternStock(AbstractMated):
 
 @checked
 def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[Part, ...]:
-    """The gear and the mate that it has shaped, each about its own axis; flat or keyway of a bore lie towards +y."""
+    """The plates of a gear and of the mate that it generates.
+
+    Parameters
+    ----------
+    gear : AbstractGear
+        The gear.
+    mate : Conjugate
+        The result of `conjugate`.
+    stock : PairStock
+        Sheet and bores.
+
+    Returns
+    -------
+    tuple of Part
+        The gear and the mate, each about its own axis. The flat or keyway of a bore is towards +y.
+
+    Raises
+    ------
+    DesignError
+        If a bore does not fit.
+    """
     holes = stock.hole(1j, gear.hole_room, "stock")
     plate = plate_of(gear, "gear", holes, stock.thickness, stock.rim)
     return replace(plate, fits=() if gear.is_ring else stock.fits), _mate(mate, stock)
@@ -106,16 +145,34 @@ def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[P
 
 @checked
 def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -> tuple[Part, ...]:
-    """The pinion's two discs with holes for its pins, and the wheel.
+    """The plates of a lantern pinion and of its wheel.
 
-    Flat or keyway of the discs' bores lie towards a pin, that of the wheel's towards +y.
+    Parameters
+    ----------
+    pinion : LanternPinion
+        The pinion.
+    mate : Conjugate
+        Its wheel, the result of `conjugate`.
+    stock : LanternStock
+        Sheet and bores.
+
+    Returns
+    -------
+    tuple of Part
+        The disc, to be made twice, with holes for the pins, and the wheel. The flat or keyway of the disc's bore is
+        towards a pin, that of the wheel's towards +y.
+
+    Raises
+    ------
+    DesignError
+        If the holes of the pins meet, or a bore does not fit.
     """
     hole = pinion.pin_diameter / 2 + stock.clearance / 2
     apart = abs(pinion.circles[1].centre - pinion.circles[0].centre) - 2 * hole
     if apart <= 0:
         raise DesignError(
             "stock.clearance",
-            f"found {stock.clearance:g} mm, with which the pins' holes run into each other",
+            f"found {stock.clearance:g} mm, with which the pins' holes meet",
             f"give less than {stock.clearance + apart:.4g} mm, or thinner pins",
         )
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)

@@ -1,4 +1,4 @@
-"""Plates of gears: wheels with their spokes, rings and racks, and what holds them at their distances."""
+"""Plates of gears: wheels with spokes, rings and racks, and the bar that holds two shafts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,21 @@ from ..helix import Helix
 
 @record(checked=True)
 class Web:
-    """Openings between the hub and the rim, one between each two spokes; a spoke stands on +y."""
+    """Openings of a wheel between hub and rim. One spoke is centred on +y.
+
+    Parameters
+    ----------
+    hub : float
+        Diameter of the hub, mm, above 0.
+    rim : float
+        Thickness of the rim under the teeth, mm, above 0.
+    form : {"spokes", "holes"}, optional
+        Openings that leave straight spokes, or round holes.
+    count : int, optional
+        Number of openings, 2 to 100.
+    spoke_width : float, optional
+        Width of the spokes, or least width between holes, mm.
+    """
 
     hub: float = quantity("diameter of the hub", "mm", above=0, at_most=FARTHEST, example=16)
     rim: float = quantity("thickness of the rim under the teeth", "mm", above=0, at_most=FARTHEST, example=4)
@@ -35,51 +49,67 @@ class Web:
 
 @record
 class GearStock(AbstractBored):
-    """What a gear is cut from, and how it sits on its shaft."""
+    """Sheet, bore and openings of a gear; all lengths in mm.
 
-    web: Web | None = entry("openings between hub and rim; left out, none", default=None)
+    Parameters
+    ----------
+    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor : optional
+        As of `AbstractBored`: thickness of the sheet, and bore of the shaft, mm.
+    web : Web, optional
+        Openings between hub and rim; none if omitted.
+    """
+
+    web: Web | None = entry("openings between hub and rim; none if omitted", default=None)
 
     def rim_under(self, gear: AbstractGear) -> float:
-        """What holds a gear's teeth: the thickness under them, mm."""
+        """Thickness of the material under the teeth of a gear, mm."""
         if gear.solid_rim is None:
-            raise DesignError("stock", "found that of a wheel for a ring", "give a RingStock")
+            raise DesignError("stock", "found the stock of a wheel for a ring", "give a RingStock")
         if not gear.hole_room:
             return gear.solid_rim
         return gear.solid_rim - self.hole_reach if self.web is None else self.web.rim
 
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
-        """Bore and openings of a gear; none in a rack. key: of the stock in a recipe, for refusals."""
+        """Bore and openings of a gear; empty for a rack. key: of the stock in the recipe, for messages."""
         if not gear.hole_room:
             return ()
-        # Flat or keyway stand under the tooth on +y, so that the gear is put on its shaft with that tooth known.
+        # The flat or keyway is under the tooth on +y, which marks that tooth during assembly.
         hole = self.hole(1j, gear.hole_room, key)
         cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
         return (*hole, *cut)
 
     def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
-        """Of the bore, which is the first of the holes; none in a rack."""
+        """The fit of the bore, the first of the holes; empty for a rack."""
         return self.fits if gear.hole_room else ()
 
 
 @record(checked=True)
 class RingStock:
-    """What a ring gear is cut from."""
+    """Sheet and rim of a ring gear; all lengths in mm.
+
+    Parameters
+    ----------
+    thickness : float, optional
+        Thickness of the sheet, mm.
+    rim : float, optional
+        Thickness of the ring outside its teeth, mm.
+    """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     rim: float = quantity("thickness of the ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
 
     def rim_under(self, gear: AbstractGear) -> float:
-        """What holds a ring's teeth: the thickness outside them, mm."""
+        """Thickness of the material outside the teeth, mm."""
         return self.rim
 
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
-        """None besides the teeth."""
+        """No holes."""
         if not gear.is_ring:
-            raise DesignError(key, "found that of a ring for a wheel", "give a GearStock")
+            raise DesignError(key, "found the stock of a ring for a wheel", "give a GearStock")
         return ()
 
     def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
-        """None."""
+        """No fits."""
         return ()
 
 
@@ -92,18 +122,45 @@ def gear_parts(
     count: Count = 1,
     helix: Helix = Helix(),
 ) -> tuple[Part, ...]:
-    """The plate of any gear about its axis, or of a rack, teeth up.
+    """The plate of a gear about its axis, or of a rack with its teeth up.
 
-    stock: a RingStock for a ring, a GearStock for all else. key: of the stock in a recipe, for refusals; count: how
-    many to make. helix: on which the teeth lie along the face, which is as wide as the stock is thick; bore, keyway and
-    web go straight through. Raises DesignError where bore, keyway or web leave no plate.
+    Parameters
+    ----------
+    gear : AbstractGear
+        A gear, a ring or a rack.
+    stock : GearStock or RingStock
+        A RingStock for a ring, otherwise a GearStock.
+    name : str, optional
+        Name of the part.
+    key : str, optional
+        Key of the stock in the recipe, for messages.
+    count : int, optional
+        Number of copies to make.
+    helix : Helix, optional
+        Helix of the teeth. The face is as wide as the sheet is thick; bore, keyway and web are straight.
+
+    Returns
+    -------
+    tuple of Part
+        One part.
+
+    Raises
+    ------
+    DesignError
+        If bore, keyway or web do not fit into the plate.
+
+    Examples
+    --------
+    >>> (part,) = gk.gear.gear_parts(gk.SpurGear(24, 2), gk.gear.GearStock(bore=8))
+    >>> part.name, part.thickness
+    ('gear', 6.0)
     """
     plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
     return (replace(plate, fits=stock.hole_fits(gear), twist=_twist(gear, helix, stock.thickness)),)
 
 
 def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
-    """How the section of a gear turns, or that of a rack slides; None for straight teeth."""
+    """The twist of a gear's section, or the shift of a rack's; None for straight teeth."""
     if helix.helix_angle_deg == 0:
         return None
     advance = helix.advance(face_width)
@@ -115,7 +172,7 @@ def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
 def plate_of(
     gear: AbstractGear, name: str, holes: tuple[AbstractCurve, ...], thickness: float, rim: float, count: int = 1
 ) -> Part:
-    """A gear with holes, or a round plate with a ring's teeth as its hole and `rim`, mm, outside them."""
+    """A gear with holes; for a ring, a round plate with the teeth as its hole and a rim of a width, mm."""
     if gear.is_ring:
         return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count, body=name)
     return Part(name, gear.outline, holes, thickness, count=count, body=name)
@@ -130,9 +187,32 @@ def base_plate(
     thickness: Positive,
     keys: tuple[str, str] = ("stock.bore", "stock.bore"),
 ) -> Part:
-    """A plate with a hole of a diameter for each of two axes, mm; it reaches `margin` beyond the widest hole.
+    """A plate with one hole for each of two axes.
 
-    keys: of the two shafts in a recipe, for refusals.
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    axes : sequence of complex, length 2
+        Points of the axes, mm.
+    holes : sequence of float, length 2
+        Diameters of the holes, mm; 0 for no hole.
+    margin : float
+        Width of the plate outside the widest hole, mm, above 0.
+    thickness : float
+        Thickness of the plate, mm, above 0.
+    keys : tuple of str, optional
+        Keys of the two shafts in the recipe, for messages.
+
+    Returns
+    -------
+    Part
+        The plate, of the body "ground".
+
+    Raises
+    ------
+    DesignError
+        If the two holes meet.
     """
     for field, given in (("axes", axes), ("holes", holes)):
         if len(given) != 2:
@@ -150,10 +230,9 @@ def base_plate(
 
 
 def openings(web: Web | None, bore: float, root_radius: float, key: str) -> tuple[AbstractCurve, ...]:
-    """The openings of a wheel about the origin, whose hole and keyway stay within `bore`, mm, of the axis.
+    """The openings of a wheel about the origin. bore: radius that contains its hole and keyway, mm.
 
-    root_radius: of the bottom of the teeth, mm. Raises DesignError, of sizes named `key`.hub and so on, where the
-    openings run into each other, the hole or the teeth.
+    Raises DesignError if the openings meet each other, the hole or the teeth; its field begins with `key`.
     """
     if web is None:
         return ()
@@ -161,7 +240,7 @@ def openings(web: Web | None, bore: float, root_radius: float, key: str) -> tupl
     if inner <= bore:
         raise DesignError(
             f"{key}.hub",
-            f"found {web.hub:g} mm around a hole of {2 * bore:.4g} mm",
+            f"found {web.hub:g} mm for a hole of {2 * bore:.4g} mm",
             f"give more than {2 * bore:.4g} mm",
         )
     if outer <= inner:
@@ -179,7 +258,7 @@ def openings(web: Web | None, bore: float, root_radius: float, key: str) -> tupl
 
 
 def _hole(web: Web, inner: float, outer: float, key: str) -> Circle:
-    """The round hole on +x that fills the room between hub and rim."""
+    """The round hole on +x between hub and rim."""
     middle, radius = (inner + outer) / 2, (outer - inner) / 2
     between = 2 * middle * float(np.sin(np.pi / web.count)) - 2 * radius
     if between < web.spoke_width:
@@ -192,22 +271,23 @@ def _hole(web: Web, inner: float, outer: float, key: str) -> Circle:
 
 
 def _window(web: Web, inner: float, outer: float, key: str) -> Polyline:
-    """The opening on +x between two spokes, its corners rounded."""
-    half, beside = np.pi / web.count, web.spoke_width / 2
-    # Rounded as far as looks well on most wheels: half a spoke, but no more than leaves straight sides.
-    corner = min(beside, (outer - inner) / 5)
+    """The opening on +x between two spokes, with rounded corners."""
+    half, half_spoke = np.pi / web.count, web.spoke_width / 2
+    # The corner radius suits most wheels: half a spoke, but small enough to leave straight sides.
+    corner = min(half_spoke, (outer - inner) / 5)
     ray = np.exp(1j * half)
-    # Along the spoke's axis, where the roundings' centres stand; the window lies to the right of it.
-    places = [np.sqrt(max(r**2 - (beside + corner) ** 2, 0.0)) for r in (outer - corner, inner + corner)]
-    centres = [(s - 1j * (beside + corner)) * ray for s in places]
+    # Positions of the corners' centres along the spoke's axis; the opening is to the right of the spoke.
+    along = [np.sqrt(max(r**2 - (half_spoke + corner) ** 2, 0.0)) for r in (outer - corner, inner + corner)]
+    centres = [(s - 1j * (half_spoke + corner)) * ray for s in along]
     high, low = (float(np.angle(c)) for c in centres)
-    if places[1] == 0 or low <= 0 or high <= 0:
+    if along[1] == 0 or low <= 0 or high <= 0:
         raise DesignError(
             f"{key}.spoke_width",
             f"found {web.spoke_width:g} mm: {web.count} spokes meet outside the hub",
             "give fewer or narrower spokes, or a larger hub",
         )
-    upper = np.array([outer * np.exp(1j * high), *((s - 1j * beside) * ray for s in places), inner * np.exp(1j * low)])
-    turns = np.array([np.pi / 2 + half - high, 0.0, np.pi / 2 + low - half])
-    sweeps = np.concatenate([turns, [-2 * low], turns[::-1], [2 * high]])
+    sides = [(s - 1j * half_spoke) * ray for s in along]
+    upper = np.array([outer * np.exp(1j * high), *sides, inner * np.exp(1j * low)])
+    upper_sweeps = np.array([np.pi / 2 + half - high, 0.0, np.pi / 2 + low - half])
+    sweeps = np.concatenate([upper_sweeps, [-2 * low], upper_sweeps[::-1], [2 * high]])
     return Polyline(np.concatenate([upper, np.conj(upper)[::-1]]), np.tan(sweeps / 4))

@@ -166,7 +166,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
         if self.copies:
-            stack |= {"bought": [item.told for item in self.bought], "steps": list(self.steps)}
+            stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
         return {**self._reached(self.signs), **self.turning, **self._other_mode(), **dwell, "stack": stack}
 
     def _reached(self, branch: Branch) -> Mapping[str, object]:

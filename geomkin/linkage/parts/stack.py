@@ -238,7 +238,7 @@ class Stack:
             }
             for pin in self.pins
         ]
-        bought = [item.told for item in self.bought]
+        bought = [item.data for item in self.bought]
         collisions = [str(c) for c in self.collisions]
         return {"layers": rows, "pins": pins, "collisions": collisions, "bought": bought, "steps": list(self.steps)}
 
