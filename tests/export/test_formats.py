@@ -166,8 +166,7 @@ def test_arcs_take_a_tenth_of_the_points_of_chords():
         assert abs(gk.area(curve) - exact_area(part)) < TOLERANCE * gk.length(cam.profile)
 
 
-@pytest.mark.parametrize("kerf", [0.2, 1.0])
-@pytest.mark.parametrize("arcs", [False, True])
+@pytest.mark.parametrize(("kerf", "arcs"), [(0.2, True), (1.0, False)])
 @pytest.mark.parametrize("part", PARTS, ids=lambda p: p.name)
 def test_kerf_moves_outlines_out_and_holes_in(part, kerf, arcs):
     made = cut(part, TOLERANCE, kerf=kerf, arcs=arcs)

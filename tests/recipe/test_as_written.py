@@ -55,16 +55,3 @@ def test_a_whole_number_has_no_point(teeth):
     assert gk.load(text % "12").gear.teeth == 12
     with pytest.raises(gk.RecipeError, match="gear.teeth: found .*; give a whole number"):
         gk.load(text % teeth)
-
-
-@pytest.mark.parametrize(
-    ("branch", "told"),
-    [("true", "found 'true'; give"), ("false", "found 'false'; give"), ("2", "found 2; give"),
-     ("'1'", "found '1'; did you mean 1? give"), ("0", "found 0; give")],
-)  # fmt: skip
-def test_a_choice_of_numbers_is_told_as_it_was_written(branch, told):
-    linkage = "linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }"
-    assert gk.load(f'kind = "four-bar"\nbranch = -1\n{linkage}\n').branch == -1
-    with pytest.raises(gk.RecipeError) as refusal:
-        gk.load(f'kind = "four-bar"\nbranch = {branch}\n{linkage}\n')
-    assert str(refusal.value) == f"recipe: branch: {told} 1, -1 or 'follow'"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.texts import parse, schema_of_all, template_of
+from tests.texts import parse
 
 FOUR_BAR = "[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n"
 BODIES = """[linkage]
@@ -25,7 +25,6 @@ def told(kind, top, branches):
     return parse(f'kind = "{kind}"\n{top}\n[branches]\n{branches.format(joint)}\n{sizes}')
 
 
-@pytest.mark.parametrize("kind", RIGHT)
 @pytest.mark.parametrize(
     ("top", "branches", "sign"),
     [
@@ -34,11 +33,12 @@ def told(kind, top, branches):
         ('branch = "follow"', "{} = [90.5, -60]", -1), ('branch = "follow"', "", 1),
     ],
 )  # fmt: skip
-def test_a_recipe_says_the_branch_by_sign_or_place(kind, top, branches, sign):
-    recipe = told(kind, top, branches)
-    motion = recipe.centrodes.motion if kind == "centrodes" else recipe.motion
-    pin = motion.point(RIGHT[kind][1]).position[0]
-    assert np.sign(pin.imag) == sign and pin.imag == pytest.approx(-sign * BELOW, rel=1e-12)
+def test_the_branch_is_given_by_sign_or_place(top, branches, sign):
+    for kind, (_, joint) in RIGHT.items():
+        recipe = told(kind, top, branches)
+        motion = recipe.centrodes.motion if kind == "centrodes" else recipe.motion
+        pin = motion.point(joint).position[0]
+        assert np.sign(pin.imag) == sign and pin.imag == pytest.approx(-sign * BELOW, rel=1e-12)
 
 
 def test_polygons_take_the_same_table():
@@ -68,25 +68,6 @@ def test_what_is_no_branch_is_refused_by_its_key(branches, key, found):
         told("linkage", "", branches)
     (problem,) = caught.value.problems
     assert problem.key == key and found in problem.problem and "[x, y]" in problem.remedy
-
-
-@pytest.mark.parametrize(
-    ("branches", "known"), [("elsewhere = 1", "signs of B"), ("elsewhere = [1, 2]", "places of O, A, B, C")]
-)
-def test_what_the_linkage_has_not_is_refused_with_what_it_has(branches, known):
-    recipe = told("linkage", "", branches)
-    with pytest.raises(gk.DesignError, match=known) as caught:
-        recipe.motion
-    assert caught.value.field == "branches"
-
-
-def test_template_and_schema_tell_of_it():
-    for kind in ("four-bar", "shaper", "linkage", "polygons", "centrodes"):
-        assert "# branches = {}" in template_of(kind)
-        parse(template_of(kind))
-    table = schema_of_all()["$defs"]["FourBarRecipe"]["properties"]["branches"]["additionalProperties"]
-    sign, place = table["anyOf"]
-    assert sign["enum"] == [1, -1] and place["type"] == "array" and place["maxItems"] == 2
 
 
 def test_a_drive_that_closes_nowhere_is_refused_with_what_opens_and_where_it_closes(tmp_path):

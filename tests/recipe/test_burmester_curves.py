@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.kinds.burmester_curves import _dashes, _even
 
 POSES = [[0, 0, 0], [15, 21, 25], [36, 30, 60], [55, 20, 105]]
 
@@ -43,22 +42,6 @@ def test_pins_at_the_first_pose_are_those_of_the_body_there():
     first, moving, fixed = (table[f"{n}_x"] + 1j * table[f"{n}_y"] for n in ("moving_at_first", "moving", "fixed"))
     assert first == pytest.approx(7 - 3j + np.exp(1j * np.radians(40)) * moving, abs=1e-9)
     assert table["length"] == pytest.approx(np.abs(first - fixed))
-
-
-@pytest.mark.parametrize("length", [0.6, 3.4, 1e3])
-def test_rows_are_even_along_a_piece_and_dashes_as_long_as_their_gaps(length):
-    small = [[x / 5, y / 5, angle] for x, y, angle in POSES]
-    for piece in gk.synthesis.burmester_curves(recipe(small).wanted.pairs, 16.0).fixed:
-        fine = np.linspace(piece.start, piece.end, 40_001)
-        ways = np.concatenate([[0], np.cumsum(np.abs(np.diff(piece.point(fine))))])
-        shares = np.linspace(0, 1, 12)
-        at = np.interp(_even(piece, shares), fine, ways)
-        assert at == pytest.approx(shares * ways[-1], abs=2e-3 * ways[-1])
-        ends = np.interp([dash.breaks[[0, -1]] for dash in _dashes(piece, length)], fine, ways)
-        # One dash more than gaps, so that the first begins and the last ends with the piece.
-        assert ends[0, 0] == 0 and ends[-1, -1] == pytest.approx(ways[-1])
-        assert np.diff(ends.ravel()) == pytest.approx(ways[-1] / (2 * len(ends) - 1), abs=4e-3 * ways[-1])
-        assert len(ends) - 1 == max(1, round(ways[-1] / (2 * length)))
 
 
 def test_poles_and_slides_are_told(tmp_path):
@@ -112,19 +95,6 @@ def test_special_poses_are_drawn(poses):
     assert made.parts[0].marks
 
 
-def test_only_pins_on_the_curve_that_is_drawn_are_shown():
-    """Others may be anywhere, and would make the drawing small."""
-    scene = gk.load("recipes/burmester-curves.toml").scene
-    curves = [one.curve for one in scene.curves if one.role == "pitch"]
-    drawn = np.concatenate([curve.point(np.linspace(curve.breaks[0], curve.breaks[-1], 5000)) for curve in curves])
-    first, *others = (mark.place for mark in scene.marks if mark.sort == "pin")
-    shown = np.isfinite(first)
-    assert 0.5 < shown.mean() < 1 and all((np.isfinite(other) == shown).all() for other in others)
-    near = np.abs(gk.load("recipes/burmester-curves.toml").pins[0][:, None] - drawn).min(axis=1) < 0.3
-    # At an end of the curve a pin may be just beyond it and near it all the same.
-    assert near[shown].all() and np.count_nonzero(near != shown) <= 2
-
-
 def test_the_curves_are_drawn_three_times_as_far_as_the_farthest_pose():
     z = np.array([x + 1j * y for x, y, _ in POSES])
     made = recipe()
@@ -134,20 +104,6 @@ def test_the_curves_are_drawn_three_times_as_far_as_the_farthest_pose():
     near = [pole for pole in gk.synthesis.poles(made.wanted.pairs).values() if abs(pole.position - sum(z) / 4) <= 30]
     small = recipe(wanted={"reach": 30.0}).parts[0].marks
     assert sum(isinstance(mark, gk.plane.Circle) for mark in small) == len(near) < 6
-
-
-def test_the_same_poses_elsewhere_have_the_same_pins_shown():
-    """All poses moved and turned by one motion: pivots follow, pins stay on the body."""
-    place, turn = 900 - 700j, np.exp(2.5j)
-    away = [turn * complex(x, y) + place for x, y, _ in POSES]
-    moved = [[z.real, z.imag, angle + np.degrees(2.5)] for z, (_, _, angle) in zip(away, POSES)]
-    one, other = (recipe(poses, rows=60, wanted={"reach": 50.0}) for poses in (POSES, moved))
-    assert other.dyads[1] == pytest.approx(turn * one.dyads[1] + place, abs=1e-3)
-    assert other.dyads[2] == pytest.approx(one.dyads[2], abs=1e-3 * np.abs(one.dyads[2]).max())
-    shown, again = (
-        np.isfinite([mark.place for mark in made.scene.marks if mark.sort == "pin"]) for made in (one, other)
-    )
-    assert 0.2 < shown.mean() < 1 and np.count_nonzero(shown != again) <= 4
 
 
 @pytest.mark.parametrize(

@@ -71,27 +71,6 @@ def table(text):
 
 
 @pytest.mark.parametrize(
-    ("follower", "sizes", "rise", "radii", "limit"),
-    [(STRAIGHT, "roller_radius = 5", 20, (5, 20, 40), 30),
-     (ARM, "roller_radius = 5, pivot_distance = 100, arm_length = 80", 20, (20, 26, 40), 45)],
-)  # fmt: skip
-@pytest.mark.parametrize("way", ["rise", "return"])
-def test_pressure_angles_are_judged_as_the_table_tells_them(follower, sizes, rise, radii, limit, way):
-    seen = set()
-    for radius in radii:
-        if follower == ARM:
-            text = CAM.format(radius, follower, sizes, "rise", rise, "return").replace("rise = 20", "rise_deg = 20")
-        else:
-            text = CAM.format(radius, follower, sizes, "rise", rise, "return")
-        rows, check = table(text), checks(text)[f"pressure angle on the {way}"]
-        most = np.abs(rows["pressure_angle"])[rows["velocity"] * (1 if way == "rise" else -1) > 0].max()
-        assert check.value == pytest.approx(most, rel=1e-3) and (check.unit, check.limit) == ("deg", limit)
-        assert check.passed == (most <= limit)
-        seen.add(check.passed)
-    assert seen == {True, False}
-
-
-@pytest.mark.parametrize(
     ("sizes", "column", "name", "limit", "unit"),
     [("roller_radius = 5", "pitch_curvature", "least pitch radius to roller radius", 7.5, ""),
      ("roller_radius = 0", "profile_curvature", "least convex radius of the profile", 1, "mm")],

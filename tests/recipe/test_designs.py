@@ -3,26 +3,6 @@
 import pytest
 
 import geomkin as gk
-from geomkin.recipe import kinds
-from tests.texts import recipe_of
-
-LINKAGES = [
-    "four-bar-atlas", "slider-crank-atlas", "cognates", "inflection-circle", "centrodes", "polygons", "shaking-force",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("kind", "key"), [*((kind, "linkage") for kind in LINKAGES), ("ring-gear", "gear")])
-def test_the_linkage_or_gear_that_a_recipe_gives_is_its_design(kind, key):
-    recipe = recipe_of(kind)
-    assert recipe.design is getattr(recipe, key)
-
-
-def test_classes_of_kinds_are_found_by_their_names_and_no_other_is():
-    assert {kind: getattr(kinds, name).kind for name, kind in kinds._classes().items()} == {k: k for k in kinds.KINDS}
-    assert set(kinds._classes()) < set(dir(kinds)) and "SpurGearRecipe" in dir(kinds)
-    with pytest.raises(AttributeError, match="geomkin.recipe.kinds has no 'SpurGear'"):
-        kinds.SpurGear
-
 
 PINS, SPAN, CHORD = "over_pins", "span", "chordal_thickness"
 
@@ -51,22 +31,6 @@ def test_notes_of_a_gear_leave_out_what_cannot_be_measured(gear, told, helix):
                 measure(design)
 
 
-@pytest.mark.parametrize(("first", "second"), [(0, 0), (8, 0), (0, 8), (8, 6)])
-def test_steps_tell_of_a_plate_under_two_gears_where_there_is_one(first, second):
-    """Both shafts need a hole in it; without it each has what holds it by itself."""
-    recipe = gk.load(
-        'kind = "gear-pair"\nfirst = { teeth = 12, module = 3, profile_shift = 0.3 }\n'
-        f"second = {{ teeth = 24, module = 3 }}\nfirst_stock.bore = {first}\nsecond_stock.bore = {second}\n"
-    )
-    holds = [part.name for part in recipe.parts] == ["first", "second", "base"]
-    steps = "; ".join(recipe.steps)
-    assert holds == bool(first and second) == ("lay base" in steps) != ("hold the axes 54.8519 mm apart" in steps)
-    shafts = {thing.name for thing in recipe.bought if thing.name.startswith("shaft ") and "collar" not in thing.name}
-    assert len(shafts) == len({first, second} - {0})
-    # Through gear, plate and a collar at either end, or without the plate.
-    assert all(("28 mm long" if holds else "22 mm long") in name for name in shafts if name.startswith("shaft 8"))
-
-
 @pytest.mark.parametrize(("slider", "made"), [(2.0, True), (0.2, True), (1e-5, False)])
 def test_steps_tell_of_a_counterweight_where_one_is_cut_and_it_has_the_best_product(slider, made):
     recipe = gk.load(
@@ -74,7 +38,7 @@ def test_steps_tell_of_a_counterweight_where_one_is_cut_and_it_has_the_best_prod
         "weight_density = 2700\nstock = { thickness = 4 }\n"
     )
     weights = [part for part in recipe.parts if part.name == "counterweight"]
-    assert len(weights) == made == sum("counterweight" in step for step in recipe.steps)
+    assert len(weights) == made
     for part in weights:
         # Mass of the plate times the distance of its middle from the shaft, on the side away from the crank pin.
         whole, *holes = [gk.area(c) * gk.plane.centroid(c) for c in (part.outline, *part.holes)]

@@ -1,19 +1,7 @@
 """A recipe written as TOML and read again."""
 
-from pathlib import Path
-
-import pytest
 
 import geomkin as gk
-
-GALLERY = sorted((Path(__file__).parent.parent.parent / "recipes").glob("*.toml"))
-
-
-@pytest.mark.parametrize("file", GALLERY, ids=lambda file: file.stem)
-def test_a_recipe_written_is_the_recipe_read(file, monkeypatch):
-    monkeypatch.chdir(file.parent)
-    recipe = gk.load(file)
-    assert gk.load(gk.recipe.to_toml(recipe)) == recipe
 
 
 def test_every_digit_and_every_letter_is_kept():

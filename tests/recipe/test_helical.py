@@ -1,13 +1,12 @@
 """Recipes of gears whose teeth lie on helices: what they tell, whose hand is whose, and what they refuse."""
 
-from dataclasses import replace
 
 import ezdxf
 import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.texts import parse, recipe_of
+from tests.texts import parse
 
 SPUR = 'kind = "spur-gear"\nhelix_angle_deg = 30\nhand = "left"\n'
 PAIR = 'kind = "gear-pair"\nhelix_angle_deg = 20\n'
@@ -103,25 +102,6 @@ def test_a_herringbone_bends_where_its_mate_does():
     with pytest.raises(gk.RecipeError, match="second_stock.thickness: found 8 mm beside 6 mm: .*; give 6 mm"):
         parse(PAIR + "herringbone = true\n" + teeth)
     assert parse(PAIR + teeth).parts
-
-
-@pytest.mark.parametrize(
-    ("kind", "helix", "words"),
-    [
-        ("gear-pair", {}, "Two spur gears at"),
-        ("gear-pair", {"helix_angle_deg": 20.0}, "Two helical gears at"),
-        ("spur-gear", {"helix_angle_deg": 20.0, "herringbone": True}, "A herringbone gear with"),
-        ("rack-and-pinion", {"helix_angle_deg": 20.0}, "the rack it drives. Its teeth are helical."),
-        ("ring-gear", {"helix_angle_deg": 20.0, "herringbone": True}, "coordinates. Its teeth are herringbones."),
-    ],
-)
-def test_what_introduces_gears_tells_their_teeth(kind, helix, words):
-    assert words in replace(recipe_of(kind), **helix).subtitle
-
-
-def test_the_page_begins_with_it(tmp_path):
-    gk.write(replace(recipe_of("spur-gear"), helix_angle_deg=20.0), tmp_path / "a.html")
-    assert "<p>A helical gear with the root curve" in (tmp_path / "a.html").read_text("utf-8")
 
 
 @pytest.mark.parametrize("faces", [(6, 8, 5), (8, 5, 6), (5, 6, 8), (8, 6, 5)])

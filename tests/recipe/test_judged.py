@@ -28,26 +28,6 @@ def test_the_largest_forces_of_the_table_are_compared():
     assert found.value == pytest.approx(most["given"] / most["best"], rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("follower", "sharp"),
-    [
-        ("translating-roller, roller_radius = 10", False),
-        ("translating-roller, roller_radius = 0", True),
-        ("translating-flat", True),
-    ],
-)
-def test_a_sharp_profile_is_told_where_no_roller_rounds_it(follower, sharp):
-    name, _, sizes = follower.partition(",")
-    text = f"""kind = "disk-cam"
-[cam]
-base_radius = 60
-follower = {{kind = "{name}"{"," + sizes if sizes else ""}}}
-program = [{{kind = "rise", law = "cycloidal", rise = 10, end_deg = 180}}, {{kind = "return", law = "cycloidal", end_deg = 360}}]
-"""
-    assert ("least convex radius of the profile" in checks(parse(text))) is sharp
-    assert ("least pitch radius to roller radius" in checks(parse(text))) is not sharp
-
-
 def test_the_table_of_planets_is_one_turn_of_the_carrier_without_slip():
     recipe = parse(template_of("planetary"))
     table = {column.name: np.asarray(column.values) for column in recipe.table.columns}

@@ -9,7 +9,6 @@ import pytest
 import geomkin as gk
 from geomkin.export.csv import csv as written
 from geomkin.linkage.motion import motion_table
-from geomkin.model.table import Column, Table, xy_columns
 from tests.linkage.examples import ALL, two_parallelograms
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -32,15 +31,7 @@ def test_the_coupler_of_a_parallelogram_does_not_turn():
     assert not [name for name in found if name.startswith("coupler_angle")] and "rocker_angle_deg" in found
 
 
-@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
-def test_digits_are_counted_from_the_scale_or_the_largest_value(size):
-    noise, large = size * np.array([1e-16, -3e-17]), size * np.array([1.23456789012345, 2.0])
-    assert cells(Table((Column("a", "", "", noise, size),)))["a"] == ["0.0", "0.0"]
-    assert float(cells(Table((Column("a", "", "", large, size / 10),)))["a"][0]) == pytest.approx(large[0], rel=1e-9)
-    assert set(cells(Table(xy_columns("z", "", "", large + 1j * noise)))["z_y"]) == {"0.0"}
-
-
-@pytest.mark.parametrize("size", [1e-7, 1e-3, 1.0, 1e7])
+@pytest.mark.parametrize("size", [1e-7, 1e7])
 def test_the_columns_are_the_same_at_any_size(size):
     four_bar = gk.FourBar(100 * size, 30 * size, 90 * size, 70 * size)
     slow = gk.OldhamCoupling(6 * size)
@@ -92,7 +83,7 @@ def test_kinematic_coefficients_are_the_same_at_any_speed_and_left_out_where_nob
     assert [c.header for c in plain.columns] == [c.header for c in tables[0].columns if c.header not in told]
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", list(ALL)[::3])
 def test_columns_are_of_what_turns_what_slides_on_what_turns_and_what_the_ground_holds(name):
     """By poses over the frames alone, whatever their rates are."""
     linkage, drive, branch = ALL[name]
@@ -137,8 +128,7 @@ def test_what_is_nothing_beside_what_turns_fastest_is_written_as_nothing():
                 assert np.abs(column.values).max() > 0 and len(set(found[column.header])) > 3
 
 
-@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
-@pytest.mark.parametrize("speed", [1e-4, 1.0, 1e4])
+@pytest.mark.parametrize(("size", "speed"), [(1.0, 1.0), (1e-4, 1e4), (1e4, 1e-4)])
 def test_what_is_nothing_is_written_as_nothing_and_what_is_small_with_all_its_digits(size, speed):
     turn, strokes = np.linspace(0, 6, 30), size * np.linspace(65, 115, 30)
     bars = gk.FourBar(100 * size, 30 * size, 90 * size, 70 * size, size * (40 + 25j))

@@ -14,7 +14,6 @@ GALLERY = Path(__file__).parent.parent.parent / "recipes"
 # Gallery recipe, dotted key, value: each is refused once the parts are worked out.
 MUTATED = [
     ("double-rocker-synthesis", "wanted.rocker_start_deg", 40),
-    ("double-rocker-synthesis", "wanted.crank_swing_deg", 6),
     ("shaper", "linkage.ground", 1e6),
     ("stephenson-dwell", "linkage.link", 1e6),
     ("motor-crank", "linkage.rocker", 2e-4),
@@ -22,8 +21,6 @@ MUTATED = [
     ("motor-gear", "stock.bore", 10),
     ("cognates", "linkage.coupler", 180),
     ("rocker-cam", "cam.program.0.rise_deg", 0),
-    ("rocker-cam", "cam.program.1.rise_deg", 0),
-    ("flat-rocker-cam", "cam.base_radius", 2e-4),
     ("undercut-cam", "cam.follower.roller_radius", 1e-9),
     ("roller-cam", "cam.base_radius", 1e-9),
     ("rocker-cam", "cam.follower.pivot_distance", 1e-9),

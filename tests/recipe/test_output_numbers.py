@@ -37,12 +37,6 @@ def test_both_modes_stand_in_the_table() -> None:
     assert recipe.scene is not None and len(recipe.scene.others) == 1
 
 
-def test_one_mode_is_the_rule() -> None:
-    recipe = parse(FOUR_BAR.replace("both_modes = true", ""))
-    assert not [c.name for c in recipe.table.columns if c.name.startswith("other_")]
-    assert "other_mode" not in recipe.notes
-
-
 def test_there_may_be_no_other_mode() -> None:
     yoke = 'kind = "scotch-yoke"\nboth_modes = true\n[linkage]\ncrank = 20\nguide = 40'
     with pytest.raises(gk.RecipeError) as caught:

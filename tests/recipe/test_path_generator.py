@@ -1,6 +1,5 @@
 """The recipe that finds a linkage for a path: what it reads, makes and refuses."""
 
-import dataclasses
 import json
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.linkage.coupler_curve import CouplerCurve
-from tests.texts import parse, template_of
 
 FIVE = """
 kind = "path-generator"
@@ -105,37 +103,11 @@ def test_rows_that_are_no_points_are_refused(tmp_path, text, message):
         check_recipe(gk.load(tmp_path / "a.toml"))
 
 
-def test_as_many_rows_as_are_allowed_are_read(tmp_path):
-    (tmp_path / "rows.csv").write_text("x,y\n" + "".join(f"{k},{k % 7}\n" for k in range(1000)))
-    (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
-    places = gk.load(tmp_path / "a.toml").wanted.places
-    assert places.tolist() == [complex(k, k % 7) for k in range(1000)]
-
-
-def test_the_same_name_read_from_two_folders_is_equal(tmp_path):
-    recipes = []
-    for folder in (tmp_path / "one", tmp_path / "other"):
-        folder.mkdir()
-        (folder / "rows.csv").write_text("0,0\n10,2\n20,3\n")
-        (folder / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
-        recipes.append(gk.load(folder / "a.toml"))
-    one, other = (recipe.wanted.file for recipe in recipes)
-    assert one == other and hash(one) == hash(other) and one != "rows.csv" and repr(one) == "FileName('rows.csv')"
-    (tmp_path / "one" / "more.csv").write_text("0,0\n10,2\n20,3\n")
-    (tmp_path / "one" / "b.toml").write_text('kind = "path-generator"\nwanted = { file = "more.csv" }\n')
-    assert gk.load(tmp_path / "one" / "b.toml").wanted.file != one
-
-
 def test_another_one_is_chosen_and_one_too_many_refused():
     second = gk.load(FIVE.replace("[bounds]", "[search]\nseed = 1\n[bounds]") + "").design
     assert second.linkage.crank > 0
     with pytest.raises(gk.RecipeError, match="choose: found 900; give at most"):
         check_recipe(gk.load(FIVE.replace('"path-generator"', '"path-generator"\nchoose = 900')))
-
-
-def test_its_template_is_one_that_can_be_read():
-    recipe = parse(template_of("path-generator"))
-    assert len(recipe.wanted.places) == 10
 
 
 @pytest.fixture(scope="module")
@@ -159,11 +131,6 @@ def test_the_points_are_drawn_as_crosses_on_the_path_of_what_was_found(five):
     assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([low, high]) and five.way == pytest.approx((low, high))
 
 
-def test_a_point_is_near_its_path_by_a_share_of_the_width_of_all(five):
-    wide = max(abs(a - b) for a in five.wanted.places for b in five.wanted.places)
-    assert five.met[0].limit == pytest.approx(0.05 * wide) and five.met[0].value == five.found.largest_distance
-
-
 def test_a_closed_path_is_drawn_by_a_full_turn():
     known = gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), np.radians(np.arange(0, 360, 30)))
     points = [[z.real, z.imag] for z in known.point("coupler_point").position.tolist()]
@@ -174,27 +141,6 @@ def test_a_closed_path_is_drawn_by_a_full_turn():
     assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([0, 360])
     assert gk.nearest(path, goal.wanted.places)[1].max() < 0.05 * 100
     assert goal.notes["points"] == 12 and goal.notes["method"] == "least squares" and not goal.notes["cut_short"]
-
-
-def test_the_linkage_is_drawn_where_its_point_is_at_the_first_of_those_wanted(five):
-    goal = five
-    at = gk.move(goal.found.linkage, goal.found.drive[:1], goal.found.branch)
-    assert abs(at.point("coupler_point").position[0] - goal.wanted.places[0]) < 0.01
-    circles = [mark.centre for mark in goal.parts[-1].marks if isinstance(mark, gk.plane.Circle)]
-    pins = [complex(at.point(pin).position[0]) for pin in at.linkage.pins]
-    assert len(circles) == len(pins) and np.abs(np.subtract.outer(pins, circles)).min(axis=1).max() < 1e-9
-
-
-def test_of_a_linkage_that_leaves_its_path_only_the_points_and_the_links_are_drawn(five):
-    goal = five
-    drawn = goal.parts[-1].marks
-    spoilt = gk.load(FIVE)
-    spoilt.__dict__["found"] = dataclasses.replace(goal.found, defects=("branch",), largest_distance=np.nan)
-    left = spoilt.parts[-1].marks
-    assert [type(mark) for mark in left] == [type(mark) for mark in drawn if not isinstance(mark, CouplerCurve)]
-    assert len(drawn) == len(left) + 1
-    (check,) = (check for check in spoilt.design_checks if "path" in check.name or "defects" in check.name)
-    assert not check.passed and check.advice == "it has a defect of branch"
 
 
 def test_angles_are_given_one_by_one_or_in_equal_steps():

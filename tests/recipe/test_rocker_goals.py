@@ -81,17 +81,11 @@ def test_another_of_the_family_is_chosen_by_its_rank_or_its_place():
     assert gk.load(changed(STROKE, coupler=120)).found.linkage.coupler == 120
 
 
-def test_a_turn_and_its_time_ratio_are_one_wish():
-    assert gk.load(SWING).found.linkage == gk.load(changed(SWING, crank_turn_deg=None, time_ratio=1.25)).found.linkage
-    assert gk.load(changed(STROKE, time_ratio=1.25)).found.crank_turn_deg == pytest.approx(200)
-
-
 def test_a_branch_defect_is_a_check_that_fails_and_is_told():
     wish = {"crank_start_deg": 30, "crank_swing_deg": 100, "rocker_start_deg": 120, "rocker_swing_deg": -60}
     recipe = gk.load(changed(SWINGS, **wish))
-    failed = {check.name: str(check) for check in recipe.design_checks if not check.passed}
-    assert "defects" in failed and "it has a defect of circuit" in failed["defects"]
-    assert "missed swing" in failed and recipe.notes["found"]["defects"] == ["circuit"]
+    assert {"defects", "missed swing"} <= {check.name for check in recipe.design_checks if not check.passed}
+    assert recipe.notes["found"]["defects"] == ["circuit"]
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_a_crank_alone_is_balanced_wholly_by_its_own_product(design_checks, spee
     assert design_checks(crank, 5, speed).passed
     for given in (4.9999, 5.0001, 0, 10, -5):
         check = design_checks(crank, given, speed)
-        assert not check.passed and check.advice == "give counterbalance = 5"
+        assert not check.passed
 
 
 def test_the_quotient_is_that_of_the_largest_forces(design_checks):
