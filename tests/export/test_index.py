@@ -1,6 +1,5 @@
 """The page over a folder: every link leads somewhere, and what else lies in the folder does no harm."""
 
-import json
 import os
 import re
 from html.parser import HTMLParser

@@ -13,9 +13,7 @@ def bodies(name):
     return {part.name: part.body for part in gk.load(RECIPES / f"{name}.toml").parts}
 
 
-@pytest.mark.parametrize(
-    "name", ["crank-rocker", "lift-table", "walking-leg", "watt-six-bar", "whitworth", "slider-crank"]
-)
+@pytest.mark.parametrize("name", ["lift-table", "whitworth"])
 def test_a_plate_of_a_linkage_follows_the_body_it_is_cut_for(name):
     recipe = gk.load(RECIPES / f"{name}.toml")
     for part in recipe.parts:
@@ -36,12 +34,9 @@ def test_a_plate_of_a_linkage_follows_the_body_it_is_cut_for(name):
             {"ground": "ground", "crank": "crank", "coupler": "coupler", "counterweight": "crank", "spacer": ""},
         ),
         ("rocker-cam", {"cam": "cam", "roller": "roller", "arm": "arm", "base": "ground"}),
-        ("flat-rocker-cam", {"cam": "cam", "arm": "arm"}),
-        ("flat-cam", {"cam": "cam", "follower": "follower"}),
         ("gear-pair", {"first": "first", "second": "second", "base": "ground"}),
         ("planetary", {"sun": "sun", "planet": "planet", "ring": "ring", "carrier": "carrier", "base": "ground"}),
         ("rack-and-pinion", {"pinion": "pinion", "rack": "rack", "base": "ground"}),
-        ("straight-sided", {"gear": "gear", "mate": "mate"}),
         ("straight-sided-ring", {"gear": "gear", "ring": "ring"}),
         ("lantern", {"disc": "pinion", "mate": "mate"}),
         # What is engraved on a plate stands for no body.
@@ -50,7 +45,3 @@ def test_a_plate_of_a_linkage_follows_the_body_it_is_cut_for(name):
 )
 def test_parts_of_each_kind_name_their_bodies(name, expected):
     assert bodies(name) == expected
-
-
-def test_a_part_of_no_mechanism_follows_nothing():
-    assert gk.Part("plate", gk.plane.Circle(0j, 5.0), (), 3.0).body == ""

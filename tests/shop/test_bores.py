@@ -6,25 +6,14 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.parts import CamStock
 from geomkin.gear.parts.gears import GearStock, gear_parts
 from geomkin.making.bores import bore, keyed_bore
 from tests.texts import parse, template_of
 
 PLAY = 0.4
-KINDS = [
-    "four-bar",
-    "disk-cam",
-    "spur-gear",
-    "gear-pair",
-    "rack-and-pinion",
-    "planetary",
-    "straight-sided-gears",
-    "point-tooth-gears",
-    "lantern-gears",
-]
+KINDS = ["four-bar", "gear-pair", "rack-and-pinion", "planetary", "lantern-gears"]
 # Followers on stems and arms.
-GALLERY = ["flat-cam", "rocker-cam", "flat-rocker-cam"]
+GALLERY = ["flat-cam", "rocker-cam"]
 
 
 def round_holes(recipe, clearance):
@@ -83,20 +72,7 @@ def test_the_clearance_that_is_advised_works_and_a_little_more_does_not():
         bore(29, most, 30, "stock.roller_bore")
 
 
-def test_all_stock_tables_mean_the_same_by_clearance():
-    from geomkin.gear.parts.conjugate import LanternStock, PairStock
-    from geomkin.linkage.parts.stock import LinkStock
-
-    words = {
-        field.metadata["description"]
-        for table in (LinkStock, GearStock, CamStock, PairStock, LanternStock)
-        for field in dataclasses.fields(table)
-        if field.name == "clearance"
-    }
-    assert words == {"how much wider than its pin or shaft a hole is, mm"}
-
-
-@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+@pytest.mark.parametrize("size", [1e-3, 1e4])
 def test_a_keyway_may_reach_as_far_as_the_part_and_no_farther(size):
     """The corner of the slot, 13 from the axis by 5-12-13, lies just within the part or just beyond it."""
     sizes = {"diameter": 18 * size, "clearance": 0.0, "width": 10 * size, "depth": 3 * size}
@@ -106,7 +82,7 @@ def test_a_keyway_may_reach_as_far_as_the_part_and_no_farther(size):
         keyed_bore(*sizes.values(), 1 + 0j, 26 * size * (1 - 1e-9), "stock")
 
 
-@pytest.mark.parametrize("pins", [6, 12, 40])
+@pytest.mark.parametrize("pins", [6, 40])
 def test_the_clearance_at_which_pins_holes_meet_is_named(tmp_path, pins):
     """Neighbouring holes of a lantern's discs: less than named works, more is refused."""
 

@@ -1,12 +1,10 @@
 """Gear plates: what is cut out of them, measured on polygons of their outlines."""
 
-import re
 
 import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.errors import DesignError
 from geomkin.gear.parts.bases import carrier
 from geomkin.gear.parts.gears import GearStock, RingStock, Web, base_plate, gear_parts, openings
 from geomkin.plane import region
@@ -16,8 +14,7 @@ def polygon(curve):
     return gk.flatten(curve, 1e-4)
 
 
-@pytest.mark.parametrize("count", [2, 3, 5, 8])
-@pytest.mark.parametrize("width", [2.0, 4.0])
+@pytest.mark.parametrize(("count", "width"), [(2, 2.0), (5, 4.0)])
 def test_spokes_are_as_wide_as_asked_and_hub_and_rim_stay_whole(count, width):
     web = Web(hub=20, rim=3, count=count, spoke_width=width)
     cut = openings(web, 4, 40, "web")
@@ -95,14 +92,3 @@ def test_a_base_plate_reaches_its_margin_beyond_the_widest_hole():
     z = gk.flatten(base_plate("base", [0j, 56 + 0j], [8, 12], 9, 6).outline, 1e-4)
     assert (z.real.min(), z.real.max()) == pytest.approx((-15, 71), abs=1e-3)
     assert (z.imag.min(), z.imag.max()) == pytest.approx((-15, 15), abs=1e-3)
-
-
-def test_holes_of_two_shafts_as_wide_together_as_the_refusal_says_do_not_meet():
-    with pytest.raises(DesignError, match="less than") as caught:
-        base_plate("base", [10 + 0j, 40 + 0j], [40, 25], 9, 6)
-    words = "the holes of two shafts, 40 and 25 mm wide and 30 mm apart, meet in the plate"
-    assert caught.value.problem == words and caught.value.field == "stock.bore"
-    most = float(re.search(r"less than (\S+) mm", caught.value.remedy)[1])
-    assert len(base_plate("base", [10 + 0j, 40 + 0j], [40, most - 40 - 1e-6], 9, 6).holes) == 2
-    with pytest.raises(DesignError):
-        base_plate("base", [10 + 0j, 40 + 0j], [40, most - 40 + 1e-6], 9, 6)

@@ -124,8 +124,8 @@ def test_a_crosshead_slot_is_as_long_as_the_stroke(offset):
     assert x1 == pytest.approx(out + 7, abs=0.01)
 
 
-@pytest.mark.parametrize("step_deg", [1, 5, 12])
-@pytest.mark.parametrize("name", BUILDABLE)
+@pytest.mark.parametrize("step_deg", [5, 12])
+@pytest.mark.parametrize("name", list(BUILDABLE)[::4])
 def test_every_pin_stays_in_its_slot_between_the_frames_too(name, step_deg):
     """Slots made from few frames against the pin, placed at many more by a second run of the solver."""
     linkage, branch, _, _ = BUILDABLE[name]

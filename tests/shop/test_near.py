@@ -13,7 +13,6 @@ from geomkin.linkage.parts import collisions as near
 from geomkin.linkage.parts.collisions import Pair, distance, meeting, path_in
 from geomkin.linkage.parts.layers import Meetings
 from geomkin.linkage.parts.plates import assemble
-from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
 from geomkin.plane.primitives import convex_hull
 
@@ -57,16 +56,7 @@ def test_distance_is_that_of_convex_hulls(one, two):
     assert float(distance(b, a)) == pytest.approx(true, abs=1e-9)
 
 
-def test_distance_takes_many_at_once():
-    random = np.random.default_rng(1)
-    a = np.array([-1, 1, 1j])[:, None] + np.zeros(50)
-    turn, place = np.exp(1j * random.uniform(0, 7, 50)), random.normal(0, 3, 50) + 1j * random.normal(0, 3, 50)
-    b = place + turn * np.array([0, 2])[:, None]
-    assert np.array_equal(distance(a, b), [distance(a[:, k], b[:, k]) for k in range(50)])
-
-
-@pytest.mark.parametrize("step_deg", [1.0, 7.0, 30.0])
-@pytest.mark.parametrize("linkage", [LEG, OPEN, BUILDABLE["trammel"][:2]], ids=["leg", "open", "trammel"])
+@pytest.mark.parametrize(("linkage", "step_deg"), [(LEG, 7.0), (OPEN, 1.0)], ids=["leg", "open"])
 def test_pairs_meet_where_the_exact_look_at_each_says_so(linkage, step_deg):
     """Also where they all but meet: at distances that differ from the least gap by rounding."""
     motion = gk.move(linkage[0], np.radians(np.arange(0, 360 + step_deg, step_deg)), linkage[1])
@@ -114,7 +104,7 @@ def test_a_step_that_turns_round_may_come_nearest_though_its_ends_do_not():
     assert meeting(motion, pairs).tolist() == [False, False, True, True]
 
 
-@pytest.mark.parametrize("name", ["crank-rocker", "six-bar", "whitworth", "jansen leg", "trammel", "ram with a tool"])
+@pytest.mark.parametrize("name", ["whitworth", "jansen leg", "ram with a tool"])
 def test_every_pair_of_a_mechanism_is_as_shapely_sees_it_in_quarter_degrees(name):
     linkage, branch, *_ = BUILDABLE[name]
     stock, motion, fine = LinkStock(), gk.move(linkage, TURN, branch), gk.move(linkage, QUARTERS, branch)
@@ -162,7 +152,7 @@ def many_bars(frames, rockers=6, points=2):
     return gk.move(gk.Linkage(star, driver="crank"), np.linspace(0, 2 * np.pi, frames))
 
 
-@pytest.mark.parametrize("frames, rockers, points", [(361, 6, 2), (20_001, 2, 2), (91, 3, 30)])
+@pytest.mark.parametrize("frames, rockers, points", [(20_001, 2, 2), (91, 3, 30)])
 def test_memory_is_bounded_however_many_plates_frames_and_points(frames, rockers, points, monkeypatch):
     monkeypatch.setattr(near, "AT_ONCE", 1 << 12)
     motion, stock = many_bars(frames, rockers, points), LinkStock()
@@ -176,14 +166,3 @@ def test_memory_is_bounded_however_many_plates_frames_and_points(frames, rockers
         tracemalloc.stop()
     # The poses once more, and some arrays of as many points as are held at once.
     assert peak < 16 * (1.1 * len(poses) * frames + 25 * near.AT_ONCE) + 3e5
-
-
-def test_work_beyond_the_most_is_refused_with_the_frames_that_would_do(monkeypatch):
-    monkeypatch.setattr(near, "MOST", 30_000)
-    with pytest.raises(gk.DesignError, match="found 361 frames, and in each .* give at most ([0-9]+) frames") as told:
-        stack_links(many_bars(361, 3), LinkStock())
-    most = int(str(told.value).split("at most ")[1].split(" frames")[0])
-    assert 30 < most < 361
-    assert Meetings(many_bars(most, 3), LinkStock(), assemble(many_bars(most, 3), LinkStock())).plates
-    with pytest.raises(gk.DesignError, match=f"found {most + 1} frames"):
-        stack_links(many_bars(most + 1, 3), LinkStock())

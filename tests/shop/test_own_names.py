@@ -45,12 +45,9 @@ def cut(part):
 @pytest.mark.parametrize(
     ("sizes", "called"),
     [
-        (DRAG_LINK, {"coupler": "bridge"}),
         (DRAG_LINK, {"crank": "bridge", "coupler": "bridge_"}),
         (DRAG_LINK, {"coupler": "spacer", "rocker": "spacer_"}),
-        (DRAG_LINK, {"O": "spacer_1"}),
         (DRAG_LINK, {"A": "spacer_2", "B": "spacer_1", "C": "spacer_1_"}),
-        (RAM, {"tool": "slide_guide_1"}),
         (RAM, {"tool": "slide_guide_2", "B": "slide_guide_1"}),
         (RAM, {"rod": "spacer", "O": "slide_guide_1"}),
     ],

@@ -11,10 +11,7 @@ from geomkin.making.assembly import pin_bill, shaft_bill
 from geomkin.making.fits import AbstractBored
 from tests.cam.cams import CAMS
 
-GALLERY = [
-    "gear-pair", "spur-gear", "rack-and-pinion", "planetary", "lantern", "straight-sided-ring",
-    "point-tooth", "roller-cam", "flat-cam", "rocker-cam", "flat-rocker-cam",
-]  # fmt: skip
+GALLERY = ["rack-and-pinion", "planetary", "lantern", "rocker-cam"]
 
 
 @pytest.mark.parametrize("name", GALLERY)
@@ -46,7 +43,7 @@ def test_every_round_hole_has_a_shaft_or_pin_as_thick_and_no_shaft_is_without_a_
 
 
 def test_the_bill_of_a_pair_names_shafts_through_the_base_and_the_key(tmp_path):
-    made = gk.make("recipes/gear-pair.toml", tmp_path, ["bom", "page"])
+    gk.make("recipes/gear-pair.toml", tmp_path, ["bom"])
     rows = list(csv.DictReader((tmp_path / "gear-pair" / "gear-pair-bom.csv").read_text().splitlines()))
     told = [(row["item"], row["count"], row["joints"]) for row in rows if not row["thickness_mm"]]
     assert told == [
@@ -60,8 +57,6 @@ def test_the_bill_of_a_pair_names_shafts_through_the_base_and_the_key(tmp_path):
     ]
     summary = json.loads((tmp_path / "gear-pair" / "summary.json").read_text())
     assert [(b["name"], str(b["count"]), *b["joints"]) for b in summary["bought"]] == told
-    page = (tmp_path / "gear-pair" / "gear-pair.html").read_text()
-    assert made and all(page.count(name) == 1 for name, *_ in told) and "Letters are at the holes" in page
 
 
 def test_what_goes_through_the_base_is_as_long_as_all_that_is_on_it():
