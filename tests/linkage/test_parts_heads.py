@@ -12,8 +12,7 @@ from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
 from geomkin.making.motors import MOTORS
-
-from .test_fasteners import distances
+from tests.linkage.test_parts_fasteners import distances
 
 TURN = np.radians(np.arange(0, 361, 2))
 # How far a point of these small linkages goes in half a step, and the play that is kept, mm.

@@ -15,8 +15,7 @@ from geomkin.linkage.parts.layers import Meetings
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stock import LinkStock
 from geomkin.plane.primitives import convex_hull
-
-from .mechanisms import BUILDABLE, TURN
+from tests.linkage.mechanisms import BUILDABLE, TURN
 
 QUARTERS = np.radians(np.arange(0, 360.1, 0.25))
 LEG = BUILDABLE["jansen leg"][:2]

@@ -3,8 +3,7 @@
 import numpy as np
 
 import geomkin as gk
-
-from .gallery import marks, named
+from tests.gallery import marks, named
 
 TEXT = """kind = "four-bar"
 linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70, coupler_point = [40, 25] }

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-
-from .test_bases import PAIR, PLANETARY, RACK, cam
+from tests.making.test_bases import PAIR, PLANETARY, RACK, cam
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 GALLERY = [

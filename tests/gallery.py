@@ -8,7 +8,7 @@ import shapely
 
 import geomkin as gk
 
-RECIPES = Path(__file__).parents[2] / "recipes"
+RECIPES = Path(__file__).parents[1] / "recipes"
 NAMES = sorted(path.stem for path in RECIPES.glob("*.toml"))
 # mm. Of the chords that outlines are looked at by.
 FINE = 1e-4

@@ -6,8 +6,7 @@ import pytest
 from geomkin.linkage.instant.curvature import path_curvature
 from geomkin.linkage.instant.inflection import inflection_circle
 from geomkin.linkage.instant.polygons import velocity_polygon
-
-from .gallery import marks, named, recipe
+from tests.gallery import marks, named, recipe
 
 
 @pytest.mark.parametrize("name", ["centrodes", "rolling-ellipses"])
@@ -128,12 +127,6 @@ def test_curves_of_an_atlas_are_those_of_its_table():
     np.testing.assert_array_equal(place, own.table["r2c1_x"] + 1j * own.table["r2c1_y"])
 
 
-def test_cognates_stay_on_one_curve():
-    scene, own = recipe("cognates").scene, recipe("cognates")
-    (pen,) = (mark for mark in scene.marks if mark.trail and mark.label == "coupler_point")
-    np.testing.assert_allclose(pen.place, own.table["left_coupler_point_x"] + 1j * own.table["left_coupler_point_y"])
-
-
 def test_shaking_forces_are_drawn_at_one_scale():
     scene, own = recipe("shaking-force").scene, recipe("shaking-force")
     arrows = [mark for mark in marks(scene, "vector", "1 mm is") if mark.label.endswith(" N")]
@@ -141,15 +134,3 @@ def test_shaking_forces_are_drawn_at_one_scale():
     assert len(scales) == 3
     np.testing.assert_allclose(scales, scales[0])
     assert scene.plots[0].columns == ("force_none_N", "force_given_N", "force_best_N")
-
-
-def test_polygons_stand_one_above_the_other_beside_the_linkage():
-    scene = recipe("polygons").scene
-    spans = {}
-    for rate in ("v", "a"):
-        sides = [mark for mark in marks(scene, "vector", "1 mm is") if mark.label.startswith(f"{rate} ")]
-        ends = np.concatenate([z[np.isfinite(z)] for m in sides for z in (m.place, m.place + m.vector)])
-        spans[rate] = ends
-    linkage = np.concatenate([mark.place for mark in scene.marks if mark.sort.endswith("pin") or mark.sort == "slide"])
-    assert spans["v"].imag.min() > spans["a"].imag.max()
-    assert min(row.real.min() for row in spans.values()) > linkage.real.max()

@@ -16,8 +16,7 @@ from geomkin.linkage.parts.layers import Meetings, Passing, order, runs
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import link_parts, pile_places, stack_links
 from geomkin.linkage.parts.stock import LinkStock
-
-from .mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
+from tests.linkage.mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
 
 STOCK = LinkStock(fastener="rod")
 LOOK = np.linspace(0, 2 * np.pi, 541)

@@ -14,8 +14,7 @@ from geomkin.linkage.parts.stack import link_parts, stack_links
 from geomkin.linkage.parts.stock import LinkStock
 from geomkin.making.fasteners import LENGTHS, SIZES, Fastener, fastener_of
 from geomkin.making.motors import MOTORS
-
-from .mechanisms import BUILDABLE, TURN
+from tests.linkage.mechanisms import BUILDABLE, TURN
 
 STOCK = LinkStock()
 

@@ -10,10 +10,9 @@ import shapely
 import shapely.affinity
 
 import geomkin as gk
-from tests.shop.virtual import read
-
-from .test_bases import PAIR, PLANETARY, RACK
-from .test_mated import LANTERN
+from tests.gear.test_parts_mates import LANTERN
+from tests.making.test_bases import PAIR, PLANETARY, RACK
+from tests.making.virtual import read
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 # A motor over a base, for which the gallery has no recipe.

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.model.scene import Choice, Plot
-
-from .gallery import recipe
+from tests.gallery import recipe
 
 GOALS = {"wiper": "full turn", "pump-stroke": "full turn", "double-rocker": "swing"}
 
@@ -46,11 +44,3 @@ def test_another_of_the_ranked_is_marked_where_it_is():
         choice.table["free_angle"][choice.chosen] == chosen.found.free_angle_deg != recipe("wiper").found.free_angle_deg
     )
     assert recipe("crank-rocker").scene.choice is None
-
-
-def test_a_choice_names_its_columns_and_its_row():
-    table = gk.Table((gk.Column("x", "mm", "x", np.arange(3.0)),))
-    with pytest.raises(gk.DesignError, match="plots: all names y, which is no column"):
-        Choice(table, 0, (Plot("all", ("y",)),))
-    with pytest.raises(gk.DesignError, match="chosen: found 3 of 3 rows; give 0 to 2"):
-        Choice(table, 3, ())

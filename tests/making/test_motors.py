@@ -10,9 +10,8 @@ import shapely
 
 import geomkin as gk
 from geomkin.making.motors import MOTORS
+from tests.making.test_bases import PAIR, PLANETARY, RACK, cam
 from tests.texts import parse, template_of
-
-from .test_bases import PAIR, PLANETARY, RACK, cam
 
 
 def test_the_plate_has_the_face_and_holes_that_makers_draw(tmp_path):

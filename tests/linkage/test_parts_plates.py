@@ -8,8 +8,7 @@ import geomkin as gk
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import link_parts
 from geomkin.linkage.parts.stock import LinkStock
-
-from .mechanisms import (
+from tests.linkage.mechanisms import (
     BUILDABLE,
     CRANK,
     OLDHAM,
