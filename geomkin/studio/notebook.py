@@ -186,7 +186,7 @@ def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float]
     else:
         way = np.linspace(*(_reached(limits, slides) if wanted is None else wanted), FRAMES // 2 + 1)
     speed = float(np.ptp(way)) if slides else 2 * np.pi
-    about = f"InputDyad at {speed:.3g} mm/s." if slides else "InputDyad at 60 rpm."
+    about = f"Driven at {speed:.3g} mm/s." if slides else "Driven at 60 rpm."
     return replace(_job(move(linkage, way, branch, speed or 1.0)), name=type(linkage).__name__, about=about)
 
 

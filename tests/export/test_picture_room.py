@@ -8,8 +8,8 @@ from geomkin.export.labels import place_labels
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.stills import SPACE
-from tests.export.test_film import ALONG, FRAMES, scene_of
-from tests.export.test_looks import ONE, body, numbers, plate, still_of
+from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
+from tests.export.test_still_shapes import ONE, body, numbers, plate, still_of
 
 
 @pytest.mark.parametrize("k", [0.003, 40.0])

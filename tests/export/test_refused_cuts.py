@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.still import frame_at
-from tests.export.test_film import scene_of
+from tests.export.test_animated_marks import scene_of
 
 
 def square(side, *holes, at=0j):

@@ -8,7 +8,7 @@ import geomkin as gk
 from geomkin.export.still import SCREEN, Still, frame_at
 from geomkin.model.scene import Scene, SceneBody, SceneCurve, SceneMark
 from geomkin.model.table import Column, Table
-from tests.export.test_film import ALONG, FRAMES, scene_of
+from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
 

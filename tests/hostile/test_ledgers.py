@@ -35,23 +35,12 @@ def with_row(row):
 SPOILT = {
     "no row": with_row({}),
     "row of texts": with_row({"refused": "", "checks": "none", "told": {}}),
-    "refused by a number": changed(["refused"], 3),
     "refused by a terminal": changed(["refused"], "\x1b]0;owned\x07\x1b[31m"),
     "refused by half a character": changed(["refused"], "\ud800"),
-    "check of too few": changed(["checks"], [["a"]]),
-    "check that is a number": changed(["checks"], [3]),
-    "check with a text for a value": changed(["checks"], [["a", "b", "at least", 1, ""]]),
-    "check of no side": changed(["checks"], [["a", 1.0, "near", 1.0, ""]]),
     "check of an endless number": changed(["checks"], [["a", 10**400, "at least", 1.0, ""]]),
     "check named by a terminal": changed(["checks"], [["\x1b[2J", 0.0, "at least", 1.0, "\x07"]]),
-    "telling what was not asked": changed(["told"], {"\x1b[2J": 1}),
-    "telling a table": changed(["told", "measures_mm.tip_radius"], {"a": 1}),
     "telling an endless number": changed(["told", "measures_mm.tip_radius"], 10**400),
-    "telling a terminal": changed(["told", "measures_mm.tip_radius"], "\x1b[2J"),
-    "more keys": changed(["more"], 1),
-    "bytes": lambda lines: [lines[0], "\x00\x01", *lines[1:]],
     "deep": lambda lines: [lines[0], "[" * 100_000, *lines[1:]],
-    "digits": lambda lines: [lines[0], '{"key": ' + "9" * 10_000 + "}", *lines[1:]],
     "title gone": lambda lines: lines[1:],
 }
 
@@ -72,7 +61,7 @@ def test_a_spoilt_ledger_is_begun_anew(geomkin, here, name):
     assert now == files and lines[0] == lines[1]
 
 
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.8, 0.99])
+@pytest.mark.parametrize("share", [0.2, 0.8])
 def test_a_ledger_cut_off_gives_the_same_sweep(geomkin, here, share):
     (here / "r.toml").write_text(RECIPE)
     geomkin(*SWEEP)

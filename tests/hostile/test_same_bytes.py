@@ -11,7 +11,7 @@ import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 from geomkin.plane.vec import rounded
-from tests.test_recipes import words_and_numbers
+from tests.test_gallery import words_and_numbers
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 # All of the gallery takes half a minute each time: every eighth is tried always, all of it in campaigns.

@@ -46,7 +46,7 @@ def test_a_larger_file_than_any_sweep_s_is_left_as_it_is(kept, monkeypatch):
 
 @pytest.mark.parametrize(
     "line",
-    ["[1]", "3", "null", '"x"', '{"key": 3, "row": {}}', '{"key": "z", "row": 3}', '{"key": "z"}', '{"row": {}}', "{}", "", "no"],
+    ["[1]", "null", '{"key": 3, "row": {}}', '{"key": "z", "row": 3}', '{"row": {}}', "", "no"],
 )  # fmt: skip
 def test_with_a_damaged_line_it_begins_anew(kept, line):
     with kept.open("a") as file:

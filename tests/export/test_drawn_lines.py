@@ -16,7 +16,7 @@ from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from geomkin.plane import measure
 from geomkin.plane.joined import Path
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
-from tests.export.test_film import FRAMES, scene_of
+from tests.export.test_animated_marks import FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
 NUMBER = r"-?(?:\d+\.?\d*|\.\d+)"

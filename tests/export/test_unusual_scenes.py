@@ -12,7 +12,7 @@ from geomkin.export.cut import cut, decimals
 from geomkin.export.job import Job, StaticSource
 from geomkin.model.scene import SceneBody, SceneMark
 from geomkin.model.walls import thinnest_walls
-from tests.export.test_film import ALONG, FRAMES, scene_of
+from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
 
 STILL = np.ones(FRAMES, dtype=complex)
 

@@ -7,9 +7,9 @@ import pytest
 
 import geomkin as gk
 from geomkin.plane import Circle
-from tests.fewest import least_chords
+from tests.export.least_chords import least_chords
 
-RECIPES = sorted((Path(__file__).parent.parent / "recipes").glob("*.toml"))
+RECIPES = sorted((Path(__file__).parents[2] / "recipes").glob("*.toml"))
 SOME = ("spur-gear", "ring-gear", "crank-rocker")
 
 

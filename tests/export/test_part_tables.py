@@ -14,7 +14,7 @@ from geomkin.model.scene import SceneBody
 from geomkin.page import sections
 from geomkin.plane.curve import Moved
 from geomkin.plane.vec import Pose
-from tests.export.test_film import FRAMES, scene_of
+from tests.export.test_animated_marks import FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
 

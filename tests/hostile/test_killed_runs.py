@@ -142,10 +142,10 @@ def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(com
     assert list((here / "out/r").glob(".*")) == []
 
 
-LOADED = ["click", "geomkin.build", "numpy", "pydantic", "geomkin.export.stl"]
+LOADED = ["geomkin.build", "numpy", "geomkin.export.stl"]
 # Their loaders go on after whatever goes wrong inside them, an interrupt included.
-SWALLOWED = ["ezdxf.acc.vector", "pydantic_core", "shapely.lib"]
-MORE = ["geomkin.cli", "shapely", "ezdxf", "fontTools.ttLib", "ezdxf.acc.mapbox_earcut"]
+SWALLOWED = ["pydantic_core"]
+MORE = ["click", "pydantic", "geomkin.cli", "shapely", "ezdxf", "ezdxf.acc.vector", "shapely.lib"]
 
 
 @pytest.mark.parametrize(
@@ -195,7 +195,7 @@ def calls_in_all(recipe, tmp_path_factory):
     return int(subprocess.run(call, cwd=folder, capture_output=True, text=True, check=True).stdout.split()[-1])
 
 
-@pytest.mark.parametrize("moment", range(30))
+@pytest.mark.parametrize("moment", range(2, 30, 5))
 def test_interrupted_at_any_moment_it_says_so_in_one_line(command, recipe, here, calls_in_all, moment):
     (here / "r.toml").write_text(recipe("four-bar"))
     # A third of them while the command itself is loaded.

@@ -8,7 +8,7 @@ import geomkin as gk
 from geomkin.export.labels import place_labels, within
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneMark
-from tests.export.test_film import ALONG, FRAMES, scene_of
+from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
 # Width of the scenes, mm: a pixel of the picture is a millimetre, and letters are 11 mm high.

@@ -60,8 +60,7 @@ def test_the_first_problems_are_told_line_by_line_and_how_many_more_there_are(co
     assert error.problems == tuple(problems) and error.file == "in/a\n.toml"
 
 
-@pytest.mark.parametrize("longest", [10, 11, 80, 81])
-@pytest.mark.parametrize("beyond", [-1, 0, 1, 2, 50])
+@pytest.mark.parametrize(("longest", "beyond"), [(10, -1), (10, 0), (11, 1), (80, 2), (81, 50)])
 def test_a_line_that_is_too_long_keeps_its_two_ends(longest, beyond):
     text = "".join(chr(ord("a") + k % 26) for k in range(longest + beyond))
     line = errors.printable(text, longest)

@@ -17,7 +17,7 @@ from geomkin.export.labels import place_labels
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.stills import SPACE, loops, placed, root_of, titled
-from tests.export.test_film import ALONG, FRAMES, scene_of
+from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
 
