@@ -5,7 +5,6 @@ import json
 import re
 import tomllib
 from functools import lru_cache
-from pathlib import Path
 
 import ezdxf
 import numpy as np
@@ -63,11 +62,16 @@ def test_a_recipe_is_written_as_it_was_read_and_its_scene_shows_its_parts(name, 
     assert all(id(part) in held for part in own.parts if part.body and part.name != "spacer")
 
 
-@pytest.fixture(scope="module", params=NAMES)
-def made(request, tmp_path_factory):
-    """(recipe, folder of its files, what `make` returns)."""
-    out = tmp_path_factory.mktemp("out")
-    return recipe(request.param), out / request.param, gk.make(recipe(request.param), out)
+@pytest.mark.parametrize("name", NAMES)
+def test_files_of_a_recipe_are_its_parts_and_its_table_and_those_kept(name, tmp_path):
+    own = recipe(name)
+    result = gk.make(own, tmp_path)
+    assert {check.name for check in result.checks if not check.passed} == set(own.expected_failures)
+    folder = tmp_path / name
+    drawing_and_solids_are_the_parts(own, folder)
+    contours_are_apart_and_engravings_lie_on_one_part(own, folder)
+    the_csv_file_has_every_number_of_the_table(own, folder)
+    the_kept_files_are_those_that_the_recipe_makes(own, folder)
 
 
 @lru_cache(maxsize=1)
@@ -88,10 +92,7 @@ def part_of(hole, found):
     return min((c for c in found["CUT"] if c.contains_properly(hole)), key=lambda c: c.area, default=None)
 
 
-def test_drawing_and_solids_are_the_parts(made):
-    own, folder, result = made
-    failed = {check.name for check in result.checks if not check.passed}
-    assert failed == set(own.expected_failures)
+def drawing_and_solids_are_the_parts(own, folder):
     parts, found = json.loads((folder / "summary.json").read_text())["parts"], drawing(folder / f"{own.name}.dxf")
     net = sorted(c.area - sum(h.area for h in found["HOLE"] if part_of(h, found) is c) for c in found["CUT"])
     assert net == pytest.approx(sorted(p["area_mm2"] for p in parts for _ in range(p["count"])), rel=1e-3)
@@ -102,8 +103,7 @@ def test_drawing_and_solids_are_the_parts(made):
         assert mesh.volume == pytest.approx(part["volume_mm3"], rel=1e-3, abs=0.005 * mesh.area)
 
 
-def test_contours_are_apart_and_engravings_lie_on_one_part(made):
-    own, folder, _ = made
+def contours_are_apart_and_engravings_lie_on_one_part(own, folder):
     found = drawing(folder / f"{own.name}.dxf")
     every = found["CUT"] + found["HOLE"]
     assert all(p.is_valid for p in every)
@@ -119,8 +119,7 @@ def test_contours_are_apart_and_engravings_lie_on_one_part(made):
         assert line.length > 0 and sum(c.contains_properly(line) for c in found["CUT"]) == 1
 
 
-def test_the_csv_file_has_every_number_of_the_table(made):
-    own, folder, _ = made
+def the_csv_file_has_every_number_of_the_table(own, folder):
     rows = list(csv.reader((folder / f"{own.name}.csv").read_text(encoding="utf-8").splitlines()))
     assert len(rows) > 9 and all(len(row) == len(rows[0]) for row in rows)
     for k, (header, *cells, column) in enumerate(zip(*rows, own.table.columns, strict=True)):
@@ -146,9 +145,8 @@ def words_and_numbers(held):
     return [word for words, _ in found for word in words], [number for _, numbers in found for number in numbers]
 
 
-def test_the_kept_files_are_those_that_the_recipe_makes(made):
+def the_kept_files_are_those_that_the_recipe_makes(own, folder):
     """`out` keeps each recipe's drawing and numbers, so that a change of geometry shows as a change of files."""
-    own, folder, _ = made
     new, old = (json.loads((f / "summary.json").read_text()) for f in (folder, KEPT / own.name))
     for summary in (new, old):
         summary.pop("versions")

@@ -15,8 +15,8 @@ from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import in_place, palette
 from geomkin.export.threemf import assembly
 from geomkin.model.scene import SceneBody
-from tests.export.test_assembly_3mf import CORE, matrix, read
 from tests.export.test_animated_marks import FRAMES, scene_of
+from tests.export.test_assembly_3mf import CORE, matrix, read
 
 ONE = np.ones(FRAMES, dtype=complex)
 TURN = np.exp(0.2j * np.arange(FRAMES))

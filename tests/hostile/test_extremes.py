@@ -7,8 +7,6 @@ import ezdxf
 import pytest
 from shapely.geometry import Polygon
 
-from geomkin.core.fields import last_fit
-from geomkin.gear import pair
 from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 360}'

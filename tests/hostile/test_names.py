@@ -44,7 +44,7 @@ def everything(folder):
     return {path: path.is_file() and path.read_bytes() for path in folder.rglob("*")}
 
 
-@pytest.mark.parametrize(("name", "place"), zip(EVIL, 4 * ("crank", "pin", "point")))
+@pytest.mark.parametrize(("name", "place"), list(zip(EVIL, 4 * ("crank", "pin", "point"))))
 def test_a_name_in_a_recipe_never_leaves_its_folder(geomkin, here, name, place):
     (here / "deep/er").mkdir(parents=True)
     file = here / "deep/er/r.toml"

@@ -75,7 +75,7 @@ LAYERS = {
 }
 
 
-@pytest.mark.parametrize(("name", "based"), zip(LAYERS, (True, False, True, False)))
+@pytest.mark.parametrize(("name", "based"), list(zip(LAYERS, (True, False, True, False))))
 def test_what_carries_a_roller_is_beside_it_and_over_a_base_if_there_is_one(name, based):
     """A face touches the cam itself, and so lies in its plane."""
     own = recipe(name)

@@ -10,9 +10,6 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.export.text import number
-from geomkin.page.sections import checks as rows_of
-from geomkin.page.sections import verdict
-from tests.export.test_page import job_of, turning
 
 CLOSE = [
     (39.99996, "at least", 40.0),

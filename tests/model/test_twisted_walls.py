@@ -71,7 +71,7 @@ def slices(part, scale):
         yield shapely.Polygon(gk.plane.xy(outline), [gk.plane.xy(hole) for hole in holes])
 
 
-@pytest.mark.parametrize(("case", "scale"), zip(CASES, 4 * (1.0, 2e-3, 300.0)))
+@pytest.mark.parametrize(("case", "scale"), list(zip(CASES, 4 * (1.0, 2e-3, 300.0))))
 def test_the_thinnest_wall_is_the_least_of_all_slices_whatever_their_size(case, scale):
     part = part_of(case, scale)
     found = list(slices(part, scale))

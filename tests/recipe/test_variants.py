@@ -11,7 +11,7 @@ from tests.texts import choices_of, template_of
 # Each choice once, of the first kind that offers it.
 OFFERED = {
     (key, which): (name, key, which)
-    for name in reversed(KINDS)
+    for name in reversed(list(KINDS))
     for key, kinds in choices_of(name).items()
     for which in kinds
 }.values()

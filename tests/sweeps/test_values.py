@@ -8,7 +8,6 @@ import pytest
 import geomkin as gk
 from geomkin.sweeps.row import MOST, combinations, listed, with_values
 
-
 LISTS = [
     ("'a,b',\"c,'d\",e", ["a,b", "c,'d", "e"]),
     ("[[1, 2], [3]],[4]", [[[1, 2], [3]], [4]]),
