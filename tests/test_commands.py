@@ -7,7 +7,6 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin import cli as commands
-from geomkin.recipe.kinds import KINDS
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
 
@@ -92,35 +91,8 @@ def test_slips_are_told_with_what_there_is_and_nothing_is_made(command, tmp_path
     assert not (tmp_path / "out").exists()
 
 
-def test_list_has_every_kind_with_what_it_is_about_in_one_column(command):
-    code, told, _ = command("list")
-    lines = told.splitlines()
-    assert code == 0 and [line.split()[0] for line in lines] == list(KINDS)
-    column = max(map(len, KINDS)) + 2
-    assert [line[column:] for line in lines] == [kind.about() for kind in KINDS.values()]
-    assert all(line[column - 1] == " " != line[column] for line in lines)
-
-
 def test_a_new_recipe_is_ready_to_run(command, tmp_path):
     code, told, _ = command("new", "spur-gear")
     assert code == 0 and gk.load(told).kind == "spur-gear"
     code, told, _ = command("new", "disk-cam", "--with", "follower=oscillating-roller")
     assert code == 0 and gk.load(told).cam.follower.oscillates
-
-
-@pytest.mark.parametrize("error", [MemoryError(), RuntimeError("odd\n" + "x" * 500), gk.GeomkinError("no\nway")])
-def test_what_fails_in_one_recipe_is_told_in_words_and_the_rest_are_made(command, monkeypatch, error):
-    from geomkin import build
-
-    real = build.check_recipe
-
-    def failing(file):
-        if file.stem == "a":
-            raise error
-        return real(file)
-
-    monkeypatch.setattr(build, "check_recipe", failing)
-    code, told, wrong = command("check", "in/a.toml", "in/b.toml")
-    assert code == 1 and told.startswith("b\n") and "\na\n" not in told
-    if not isinstance(error, gk.GeomkinError):
-        assert wrong.startswith("in/a.toml: ") and len(wrong) < 300 and wrong.count("\n") == 1

@@ -2,7 +2,6 @@
 
 import errno
 import gc
-import io
 import os
 import re
 import signal
@@ -110,19 +109,3 @@ def test_one_recipe_tells_in_its_own_line_how_far_it_is(watched, tmp_path):
     # The line is empty again in the end, and each is written over the one before it.
     assert code == 0 and lines[:3] == ["", "looking for teeth: 38%", ""] and "Recipes" not in told
     assert told.count("\r\x1b[K") == 2
-
-
-def test_a_closed_stream_is_watched_by_nobody():
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
-    assert [commands._is_terminal(stream) for stream in (None, io.StringIO(), Terminal())] == [False, False, True]
-
-
-def test_a_sweep_tells_how_far_it_is_where_someone_watches(watched, tmp_path):
-    (tmp_path / "a.toml").write_text(GEAR.format(12))
-    code, told, seen = watched("sweep", "a.toml", "--set", "gear.teeth=12,13,14,2,3")
-    assert code == 0 and "5 combinations, 0 of them from before, 2 refused" in told
-    # In the end the line is empty.
-    assert screen(seen) == ["", "4 of 5 combinations: 80%", ""]

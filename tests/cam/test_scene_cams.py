@@ -45,31 +45,3 @@ def test_undercut_is_found_where_it_is_not_told():
     for one, other in zip(told.marks, found.marks, strict=True):
         np.testing.assert_array_equal(one.place, other.place)
     assert [curve.label for curve in told.curves] == [curve.label for curve in found.curves]
-
-
-SHARP = gk.Program(
-    (gk.Rise("cycloidal", rise=10, end_deg=40), gk.Return("cycloidal", end_deg=80), gk.Dwell(end_deg=360))
-)
-
-
-@pytest.mark.parametrize("sort", ["circle", "line"])
-def test_what_undercut_keeps_from_its_place_is_drawn_where_it_should_be(sort):
-    """By the table: as far beyond the follower as lift is lost, along its way; nowhere else."""
-    follower = gk.TranslatingRoller(12, 0) if sort == "circle" else gk.TranslatingFlat(0)
-    cam = gk.Cam(follower, SHARP, 20)
-    scene = scene_of(cam)
-    (wished,) = [mark for mark in scene.marks if mark.label == "follower where it should be"]
-    lost = np.asarray(scene.table["lost_lift"])
-    (way,) = marks(scene, "line", "direction of motion")
-    assert wished.sort == sort and (lost > 0).any() and np.array_equal(np.isfinite(wished.place), lost > 0)
-    along = way.vector / np.abs(way.vector)
-    here = lost > 0
-    if sort == "circle":
-        (pin,) = marks(scene, "pin", "roller")
-        assert np.abs(wished.place - pin.place - lost * along)[here].max() < 1e-6
-        assert (wished.radius == 12).all()
-    else:
-        # Square to the way, and through where the face would be by its lift.
-        assert np.abs(np.real(wished.vector * np.conj(along)))[here].max() < 1e-9
-        high = np.real(wished.place * np.conj(along))[here]
-        assert high == pytest.approx(20 + np.asarray(scene.table["lift"])[here] + 0 * lost[here], abs=1e-6)

@@ -117,23 +117,29 @@ def test_an_annotation_takes_and_refuses_values(hint, words, good, bad):
             assert caught.value.field in ("value", "other") and sort.allowed in caught.value.remedy
 
 
-@pytest.mark.parametrize(
-    "hint", [Any, Able, TypeVar("T"), tuple, tuple[Any, ...], Sequence[Any], Mapping[str, Any], Mapping[Any, float], float | Any]
-)  # fmt: skip
-def test_what_says_nothing_is_left_to_the_code(hint):
-    assert (argument_type(hint) is None) is (hint is not tuple)
+def test_what_says_nothing_is_left_to_the_code():
+    for hint in [
+        Any,
+        Able,
+        TypeVar("T"),
+        tuple,
+        tuple[Any, ...],
+        Sequence[Any],
+        Mapping[str, Any],
+        Mapping[Any, float],
+        float | Any,
+    ]:
+        assert (argument_type(hint) is None) is (hint is not tuple)
 
 
-@pytest.mark.parametrize(
-    ("wrong", "shape", "unit"), [(NAN, (3,), 1.0), (INF, (2, 3), 1j), (2e60, (3, 8192), 1.0), (-2e60, (30_000,), 1j)]
-)
-def test_one_wrong_number_is_seen_in_any_shape(wrong, shape, unit):
-    for at in (0, -1):
-        row = np.ones(shape) * unit
-        assert of.are_points(row) and of.are_reals(row) is (unit == 1)
-        row.reshape(-1)[at] = complex(0, wrong) if unit == 1j else wrong
-        assert not of.are_points(row) and not of.are_reals(row)
-        assert MAY_BE_MISSING(row) is bool(np.isnan(wrong))
+def test_one_wrong_number_is_seen_in_any_shape():
+    for wrong, shape, unit in [(NAN, (3,), 1.0), (INF, (2, 3), 1j), (2e60, (3, 8192), 1.0), (-2e60, (30_000,), 1j)]:
+        for at in (0, -1):
+            row = np.ones(shape) * unit
+            assert of.are_points(row) and of.are_reals(row) is (unit == 1)
+            row.reshape(-1)[at] = complex(0, wrong) if unit == 1j else wrong
+            assert not of.are_points(row) and not of.are_reals(row)
+            assert MAY_BE_MISSING(row) is bool(np.isnan(wrong))
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.complex64])
@@ -157,16 +163,13 @@ def test_a_place_that_may_be_missing():
         assert not MAY_BE_MISSING(value)
 
 
-@pytest.mark.parametrize(
-    ("sort", "words", "good", "bad"),
-    [
+def test_bounds_are_told_and_are_allowed_themselves():
+    for sort, _words, good, bad in [
         (of.between(-1.5, 2), "a number from -1.5 to 2", [-1.5, 0, 2, 1.99], [-1.51, 2.01, NAN, True, "1", None]),
         (of.between(0, 10, "mm"), "a number from 0 to 10, in mm", [0, 10], [-1e-9, 10.1]),
         (of.whole_between(2, 4), "a whole number from 2 to 4", [2, 3, 4], [1, 5, 3.0, True, None]),
-    ],
-)
-def test_bounds_are_told_and_are_allowed_themselves(sort, words, good, bad):
-    assert all(map(sort.fits, good)) and not any(map(sort.fits, bad))
+    ]:
+        assert all(map(sort.fits, good)) and not any(map(sort.fits, bad))
 
 
 @dataclasses.dataclass
@@ -184,7 +187,7 @@ class Held:
 def test_fields_are_held_to_their_annotations_but_for_sizes():
     # A size has limits of its own, and None stands for what the class fills in.
     assert Held(1, None, "far", 2, object()).count == 2
-    for values, name, words in (
+    for values, name, _words in (
         ({"number": None}, "number", "give a finite number"),
         ({"number": 1, "words": 3}, "words", "give a text"),
         ({"number": 1, "count": None}, "count", "give a whole number"),

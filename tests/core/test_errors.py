@@ -49,29 +49,6 @@ def test_a_refusal_in_another_process_arrives_whole():
     assert isinstance(refusal, gk.DesignError) and refusal.field == "radius" and "above 0" in refusal.remedy
 
 
-@pytest.mark.parametrize("count", [0, 1, errors.TOLD - 1, errors.TOLD, errors.TOLD + 1, errors.TOLD + 1500])
-def test_the_first_problems_are_told_line_by_line_and_how_many_more_there_are(count):
-    problems = [errors.Problem(f"k{k}" * (k > 0), "found\n1", "give 2") for k in range(count)]
-    error = gk.RecipeError("in/a\n.toml", problems)
-    lines = str(error).splitlines()
-    told = [f"in/a?.toml: {f'k{k}' if k else '(whole file)'}: found?1; give 2" for k in range(min(count, errors.TOLD))]
-    more = {1: "1", 1500: "1,500"}.get(count - errors.TOLD)
-    assert lines == told + ([f"in/a?.toml: and {more} more problems; mend these first"] if more else [])
-    assert error.problems == tuple(problems) and error.file == "in/a\n.toml"
-
-
-@pytest.mark.parametrize(("longest", "beyond"), [(10, -1), (10, 0), (11, 1), (80, 2), (81, 50)])
-def test_a_line_that_is_too_long_keeps_its_two_ends(longest, beyond):
-    text = "".join(chr(ord("a") + k % 26) for k in range(longest + beyond))
-    line = errors.printable(text, longest)
-    if beyond <= 0:
-        assert line == text
-        return
-    first, last = line.split("...")
-    assert len(line) <= longest < len(line) + 3 and text.startswith(first) and text.endswith(last)
-    assert abs(len(first) - len(last)) <= 4
-
-
 def test_whatever_a_value_is_it_is_shown_on_one_line():
     class Deep:
         def __repr__(self):

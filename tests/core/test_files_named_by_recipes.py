@@ -54,9 +54,8 @@ def test_what_is_no_file_is_told(tmp_path):
         refused(name, tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("name", "flaw"),
-    [
+def test_the_sign_that_makes_no_name_is_the_one_that_is_told():
+    for name, flaw in [
         (".a", "'.'"),
         ("-a.", "'-'"),
         (" a", "' '"),
@@ -66,10 +65,8 @@ def test_what_is_no_file_is_told(tmp_path):
         (".b c ", "'.'"),
         ("b.-", None),
         ("a b.c", None),
-    ],
-)
-def test_the_sign_that_makes_no_name_is_the_one_that_is_told(name, flaw):
-    assert file_name_flaw(name) == (f"it begins or ends with {flaw}" if flaw else "")
+    ]:
+        assert file_name_flaw(name) == (f"it begins or ends with {flaw}" if flaw else "")
 
 
 @pytest.mark.parametrize(("separator", "point"), [(",", "."), (";", "."), (";", ",")])

@@ -7,11 +7,10 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.animation import animation
-from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, StaticSource
 from geomkin.model.scene import Scene, SceneBody, SceneMark
 from geomkin.model.table import Column, Table
-from tests.export.stills import SPACE, loops, motions, pose_at, root_of
+from tests.export.stills import SPACE, motions, pose_at, root_of
 from tests.export.test_animation import moving
 
 FRAMES = 9
@@ -71,53 +70,6 @@ def test_what_grows_is_drawn_once_and_scaled_to_its_size_at_each_frame(sort, gro
     else:
         assert scales == [] and drawn_size == pytest.approx(20)
     assert ("L" in drawn.get("d", "")) is (sort == "vector")
-
-
-def test_a_trail_is_in_dashes_of_equal_steps_that_keep_to_the_way():
-    """Round a circle, whose straight part is a screen's width off and whose arcs are not."""
-    frames = 301
-    place = 50 * np.exp(1j * np.radians(np.arange(frames)))
-    way = np.radians(frames - 1)
-    scene = scene_of(SceneMark("point", place, "traced", trail=True), frames=frames, step=1.0)
-    root = root_of(assembly(Job("still", StaticSource((), scene.table, scene), 0.01)))
-    dashes, _ = loops(max((one.get("d") for one in root.iter(f"{SPACE}path")), key=len))
-    assert len(dashes) > 10
-    for dash in dashes:
-        middles = (dash[1:] + dash[:-1]) / 2
-        assert np.abs(dash) == pytest.approx(np.full(len(dash), 50.0), abs=0.01)
-        assert np.abs(middles) == pytest.approx(np.full(len(middles), 50.0), abs=0.03)
-    # As long as the gaps between them.
-    long = [abs(np.angle(dash[-1] / dash[0])) for dash in dashes]
-    gaps = [abs(np.angle(after[0] / before[-1])) for before, after in zip(dashes, dashes[1:])]
-    assert np.ptp(long) < 0.01 and np.ptp(gaps) < 0.01 and gaps[0] == pytest.approx(long[0], abs=0.01)
-    assert sum(long) + sum(gaps) == pytest.approx(way, abs=1.5 * long[0])
-
-
-def test_a_trail_breaks_off_where_the_point_is_nowhere_and_thins_what_is_straight():
-    place = np.concatenate([np.arange(20) * 5.0, [np.nan] * 5, 200 + np.arange(12) * 5.0]) + 0j
-    scene = scene_of(SceneMark("point", place, "traced", trail=True), frames=len(place))
-    root = root_of(assembly(Job("still", StaticSource((), scene.table, scene), 0.01)))
-    dashes, _ = loops(max((one.get("d") for one in root.iter(f"{SPACE}path")), key=len))
-    assert {len(dash) for dash in dashes} == {2}
-    spans = [(dash[0].real, dash[-1].real) for dash in dashes]
-    assert all(high <= 95.01 or low >= 199.99 for low, high in spans)
-    assert min(low for low, _ in spans) == 0 and max(high for _, high in spans) > 235
-
-
-SQUARE = gk.plane.Polyline(np.array([0, 40, 40 + 20j, 20j]))
-
-
-@pytest.mark.parametrize("marked", [False, True])
-def test_what_is_engraved_is_seen_in_pictures_of_the_assembly(marked):
-    marks = (gk.plane.Segment(5 + 5j, 35 + 5j),) if marked else ()
-    part = gk.Part("bar", SQUARE, (), 3.0, marks=marks)
-    one = np.ones(FRAMES, dtype=complex)
-    scene = scene_of(bodies=[SceneBody("bar", (part,), 0 * one, one)])
-    root = root_of(assembly(Job("still", StaticSource((part,), scene.table, scene), 0.01)))
-    lines = [loops(drawn.get("d"))[0] for drawn in root.iter(f"{SPACE}path") if drawn.get("class") == "engraved"]
-    assert len(lines) == marked
-    for ((line,),) in [lines] * marked:
-        assert line == pytest.approx([5 + 5j, 35 + 5j])
 
 
 def test_what_stays_on_a_body_goes_with_it_and_turns_with_it():

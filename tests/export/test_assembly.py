@@ -2,7 +2,6 @@
 
 import dataclasses
 import io
-import re
 from pathlib import Path
 
 import ezdxf
@@ -14,8 +13,6 @@ from geomkin.export.labels import within
 from tests.export.stills import SPACE, loops, placed, root_of, titled
 
 RECIPES = Path(__file__).parents[2] / "recipes"
-GALLERY = sorted(file.stem for file in RECIPES.glob("*.toml"))
-CUTTING = {"CUT", "HOLE", "ENGRAVE", "REFERENCE", "0"}
 
 
 def at(recipe, drive):
@@ -90,41 +87,6 @@ def test_arcs_are_kept_and_nothing_is_scaled(tmp_path):
     area = gk.area(next(part for part in recipe.parts if part.name == "rocker").outline)
     points = np.array([complex(v.x, v.y) for v in ezdxf.path.make_path(rocker).flattening(1e-4)])
     assert 0.5 * np.imag(np.conj(points) * np.roll(points, -1)).sum() == pytest.approx(area, rel=1e-4)
-
-
-SOME = ["crank-rocker", "undercut-cam", "rack-and-pinion", "inflection-circle"]
-
-
-@pytest.mark.parametrize(
-    "name", [*SOME, *(pytest.param(n, marks=pytest.mark.campaign) for n in GALLERY if n not in SOME)]
-)
-def test_every_recipe_has_stills_with_nothing_to_cut(name, tmp_path):
-    recipe = gk.load(RECIPES / f"{name}.toml")
-    space = drawing(recipe, tmp_path)
-    layers = {entity.dxf.layer for entity in space}
-    assert layers and not {layer.upper() for layer in layers} & CUTTING
-    assert {entity.dxftype() for entity in space} <= {"LWPOLYLINE", "CIRCLE", "TEXT"}
-    root = root_of(made(recipe, tmp_path, "svg"))
-    wide, tall = (float(root.get(key).removesuffix("mm")) for key in ("width", "height"))
-    left, top, *size = map(float, root.get("viewBox").split())
-    assert size == [wide, tall]
-    # No name is cut off, nor stands on another; the letters are as wide as is common.
-    letter = float(re.search(r"text\{font:([\d.]+)px", root.find(f"{SPACE}style").text)[1])
-    boxes = []
-    for text in root.iter(f"{SPACE}text"):
-        x, y, half = float(text.get("x")), float(text.get("y")), 0.25 * letter * len(text.text)
-        start, end = (x, x + 2 * half) if text.get("class") == "scale" else (x - half, x + half)
-        assert left <= start and end <= left + wide and top <= y - 0.7 * letter and y <= top + tall, text.text
-        assert all(end < s or e < start or abs(y - other) > 0.9 * letter for s, e, other in boxes), text.text
-        boxes.append((start, end, y))
-    named = {body.name.replace("_", " ") for body in recipe.scene.bodies if body.parts}
-    # Of bodies only the first of many that are alike is named.
-    needed = {name for name in named if ", copy" not in name}
-    told = {text.text for text in root.iter(f"{SPACE}text")}
-    assert needed <= told and not told & (named - needed)
-    if named:
-        texts = {entity.dxf.text for entity in space.query("TEXT")}
-        assert needed <= texts
 
 
 def test_names_are_data(tmp_path):

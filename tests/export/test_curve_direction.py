@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.export.cut import cut, signed_area
 from geomkin.plane import measure
 from geomkin.plane.curve import Reversed
-from geomkin.plane.primitives import Circle, Polyline, rounded_hull
+from geomkin.plane.primitives import Polyline
 from geomkin.plane.vec import xy
 
 # A fork and its hole, in whose small edges a beam of 3 mm finds no room: those have to be trimmed.
@@ -48,10 +48,3 @@ def test_a_part_is_the_same_whichever_way_its_curves_run(name, kerf, arcs):
             assert measure.signed_area(loop.shape) == pytest.approx(true.area, abs=about)
         boxes.append([loop.box for loop in made.loops])
     assert np.abs(np.array(boxes) - boxes[0]).max() < tolerance
-
-
-def test_a_circle_and_a_slot_in_each_direction_grow_on_the_outside():
-    for outline, longer in ((Circle(3 + 1j, 20.0), 0), (rounded_hull([0, 8], 20.0), 8)):
-        for curve, arcs in product((outline, Reversed(outline)), (False, True)):
-            low, high = cut(gk.Part("disc", curve, (), 3.0), 1e-3, 0.4, arcs).loops[0].box
-            assert abs(high - low - (40.4 + 40.4j) - longer) < 4e-3

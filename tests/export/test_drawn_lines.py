@@ -7,18 +7,16 @@ import ezdxf
 import numpy as np
 import pytest
 
-from geomkin.export import assembly_svg
 from geomkin.export.assembly_dxf import assembly
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import Still
-from geomkin.export.svg_path import decimal, path
+from geomkin.export.svg_path import path
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from geomkin.plane import measure
 from geomkin.plane.joined import Path
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
 from tests.export.test_animated_marks import FRAMES, scene_of
 
-ONE = np.ones(FRAMES, dtype=complex)
 NUMBER = r"-?(?:\d+\.?\d*|\.\d+)"
 
 
@@ -68,16 +66,6 @@ def _scaled(piece, k):
     return Arc(piece.centre * k, piece.start * k, piece.sweep)
 
 
-DECIMALS = [
-    (0.5, 2, ".5"), (-0.25, 2, "-.25"), (10.0, 0, "10"), (100.0, -1, "100"), (10.05, 3, "10.05"), (0.0, 2, "0"), (-0.0, 1, "0"), (20.0, 2, "20"), (0.105, 3, ".105"),
-]  # fmt: skip
-
-
-def test_decimals_are_as_short_as_possible():
-    for value, digits, text in DECIMALS:
-        assert decimal(value, digits) == text
-
-
 TURN = np.exp(0.4j * np.arange(FRAMES))
 PLACE = 30j + 5.0 * np.arange(FRAMES)
 
@@ -99,18 +87,6 @@ def test_a_block_is_drawn_where_it_slides_as_it_lies():
     ((corners, closed),) = found["PINS"]
     seen = (corners - PLACE[2]) / TURN[2] / still.pixel
     assert closed and seen == pytest.approx(np.array([-10 - 6.5j, 10 - 6.5j, 10 + 6.5j, -10 + 6.5j]), abs=0.01)
-
-
-@pytest.mark.parametrize("far", [1e-3, 1e5])
-def test_a_block_that_is_all_there_is_has_a_picture(far):
-    """Its picture is one place of a long way: the rail is hatched by what can be seen, and not a million times."""
-    slide = SceneMark("slide", np.linspace(0, far, FRAMES) + 0j, "construction", direction=np.ones(FRAMES) + 0j)
-    scene = scene_of(slide)
-    text = assembly_svg.assembly(Job("a", StaticSource((), scene.table, scene), 0.01)).decode()
-    (rail,) = re.findall('class="rail" d="([^"]*)"', text)
-    assert 10 < rail.count("M") < 10_000
-    wide, high = map(float, re.findall(r'viewBox="\S+ \S+ (\S+) (\S+)"', text)[0])
-    assert 0 < wide < far and 0 < high < far
 
 
 def test_curves_go_with_their_bodies_and_nothing_is_told_twice():

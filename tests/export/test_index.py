@@ -11,7 +11,6 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.cli import cli
-from geomkin.page.index import OURS
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 
@@ -138,28 +137,3 @@ def twice(folder):
     for name in ("one", "two"):
         (folder / f"{name}.toml").write_text(text)
     return folder / "one.toml", folder / "two.toml"
-
-
-def test_the_command_makes_it_of_several_recipes_and_of_a_folder(tmp_path):
-    one, two = twice(tmp_path)
-
-    def run(*words):
-        result = CliRunner().invoke(cli, ["run", *map(str, words)])
-        assert result.exit_code == 0, result.output
-
-    run(one, "--out", tmp_path / "a")
-    run(one, two, "--only", "csv", "--out", tmp_path / "b")
-    assert not (tmp_path / "a" / "index.html").exists() and not (tmp_path / "b" / "index.html").exists()
-    run(one, two, "--out", tmp_path / "c")
-    run(tmp_path, "--out", tmp_path / "d")
-    for out in ("c", "d"):
-        assert OURS in (tmp_path / out / "index.html").read_bytes() and "2 recipes" in read(tmp_path / out).text
-
-
-@pytest.mark.parametrize("folder", ["empty", "gone", "file"])
-def test_a_folder_that_holds_nothing_of_ours_is_refused(folder, tmp_path):
-    (tmp_path / "empty").mkdir()
-    (tmp_path / "file").write_text("x")
-    with pytest.raises(gk.FileError, match="no recipe was made into it|cannot be read"):
-        gk.index(tmp_path / folder)
-    assert sorted(p.name for p in tmp_path.rglob("*")) == ["empty", "file"]

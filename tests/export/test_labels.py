@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.labels import place_labels, within
+from geomkin.export.labels import place_labels
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneMark
 from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
@@ -71,36 +71,6 @@ def test_a_name_stands_on_its_plate_and_in_no_hole(shape, turn=0.7):
     on = [plate.distance(shapely.Point(z.real, z.imag)) < 0.05 for z in ends]
     # A bar that goes up is narrower than the name is long.
     assert on[1] and (all(on) or turn == 2.0)
-
-
-def test_within_is_what_a_library_finds():
-    rng = np.random.default_rng(5)
-    for _ in range(20):
-        polygon = rng.normal(size=7) + 1j * rng.normal(size=7)
-        polygon = polygon[np.argsort(np.angle(polygon - polygon.mean()))]
-        places = 2 * (rng.normal(size=50) + 1j * rng.normal(size=50))
-        found = shapely.contains_xy(
-            shapely.Polygon(np.column_stack([polygon.real, polygon.imag])), places.real, places.imag
-        )
-        assert within(polygon, places).tolist() == found.tolist()
-
-
-@pytest.mark.parametrize(("layer", "end"), [(0, 1), (1, -1), (2, 1)])
-def test_a_name_keeps_from_below_plates_that_lie_over_its_own(layer, end):
-    """A plate over more than half of a bar."""
-    own = body("name", part(BAR), at=210 + 40j, layer=1)
-    cover = body(
-        "cover", part([-70 - 30j, 70 - 30j, 70 + 30j, -70 + 30j]), at=210 + 40j - 45 * end, layer=layer, named=False
-    )
-    name = names_of(bodies=[own, cover])["name"]
-    if layer >= 1:
-        ends = name.place + 0.89 * name.half.real * np.array([-1, 0, 1])
-        assert not any(standing(cover).intersects(shapely.Point(z.real, z.imag)) for z in ends)
-    else:
-        # Nothing hides it there.
-        assert name.place == pytest.approx(210 + 40j)
-    gone = SceneBody("gone", cover.parts, ONE * np.nan, ONE, layer=layer, named=False)
-    assert names_of(bodies=[own, gone])["name"].place == pytest.approx(210 + 40j)
 
 
 def test_a_name_keeps_off_pins_dots_stands_and_paths():

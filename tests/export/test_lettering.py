@@ -4,11 +4,9 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
-from HersheyFonts import HersheyFonts
 
 import geomkin as gk
-from geomkin.export.cut import cut
-from geomkin.export.lettering import MARGIN, lettered, lines_of, strokes_of
+from geomkin.export.lettering import MARGIN, lettered, strokes_of
 
 BAR = gk.plane.rounded_hull([0, 60j], 7)
 HOLES = (gk.plane.Circle(0, 2.1), gk.plane.Circle(60j, 2.1))
@@ -50,26 +48,10 @@ def test_each_hole_has_its_letter_next_to_it():
     assert all(abs(line - 60j).max() < 10 for line in letters[count:])
 
 
-def test_lettering_runs_along_the_part_and_never_upside_down():
-    for turn in np.exp(1j * np.radians([0, 35, 90, 135, 180, 240, 300])):
-        outline = gk.plane.rounded_hull(np.array([0, 60]) * turn, 7)
-        _, strokes = lettered(gk.Part("LLL", outline, (), 3.0), 1)
-        # The foot of an L leads ahead, its stem up.
-        stem = strokes[0][0] - strokes[0][-1] if len(strokes[0]) == 2 else strokes[0][0] - strokes[0][1]
-        ahead = stem / abs(stem) / 1j
-        assert abs(abs((ahead * np.conj(turn)).real) - 1) < 1e-2
-        assert ahead.real > -1e-3
-
-
 def test_a_part_too_small_for_its_name_gets_its_number():
     small = gk.Part("a_long_name", gk.plane.Circle(0, 5), (), 3.0)
     assert lettered(small, 7)[0] == "7"
     assert lettered(gk.Part("tiny", gk.plane.Circle(0, 1), (), 3.0), 7) == ("", ())
-
-
-@pytest.mark.parametrize(("name", "words"), [("Räder_é", "Rader_e"), ("車", "3")])
-def test_letters_that_the_font_has_not(name, words):
-    assert lettered(gk.Part(name, gk.plane.Circle(0, 40), (), 3.0), 3)[0] == words
 
 
 def test_lettering_keeps_off_engravings():
@@ -94,13 +76,6 @@ def test_the_drawing_has_them_on_their_own_layer_and_a_key_leaves_them_out(tmp_p
     assert counts["true"] == counts["false"]
 
 
-def test_solids_are_without():
-    part = gk.Part("crank", BAR, HOLES, 3.0)
-    plain, named = cut(part, 0.005), cut(part, 0.005, number=1)
-    assert named.label == "crank" and plain.label == "" and not plain.marks
-    assert named.area == plain.area and [loop.layer for loop in named.marks] == ["LABEL"] * len(named.marks)
-
-
 def test_letters_agree_from_plate_to_plate():
     recipe = gk.load("recipes/walking-leg.toml")
     stack, parts = recipe.stack, {part.name: part for part in recipe.parts}
@@ -108,13 +83,6 @@ def test_letters_agree_from_plate_to_plate():
         letter = stack.letters[pin.name]
         for plate in (*pin.holes, *pin.slots):
             assert sum(letter in names for names in parts[plate].hole_names) == 1
-
-
-def test_the_signs_are_those_of_the_font():
-    """Another library has the whole of it."""
-    font, signs = HersheyFonts(), "".join(map(chr, range(32, 127)))
-    font.load_default_font("futural")
-    assert lines_of(signs + signs[::-1]) == list(font.strokes_for_text(signs + signs[::-1]))
 
 
 @pytest.mark.parametrize(("size", "longer", "along"), [(20.0, 1.015, False), (400.0, 1.03, True)])

@@ -2,7 +2,6 @@
 
 import io
 from itertools import combinations
-from pathlib import Path
 
 import ezdxf
 import numpy as np
@@ -14,7 +13,7 @@ import geomkin as gk
 from geomkin.export import layout
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
-from geomkin.export.layout import GAP, MOST, lay_out, lay_out_on, least_turn
+from geomkin.export.layout import GAP, lay_out, lay_out_on, least_turn
 from geomkin.model.part import Part, Twist
 from geomkin.plane.vec import xy
 
@@ -85,28 +84,6 @@ def test_parts_of_any_form_lie_apart_and_on_the_sheet(seed):
     assert all(sheet.width == side and sheet.height == 1.5 * side for sheet in sheets)
 
 
-GALLERY = sorted((Path(__file__).parent.parent.parent / "recipes").glob("*.toml"))
-# The others are linkages like these; all of the gallery is looked at in campaigns.
-SOME = ("planetary", "slider-crank")
-
-
-@pytest.mark.parametrize(
-    "file", [pytest.param(f, marks=[] if f.stem in SOME else pytest.mark.campaign, id=f.stem) for f in GALLERY]
-)
-def test_no_recipe_wastes_more_than_rows(file, monkeypatch):
-    recipe = gk.load(file)
-    if not recipe.parts:
-        return
-    cuts = [cut(part, recipe.files.tolerance, recipe.files.kerf) for part in recipe.parts]
-    sheet = lay_out(cuts)
-    assert_sound(sheet)
-    monkeypatch.setattr(layout, "MOST", 0)
-    rows = lay_out(cuts)
-    assert sheet.width * sheet.height <= rows.width * rows.height
-    if file.stem in SOME:
-        assert sheet.filled > 1.15 * rows.filled
-
-
 def test_small_parts_lie_in_large_holes_and_are_cut_before():
     ring = gk.Part("ring", gk.plane.Circle(0, 60), (gk.plane.Circle(0, 50),), 3.0)
     disc = gk.Part("disc", gk.plane.Circle(0, 20), (), 3.0)
@@ -166,18 +143,6 @@ def test_a_part_that_just_fits_is_cut_and_a_larger_one_refused_with_the_least_sh
                 lay_out_on(plate, wide, high)
 
 
-def test_on_a_large_sheet_parts_lie_as_close_as_on_a_small_one():
-    cuts = flats([gk.Part("disc", gk.plane.Circle(0, 20), (), 3.0, count=9)])
-    (large,), small = lay_out_on(cuts, 3000, 1500), lay_out(cuts)
-    assert_sound(large)
-    low, high = large.extents
-    assert (high - low).real < 1.2 * small.width and (high - low).imag < 1.2 * small.height
-    # Of 90 mm one row takes half, so that the first corner looked at is too small for all.
-    for high in (50, 90):
-        (narrow,) = lay_out_on(cuts, 3000, high)
-        assert_sound(narrow)
-
-
 def test_each_thickness_has_its_own_sheets_and_each_sheet_its_own_file(tmp_path):
     thin, thick = (gk.Part(f"t{t:g}", gk.plane.Circle(0, 40), (), t, count=4) for t in (3.0, 5.0))
     sheets = lay_out_on(flats([thin, thick]), 200, 100)
@@ -200,12 +165,6 @@ def test_a_sheet_too_small_is_refused_by_its_key(tmp_path):
     for sheet, problem in (("[60, 60]", "files.sheet: found 60 x 60 mm, and the ground"), ("[5, 60]", "files.sheet")):
         with pytest.raises(gk.RecipeError, match=problem):
             gk.make(gk.load(text + f"[files]\nsheet = {sheet}"), tmp_path)
-
-
-def test_more_copies_than_are_nested_lie_in_rows_on_as_many_sheets_as_it_takes():
-    cuts = flats([gk.Part("disc", gk.plane.Circle(0, 9.7), (), 3.0, count=MOST + 20)])
-    sheets = lay_out_on(cuts, 200, 150)
-    assert sum(len(assert_sound(sheet)) for sheet in sheets) == MOST + 20 and len(sheets) > 2
 
 
 def test_what_lies_in_the_hole_of_a_turned_part_is_cut_first_and_the_innermost_before_all():

@@ -140,12 +140,6 @@ def test_a_recipe_s_page_is_a_format_like_any_other(tmp_path):
     assert not file.exists()
 
 
-@pytest.mark.parametrize(("name", "most"), [("crank-rocker", 200_000), ("walking-leg", 250_000)])
-def test_a_page_is_light_enough_for_a_mail(name, most, tmp_path):
-    (size,) = gk.write(gk.load(RECIPES / f"{name}.toml"), tmp_path / "a.html").values()
-    assert size < most
-
-
 def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):
     recipe = gk.load(RECIPES / "walking-leg.toml")
     gk.write(recipe, tmp_path / "leg.html")

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.still import SCREEN, Still, frame_at
-from geomkin.model.scene import Scene, SceneBody, SceneCurve, SceneMark
-from geomkin.model.table import Column, Table
+from geomkin.export.still import Still
+from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
@@ -16,32 +15,6 @@ ONE = np.ones(FRAMES, dtype=complex)
 def plate(wide, high, *holes, at=0j):
     corners = at + np.array([0, wide, wide + 1j * high, 1j * high])
     return gk.Part("plate", gk.plane.Polyline(corners), holes, 3.0)
-
-
-def driven(values, cyclic=True):
-    table = Table((Column("lift", "mm", "of the driver", np.asarray(values, dtype=float)),))
-    return Scene(table, np.arange(float(len(values))), np.ones(len(values), dtype=bool), (), cyclic=cyclic)
-
-
-@pytest.mark.parametrize(("start", "way"), [(100.0, 1), (-180.0, -1)])
-def test_the_driver_stands_at_a_share_of_its_own_range_wherever_that_begins(start, way):
-    values = start + way * np.arange(101.0)
-    assert frame_at(driven(values), None) == 13 and frame_at(driven(values, cyclic=False), None) == 50
-    assert frame_at(driven(values), start + 70.4 * way) == 70
-
-
-@pytest.mark.parametrize("k", [1e-3, 70.0])
-def test_sizes_and_digits_grow_with_what_is_shown(k):
-    far = k * (1000 - 2000j)
-    alone = Still(scene_of(bodies=[SceneBody("a", (plate(30 * k, 40 * k, at=far),), 0 * ONE, ONE)]), np.array([0]))
-    assert alone.size == pytest.approx(70 * k)
-    gone = SceneMark("pin", k * (np.linspace(-60, 60, FRAMES) - 80j * np.linspace(-1, 1, FRAMES)), "construction")
-    moving = Still(scene_of(gone), np.array([0]))
-    assert moving.size == pytest.approx(200 * k)
-    for still in (alone, moving):
-        assert still.tolerance == pytest.approx(SCREEN * still.size)
-        # The last decimal is a half of what a screen shows, or up to ten times finer.
-        assert 0.05 * still.tolerance <= 10.0**-still.digits * (1 + 1e-9) <= 0.51 * still.tolerance
 
 
 def test_a_picture_of_many_frames_has_room_for_what_moves_at_each_and_shows_what_comes_and_goes():

@@ -2,14 +2,12 @@
 
 import io
 import re
-from dataclasses import replace
 
 import ezdxf
 import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.animation import animation
 from geomkin.export.assembly_dxf import assembly as assembly_dxf
 from geomkin.export.assembly_svg import assembly
 from geomkin.export.job import Job, StaticSource
@@ -17,7 +15,7 @@ from geomkin.export.labels import place_labels
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.stills import SPACE, loops, placed, root_of, titled
-from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
+from tests.export.test_animated_marks import FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
 
@@ -123,62 +121,6 @@ def test_blocks_dots_and_arrows_are_as_large_as_told(k):
         assert numbers(line.get("d")) == [0, 0, pytest.approx(40 * k)] and line.get("class") == look
 
 
-@pytest.mark.parametrize("k", [1.0, 3.0])
-def test_a_block_that_goes_along_one_line_has_a_rail_below_it(k):
-    ahead = np.exp(0.3j)
-    block = SceneMark("slide", k * (20 + 40j) + k * ALONG * ahead, "construction", "block", direction=ONE * ahead)
-    frame = body(plate(wide=420 * k, high=200 * k))
-    (rail,) = [one for one in still_of(block, bodies=[frame]).iter(f"{SPACE}path") if one.get("class") == "rail"]
-    strokes = [line / ahead / k - (20 + 40j) / ahead for line in loops(rail.get("d"))[0]]
-    long, *short = strokes
-    assert long == pytest.approx([-16 - 8j, 96 - 8j], abs=0.03)
-    # Hatched along all of it, with as many strokes as there is room for.
-    assert [stroke[0] for stroke in short] == pytest.approx(np.arange(-12, 96, 7) - 8j, abs=0.04)
-    assert [stroke[1] - stroke[0] for stroke in short] == pytest.approx([-4 - 5j] * len(short), abs=0.04)
-
-
-BENT = 1e-2
-NO_RAIL = {
-    "stands still": (0 * ALONG + 20j, ONE),
-    "goes along a bent line": (ALONG + BENT * ALONG * (80 - ALONG) * 1j, ONE),
-    "turns": (ALONG + 0j, np.exp(2e-3j * ALONG)),
-    "is nowhere": (np.full(FRAMES, np.nan + 0j), ONE),
-}
-
-
-def test_any_other_block_has_no_rail():
-    for why, (place, way) in NO_RAIL.items():
-        root = still_of(SceneMark("slide", place, "construction", "block", direction=way), bodies=[body(plate())])
-        assert not [one for one in root.iter() if one.get("class") == "rail"], why
-
-
-LAYERS = {
-    "the ground under a moving plate": ((0, True), (1, False), ()),
-    "the ground over a moving plate": ((2, True), (1, False), ("first",)),
-    "the ground over the ground": ((2, True), (1, True), ()),
-}
-
-
-@pytest.mark.parametrize("how", LAYERS)
-def test_the_ground_is_hatched_and_lets_be_seen_what_moves_below_it(how):
-    *layers, over = LAYERS[how]
-    bodies = [
-        body(plate(), name, layer=layer, fixed=fixed) for name, (layer, fixed) in zip(("first", "second"), layers)
-    ]
-    root = still_of(bodies=bodies)
-    for one, (_, fixed) in zip(bodies, layers):
-        within = titled(root, one.name)
-        faint = [group for group in within.iter(f"{SPACE}g") if group.get("class") == "over"]
-        assert bool(faint) == (one.name in over)
-        looks = [path.get("class") for path in within.iter(f"{SPACE}path")]
-        assert looks == (
-            ["plate ground", "hatch"] if fixed else [f"plate t{[b for b in bodies if not b.fixed].index(one)}"]
-        )
-    # The lowest first, in their order where they lie in one layer.
-    shown = [title.text for title in root.iter(f"{SPACE}title") if title.text in ("first", "second")]
-    assert shown == [b.name for b in sorted(bodies, key=lambda b: b.layer)]
-
-
 def test_a_curve_goes_with_its_body_or_lies_on_the_ground_and_is_drawn_once():
     line = gk.plane.Segment(10 + 10j, 60 + 10j)
     curves = (
@@ -227,10 +169,3 @@ def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
     assert (text.dxf.text, text.dxf.layer) == ("plate", "NAMES")
     assert text.dxf.height == pytest.approx(0.72 * 11 * k, rel=5e-3)
     assert complex(*text.get_placement()[1].vec2) == pytest.approx(name.place, abs=0.06 * k)
-
-
-def test_a_film_is_the_same_whenever_its_time_begins():
-    scene = scene_of(SceneMark("point", ALONG + 0j, "traced"), bodies=[body(plate())])
-    later = replace(scene, time=scene.time + 7)
-    one, other = (animation(Job("film", StaticSource((), scene.table, shown), 0.01)) for shown in (scene, later))
-    assert one == other

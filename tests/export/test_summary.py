@@ -46,13 +46,6 @@ def test_summary_tells_the_written_sizes_beside_the_exact_ones(tmp_path, curves)
         assert part["written_area_mm2"] - part["area_mm2"] > 0.2 * around
 
 
-def test_sizes_of_files_that_are_not_written_are_not_told(tmp_path):
-    (tmp_path / "bars.toml").write_text(RECIPE % "chords")
-    gk.make(tmp_path / "bars.toml", tmp_path, ["csv"])
-    (first, *_) = json.loads((tmp_path / "bars" / "summary.json").read_text())["parts"]
-    assert {key for key in first if "written" in key} == set() and first["area_mm2"] > 0
-
-
 def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_path):
     """A limit that another recipe breaks; and a number that is none, which JSON does not know."""
     (tmp_path / "bars.toml").write_text(RECIPE.replace("crank = 30", "crank = 45") % "chords")

@@ -8,9 +8,8 @@ import shapely
 
 import geomkin as gk
 from geomkin.export.layout import box
-from geomkin.export.mesh import slices, solid_cut
+from geomkin.export.mesh import solid_cut
 from geomkin.export.stl import TRIANGLE, stl
-from geomkin.model.part import Twist
 from tests.export.crossed import section
 from tests.made import Made
 
@@ -87,11 +86,6 @@ def test_the_file_is_closed_outward_and_without_flat_triangles(name, tolerance=0
     assert found == pytest.approx(exact_volume(part), rel=0.05 * tolerance + 2e-4)
 
 
-def test_a_straight_rack_needs_no_more_than_a_slice_for_each_hand():
-    heights = [len(np.unique(triangles(stl(solid_cut(PARTS[n], 1e-3)))[..., 2])) for n in ("rack", "chevrons")]
-    assert heights == [2, 3]
-
-
 def test_the_summary_has_the_volume_of_the_file(tmp_path):
     text = 'kind = "spur-gear"\nhelix_angle_deg = 30\ngear = { teeth = 9, module = 3 }\nfiles = { tolerance = 0.2 }\n'
     made = gk.make(text, tmp_path, only=["stl"])
@@ -159,18 +153,3 @@ def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shi
         assert sizes[0] == pytest.approx(sizes[1], abs=1e-3)
     else:
         assert (low, high) == pytest.approx((-abs(20 + 12j) * (1 + 1j), abs(20 + 12j) * (1 + 1j)))
-
-
-@pytest.mark.parametrize(("turn", "tolerance"), [(0.011, 0.003), (0.4, 0.05), (-2.5, 0.003)])
-def test_no_fewer_slices_than_the_tolerance_asks_for_and_no_more(turn, tolerance):
-    """A round that turns: the middles of chords between slices are off its cylinder, by less than with one slice fewer."""
-    around = 20.0 * np.exp(2j * np.pi * np.arange(2000) / 2000)
-
-    def off(count):
-        ends = around[0] * np.exp(1j * turn * np.arange(count + 1) / count)
-        return float((20.0 - np.abs(ends[:-1] + ends[1:]) / 2).max())
-
-    count = slices([around], Twist(turn), tolerance)
-    assert off(count) <= tolerance * (1 + 1e-6)
-    assert count == 1 or off(count - 1) > tolerance
-    assert slices([around], Twist(turn, herringbone=True), tolerance) == 2 * count

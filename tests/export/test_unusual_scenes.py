@@ -10,9 +10,9 @@ import geomkin as gk
 from geomkin.export.assembly_dxf import assembly
 from geomkin.export.cut import cut, decimals
 from geomkin.export.job import Job, StaticSource
-from geomkin.model.scene import SceneBody, SceneMark
+from geomkin.model.scene import SceneBody
 from geomkin.model.walls import thinnest_walls
-from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
+from tests.export.test_animated_marks import FRAMES, scene_of
 
 STILL = np.ones(FRAMES, dtype=complex)
 
@@ -38,30 +38,6 @@ def test_bodies_whose_layers_would_be_one_have_layers_of_their_own():
     assert len({layer.casefold() for layer in layers}) == len(names)
 
 
-def test_marks_are_drawn_where_they_are_and_as_what_they_are():
-    nowhere = ALONG + 0j
-    nowhere[0] = np.nan
-    scene = scene_of(
-        SceneMark("point", nowhere, "wanted"),
-        SceneMark("vector", STILL * 5, "contact", vector=STILL * 20j),
-        SceneMark("circle", STILL * 7j, "construction", radius=np.full(FRAMES, 12.0)),
-        SceneMark("slide", STILL * (30 + 30j), "construction", direction=STILL * np.exp(0.5j)),
-        bodies=[SceneBody("plate", (plate(0j),), 0 * STILL, STILL)],
-    )
-    space = drawing_of(scene).modelspace()
-    assert not space.query('*[layer=="WANTED"]')
-    ((start, end),) = [
-        [complex(*p) for p in line.get_points("xy")] for line in space.query('LWPOLYLINE[layer=="CONTACT"]')
-    ]
-    assert (start, end) == pytest.approx((5, 5 + 20j))
-    (circle,) = [one for one in space.query("CIRCLE") if one.dxf.layer == "CONSTRUCTION"]
-    assert (circle.dxf.center.x, circle.dxf.center.y, circle.dxf.radius) == pytest.approx((0, 7, 12))
-    (block,) = space.query('LWPOLYLINE[layer=="PINS"]')
-    corners = (np.array([complex(*p) for p in block.get_points("xy")]) - (30 + 30j)) * np.exp(-0.5j)
-    assert np.abs(corners.real) == pytest.approx(np.full(4, corners.real.max()), rel=1e-2)
-    assert corners.real.max() / corners.imag.max() == pytest.approx(10 / 6.5, rel=1e-2)
-
-
 def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_told_is_cut():
     for tolerance in (0.005, 1.0):
         least = 0.5 * 10.0 ** -decimals(tolerance)
@@ -70,13 +46,6 @@ def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_told_is_cut():
         assert len(made.loops) == 2
         with pytest.raises(gk.DesignError, match=f"bar: .* {1.98 * least:.3g} mm"):
             cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 0.99 * least),), 3.0), tolerance)
-
-
-def test_files_carry_as_few_decimals_as_tell_a_ten_thousandth_of_the_tolerance():
-    for tolerance in (1e-6, 3e-4, 0.005, 0.01, 0.02, 0.3, 1.0, 7.0, 2e4):
-        last = 10.0 ** -decimals(tolerance)
-        assert last <= 1e-4 * tolerance * (1 + 1e-12) or decimals(tolerance) == 0
-        assert 10 * last > 1e-4 * tolerance * (1 + 1e-12)
 
 
 def test_solids_by_one_name_are_refused_before_one_is_written_over_the_other(tmp_path):

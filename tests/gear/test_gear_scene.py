@@ -1,6 +1,5 @@
 """Teeth in mesh never overlap, touch where the marks say, and leave their play half on either side."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +10,6 @@ import geomkin as gk
 from geomkin import GearPair, RingGear, SpurGear
 from geomkin.gear import GearRack, RackPair, gear_scene, pair_scene
 from geomkin.gear.parts.gears import GearStock, RingStock, gear_parts
-from geomkin.gear.scene import tooth_regions
-from geomkin.model.part import Part
-from geomkin.plane import Circle
 from tests.gallery import FINE, frames, marks, named, point, recipe, seen
 
 # mm. What chords leave of flanks that touch, and the area between them over some teeth, mm2.
@@ -159,87 +155,3 @@ def test_the_tool_cuts_the_gear_and_nothing_more(gear):
             across = ring.intersection(wheel).length / gear.teeth
             assert across == pytest.approx(scene.table["thickness"][frame], abs=8e-3)
     assert max(gap) < NEAR and len(marks(scene, "point")) > 0
-
-
-def test_a_keyway_shows_that_a_wheel_turns_and_round_bores_do_not():
-    pair = GearPair(SpurGear(12, 2, 0.4), SpurGear(18, 2))
-    for keyways, pitches in (((), 2), (("first",), 12), (("first", "second"), 36)):
-        parts = [
-            gear_parts(
-                gear, GearStock(bore=6, keyway_width=2 * (name in keyways), keyway_depth=1.0 * (name in keyways)), name
-            )[0]
-            for name, gear in zip(pair.names, (pair.first, pair.second))
-        ]
-        scene = pair_scene(pair, parts)
-        turned = np.ptp(scene.table["first_turn"]) * 12 / 360
-        assert turned == pytest.approx(pitches) and scene.cyclic
-    # More pitches than anyone waits for.
-    pair = GearPair(SpurGear(23, 2), SpurGear(61, 2))
-    holes = (Circle(3 + 0j, 1.0),)
-    parts = [
-        Part(name, gear.outline, holes, 3.0, body=name)
-        for name, gear in (("first", pair.first), ("second", pair.second))
-    ]
-    assert not pair_scene(pair, parts).cyclic
-
-
-def test_planets_are_one_part_and_a_ring_stands_still():
-    scene = recipe("planetary").scene
-    planets = [named(scene, f"planet {k}") for k in (1, 2, 3)]
-    assert len({id(planet.parts[0]) for planet in planets}) == 1
-    assert named(scene, "ring").fixed and np.abs(np.diff(named(scene, "ring").direction)).max() < 1e-9
-    carrier, first = named(scene, "carrier"), planets[0]
-    np.testing.assert_allclose(carrier.direction * first.origin[0], first.origin, atol=1e-9)
-    alone = replace(recipe("planetary").gears, planets=1)
-    assert "planet" in [b.name for b in gk.gear.planetary_scene(alone, recipe("planetary").table).bodies]
-
-
-@pytest.mark.parametrize(
-    ("gear", "regions"),
-    [
-        (SpurGear(24, 2), 4),
-        (SpurGear(8, 4), 5),
-        (SpurGear(20, 2, tip_rounding=0.2), 5),
-        (RingGear(48, 2, addendum=0.8), 4),
-    ],
-)
-def test_regions_of_a_tooth_lie_on_its_outline_end_to_end_but_for_what_is_lost(gear, regions):
-    drawn = {curve.label: curve.curve for curve in tooth_regions(gear, "gear")}
-    assert len(drawn) == regions
-    lost = drawn.pop("involute lost to undercut", None)
-    for curve in drawn.values():
-        places = curve.point(np.linspace(curve.breaks[0], curve.breaks[-1], 9))
-        assert gk.nearest(gear.outline, places)[1].max() < 1e-9 * gear.tip_radius
-    # As often as there are teeth, and twice but for the lands, they are the whole outline.
-    lands = sum(gk.length(drawn[f"{land} land"]) for land in ("bottom", "tip"))
-    sides = sum(gk.length(curve) for curve in drawn.values()) - lands
-    assert gear.teeth * (2 * sides + lands) == pytest.approx(gk.length(gear.outline), rel=1e-9)
-    if lost:
-        assert complex(lost.point(lost.breaks[-1])) == pytest.approx(complex(gear.flank.point(gear.flank.breaks[0])))
-        assert gk.length(lost) / (gk.length(lost) + gk.length(gear.flank)) == pytest.approx(gear.involute_lost)
-
-
-def test_contacts_of_planets_are_between_the_tips_of_the_teeth_that_touch():
-    """Each path of contact begins where one gear's tip circle crosses it and ends where the other's does."""
-    own = recipe("planetary")
-    gears, away = own.gears, 1j * own.gears.inner.centre_distance
-    curves = {curve.label: curve for curve in own.scene.curves if curve.role == "contact"}
-    sun, planet, ring = gears.inner.first.tip_radius, gears.inner.second.tip_radius, gears.outer.second.tip_radius
-    for label, other in (("contact of sun and planet", sun), ("contact of planet and ring", ring)):
-        curve = curves[label].curve
-        ends = [complex(curve.point(np.asarray(at))) for at in curve.breaks]
-        assert curves[label].body == "carrier" and len(ends) == 2
-        on = [(abs(z) - other, abs(z - away) - planet) for z in ends]
-        # One on the planet's tip circle, the other on that of its mate.
-        assert min(abs(first) for first, _ in on) < 1e-9 and min(abs(second) for _, second in on) < 1e-9
-    # At some moment a tooth of each is there, in the middle of either path; of a path on the other flanks it is not.
-    turn = np.linspace(0, 0.37, 75)
-    sun, planets, ring = gears.poses(turn)
-    arm = np.exp(1j * turn / gears.ratios["sun to carrier"])
-    mates = {"contact of sun and planet": (sun, gears.sun), "contact of planet and ring": (ring, gears.outer.second)}
-    for label, (pose, gear) in mates.items():
-        curve = curves[label].curve
-        place = arm * complex(curve.point(np.asarray(curve.breaks)).mean())
-        pairs = (planets[0], gears.inner.second), (pose, gear)
-        off = np.max([gk.nearest(one.outline, at.locate(place))[1] for at, one in pairs], axis=0)
-        assert off.min() < 0.05

@@ -10,9 +10,6 @@ from shapely.geometry import Polygon
 from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 360}'
-HARDLY = (
-    '[{kind = "rise", law = "3-4-5", rise = 1e-300, end_deg = 90}, {kind = "return", law = "3-4-5", end_deg = 360}]'
-)
 KNIFE = '{kind = "translating-roller", roller_radius = 0}'
 # A rise and return across every 3.6 deg; the last ends the turn exactly.
 WAVES = [
@@ -75,14 +72,6 @@ def test_an_extreme_is_made_sound_or_refused_with_a_remedy(run, refused, sound, 
         assert "summary.json" in sound("out/r")
 
 
-def test_a_coupler_point_on_a_pin_needs_no_third_hole(run, recipe, here):
-    for k, (point, holes) in enumerate([("[0, 0]", 2), ("[90, 0]", 2), ("[40, 25]", 3)]):
-        changes = {"linkage.coupler_point": point, "files.write": '["svg"]', "stock.fastener": '"rod"'}
-        assert run(recipe("four-bar", changes), "--out", str(k)).exit_code == 0
-        # Two holes in each of the other three plates.
-        assert (here / str(k) / "r" / "r.svg").read_text().count("<circle") == 6 + holes
-
-
 @pytest.mark.parametrize("unit", ["1e-9", "1e5"])
 def test_motion_keeps_its_digits_at_any_size(run, sound, recipe, here, unit):
     lengths = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, 25]}
@@ -100,20 +89,6 @@ def test_motion_keeps_its_digits_at_any_size(run, sound, recipe, here, unit):
     assert len(rows[0]) == 74
     for mine, plain in zip(rows[0][1:], rows[1][1:], strict=True):
         assert float(mine[column]) == pytest.approx(float(plain[column]), rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("kind", "changes"),
-    [
-        ("four-bar", {"files.kerf": "5"}),
-        ("spur-gear", {"gear.module": "1e5", "files.write": '["csv"]'}),
-    ],
-    ids=str,
-)
-def test_check_says_what_run_will_do(run, geomkin, recipe, kind, changes):
-    made = run(recipe(kind, changes))
-    checked = geomkin("check", "r.toml")
-    assert (checked.exit_code, checked.stderr) == (made.exit_code, made.stderr)
 
 
 @pytest.mark.parametrize(("module", "bore", "kerf"), [("2", "8", "0.2"), ("2", "8", "4"), ("0.3", "1", "0.5")])

@@ -59,26 +59,6 @@ def test_nor_do_they_for_all_of_the_gallery(here, whole):
     assert make(here / "out", RECIPES, cwd=here, flags=("-O",), PYTHONHASHSEED="4", TZ="Asia/Tokyo") == whole
 
 
-def test_what_was_made_before_does_not_matter(here, recipe):
-    # Each loads libraries that the next does without.
-    texts = [recipe("four-bar"), recipe("spur-gear", {"files.write": '["svg"]'})]
-    for k, text in enumerate(texts):
-        (here / f"{k}.toml").write_text(text)
-    together = make(here / "a", "0.toml", "1.toml", cwd=here)
-    alone = make(here / "b", "0.toml", cwd=here) | make(here / "b", "1.toml", cwd=here)
-    # The page over the folder is that of several.
-    assert together.pop("index.html") and together == alone
-
-
-def test_formats_asked_for_do_not_change_each_other(here, recipe):
-    (here / "r.toml").write_text(recipe("disk-cam"))
-    whole = make(here / "a", "r.toml", cwd=here)
-    for suffix in ("dxf", "csv"):
-        part = make(here / suffix, "r.toml", "--only", suffix, cwd=here)
-        assert part[f"r/r.{suffix}"] == whole[f"r/r.{suffix}"]
-        assert sorted(part) == [f"r/r.{suffix}", "r/summary.json"]
-
-
 # Kernels of the linear-algebra library that it can be told to use, each with what it asks of the processor.
 KERNELS = {
     "PRESCOTT": "SSE3",

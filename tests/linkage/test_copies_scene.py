@@ -44,15 +44,3 @@ def test_a_mirrored_copy_is_the_mirror_image_of_a_plain_one():
     assert np.abs(same.place - first.place).max() < 1e-9
     crank = named(scene, "crank, copy 2").direction / named(scene, "crank").direction
     assert np.abs(crank - np.exp(1j * np.radians(90))).max() < 1e-9
-
-
-def test_a_copy_without_a_phase_is_the_first_one_in_layers_of_its_own():
-    scene = gk.load(TEXT).scene
-    high = 1 + max(body.layer for body in scene.bodies if ", copy" not in body.name)
-    for first in (body for body in scene.bodies if ", copy" not in body.name):
-        same, turned = named(scene, f"{first.name}, copy 4"), named(scene, f"{first.name}, copy 3")
-        assert np.abs(same.origin - first.origin).max() < 1e-9
-        assert np.abs(same.direction - first.direction).max() < 1e-9
-        assert same.parts == first.parts
-        # One over the other, and what is turned over has its ground above.
-        assert same.layer - first.layer == 3 * high and turned.layer + first.layer == 2 * high + high - 1

@@ -7,7 +7,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage import linkage_scene
-from geomkin.model.scene import Limit
 from tests.gallery import marks
 
 TURN = np.linspace(0, 2 * np.pi, 61)
@@ -43,23 +42,6 @@ def test_centres_that_are_no_joints_are_where_links_cross_as_far_as_anybody_look
             near = np.abs(place) < 3 * float(np.max(motion.linkage.size))
         assert 0 < near.sum() < motion.assembled.sum() and np.array_equal(np.isfinite(shown), near)
         assert np.abs(shown - place)[near].max() < 1e-6
-
-
-def test_of_many_bodies_only_centres_on_the_ground_are_shown():
-    for name, few in (("six", True), ("seven", False)):
-        bodies = {
-            "ground": {"O": 0, "C": 100, "E": 100 + 100j},
-            "crank": {"O": 0, "A": 30},
-            "coupler": {"A": 0, "B": 90, "P": 50 + 50j},
-            "rocker": {"C": 0, "B": 70},
-            "link": {"P": 0, "F": 120},
-            "out": {"E": 0, "F": 90},
-        }
-        if name == "seven":
-            bodies |= {"more": {"F": 0, "G": 100}, "last": {"E": 0, "G": 110}}
-        _, scene = scene_of(gk.Linkage(bodies, "crank"), np.linspace(0.7, 0.9, 5))
-        labels = [mark.label for mark in marks(scene, "point", "instant centre of")]
-        assert any("ground" not in label for label in labels) == few and any("ground" in label for label in labels)
 
 
 @pytest.mark.parametrize("speed", [3.0, -40.0])
@@ -105,49 +87,3 @@ def test_arrows_are_told_with_their_scale_and_cut_off_where_they_would_cover_all
 def test_time_passes_as_the_driver_does_or_in_two_seconds(drive, more, time, cyclic):
     _, scene = scene_of(BAR, drive, **more)
     assert scene.time == pytest.approx(time) and scene.cyclic == cyclic
-
-
-def test_bodies_that_nothing_is_cut_of_are_lines_from_each_point_to_the_next_and_back():
-    motion, scene = scene_of(BAR)
-    sides = [mark for mark in scene.marks if mark.sort == "line"]
-    at = {
-        name: motion.point(name).position
-        for name in ("crank_pivot", "crank_pin", "rocker_pin", "rocker_pivot", "coupler_point")
-    }
-    seen = set()
-    for mark in sides:
-        ends = [
-            name
-            for z in (mark.place, mark.place + mark.vector)
-            for name, place in at.items()
-            if np.abs(z - place).max() < 1e-9
-        ]
-        seen.add(frozenset(ends))
-        assert len(ends) == 2
-    told = [("crank_pivot", "crank_pin"), ("crank_pin", "rocker_pin"), ("rocker_pin", "rocker_pivot")]
-    told += [("crank_pin", "coupler_point"), ("coupler_point", "rocker_pin")]
-    assert seen == {frozenset(pair) for pair in told}
-    plates = gk.linkage.link_parts(motion)
-    shown = linkage_scene(motion, gk.linkage.motion_table(motion), plates)
-    assert not [mark for mark in shown.marks if mark.sort == "line"]
-    only = [part for part in plates if part.body != "coupler"]
-    assert len([m for m in linkage_scene(motion, gk.linkage.motion_table(motion), only).marks if m.sort == "line"]) == 3
-
-
-@pytest.mark.parametrize(
-    "linkage", [BAR, gk.SliderCrank(30, 90), gk.InvertedSliderCrank(80, 30, offset=6, point=120 + 5j)]
-)
-def test_every_column_but_the_driver_and_the_time_is_in_one_plot_with_others_of_its_unit(linkage):
-    motion = gk.move(linkage, TURN[1:-1], speed=2.0)
-    table = gk.linkage.motion_table(motion)
-    limit = Limit(40.0, "least")
-    scene = linkage_scene(motion, table, limits={"transmission_angle": limit, "nothing": limit})
-    units = {column.header: column.unit for column in table.columns}
-    shown = [header for plot in scene.plots for header in plot.columns]
-    known = [
-        c.header for c in table.columns[1:] if c.unit != "s" and "branch" not in c.name and np.isfinite(c.values).any()
-    ]
-    assert sorted(shown) == sorted(known) and len({plot.title for plot in scene.plots}) == len(scene.plots)
-    for plot in scene.plots:
-        assert len({units[header] for header in plot.columns}) == 1
-        assert plot.limits == ((limit,) if plot.columns == ("transmission_angle_deg",) else ())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.parts.engraved import HEAD, PlateStock, arrow, engraved, skeleton
+from geomkin.linkage.parts.engraved import PlateStock, skeleton
 from tests.texts import parse, template_of
 
 
@@ -70,30 +70,3 @@ def test_the_inflection_circle_of_a_linkage_of_any_size_is_drawn(scale):
         and abs(mark.end - mark.start) == pytest.approx(2 * radius)
     ]
     assert len(tangents) == 1
-
-
-@pytest.mark.parametrize(("length", "head", "tail"), [(100, 4, 0), (6, 2, 300 - 40j)])
-def test_an_arrow_has_its_head_at_its_tip_wherever_it_is(length, head, tail):
-    """Barbs of 20 degrees, as long as a head of the drawing, or a third of a short arrow."""
-    ahead = 0.6 + 0.8j
-    line, barbs = arrow(tail, tail + length * ahead)
-    assert line.point(np.array([0.0, 1.0])) == pytest.approx([tail, tail + length * ahead])
-    assert barbs.vertices[1] == pytest.approx(tail + length * ahead)
-    back = (barbs.vertices[[0, 2]] - barbs.vertices[1]) / -ahead
-    assert np.abs(back) == pytest.approx([min(HEAD, head), min(HEAD, head)])
-    assert sorted(np.degrees(np.angle(back))) == pytest.approx([-20, 20])
-
-
-def test_a_plate_is_as_large_as_what_is_drawn_and_its_margin():
-    """A circle and a line beside each other, by the four sides of both; corners are rounded."""
-    marks = [gk.plane.Circle(-40 + 10j, 6.0), gk.plane.Segment(-20 - 30j, 15 + 2j)]
-    plate = engraved("drawing", marks, PlateStock(thickness=2.0, margin=9.0))
-    edge = gk.flatten(plate.outline, 1e-4)
-    sides = edge.real.min(), edge.real.max(), edge.imag.min(), edge.imag.max()
-    assert sides == pytest.approx((-46 - 9, 15 + 9, -30 - 9, 16 + 9), abs=1e-3)
-    assert (plate.name, plate.thickness, plate.holes, plate.marks) == ("drawing", 2.0, (), tuple(marks))
-    # Each corner stands back from where the sides would meet, as a circle of 3 mm does.
-    for corner in (complex(sides[k], sides[m]) for k in (0, 1) for m in (2, 3)):
-        assert abs(edge - corner).min() == pytest.approx(3 * (np.sqrt(2) - 1), abs=1e-2)
-    with pytest.raises(gk.DesignError, match="drawing: there is nothing to draw"):
-        engraved("drawing", [])

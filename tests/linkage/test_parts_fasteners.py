@@ -2,7 +2,6 @@
 
 import re
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.core.errors import DesignError
 from geomkin.linkage.parts.plates import assemble
-from geomkin.linkage.parts.stack import link_parts, stack_links
+from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
 from geomkin.making.fasteners import LENGTHS, SIZES, Fastener, fastener_of
 from geomkin.making.motors import MOTORS
@@ -80,26 +79,6 @@ def test_no_head_meets_anything(name):
     assert bool(hits(looked, stack, STOCK)) == bool(stack.collisions)
 
 
-def test_the_look_would_see_a_head():
-    """The same without the empty layers: the crank's pin hits the ground."""
-    motion = gk.move(gk.FourBar(ground=100, crank=30, coupler=90, rocker=70), TURN)
-    assert hits(motion, stack_links(motion, LinkStock(fastener="rod")), STOCK)
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("path", sorted(Path("recipes").glob("*.toml")), ids=lambda path: path.stem)
-def test_no_head_of_the_gallery_meets_anything_in_quarter_degrees(path):
-    recipe = gk.load(path)
-    recipe = recipe if hasattr(recipe, "stack") else recipe.design
-    if not hasattr(recipe, "stack") or recipe.stack.collisions:
-        pytest.skip("no plates that lie on each other, or such as collide and say so")
-    way = recipe.way if hasattr(recipe, "way") else recipe.drive
-    frames = way.frames
-    fine = np.linspace(frames[0], frames[-1], 1441)
-    motion = gk.move(recipe.linkage, fine, recipe.branch)
-    assert not hits(motion, recipe.stack, recipe.stock)
-
-
 def test_screws_hold_plates_spacers_and_nut():
     for diameter, size in SIZES.items():
         held = Fastener(diameter, "screw", 0.2)
@@ -134,32 +113,3 @@ def test_what_is_no_screw_is_a_rod_or_refused():
     assert fastener_of(4.0, 3.0, "rod", 0.2, None).ends(9.0) == (0.0, 0.0)
     with pytest.raises(DesignError, match="fastener: "):
         LinkStock(pin_diameter=4.1, fastener="screw")
-
-
-def test_sheets_so_thin_that_a_nut_is_a_pile_of_them_have_rods():
-    assert (
-        LinkStock(thickness=0.4).fastener_used.sort == "rod" and LinkStock(thickness=0.8).fastener_used.sort == "screw"
-    )
-    with pytest.raises(DesignError, match="fastener: "):
-        LinkStock(thickness=0.1, fastener="screw")
-
-
-def test_the_bill_and_the_steps_name_every_joint():
-    recipe = gk.load("recipes/coupler-driven.toml")
-    stack = recipe.stack
-    joints = {stack.letters[pin.name] for pin in stack.pins}
-    assert joints == set("ABCD")
-    screws = [line for line in stack.bought if "screw" in line.name or "rod" in line.name]
-    assert {joint for line in screws for joint in line.joints} == joints
-    assert sum(line.count for line in screws) == len(joints)
-    assert all(plate in "; ".join(stack.steps) for plate in stack.layers)
-    (spacer,) = [part for part in link_parts(recipe.fine_motion, recipe.stock, stack) if part.name == "spacer"]
-    assert spacer.count == stack.spacers == sum(len(pin.spacers) for pin in stack.pins) > 0
-
-
-def test_a_lower_head_leaves_fewer_layers_empty():
-    motion = gk.move(gk.FourBar(ground=100, crank=30, coupler=90, rocker=70), TURN)
-    heights = [max(stack_links(motion, LinkStock(head_height=h)).layers.values()) for h in (0.5, 2.2, 5.0)]
-    rods = stack_links(motion, LinkStock(fastener="rod"))
-    assert max(rods.layers.values()) < heights[0] == heights[1] < heights[2]
-    assert rods.spacers == 0

@@ -110,16 +110,6 @@ def test_a_crank_so_short_that_its_screw_meets_the_shaft_is_told():
     assert not gk.linkage.stack_links(longer, gk.linkage.LinkStock(motor="nema17")).collisions
 
 
-def test_a_pivot_over_the_motor_goes_on_the_bridge():
-    recipe = driven("oldham-coupling")
-    pins = {pin.name: pin for pin in recipe.stack.pins}
-    (shaft,) = [pin for pin in pins.values() if pin.motor]
-    assert "ground" in shaft.holes
-    assert [p.name for p in pins.values() if "bridge" in p.holes and not p.name.startswith("spacer")] == [
-        "driven_pivot"
-    ]
-
-
 BODIES = {
     "ground": {"O": 0j, "C": 60 + 0j},
     "crank": {"O": 0j, "A": 20 + 0j},
@@ -146,21 +136,6 @@ def test_what_no_motor_can_turn_is_refused(linkage, sizes, words):
     assert caught.value.field == "stock.motor" and words in caught.value.problem
 
 
-@pytest.mark.parametrize(("fastener", "needed"), [("screw", 9.0 / 2), ("rod", 4.2 / 2)])
-def test_a_hole_may_be_as_near_to_the_motor_as_what_goes_through_it_is_wide(fastener, needed):
-    """The face reaches 21.15 mm from the shaft; a washer of 9 mm, or the hole of 4.2 mm alone, must be clear of it."""
-    stock = gk.linkage.LinkStock(motor="nema17", bar_width=10, fastener=fastener)
-    for beyond in (-0.03, 0.03):
-        ground = 21.15 + needed + beyond
-        motion = gk.move(gk.FourBar(ground, 12, ground - 2, 18), np.linspace(0.5, 0.6, 5))
-        if beyond > 0:
-            assert len(gk.linkage.link_parts(motion, stock)) == 4
-            continue
-        with pytest.raises(gk.DesignError) as caught:
-            gk.linkage.link_parts(motion, stock)
-        assert f"{needed + beyond:.4g} mm" in caught.value.problem and f"{needed:g} mm" in caught.value.problem
-
-
 @pytest.mark.parametrize(
     ("sizes", "field", "words"),
     [
@@ -174,18 +149,3 @@ def test_stock_that_holds_no_motor_is_refused(sizes, field, words):
     with pytest.raises(gk.DesignError) as caught:
         gk.linkage.LinkStock(**sizes)
     assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"
-
-
-def test_copies_on_one_shaft_have_no_motor_in_each():
-    text = 'kind = "four-bar"\nlinkage = {ground = 100, crank = 30, coupler = 90, rocker = 70}\nstock = {motor = "nema17"}\n'
-    assert gk.load(text).parts
-    with pytest.raises(gk.GeomkinError, match=r"stock\.motor: found nema17, whose shaft ends in its own crank"):
-        gk.load(text + "[[copies]]\nphase_deg = 180\n")
-
-
-def test_a_counterweight_below_the_ground_leaves_no_room_for_a_motor():
-    recipe = gk.load("recipes/shaking-force.toml")
-    assert any(part.name == "counterweight" for part in recipe.parts)
-    with pytest.raises(gk.DesignError) as caught:
-        _ = driven("shaking-force").parts
-    assert caught.value.field == "stock.motor" and "counterweight" in caught.value.problem

@@ -10,7 +10,6 @@ from geomkin.linkage.parts.stack import link_parts
 from geomkin.linkage.parts.stock import LinkStock
 from tests.linkage.mechanisms import (
     BUILDABLE,
-    CRANK,
     OLDHAM,
     RAM_BESIDE_ITS_LINE,
     RAM_WITH_TOOL,
@@ -86,29 +85,6 @@ def test_blocks_are_pins_and_other_sliding_bodies_are_plates_with_guide_pins(lin
     assert found == openings
 
 
-def test_a_rod_through_a_block_is_the_same_whichever_is_said_to_slide():
-    plain = gk.move(sliding_coupler("coupler", "block"), TURN)
-    turned = gk.move(sliding_coupler("block", "coupler"), TURN)
-    for one, two in zip(link_parts(plain, STOCK), link_parts(turned, STOCK)):
-        assert polygon(one.outline).symmetric_difference(polygon(two.outline)).area < 1e-2
-        for a, b in zip(one.holes, two.holes):
-            assert polygon(a).symmetric_difference(polygon(b)).area < 1e-2
-
-
-def test_the_driver_keeps_its_plate_even_where_it_could_be_a_pin():
-    linkage = gk.Linkage(
-        bodies={
-            "ground": {"crank_pivot": 0j, "lever_pivot": -80 + 0j},
-            "crank": CRANK,
-            "block": {"crank_pin": 0j},
-            "lever": {"lever_pivot": 0j},
-        },
-        driver="lever",
-        sliders=(gk.Slider("slide", "lever", "block"),),
-    )
-    assert "lever" in parts_of(linkage, drive=np.linspace(-0.2, 0.2, 41))
-
-
 @pytest.mark.parametrize("offset", [0.0, 15.0, -20.0])
 def test_a_crosshead_slot_is_as_long_as_the_stroke(offset):
     """Stroke by Pythagoras at the two dead centres."""
@@ -172,11 +148,6 @@ def test_a_slot_that_meets_a_hole_is_refused_by_name():
     assert caught.value.field == "ground"
 
 
-def test_no_frame_no_slot():
-    with pytest.raises(gk.DesignError, match="closes at no frame"):
-        parts_of(gk.SliderCrank(30, 20), drive=np.array([1.5, 1.6]))
-
-
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_plates_grow_with_the_linkage(scale):
     plain = parts_of(gk.SliderCrank(30, 90))
@@ -208,61 +179,3 @@ def test_what_is_no_motion_of_one_linkage_is_refused(call):
         assert caught.value.field == "motion"
     with pytest.raises(gk.DesignError, match="a LinkStock"):
         call(gk.move(gk.FourBar(100, 30, 90, 70), TURN), 3.0)
-
-
-def star(*names):
-    """Three dyads on one crank pin, whose four bodies are joined by three pins of these names."""
-    one, two, three = names
-    bodies = {"ground": {"crank_pivot": 0j}, "crank": {"crank_pivot": 0j, one: 30 + 0j}}
-    joined = {0: {one: 0j, three: 0j}, 1: {two: 0j, three: 0j}, 2: {two: 0j}}
-    for k in (1, 2, 0):
-        bodies["ground"][f"pivot_{k}"] = 100 * np.exp(2j * np.pi / 3 * k)
-        bodies[f"coupler_{k}"] = joined[k] | {f"pin_{k}": 90 + 0j}
-        bodies[f"rocker_{k}"] = {f"pivot_{k}": 0j, f"pin_{k}": 70 + 0j}
-    return gk.Linkage(bodies, driver="crank")
-
-
-def test_pins_at_one_place_are_one_however_they_are_named():
-    """Of the second a body has the first, of the third another: what was two joints until then is one."""
-    plain, paired = (gk.move(star(*names), TURN) for names in (("p", "p", "p"), ("p", "q", "r")))
-    (one, two) = (assemble(motion, STOCK) for motion in (plain, paired))
-    for motion, found in ((plain, one), (paired, two)):
-        assert motion.assembled.all()
-        (joint,) = [pin for pin in found.pins if pin.name in ("p", "q", "r")]
-        assert joint.name == "p" and sorted(joint.plates) == ["coupler_0", "coupler_1", "coupler_2", "crank"]
-    assert [pin.name for pin in one.pins] == [pin.name for pin in two.pins]
-    assert {n: plate.openings for n, plate in one.plates.items()} == {n: p.openings for n, p in two.plates.items()}
-
-
-ROD = {"rod": {"rod_pin": 0j, "ram_pin": 90 + 0j}, "ram": {"ram_pin": 0j}}
-
-
-@pytest.mark.parametrize(
-    ("block", "lever", "through", "more", "pin"),
-    [
-        ({}, {}, 0j, {}, "block"),
-        ({}, {"mark": 0j}, 0j, {}, "block"),
-        ({"mark": 0j}, {}, 0j, {}, "lever"),
-        # What is off the slide line is no pin in a slot.
-        ({"mark": 0j}, {}, 5j, {}, "block"),
-        # A lever on a fixed shaft is turned by what it slides on, if that is held by other pins.
-        ({"rod_pin": 0j}, {}, 0j, ROD, "lever"),
-    ],
-)
-def test_of_two_bodies_that_could_be_a_pin_the_one_with_fewer_points_is(block, lever, through, more, pin):
-    slides = [gk.Slider("slide", "block", "lever", through=through)]
-    if more:
-        slides.append(gk.Slider("ram_slide", "ram", "ground", through=-60j))
-    bodies = {
-        "ground": {"crank_pivot": 0j, "lever_pivot": -80 + 0j},
-        "crank": CRANK,
-        "block": {"crank_pin": 0j} | block,
-        "lever": {"lever_pivot": 0j} | lever,
-    }
-    motion = gk.move(gk.Linkage(bodies | more, driver="crank", sliders=tuple(slides)), TURN)
-    plates = assemble(motion, STOCK).plates
-    assert motion.assembled.all() and {"block", "lever"} - set(plates) == {pin}
-    # From the lever's pivot the crank pin is 50 to 110 mm away, and the slot as long as that.
-    slotted = "lever" if pin == "block" else "block"
-    (slot,) = [places for places in plates[slotted].openings.values() if len(places) == 2]
-    assert abs(slot[1] - slot[0]) == pytest.approx(60 if through == 0 else 109.886 - 49.749, abs=0.05)

@@ -1,6 +1,5 @@
 """Stacks of plates: the finished plates are laid on each other as polygons at every frame and looked at."""
 
-import dataclasses
 import json
 from itertools import combinations, product
 
@@ -14,7 +13,7 @@ import geomkin as gk
 from geomkin.linkage.parts.collisions import Sweep
 from geomkin.linkage.parts.layers import Meetings, Passing, order, runs
 from geomkin.linkage.parts.plates import assemble
-from geomkin.linkage.parts.stack import link_parts, pile_places, stack_links
+from geomkin.linkage.parts.stack import link_parts, stack_links
 from geomkin.linkage.parts.stock import LinkStock
 from tests.linkage.mechanisms import BUILDABLE, CROWDED, JANSEN_LEG, TURN
 
@@ -121,35 +120,6 @@ def test_discs_of_a_pile_fill_the_room_between_ground_and_bridge(name, thickness
         assert pin.length == pytest.approx(thickness * len(range(pin.first, pin.last + 1)))
 
 
-def test_the_look_at_the_plates_would_see_a_wrong_layer():
-    linkage, branch, _, _ = BUILDABLE["crank-rocker"]
-    stack, model = built(linkage, branch)
-    assert set(model.troubles(stack.layers | {"coupler": 1})) >= {("crank", "coupler"), ("coupler", "rocker")}
-    # The coupler below the crank is run through by the crank's pivot.
-    assert ("crank_pivot", "coupler") in model.troubles({"ground": 0, "coupler": 1, "crank": 2, "rocker": 2})
-
-
-@pytest.mark.parametrize("name", ["crank-rocker", "six-bar"])
-def test_no_stack_of_fewer_layers_would_do(name):
-    """All ways to put the plates in fewer layers, each looked at."""
-    linkage, branch, layers, _ = BUILDABLE[name]
-    stack, model = built(linkage, branch, look=np.linspace(0, 2 * np.pi, 91))
-    moving = [plate for plate in stack.layers if plate != "ground"]
-    for rows in product(range(1, layers - 1), repeat=len(moving)):
-        assert model.troubles({"ground": 0} | dict(zip(moving, rows)))
-
-
-@pytest.mark.parametrize("name", ["kite"])
-def test_without_the_bridge_nothing_would_do(name):
-    linkage, branch, _, _ = BUILDABLE[name]
-    stack, model = built(linkage, branch, look=np.linspace(0, 2 * np.pi, 91))
-    moving = [plate for plate in stack.layers if plate not in ("ground", "bridge")]
-    # The bridge's plate laid into the ground's layer is the ground alone; its own meeting with that is no trouble.
-    for rows in product(range(1, len(moving) + 1), repeat=len(moving)):
-        troubles = model.troubles({"ground": 0, "bridge": 0} | dict(zip(moving, rows)))
-        assert any("ground" not in pair and "bridge" not in pair for pair in troubles)
-
-
 def test_what_cannot_be_built_says_what_meets_and_when():
     linkage, branch = CROWDED, {"slide": -1, "ram_pin": 1}
     stack, model = built(linkage, branch)
@@ -164,27 +134,6 @@ def test_what_cannot_be_built_says_what_meets_and_when():
         assert not (hit & ~inside).any()
         # Told a little wider than seen, for the play.
         assert inside.sum() <= hit.sum() + 24
-
-
-def test_collisions_of_an_actuator_are_told_in_millimetres():
-    pushed = dataclasses.replace(
-        CROWDED,
-        bodies={
-            **CROWDED.bodies,
-            "ground": {**CROWDED.bodies["ground"], "base": 200 + 0j},
-            "cylinder": {"base": 0j},
-            "piston": {"crank_pin": 0j},
-        },
-        sliders=(*CROWDED.sliders, gk.Slider("push", "piston", "cylinder")),
-        driver="push",
-    )
-    motion = gk.move(pushed, np.linspace(125, 275, 301), {"crank_pin": -1, "slide": -1})
-    assert motion.assembled.all()
-    collisions = {(c.pin, c.plate): c for c in stack_links(motion, STOCK).collisions}
-    assert {c.unit for c in collisions.values()} == {"mm"}
-    # The crank lies right over the lever's pivot when it points down: by Pythagoras.
-    over = collisions["lever_pivot", "crank"]
-    assert over.first < (200**2 + 80**2) ** 0.5 < over.last
 
 
 @pytest.mark.parametrize("step_deg", [1.0, 15.0])
@@ -311,13 +260,6 @@ def test_more_plates_than_the_search_takes_are_refused():
     assert len(link_parts(motion, STOCK)) == 18
 
 
-def test_the_letters_of_many_pins_go_on_in_twos():
-    plain = stack_links(gk.move(gk.FourBar(100, 30, 90, 70), TURN[::30]), STOCK)
-    pins = tuple(dataclasses.replace(plain.pins[0], name=f"pin {k}") for k in range(30))
-    letters = list(dataclasses.replace(plain, pins=pins).letters.values())
-    assert letters[0] == "A" and letters[25:29] == ["Z", "AA", "AB", "AC"] and len(set(letters)) == 30
-
-
 def test_frames_that_do_not_close_are_left_out():
     drive = np.linspace(0, 2 * np.pi, 361)
     linkage = gk.FourBar(100, 70, 30, 90)
@@ -340,16 +282,3 @@ def test_the_summary_lists_layers_upwards_and_pins_with_their_lengths():
         assert pin["layers"] == [min(at), max(at)]
         assert pin["length_mm"] == 3 * (max(at) - min(at) + 1)
     assert summary["collisions"] == []
-
-
-@pytest.mark.parametrize("linkage", [gk.SliderCrank(30, 90, 20), gk.FourBar(100, 30, 90, 70)])
-def test_a_bridge_stands_where_the_mechanism_is_narrowest(linkage):
-    motion = gk.move(linkage, TURN)
-    assembly, near = assemble(motion, STOCK), 10.0
-    one, two = pile_places(motion, assembly, near)
-    places = [motion.bodies[p.body].point(z).position for p in assembly.plates.values() for z in p.centres]
-    ways = np.exp(1j * np.linspace(0, np.pi, 3601))
-    seen = np.real(np.conj(ways)[:, None] * np.concatenate(places))
-    # Looked at every 5 deg, it is found to within that times its length.
-    narrowest, length = np.ptp(seen, axis=1).min(), np.ptp(seen, axis=1).max()
-    assert 0 <= abs(one - two) - 2 * near - narrowest < np.radians(2.5) * length

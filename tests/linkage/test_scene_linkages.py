@@ -42,26 +42,3 @@ def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
         for header in plot.columns
     }
     assert not told & plotted
-
-
-def test_polygons_are_about_as_large_as_the_linkage_whichever_way_they_are_longer():
-    """Drawn at a round scale: the longer side of the box about each lies between a half and all of what there is."""
-    turn = np.linspace(0, 2 * np.pi, 37)
-    for linkage, drive in (
-        (gk.SliderCrank(30, 90, 0), turn),
-        (gk.FourBar(100, 30, 90, 70), turn),
-        (gk.FourBar(100, 80, 90, 95), turn),
-        # Tall and narrow, wide and low.
-        (gk.FourBar(100, 30, 90, 70), turn[:3] / 5),
-        (gk.SliderCrank(30, 90, 0), 1.5 + turn[:3] / 5),
-    ):
-        motion = gk.move(linkage, drive, 1, 2 * np.pi)
-        scene = gk.linkage.polygons_scene(motion, gk.linkage.motion_table(motion))
-        plain = gk.linkage.linkage_scene(motion, gk.linkage.motion_table(motion))
-        low, high = plain.box
-        size = max(abs(high - low), float(np.max(motion.linkage.size)))
-        for rate in ("v", "a"):
-            sides = [mark for mark in scene.marks if mark.sort == "vector" and mark.label.startswith(f"{rate} ")]
-            ends = np.concatenate([[*m.place, *(m.place + m.vector)] for m in sides])
-            longer = max(np.ptp(ends.real), np.ptp(ends.imag))
-            assert 0.3 * size < longer <= 1.0001 * size, (rate, longer, size)

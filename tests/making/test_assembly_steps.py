@@ -1,12 +1,10 @@
 """How mechanisms go together: layers from the bottom up, every part in a step, and what is bought."""
 
 import re
-from dataclasses import replace
 
 import pytest
 
 import geomkin as gk
-from tests.making.test_bases import cam
 
 PAIR = 'kind = "gear-pair"\nfirst = {teeth = 20, module = 2}\nsecond = {teeth = 30, module = 2}\n'
 MOTOR = 'first_stock = {bore = 5, bore_form = "D", motor = "nema17"}\nsecond_stock = {bore = 8}\n'
@@ -116,48 +114,3 @@ def test_steps_go_upwards_with_every_part_and_the_bill_has_the_rest(name):
     layers = layers_of(recipe.steps)
     assert layers == sorted(set(layers)) and layers[0] == 0
     assert all(part.name in steps for part in recipe.parts if part.name not in ("disc", "spacer"))
-
-
-CAM_SHAFT, TEN = {"shaft 10 mm, at least 25 mm long": 1}, {"shaft collar DIN 705 A, 10 mm": 2}
-GUIDE_PINS = {"pin 6 mm, at least 18 mm long": 2, "shaft collar DIN 705 A, 6 mm": 2}
-ROLLER_PIN = {"shaft collar DIN 705 A, 4 mm": 1}
-STANDS = {"screw 4 mm, at least 17 mm long": 4, "tube 4 mm inside, cut to 12 mm": 4}
-# Follower, whether it stands on a base, and all that is bought. Sheets are 5 mm thick, collars on shafts of
-# 4, 6 and 10 mm are 8, 8 and 10 mm wide, and 2 mm are free below.
-WHOLE = [
-    ("roller", True,
-     {"shaft 10 mm, at least 35 mm long": 1, "tube 10 mm inside, cut to 5 mm": 1, "pin 4 mm, at least 18 mm long": 1}
-     | TEN | GUIDE_PINS | ROLLER_PIN | STANDS),
-    ("roller", False,
-     CAM_SHAFT | TEN | ROLLER_PIN | {"pin 4 mm, at least 13 mm long": 1}),
-    ("knife edge", True,
-     {"shaft 10 mm, at least 35 mm long": 1, "tube 10 mm inside, cut to 5 mm": 1} | TEN | GUIDE_PINS | STANDS),
-    ("knife edge", False,
-     CAM_SHAFT | TEN),
-    ("flat", True,
-     {"shaft 10 mm, at least 30 mm long": 1} | TEN | GUIDE_PINS | STANDS),
-    ("flat", False,
-     CAM_SHAFT | TEN | {"pin 6 mm, at least 5 mm long": 1}),
-    ("flat arm", True,
-     {"shaft 10 mm, at least 30 mm long": 1, "pin 6 mm, at least 18 mm long": 1, "shaft collar DIN 705 A, 6 mm": 1} | TEN | STANDS),
-    ("flat arm", False,
-     CAM_SHAFT | TEN | {"pin 6 mm, at least 5 mm long": 1}),
-]  # fmt: skip
-
-
-def test_feet_are_as_high_as_the_widest_collar_under_a_base_asks_for():
-    """A collar 8 mm wide on the cam's shaft, and such of 10 mm on the pins that slide below."""
-    recipe = cam("flat")
-    small = replace(recipe, stock=replace(recipe.stock, bore=8.0, pivot_bore=10.0, bar_width=16.0, stem_length=60.0))
-    assert {one.name: one.count for one in small.bought}.items() >= {"tube 4 mm inside, cut to 12 mm": 4}.items()
-
-
-@pytest.mark.parametrize(("name", "stands", "taken"), WHOLE)
-def test_the_whole_bill_of_cams(name, stands, taken):
-    recipe = cam(name, "[base]\n" if stands else "")
-    assert {one.name: one.count for one in recipe.bought} == taken
-    layers = layers_of(recipe.steps)
-    assert layers == list(range(len(layers))) and len(recipe.steps) > len(layers)
-    # A timing mark adds a sentence to the step that lays the cam.
-    marked = replace(recipe, stock=replace(recipe.stock, timing_mark=True)).steps
-    assert [one == other for one, other in zip(marked, recipe.steps, strict=True)].count(False) == 1

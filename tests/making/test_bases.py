@@ -175,25 +175,10 @@ def test_a_base_is_as_large_as_gears_reach_and_no_larger(text):
     assert inner == pytest.approx(reach, abs=0.4)
 
 
-@pytest.mark.parametrize(("teeth", "guide_pin"), [(15, 4), (30, 5)])
-def test_a_base_is_as_large_as_pinion_and_slot_and_as_deep_as_the_rack(teeth, guide_pin):
-    text = RACK.replace("teeth = 15", f"teeth = {teeth}") + f"[base]\nguide_pin = {guide_pin}\n"
-    recipe = gk.load(text)
-    (left, right, low, high), (*_, deep, _) = _boxes(recipe, 4.0)
-    slot, tip = polygon(part(recipe, "base").holes[1]).bounds, recipe.design.pinion.tip_radius
-    assert -left == right == pytest.approx(max(tip, -slot[0], slot[2]), abs=1e-3)
-    assert (low, high) == pytest.approx((deep, tip), abs=1e-3)
-
-
 @pytest.mark.parametrize("name", ["undercut", "knife edge", "tilted"])
 def test_the_slot_holds_the_pins_of_a_stem_over_the_whole_turn(name):
     recipe = cam(name)
     _guided(recipe, "follower", 6.0, part(recipe, "follower").holes[-2:], exact=name != "undercut")
-
-
-def test_the_slot_holds_the_pins_of_a_rack_over_its_whole_way():
-    recipe = gk.load(RACK + "[base]\n")
-    _guided(recipe, "rack", 4.0, part(recipe, "rack").holes, exact=False)
 
 
 def _guided(recipe, name, diameter, holes, exact):
@@ -261,40 +246,6 @@ def test_the_screws_of_a_ring_go_through_ring_and_base_as_it_meshes(written):
     assert all(teeth.disjoint(polygon(hole)) for hole in ring.holes[1:])
 
 
-@pytest.mark.parametrize(("name", "pivot"), [("arm", 95), ("flat arm", 80)])
-def test_an_arm_has_its_pivot_in_the_drawing_at_its_distance_from_the_shaft(name, pivot, written):
-    holes = written(cam(name))
-    # The bores of cam and arm have the clearance of their own stock, half of the base's.
-    ((shaft,), (arm,)) = holes[10.2], holes[6.2]
-    assert abs(arm - shaft) == pytest.approx(pivot, abs=1e-3)
-
-
-def test_a_roller_that_moves_straight_has_a_stem_over_a_base_alone():
-    assert [p.name for p in cam("roller", "").parts] == ["cam", "roller"]
-    assert [p.name for p in cam("roller").parts] == ["cam", "roller", "follower", "base"]
-    assert part(cam("roller"), "follower").hole_names == ("C", "B", "B")
-    layers = {body.name: body.layer for body in cam("roller").scene.bodies}
-    assert layers == {"ground": 0, "follower": 1, "cam": 2, "roller": 2}
-
-
-def test_two_wheels_of_any_teeth_have_a_base(written):
-    text = """
-kind = "lantern-gears"
-pinion = { pins = 12, module = 4, pin_diameter = 5.5 }
-mate = { teeth = 48, addendum = 7 }
-stock = { bore = 10, mate_bore = 12, clearance = 0 }
-[base]
-"""
-    recipe = gk.load(text)
-    holes = written(recipe)
-    ((one,), (two,)) = holes[10.2], holes[12.2]
-    # A pinion of pins rolls on its wheel as pitch circles do.
-    assert abs(one - two) == pytest.approx(4 * (12 + 48) / 2, abs=1e-3)
-    assert {body.name: body.layer for body in recipe.scene.bodies} == {"ground": 0, "pinion": 1, "mate": 2}
-    with pytest.raises(gk.DesignError, match="ring"):
-        _ = gk.load(text.replace("addendum = 7", "addendum = 3, internal = true")).parts
-
-
 @pytest.mark.parametrize("text", [PAIR, RACK])
 def test_the_walls_of_a_base_are_checked_and_holes_that_belong_together_have_one_letter(text):
     recipe = gk.load(text + "[base]\nedge = 1\n")
@@ -305,9 +256,8 @@ def test_the_walls_of_a_base_are_checked_and_holes_that_belong_together_have_one
     assert based == {"A", "B"} and letters - based <= {"C"}
 
 
-@pytest.mark.parametrize(
-    ("text", "field", "words"),
-    [
+def test_what_no_base_can_hold_is_refused_with_its_key(tmp_path):
+    for text, field, words in [
         (PAIR.replace("bore = 8", "bore = 0") + "[base]\n", "first_stock.bore", "at least 0.01"),
         (PAIR + "[base]\nclearance = 60\n", "base.clearance", "meet"),
         (PAIR + "[base]\nedge = 1e6\n", "base", "100000 mm"),
@@ -317,30 +267,25 @@ def test_the_walls_of_a_base_are_checked_and_holes_that_belong_together_have_one
         (PLANETARY + "[base]\nscrew = 0\n", "base.screw", "give their diameter"),
         (PLANETARY.replace("rim = 12", "rim = 3") + "[base]\n", "base.screw", "less than 2.8 mm"),
         (PLANETARY.replace("bore = 8", "bore = 0") + "[base]\n", "sun_stock.bore", "leave out base"),
-    ],
-)
-def test_what_no_base_can_hold_is_refused_with_its_key(text, field, words, tmp_path):
-    with pytest.raises(gk.DesignError) as caught:
-        gk.write(gk.load(text), tmp_path / "parts.dxf")
-    assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"
+    ]:
+        with pytest.raises(gk.DesignError) as caught:
+            gk.write(gk.load(text), tmp_path / "parts.dxf")
+        assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"
 
 
-@pytest.mark.parametrize(
-    ("name", "stock", "field"),
-    [
+def test_what_guides_no_follower_is_refused_with_its_key():
+    for name, stock, field in [
         ("roller", "stem_length = 30", "stock.stem_length"),
         ("flat", "pivot_bore = 0", "stock.pivot_bore"),
         ("roller", "bore = 0", "stock.bore"),
         ("roller", "bar_width = 100, stem_length = 400", "stock.bar_width"),
-    ],
-)
-def test_what_guides_no_follower_is_refused_with_its_key(name, stock, field):
-    follower, deg, radius, lift = FOLLOWERS[name]
-    text = CAM.format(follower=follower, deg=deg, radius=radius, lift=lift)
-    recipe = gk.load(text.replace("bore = 10, clearance = 0.1", stock) + "[base]\n")
-    with pytest.raises(gk.DesignError) as caught:
-        _ = recipe.parts
-    assert caught.value.field == field and caught.value.remedy
+    ]:
+        follower, deg, radius, lift = FOLLOWERS[name]
+        text = CAM.format(follower=follower, deg=deg, radius=radius, lift=lift)
+        recipe = gk.load(text.replace("bore = 10, clearance = 0.1", stock) + "[base]\n")
+        with pytest.raises(gk.DesignError) as caught:
+            _ = recipe.parts
+        assert caught.value.field == field and caught.value.remedy
 
 
 def test_a_stem_as_long_as_the_refusal_says_is_guided():

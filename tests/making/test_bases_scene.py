@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.making.motors import apart, on_motor
 from geomkin.plane import Circle
 from tests.gallery import RECIPES, marks, named, recipe
 
@@ -31,40 +30,6 @@ def test_every_axis_that_stands_still_stands_in_a_hole_of_the_base(name):
     for mark in axes:
         assert min(abs(hole - mark.place[0]) for hole in holes) < 1e-9, mark.label
     assert all(other.layer > body.layer for other in own.scene.bodies if not other.fixed)
-
-
-def test_a_base_lies_under_planets_as_it_is_drawn_and_the_carrier_over_them():
-    own = recipe("planetary")
-    for parts, layer in (((), 0), ((plate(70 + 20j),), 2)):
-        scene = gk.gear.planetary_scene(own.gears, own.table, parts)
-        assert named(scene, "carrier").layer == layer
-        assert {body.layer for body in scene.bodies if body.name not in ("carrier", "ground")} == {1}
-        for body in scene.bodies:
-            if body.name == "ground":
-                assert body.parts == parts and (body.direction == 1).all() and (body.origin == 0).all()
-    assert body.name == "ground" and body.layer == 0
-
-
-def scenes_with(parts):
-    pair, planets, cam, lantern = (recipe(n) for n in ("gear-pair", "planetary", "roller-cam", "lantern"))
-    yield gk.gear.pair_scene(pair.design, parts)
-    yield gk.gear.pair_scene(recipe("rack-and-pinion").design, parts)
-    yield gk.gear.gear_scene(pair.design.first, parts)
-    yield gk.gear.planetary_scene(planets.gears, planets.table, parts)
-    yield gk.cam.cam_scene(cam.cam, cam.table, parts)
-    yield gk.gear.conjugate_scene(lantern.design, lantern.table, parts)
-
-
-def test_the_plate_of_a_motor_lies_still_under_everything():
-    motor = plate(15 + 15j, body="motor")
-    assert apart((motor, plate()))[1] == (motor,)
-    for with_motor, without in zip(scenes_with((motor,)), scenes_with(())):
-        first, *others = with_motor.bodies
-        assert (first.name, first.parts, first.fixed, first.layer) == ("motor", (motor,), True, 0)
-        assert (first.direction == 1).all() and (first.origin == 0).all()
-        assert first.origin.shape == first.direction.shape == without.bodies[0].origin.shape
-        assert [(b.name, b.layer) for b in others] == [(b.name, b.layer + 1) for b in without.bodies]
-    assert on_motor(without.bodies, ()) is without.bodies
 
 
 LAYERS = {

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.parts.gears import GearStock, gear_parts
 from geomkin.making.bores import bore, keyed_bore
 from tests.texts import parse, template_of
 
@@ -39,10 +38,6 @@ def test_every_hole_for_a_shaft_or_pin_takes_the_clearance(name):
     assert any(tight.values()) and set(tight) == set(wide)
     for part in tight:
         assert wide[part] == pytest.approx([d + PLAY for d in tight[part]], rel=1e-12), part
-
-
-def test_a_clearance_of_a_bore_that_is_none_makes_no_hole():
-    assert not gear_parts(gk.SpurGear(24, 2), GearStock(bore=0, clearance=0.3))[0].holes
 
 
 def test_a_keyway_keeps_its_width_and_its_depth_beyond_the_wider_bore():
@@ -80,41 +75,3 @@ def test_a_keyway_may_reach_as_far_as_the_part_and_no_farther(size):
     assert np.abs(hole.vertices).max() == pytest.approx(13 * size)
     with pytest.raises(gk.DesignError, match="keyway"):
         keyed_bore(*sizes.values(), 1 + 0j, 26 * size * (1 - 1e-9), "stock")
-
-
-@pytest.mark.parametrize("pins", [6, 40])
-def test_the_clearance_at_which_pins_holes_meet_is_named(tmp_path, pins):
-    """Neighbouring holes of a lantern's discs: less than named works, more is refused."""
-
-    def made(clearance):
-        (tmp_path / "r.toml").write_text(
-            f'kind = "lantern-gears"\npinion = {{pins = {pins}, module = 4, pin_diameter = 5}}\n'
-            f'mate = {{teeth = 60, addendum = 1.0}}\nstock = {{bore = 0, clearance = {clearance!r}}}\nfiles = {{write = ["csv"]}}\n'
-        )
-        return gk.make(tmp_path / "r.toml", tmp_path / "out")
-
-    with pytest.raises(gk.RecipeError, match=r"stock\.clearance") as caught:
-        made(12.0)
-    named = float(str(caught.value).split("give less than ")[1].split(" ")[0])
-    # The chord between two pins on a circle of 4 mm a pin's diameter, less a pin.
-    assert named == pytest.approx(4 * pins * np.sin(np.pi / pins) - 5, rel=1e-3)
-    assert made(named * (1 - 1e-3))
-    with pytest.raises(gk.RecipeError, match=r"stock\.clearance"):
-        made(named * (1 + 1e-3))
-
-
-def test_where_there_is_no_shaft_or_screw_no_clearance_makes_a_hole():
-    stocks = {"first_stock": {"bore": 8, "clearance": 0.3}, "second_stock": {"bore": 0, "clearance": 0.3}}
-    teeth = {"first": {"teeth": 18, "module": 2}, "second": {"teeth": 30, "module": 2}}
-    pair = {"kind": "gear-pair", **teeth, **stocks}
-    recipe = gk.load(pair)
-    assert [(part.name, len(part.holes)) for part in recipe.parts] == [("first", 1), ("second", 0)]
-    assert not any(part.fits for part in recipe.parts[1:])
-    # A base without screws ends its edge beyond the wheels, and has the holes of shafts alone.
-    stocks["second_stock"]["bore"] = 6
-    base = gk.load(pair | stocks | {"base": {"screw": 0, "clearance": 0.4, "edge": 5}}).parts[-1]
-    z, (first, second) = gk.flatten(base.outline, 1e-5), base.holes
-    assert (first.radius, second.radius) == pytest.approx((4.2, 3.2))
-    tips = gk.SpurGear(18, 2).tip_radius, gk.SpurGear(30, 2).tip_radius
-    assert (z.real.min(), z.real.max()) == pytest.approx((-tips[0] - 5, second.centre.real + tips[1] + 5), abs=1e-4)
-    assert (z.imag.min(), z.imag.max()) == pytest.approx((-tips[1] - 5, tips[1] + 5), abs=1e-4)

@@ -31,18 +31,6 @@ def test_the_plate_has_the_face_and_holes_that_makers_draw(tmp_path):
     assert np.ptp(corners, axis=0) == pytest.approx([42.3, 42.3])
 
 
-SCREWS = {3.0: "M3 x 6 ", 5.0: "M3 x 8 ", 6.0: "M3 x 10 ", 12.0: "M3 x 16 ", 26.0: "M3 x 30 ", 40.0: "M3 screw, 42 to"}
-
-
-@pytest.mark.parametrize("thickness", SCREWS)
-def test_screws_reach_into_the_motor_and_not_through_its_threads(thickness):
-    stock = gk.gear.GearStock(thickness=thickness, bore=5, bore_form="D", motor="nema17")
-    recipe = gk.gear.SpurGearRecipe(gear=gk.SpurGear(24, 2), stock=stock)
-    motor, screws = recipe.bought
-    assert (motor.name, motor.count) == ("motor NEMA 17, D-shaft 5 mm, 4.5 mm across its flat", 1)
-    assert screws.count == 4 and screws.name.startswith(SCREWS[thickness])
-
-
 @pytest.mark.parametrize(
     ("sunk", "name", "longest", "cut"),
     [
@@ -83,14 +71,6 @@ def test_a_motor_adds_its_plate_below_all_and_changes_nothing_else(name):
         assert body.layer == before[body.name].layer + 1 > motor.layer
         assert (body.origin == before[body.name].origin).all() and len(body.parts) == len(before[body.name].parts)
     assert any("NEMA 17" in one.name for one in driven.bought) and not any("NEMA" in one.name for one in plain.bought)
-
-
-@pytest.mark.parametrize(("kind", "key"), [("gear-pair", "second_stock"), ("planetary", "planet_stock")])
-def test_what_is_driven_by_another_gear_has_no_motor(tmp_path, kind, key):
-    plain = parse(template_of(kind))
-    with pytest.raises(gk.DesignError, match=rf"{key}\.motor") as caught:
-        dataclasses.replace(plain, **{key: gk.gear.GearStock(motor="nema17")})
-    assert "give it to" in caught.value.remedy
 
 
 # Where a base stands: how it is asked for, the stock of what drives, where its holes for others are, by what the bill
@@ -145,16 +125,6 @@ def test_a_base_has_the_motor_s_holes_and_keeps_all_others_off_its_face(tmp_path
     assert plate.contains(face) and all(hole.disjoint(face) for hole in rest) and found == others
     # Heads of the base's screws, twice as wide, are clear of the motor, too.
     assert all(hole.centroid.distance(face) >= 4 for hole in rest if width(hole) == 4.2)
-
-
-@pytest.mark.parametrize("name", ["pair", "straight roller"])
-def test_what_else_a_base_holds_stays_where_it_was(name):
-    """All holes but those of the motor and of the corners, as written before and after."""
-    plain, *_ = OVER[name]
-    before, after = (next(p for p in recipe.parts if p.name == "base") for recipe in (plain(), over_a_base(name)))
-    assert len(after.holes) == len(before.holes) + 4
-    for one, two in zip(before.holes[1:-4], after.holes[5:-4]):
-        assert (gk.flatten(one, 1e-3) == gk.flatten(two, 1e-3)).all()
 
 
 SMALL = PAIR.replace("bore = 8", 'bore = 5, motor = "nema17"').replace("module = 3", "module = 1") + "[base]\n"

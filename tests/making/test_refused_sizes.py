@@ -7,10 +7,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.errors import DesignError
-from geomkin.gear.conjugate.conjugate import conjugate
-from geomkin.gear.parts.bases import pair_base, rack_base
+from geomkin.gear.parts.bases import rack_base
 from geomkin.gear.parts.gears import GearStock, Web, gear_parts
-from geomkin.making.bases import BaseStock
 from geomkin.plane import region
 
 WHEEL = gk.SpurGear(40, 2)
@@ -73,27 +71,6 @@ def _passes(hub, count, width):
         return False
 
 
-@pytest.mark.parametrize(("apart", "clearance"), [(54.0, 60.0), (45.0, 0.2), (30.0, 6.0)])
-def test_shafts_as_wide_together_as_a_base_says_do_not_meet(apart, clearance):
-    reaches, stock = (20.0, 30.0), BaseStock(clearance=clearance)
-    field, problem, remedy = refusal(pair_base, apart, reaches, (30.0, 70.0), 5.0, stock)
-    assert f"{apart:g} mm" in problem and f"{30 + 70 + 2 * clearance:g} mm" in problem
-
-    def made(size):
-        shafts = (size, 70.0) if field == "first_stock.bore" else (30.0, size if field == "second_stock.bore" else 70.0)
-        other = BaseStock(clearance=size) if field == "base.clearance" else stock
-        return pair_base(apart, reaches, shafts, 5.0, other)
-
-    most = number(remedy)
-    if field == "base.clearance":
-        # Thinner than the two shafts it cannot make them.
-        assert most <= apart
-    else:
-        assert len(made(most - 1e-3).holes) == 6
-        with pytest.raises(DesignError):
-            made(most + 1e-3)
-
-
 @pytest.mark.parametrize(("module", "height"), [(2.5, 4.0), (2.0, 7.0)])
 def test_a_rack_as_long_as_the_refusal_says_holds_its_two_pins(module, height):
     def base(teeth):
@@ -106,25 +83,6 @@ def test_a_rack_as_long_as_the_refusal_says_holds_its_two_pins(module, height):
     assert field == "rack.teeth"
     least = int(number(remedy.replace(",", " ")))
     assert len(base(least)[0].holes) == 2 and refusal(base, least - 1)[2] == remedy
-
-
-@pytest.mark.parametrize(("pins", "clearance"), [(12, 0.1), (8, 0.6)])
-def test_a_lantern_s_bore_as_wide_as_the_refusal_says_leaves_its_pins_their_holes(pins, clearance):
-    pinion = gk.gear.LanternPinion(pins, 4, 5)
-    mate = conjugate(pinion.cutter(0.5, 0.0), pins, pinion.pitch_radius, 48, 6.0)
-
-    def disc(bore):
-        return gk.gear.lantern_parts(pinion, mate, gk.gear.LanternStock(bore=bore, clearance=clearance))[0]
-
-    # Round the middle of all pins, whose holes are as wide as they and the clearance together.
-    room = 2 * (min(abs(circle.centre) for circle in pinion.circles) - (5 + clearance) / 2)
-    field, _, remedy = refusal(disc, 60.0)
-    assert field == "stock.bore" and number(remedy.replace("at least 0.01 and ", "")) == pytest.approx(
-        room - clearance, rel=1e-3
-    )
-    holes = [gk.flatten(hole, 1e-4) for hole in disc(room - clearance - 1e-3).holes]
-    assert len(holes) == 1 + pins and all(region.gap(holes[0], hole) > 0 for hole in holes[1:])
-    assert refusal(disc, room - clearance + 1e-3)[0] == "stock.clearance"
 
 
 @pytest.mark.parametrize("bar_width", [6.0, 14.0])

@@ -1,13 +1,10 @@
 """Sizes of what is sold, as the standards print them: what is bought by another would not fit."""
 
-import numpy as np
-import pytest
 
 from geomkin.making.bores import LENGTHS as KEY_LENGTHS
 from geomkin.making.bores import PARALLEL_KEYS
 from geomkin.making.fasteners import LENGTHS, SIZES
 from geomkin.making.fits import MOTOR_FLATS
-from geomkin.making.motors import MOTORS
 
 # DIN 6885-1: shaft up to, width, height, depth in the shaft, in the hub, lengths from and to.
 KEYS = """
@@ -66,15 +63,6 @@ def test_screws_nuts_and_washers_are_those_of_the_standards():
     assert [list(LENGTHS)] == rows(OF_SCREWS)
     assert {s.screw.split()[-1] for d, s in SIZES.items() if d < 3} == {"4762"}
     assert {s.nut.split()[-1] for d, s in SIZES.items() if d >= 3} == {"7040"}
-
-
-def test_a_stepping_motor_has_the_face_that_its_size_is_named_after():
-    """NEMA 17: a square of 1.7 inches at most; screws M3 at 31 mm on a circle of 43.84 mm, a boss of 22 x 2 mm."""
-    (motor,) = MOTORS.values()
-    assert 42 <= motor.side <= 43.2 and (motor.pilot, motor.boss, motor.shaft, motor.thread) == (22, 2, 5, 3)
-    boss, *screws = motor.holes(0.0)
-    assert 2 * np.abs([hole.centre for hole in screws]) == pytest.approx(4 * [43.84], abs=0.01)
-    assert {round(2 * hole.radius, 9) for hole in screws} == {3.4} and 2 * boss.radius == 22
 
 
 def test_flats_of_motors_shafts_leave_half_a_millimetre_and_more():

@@ -25,9 +25,8 @@ def scene(**changes):
     return Scene(**made | changes)
 
 
-@pytest.mark.parametrize(
-    ("what", "changes"),
-    [
+def test_everything_has_as_many_rows_as_there_are_frames():
+    for what, changes in [
         ("time", lambda n: {"time": row(n, float)}),
         ("time", lambda n: {"assembled": np.ones(n, bool)}),
         ("body b", lambda n: {"bodies": (SceneBody("b", (), row(n), row()),)}),
@@ -37,17 +36,20 @@ def scene(**changes):
         ("mark vector", lambda n: {"marks": (SceneMark("vector", row(), vector=row(n)),)}),
         ("mark slide", lambda n: {"marks": (SceneMark("slide", row(), direction=row(n)),)}),
         ("mark circle", lambda n: {"marks": (SceneMark("circle", row(), radius=row(n, float)),)}),
-        ("the other crossed", lambda n: {"others": {
-            "crossed": Scene(table(n), row(n, float), np.ones(n, bool), ()),
-        }}),
-    ],
-)  # fmt: skip
-def test_everything_has_as_many_rows_as_there_are_frames(what, changes):
-    assert scene(**changes(FRAMES)).drive.name == "t"
-    for count in (FRAMES - 1, FRAMES + 1):
-        with pytest.raises(gk.DesignError) as refusal:
-            scene(**changes(count))
-        assert refusal.value.field == "table" and what.split()[-1] in refusal.value.problem
+        (
+            "the other crossed",
+            lambda n: {
+                "others": {
+                    "crossed": Scene(table(n), row(n, float), np.ones(n, bool), ()),
+                }
+            },
+        ),
+    ]:
+        assert scene(**changes(FRAMES)).drive.name == "t"
+        for count in (FRAMES - 1, FRAMES + 1):
+            with pytest.raises(gk.DesignError) as refusal:
+                scene(**changes(count))
+            assert refusal.value.field == "table" and what.split()[-1] in refusal.value.problem
 
 
 def test_plots_are_of_columns_there_are():

@@ -1,12 +1,11 @@
 """Tables are read by name, and handed on whole."""
 
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.model.table import finite, significant, xy_columns
+from geomkin.model.table import significant
 
 ANGLE = gk.Column("crank_angle", "deg", "angle of the crank", np.arange(4.0))
 OMEGA = gk.Column("rocker_omega", "rad/s", "angular velocity of the rocker", np.arange(4.0) ** 2)
@@ -36,11 +35,6 @@ def test_all_columns_with_their_units_in_order():
     assert all(values is column.values for values, column in zip(columns.values(), TABLE.columns, strict=True))
 
 
-def test_a_recipes_table_is_read_so():
-    table = gk.load(Path(__file__).parents[2] / "recipes" / "crank-rocker.toml").table
-    assert len(table["crank_angle"]) == len(table["rocker_omega"]) == len(table.to_columns()["rocker_omega_rad_per_s"])
-
-
 def test_what_cannot_be_is_left_out_of_both_coordinates(tmp_path):
     """Of places, velocities and accelerations at frames that a linkage does not reach; and so in the file."""
     linkage = gk.FourBar(100, 80, 60, 50, coupler_point=20 + 10j)
@@ -53,14 +47,6 @@ def test_what_cannot_be_is_left_out_of_both_coordinates(tmp_path):
     for column in table.columns:
         if column.name not in ("crank_angle", "time", "rocker_pin_branch"):
             assert np.isfinite(column.values).tolist() == told[column.header] == motion.assembled.tolist(), column.name
-
-
-def test_only_numbers_that_are_none_are_left_out():
-    for odd in (np.inf, -np.inf, np.nan):
-        assert np.isnan(finite(np.array([1.0, odd]))).tolist() == [False, True]
-        for one in (complex(odd, 2), complex(2, odd), complex(odd, odd)):
-            kept = finite(np.array([3 + 4j, one]))
-            assert kept[0] == 3 + 4j and np.isnan(kept[1].real) and np.isnan(kept[1].imag)
 
 
 HUGE = np.array([1e17, 1e17, -133.33333333333, 1.23456789012e-5, np.nan, np.inf, 0.0, 2e300])
@@ -78,12 +64,6 @@ def test_rounding_noise_is_written_as_0_and_what_is_more_is_not(size):
     known = significant(values, size)
     assert known.tolist()[:2] == [0, 0] and known[4] == 0 and not np.signbit(known[[0, 1, 4]]).any()
     assert known[3] == pytest.approx(values[3], rel=0.1) or size > 1
-
-
-def test_the_terms_of_one_frame_do_not_round_another():
-    """A point that is nearly at infinity at one frame, with noise in its other coordinate, and at hand at the others."""
-    x, y = xy_columns("p", "mm", "", np.array([1e17 + 3j, 2e9 + 1e-8j, 1.234567890123 - 4e-6j]))
-    assert y.written.tolist() == [0.0, 0.0, -4e-6] and x.written.tolist() == [1e17, 2e9, 1.23456789]
 
 
 @pytest.mark.parametrize("scale", [np.ones(3), np.array(["a"] * 4), [1.0] * 4, "large"])

@@ -1,6 +1,5 @@
 """Walls of parts whose section moves as it goes up, by slices cut one by one, of any size."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -81,19 +80,3 @@ def test_the_thinnest_wall_is_the_least_of_all_slices_whatever_their_size(case, 
     assert thinnest_walls([part], 0.1 * scale)["plate"] / scale == pytest.approx(least, abs=4e-3)
     # What is twisted is not cut from a sheet.
     assert wall_checks([part], 0.1 * scale) == ()
-
-
-def test_walls_are_told_by_the_names_of_parts_in_their_order():
-    one, other = part_of("herringbone", 1.0), part_of("rail to the left", 1.0)
-    flat = gk.Part("flat", gk.plane.Circle(0j, 10.0), (gk.plane.Circle(0j, 9.0),), 2.0)
-    parts = [replace(one, name="b"), flat, replace(other, name="a")]
-    walls = thinnest_walls(parts, 0.1)
-    assert list(walls) == ["b", "flat", "a"] and walls["flat"] == 1.0
-    # Of flat ones alone there is a check, and walls that are known are not looked for again.
-    (check,) = wall_checks(parts, 0.1)
-    assert (check.name, check.value, check.limit, check.passed) == ("thinnest wall of the flat", 1.0, 1.0, True)
-    (check,) = wall_checks(parts, 0.1, {"flat": 0.5, "b": 0.0, "a": 0.0})
-    assert check.value == 0.5 and not check.passed
-    assert wall_checks(parts, 0.1, {"flat": float("inf")}) == ()
-    (check,) = wall_checks(parts, 0.6)
-    assert check.limit == pytest.approx(1.2) and not check.passed

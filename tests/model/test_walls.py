@@ -89,23 +89,12 @@ def test_neck_of_an_outline(neck, turn):
     assert thinnest_wall(part(turned), LIMIT) == pytest.approx(neck, abs=5e-4)
 
 
-def test_a_neck_wider_than_two_limits_is_not_told():
-    assert thinnest_wall(part(hourglass(3.2)), LIMIT) == np.inf
-
-
 def test_a_bar_with_parallel_sides_is_a_wall_and_a_tapered_one_is_none():
     bar = np.array([0, 50, 50 + 1j, 1j])
     assert thinnest_wall(part(gk.plane.Polyline(bar)), LIMIT) == 1.0
     assert thinnest_wall(part(gk.plane.Polyline(np.array([0, 50, 50 + 1j, 8j]))), LIMIT) == np.inf
     tine = gk.plane.Polyline(np.array([0, 40, 40 + 20j, 20 + 20j, 20 + 60j, 19.2 + 60j, 19.2 + 20j, 20j]))
     assert thinnest_wall(part(tine), LIMIT) == pytest.approx(0.8, abs=5e-4)
-
-
-def test_the_way_between_two_prongs_is_air():
-    """0.5 mm across the gap of a fork, and 0.5 mm through a slot, are no material."""
-    fork = gk.plane.Polyline(np.array([0, 40, 40 + 40j, 20.5 + 40j, 20.5 + 10j, 20 + 10j, 20 + 40j, 40j]))
-    assert thinnest_wall(part(fork), LIMIT) == np.inf
-    assert thinnest_wall(part(PLATE, gk.plane.slot(30 + 30j, 60 + 30j, 0.25)), LIMIT) == pytest.approx(29.75, abs=1e-3)
 
 
 def test_a_tongue_within_one_opening_is_a_neck():
@@ -138,10 +127,6 @@ def test_limit_is_half_the_thickness_or_two_kerfs():
     assert check.passed and check.value == check.limit == 1.5 and "plate" in check.name
     (check,) = wall_checks([plate], 0.8)
     assert not check.passed and check.limit == 1.6
-
-
-def test_a_part_without_walls_has_no_check():
-    assert wall_checks([part(PLATE), part(gk.plane.Circle(0, 5))], 0.0) == ()
 
 
 YOKE = """
@@ -229,33 +214,6 @@ def turned(one, share):
     moves = [True] + [False] * len(one.holes) if one.twist.moves == "outline" else [False] + [True] * len(one.holes)
     placed = [pose.origin + pose.direction * z if move else z for z, move in zip(loops, moves)]
     return shapely.Polygon(gk.plane.xy(placed[0]), [gk.plane.xy(z) for z in placed[1:]])
-
-
-KEYED_HELICAL = """
-kind = "spur-gear"
-helix_angle_deg = 35
-gear = { teeth = 20, module = 2 }
-stock = { thickness = 14, bore = 24, bore_form = "keyed" }
-"""
-RACK_ON_PINS = """
-kind = "rack-and-pinion"
-helix_angle_deg = 20
-pinion = { teeth = 14, module = 2, profile_shift = 0.2 }
-rack = { teeth = 16, module = 2 }
-stock = { thickness = 8, bore = 6 }
-base = {}
-"""
-
-
-@pytest.mark.parametrize("text", [KEYED_HELICAL, RACK_ON_PINS])
-def test_a_twisted_parts_wall_is_the_least_of_all_its_slices(text):
-    recipe = gk.load(text)
-    one = next(one for one in recipe.parts if one.twist and len(one.holes) in (1, 2) and one.name != "pinion")
-    slices = [turned(one, share) for share in np.linspace(0, 1, 61)]
-    least = min(plate.exterior.distance(hole) for plate in slices for hole in plate.interiors)
-    assert recipe.walls[one.name] == pytest.approx(least, abs=0.02)
-    bottom = min(slices[0].exterior.distance(hole) for hole in slices[0].interiors)
-    assert bottom > least + 0.2 or one.name == "rack"
 
 
 def test_the_summary_states_the_wall_of_each_part(tmp_path):

@@ -100,47 +100,6 @@ def test_files_count_the_parts_of_all_and_what_joins_them(walker, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("phases", "rods"),
-    [
-        ([(0, True)], {"C": 1}),
-        ([(0, True), (180, False)], {"A": 1, "C": 1}),
-        ([(0, True), (90, False), (90, True)], {"A": 1, "C": 2}),
-        # A crank pin that stands elsewhere is not common, and no shaft goes through the plates over a crank.
-        ([(90, True)], {}),
-        ([(90, False)], {}),
-    ],
-)
-def test_neighbours_share_a_rod_where_nothing_passes_between_their_cranks(phases, rods):
-    """Face to face with cranks alike the pin of both cranks, back to back the shaft; else each has its own screws."""
-    copies = "".join(f"[[copies]]\nphase_deg = {p}\nmirrored = {str(m).lower()}\n" for p, m in phases)
-    alone, recipe = gk.load(LEG), gk.load(LEG + copies)
-    count = 1 + len(phases)
-
-    def screws(of):
-        return sum(one.count for one in of.bought if "screw" in one.name)
-
-    found = {joint: one.count for one in recipe.bought if one.name.startswith("rod") for joint in one.joints}
-    assert found == rods
-    assert screws(recipe) == count * screws(alone) - 2 * sum(rods.values())
-    # A joint whose rods take the place of all its screws has none of what goes with them.
-    bolted = {joint for one in recipe.bought if not one.name.startswith("rod") for joint in one.joints}
-    without = {joint for joint, cut in rods.items() if 2 * cut == count}
-    assert bolted == {joint for one in alone.bought for joint in one.joints} - without
-    assert all(one.count > 0 for one in recipe.bought)
-    assert len(recipe.shared) == len(phases)
-    lengths = {pin.name: pin.length for pin in recipe.stack.pins}
-    for one in recipe.shared:
-        assert one.length >= 2 * lengths[one.pin] if one.pin else one.length == 0
-
-
-def test_copies_lie_over_each_other_along_the_shaft(walker):
-    layers = [set(), set(), set()]
-    for body in walker.scene.bodies:
-        layers[int(body.name.partition(", copy ")[2] or 1) - 1] |= {body.layer} if body.parts else set()
-    assert max(layers[0]) < min(layers[1]) and max(layers[1]) < min(layers[2])
-
-
-@pytest.mark.parametrize(
     ("text", "words"),
     [
         (LEG + "[drive]\nend_deg = 180\n[[copies]]\n", "whole turn"),
@@ -160,7 +119,3 @@ def test_copies_lie_over_each_other_along_the_shaft(walker):
 def test_copies_of_what_shares_no_shaft_are_refused(text, words):
     with pytest.raises(gk.GeomkinError, match=words):
         gk.load(text)
-
-
-def test_a_recipe_with_copies_reads_as_it_was_written(walker):
-    assert gk.load(gk.recipe.to_toml(walker)) == walker

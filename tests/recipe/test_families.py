@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.texts import parse, recipe_of, template_of
+from tests.texts import recipe_of
 
 KINDS = ["crank-rocker-synthesis", "double-rocker-synthesis", "slider-crank-stroke"]
 
@@ -33,27 +33,3 @@ def test_the_choice_is_the_family_with_the_one_that_is_made_among_it(kind):
         assert [told[name][k] for name in one.lengths] == pytest.approx(list(one.lengths.values()), rel=1e-6)
     first, last = recipe.notes["family"]["free_angle_deg"]
     assert first <= angle[0] <= angle[-1] <= last
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("limit", [None, 6.0])
-def test_others_are_good_members_from_the_whole_family_the_best_first(kind, limit):
-    text = template_of(kind)
-    recipe = parse(text if limit is None else text.replace("[wanted]", f"[wanted]\nlargest_ratio = {limit}"))
-    best, *others = recipe.ranked
-    most = limit or (100.0 if kind == "double-rocker-synthesis" else 6.0)
-    assert len(others) <= 20 and (limit or len(others) >= 10)
-    assert [recipe.rank(one) for one in others] == sorted(recipe.rank(one) for one in others)
-    if kind != "double-rocker-synthesis":
-        angles = [one.transmission_angle_deg for one in others]
-        assert angles == sorted(angles, reverse=True) and len(set(angles)) > 1
-    assert all(one.ratio <= most and not one.defects for one in others)
-    if limit is None:
-        low, high = best.family.free_angle_deg[[0, -1]]
-        low = max(low, np.degrees(np.arctan2(1, most)))
-        angles = np.sort([one.free_angle_deg for one in others])
-        # Half a step from either end, where the family has no defects there: double rockers stop half their way.
-        near = 0.3 if kind == "double-rocker-synthesis" else 0.07
-        assert angles[0] - low < near * (high - low) and high - angles[-1] < 0.04 * (high - low)
-    limits = recipe.choice.plots[1].limits
-    assert [one.value for one in limits] == [most]

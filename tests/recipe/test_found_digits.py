@@ -9,8 +9,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe import to_toml
-from geomkin.synthesis import Found
-from geomkin.synthesis.kinds.linkage_goals import AbstractLinkageGoal
 
 from .test_rocker_goals import STROKE, SWING, SWINGS, changed
 
@@ -102,24 +100,6 @@ def test_what_is_reported_of_the_rounded_linkage_is_what_it_does():
     assert goal.found.square_error == pytest.approx(np.sum(off**2), rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["swings", "trammel", "place", "path"])
-def test_noise_of_a_processor_does_not_reach_what_is_written(name):
-    goal = goal_of(name)
-    rng = np.random.default_rng(7)
-    for _ in range(5):
-        sizes = {
-            name: getattr(goal.ranked[0].linkage, name) * (1 + 1e-11 * rng.uniform(-1, 1))
-            for name in (*goal.ranked[0].lengths, "ground_angle_deg", "origin")
-        }
-        noisy = dataclasses.replace(
-            goal.ranked[0],
-            linkage=dataclasses.replace(goal.ranked[0].linkage, **sizes),
-            drive=goal.ranked[0].drive + 1e-11 * rng.uniform(-1, 1, goal.ranked[0].drive.shape),
-        )
-        assert goal.shortened(noisy).linkage == goal.design.linkage
-        assert goal.shortened(noisy).summary() == goal.found.summary()
-
-
 def test_limits_that_a_search_stands_on_are_kept_by_the_rounded_linkage():
     path, function = goal_of("path"), goal_of("function")
     assert path.ranked[0].at_limits and 50 - 1e-9 <= path.found.transmission_angle_deg < 50.001
@@ -128,25 +108,3 @@ def test_limits_that_a_search_stands_on_are_kept_by_the_rounded_linkage():
         goal = gk.load(changed(SWING, crank_turn_deg=180, ground=None, crank=30, largest_ratio=largest))
         assert goal.found.ratio == pytest.approx(largest, rel=1e-5) and goal.found.ratio <= largest * (1 + 1e-9)
         assert all(check.passed for check in goal.met)
-
-
-class Plain(AbstractLinkageGoal[Found]):
-    """A goal with nothing to check."""
-
-    size_bounds, search_limits = {}, (0.0, np.inf)
-    ranked, design = (), None
-
-    def met_by(self, found):
-        return ()
-
-
-@pytest.mark.parametrize("spare", [0.0, 3e-7, -3e-7])
-def test_the_grashof_type_stays(spare):
-    """Irrational lengths of a change point, and of linkages that are one by less than the first rounding."""
-    lengths = np.array([100.0, 100 / np.pi, 80.0]) * np.sqrt(2)
-    for rocker in (lengths[0] - lengths[1] + lengths[2] + spare, lengths[0] + lengths[1] - lengths[2] + spare):
-        linkage = gk.FourBar(*lengths.tolist(), rocker)
-        found = Found(linkage=linkage, branch=1, drive=np.array([0.5, 1.0]), transmission_angle_deg=30.0)
-        rounded = Plain().shortened(found)
-        assert gk.linkage.grashof_type(rounded.linkage) == gk.linkage.grashof_type(linkage)
-        assert rounded.lengths == pytest.approx(found.lengths, rel=0, abs=4e-6 * found.size)

@@ -7,7 +7,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.linkage.coupler_curve import CouplerCurve
 
 FIVE = """
 kind = "path-generator"
@@ -59,9 +58,8 @@ def test_points_come_from_files_and_texts(tmp_path):
     assert gk.load(recipe).wanted.places == pytest.approx(places)
 
 
-@pytest.mark.parametrize(
-    ("wanted", "message"),
-    [
+def test_what_cannot_be_is_refused_by_its_key(tmp_path):
+    for wanted, message in [
         ("", "of points, file and svg found none; give one of them"),
         ('svg = "M 0 0 L 1 1", points = [[0, 0]]', "of points, file and svg found points and svg; give one of them"),
         ('file = "none.csv"', "wanted.file: none.csv cannot be read .it is no file.; give a CSV or an SVG file"),
@@ -75,72 +73,32 @@ def test_points_come_from_files_and_texts(tmp_path):
             "step_deg: is given, and drive_deg too",
         ),
         ("points = [[0, 0], [1, 1], [2, 0]], step_deg = 0", "neither all rise nor all fall"),
-    ],
-)
-def test_what_cannot_be_is_refused_by_its_key(tmp_path, wanted, message):
-    (tmp_path / "bad.csv").write_text("1,2\na,b\n")
-    (tmp_path / "empty.svg").write_text("<svg/>")
-    (tmp_path / "a.toml").write_text(f'kind = "path-generator"\nwanted = {{ {wanted} }}\n')
-    with pytest.raises(gk.RecipeError, match=message):
-        check_recipe(gk.load(tmp_path / "a.toml"))
+    ]:
+        (tmp_path / "bad.csv").write_text("1,2\na,b\n")
+        (tmp_path / "empty.svg").write_text("<svg/>")
+        (tmp_path / "a.toml").write_text(f'kind = "path-generator"\nwanted = {{ {wanted} }}\n')
+        with pytest.raises(gk.RecipeError, match=message):
+            check_recipe(gk.load(tmp_path / "a.toml"))
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_rows_that_are_no_points_are_refused(tmp_path):
+    for text, message in [
         ("0,0\n" * 1002, "rows.csv has 1,002 lines; give at most 1,000 points"),
         (f"0,{'0' * 200_000}\n", "rows.csv is not CSV .field larger than field limit.*; give a CSV file"),
         ("x,y\n0,0\n5,-2e9\n", "row 3 of rows.csv holds 5, -2e.09; give places within 1e.09 of 0"),
         ("0,0\n2e9,5\n", "row 2 of rows.csv holds 2e.09, 5; give places within"),
         ("0,0\nnan,5\n", "row 2 of rows.csv holds nan, 5; give places within"),
         ("0,0\n1,2,3\n", "row 2 of rows.csv holds '1,2,3'; give two numbers in each row, x and y in mm"),
-    ],
-)
-def test_rows_that_are_no_points_are_refused(tmp_path, text, message):
-    (tmp_path / "rows.csv").write_text(text)
-    (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
-    with pytest.raises(gk.RecipeError, match=f"wanted.file: {message}"):
-        check_recipe(gk.load(tmp_path / "a.toml"))
-
-
-def test_another_one_is_chosen_and_one_too_many_refused():
-    second = gk.load(FIVE.replace("[bounds]", "[search]\nseed = 1\n[bounds]") + "").design
-    assert second.linkage.crank > 0
-    with pytest.raises(gk.RecipeError, match="choose: found 900; give at most"):
-        check_recipe(gk.load(FIVE.replace('"path-generator"', '"path-generator"\nchoose = 900')))
+    ]:
+        (tmp_path / "rows.csv").write_text(text)
+        (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
+        with pytest.raises(gk.RecipeError, match=f"wanted.file: {message}"):
+            check_recipe(gk.load(tmp_path / "a.toml"))
 
 
 @pytest.fixture(scope="module")
 def five():
     return gk.load(FIVE)
-
-
-def test_the_points_are_drawn_as_crosses_on_the_path_of_what_was_found(five):
-    places = five.wanted.places
-    ends = [(line.start, line.end) for line in five.crosses]
-    wanted = [(z - arm, z + arm) for z in places for arm in (1, 1j)]
-    assert np.array(ends) == pytest.approx(np.array(wanted))
-    shown = [one for one in five.scene.curves if one.role == "wanted"]
-    assert [one.label for one in shown] == ["wanted points"] + [""] * (len(shown) - 1) and len(shown) == 2 * len(places)
-    drawing = five.parts[-1]
-    assert drawing.name == "path" and five.parts[:-1] == five.design.parts
-    (path,) = [mark for mark in drawing.marks if isinstance(mark, CouplerCurve)]
-    assert gk.nearest(path, places)[1].max() < 0.01
-    # From the first point to the last, and all the way round where it is closed.
-    low, high = sorted(five.found.drive_deg[[0, -1]])
-    assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([low, high]) and five.way == pytest.approx((low, high))
-
-
-def test_a_closed_path_is_drawn_by_a_full_turn():
-    known = gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), np.radians(np.arange(0, 360, 30)))
-    points = [[z.real, z.imag] for z in known.point("coupler_point").position.tolist()]
-    goal = gk.load({"kind": "path-generator", "wanted": {"points": points, "closed": True}})
-    assert goal.way == (0.0, 360.0) and goal.wanted.turns_deg is None
-    assert np.ptp(goal.table.columns[0].values) == pytest.approx(360)
-    (path,) = [mark for mark in goal.parts[-1].marks if isinstance(mark, CouplerCurve)]
-    assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([0, 360])
-    assert gk.nearest(path, goal.wanted.places)[1].max() < 0.05 * 100
-    assert goal.notes["points"] == 12 and goal.notes["method"] == "least squares" and not goal.notes["cut_short"]
 
 
 def test_angles_are_given_one_by_one_or_in_equal_steps():
@@ -149,17 +107,3 @@ def test_angles_are_given_one_by_one_or_in_equal_steps():
     one_by_one = gk.load(FIVE.replace("step_deg = 15", "drive_deg = [10, 25, 40, 55, 70]")).wanted
     assert one_by_one.turns_deg == pytest.approx([10, 25, 40, 55, 70])
     assert gk.load(FIVE.replace("step_deg = 15", "")).wanted.turns_deg is None
-
-
-@pytest.mark.parametrize(
-    ("more", "key"),
-    [
-        ("crank = [5, 2]", "bounds: crank from 5 to 2 is no range; give the lower one first"),
-        ("crank = [-5, -2]", "bounds: crank is at most -2 mm; give a length above 0"),
-        ("[search]\ntime_limit = 1e-9", "search.time_limit: found 1e-09 s, too short"),
-    ],
-)
-def test_what_the_search_refuses_is_told_under_the_table_that_holds_it(more, key):
-    with pytest.raises(gk.DesignError) as caught:
-        gk.load(FIVE + more).design
-    assert key in str(caught.value)

@@ -68,20 +68,6 @@ def test_a_scaled_mechanism_moves_as_a_similar_one(name):
         assert values == pytest.approx(wanted, rel=1e-7, abs=1e-8 * size + 1e-12, nan_ok=True), before.name
 
 
-@pytest.mark.parametrize("name", SCALED[::3])
-def test_stock_and_files_stay_and_no_scale_is_written(name):
-    text = template_of(name)
-    one, big = parse(text), parse("scale = 2.5\n" + text)
-    for table in UNSCALED:
-        assert getattr(one, table, None) == getattr(big, table, None)
-    assert one != big and gk.scaled(one, 2.5) == big
-    written = gk.recipe.to_toml(big)
-    assert "scale" not in tomllib.loads(written) and gk.load(tomllib.loads(written)) == big
-    # Back again.
-    back = gk.scaled(big, 0.4)
-    assert type(back) is type(one)
-
-
 def lengths_of(thing, path=""):
     """Numbers of a recipe, as its text has them, by dotted key."""
     if isinstance(thing, dict):
@@ -171,40 +157,6 @@ def test_points_and_lifts_of_files_are_multiplied(tmp_path):
     table = big.cam.program.segments[1]
     assert table.file is None and table.within == pytest.approx(2 * 0.75e-3)
     assert parse(gk.recipe.to_toml(big)) == big
-
-
-def test_an_arm_keeps_its_lifts():
-    recipe = gk.load(gallery("rocker-cam"))
-    big = gk.scaled(recipe, 2)
-    angles = np.linspace(0, 6, 50)
-    assert big.cam.program.motion(angles).lift == pytest.approx(recipe.cam.program.motion(angles).lift)
-    assert big.cam.base_radius == 2 * recipe.cam.base_radius
-
-
-def test_types_are_scaled_with_arrays_and_places_on_the_x_axis():
-    many = gk.scaled(gk.FourBar(100, np.array([20.0, 30.0]), 90, 70, coupler_point=40), 0.5)
-    assert many.crank == pytest.approx([10, 15]) and many.coupler_point == 20 and many.driver == "crank"
-    linkage = gk.Linkage(
-        {"ground": {"O": 0, "C": 100}, "crank": {"O": 0, "A": 30j}, "coupler": {"A": 0, "B": 90}, "rocker": {"C": 0, "B": 70}},
-        "crank", origin=5, estimate={"B": 90 + 60j},
-    )  # fmt: skip
-    big = gk.scaled(linkage, 2)
-    assert big.bodies["ground"] == {"O": 0, "C": 200} and big.bodies["crank"]["A"] == 60j
-    assert big.origin == 10 and big.estimate["B"] == 180 + 120j
-    slider = gk.scaled(gk.SliderCrank(30, 90, 10).linkage, 3)
-    assert slider.size == pytest.approx(3 * gk.SliderCrank(30, 90, 10).linkage.size)
-    six = gk.scaled(gk.load(gallery("watt-six-bar")).linkage, 2)
-    assert six.four_bar.ground == 2 * gk.load(gallery("watt-six-bar")).linkage.four_bar.ground
-
-
-def test_a_branch_by_place_and_a_sliding_driver_go_with_it():
-    data = {"kind": "four-bar", "linkage": BAR, "branches": {"rocker_pin": [60, 60]}}
-    assert gk.load(data | {"scale": 2}).branches == {"rocker_pin": 120 + 120j}
-    assert gk.load(data | {"branches": {"rocker_pin": -1}, "scale": 2}).branches == {"rocker_pin": -1}
-    slide = gallery("slider-crank-by-slider")
-    one, big = gk.load(slide), gk.load(slide | {"scale": 2})
-    assert big.stroke.speed == 2 * one.stroke.speed and len(big.way.frames) == len(one.way.frames)
-    assert big.table["time"] == pytest.approx(one.table["time"])
 
 
 @pytest.mark.parametrize("scale", [0, 1e7, float("nan"), "2"])

@@ -44,26 +44,25 @@ def with_value(recipe, path, value):
     return spoiled
 
 
-@pytest.mark.parametrize("name", list(KINDS)[::2])
-def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks, name):
-    recipe = opened(name)
-    assert marks(recipe) == []
-    for path in leaves(recipe):
-        found = marks(with_value(recipe, path, {"no": "such"}))
-        # A table under a name that a person chooses is marked at what it holds.
-        assert found and {place[: len(path)] for place, _ in found} == {path}, (path, found)
-        unknown = marks(with_value(recipe, (*path[:-1], "unheard_of"), 1))
-        free = path[:2] == ("linkage", "bodies")  # names there are a person's own, and a number is no point
-        place = (*path[:-1], "unheard_of") if free else path[:-1]
-        assert [p for p, _ in unknown] == [place], (path, unknown)
+def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks):
+    for name in list(KINDS)[::2]:
+        recipe = opened(name)
+        assert marks(recipe) == []
+        for path in leaves(recipe):
+            found = marks(with_value(recipe, path, {"no": "such"}))
+            # A table under a name that a person chooses is marked at what it holds.
+            assert found and {place[: len(path)] for place, _ in found} == {path}, (path, found)
+            unknown = marks(with_value(recipe, (*path[:-1], "unheard_of"), 1))
+            free = path[:2] == ("linkage", "bodies")  # names there are a person's own, and a number is no point
+            place = (*path[:-1], "unheard_of") if free else path[:-1]
+            assert [p for p, _ in unknown] == [place], (path, unknown)
 
 
 CAM = opened("disk-cam")
 
 
-@pytest.mark.parametrize(
-    ("path", "value"),
-    [
+def test_inside_followers_segments_and_lists_too(marks):
+    for path, value in [
         (("kind",), "disc-cam"),
         (("cam", "follower", "kind"), "roller"),
         (("cam", "follower", "roller_radius"), "3 mm"),
@@ -72,21 +71,5 @@ CAM = opened("disk-cam")
         (("cam", "program", 2, "end_deg"), 361),
         (("stock", "bore"), -1),
         (("files", "write", 1), "dfx"),
-    ],
-    ids=str,
-)
-def test_inside_followers_segments_and_lists_too(marks, path, value):
-    assert [place for place, _ in marks(with_value(CAM, path, value))] == [path]
-
-
-def test_an_editor_is_offered_nothing_that_toml_does_not_have(marks):
-    def walk(node):
-        yield node
-        for part in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
-            yield from walk(part)
-
-    nodes = list(walk(schema_of_all()))
-    assert None not in nodes and not any(isinstance(node, str) and node.endswith("0j") for node in nodes)
-    assert not any(isinstance(node, dict) and "oneOf" in node for node in nodes)
-    # What stands there for readers of the code.
-    assert not any(isinstance(node, str) and "\nSource" in node for node in nodes)
+    ]:
+        assert [place for place, _ in marks(with_value(CAM, path, value))] == [path]

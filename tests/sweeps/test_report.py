@@ -10,10 +10,9 @@ import pytest
 import geomkin as gk
 from geomkin.core.processes import each
 from geomkin.model.check import Check
-from geomkin.page.sections import MOST_ROWS
 from geomkin.sweeps import row as of_one
 from geomkin.sweeps import sweep as sweeping
-from geomkin.sweeps.report import MOST_LINES, MOST_PLOTS, MOST_POINTS, columns, report
+from geomkin.sweeps.report import columns, report
 from geomkin.sweeps.row import Task, file_marks, worked_out
 from geomkin.sweeps.sweep import SweepRow
 from tests.sweeps.test_sweep import BAR, Texts
@@ -46,65 +45,6 @@ def test_numbers_stay_numbers_and_all_else_is_text():
     assert {column.values.dtype.kind for column in made if column.name in ("whole", "key")} == {"i"}
 
 
-def test_what_would_share_a_header_is_told_apart_by_numbers():
-    checks = [
-        Check(name, float(k), "at least", 0.0, unit) for k, (name, unit) in enumerate([("a b", "mm"), ("a_b", "mm")])
-    ]
-    made = columns(
-        ["refused", "x"], [SweepRow({"refused": 1, "x": 2}, "", tuple(checks), {"x": 3, "a_b_mm": 4, "x:": 5})]
-    )
-    found = {column.header: column.values.tolist()[0] for column in made}
-    assert found == {
-        "refused": 1, "x": 2, "refused_2": "", "failed": "",
-        "a_b_mm": 0.0, "a_b_2_mm": 1.0, "x_2": 3, "a_b_mm_2": 4, "x_": 5,
-    }  # fmt: skip
-    third = columns(
-        ["x"],
-        [SweepRow({"x": 0}, "", (), {"x": 1}), SweepRow({"x": 0}, "", (Check("x", 2.0, "at most", 1.0),), {"x": 3})],
-    )
-    assert [column.header for column in third] == ["x", "refused", "failed", "x_2", "x_3"]
-    assert third[2].values.tolist() == ["", "x"] and third[4].values.tolist() == [1, 3]
-
-
-def test_of_many_lines_some_are_drawn_from_the_first_to_the_last():
-    values = {"a.kind": ["p", "q"], "b.x": [3, 1, 2], "c.y": list(range(10))}
-    rows = rows_of(values, told=lambda one: {"sum": 100 * one["b.x"] + one["c.y"] + 0.5 * (one["a.kind"] == "q")})
-    page, _, data = page_of(values, rows)
-    (plot,) = data["plots"]
-    names = [data["columns"][k]["name"] for k in plot["columns"]]
-    # Over the first key of numbers, in rising order; the others make the lines.
-    assert data["columns"][0]["row"] == [1, 2, 3] and data["frames"] == 3 and data["columns"][0]["name"] == "b.x"
-    assert len(names) == MOST_LINES and names[0] == "kind p, y 0" and names[-1] == "kind q, y 9"
-    at = [10 * (name[5] == "q") + int(name[-1]) for name in names]
-    assert np.ptp(np.diff(at)) <= 1
-    for name, k in zip(names, plot["columns"]):
-        assert data["columns"][k]["row"] == [100 * x + int(name[-1]) + 0.5 * (name[5] == "q") for x in (1, 2, 3)]
-    assert plot["limits"] == []
-    few = {"a": ["p", "q"], "b": [1, 2]}
-    _, _, data = page_of(few, rows_of(few, told=lambda one: {"x": one["b"]}))
-    assert len(data["plots"][0]["columns"]) == 2
-
-
-def test_a_limit_is_a_line_where_it_is_the_same_for_all():
-    values = {"x": [1, 2, 3]}
-
-    def checks(one):
-        yield Check("alike", one["x"] - 2.0, "at least", -0.5, "mm")
-        yield Check("apart", 1.0, "at most", float(one["x"]))
-        if one["x"] > 1:
-            yield Check("seldom", 1e7, "at most", 2e7, "N")
-
-    page, found, data = page_of(values, rows_of(values, checks))
-    limits = {plot["title"]: plot["limits"] for plot in data["plots"]}
-    assert {title: [value for value, _ in held] for title, held in limits.items()} == {
-        "Alike": [-0.5], "Apart": [], "Seldom": [2e7],
-    }  # fmt: skip
-    lines = {column["name"]: column for column in data["columns"][1:]}
-    assert lines["Seldom"]["row"] == [None, 1e7, 1e7] and lines["Seldom"]["unit"] == "N"
-    assert [row[0] for row in found.rows] == ["x", "1", "2", "3"]
-    assert page.count('<tr class="fails">') == 1 and page.count('<tr class="holds">') == 2
-
-
 def test_names_on_plots_are_harmless():
     values = {"a.k": ["p\x1b", "q"], "x": [1, 2]}
     rows = rows_of(
@@ -116,16 +56,6 @@ def test_names_on_plots_are_harmless():
         "unit"
     ] == "m?m"
     assert all(sign not in page for sign in "\x1b\u202e\x07")
-
-
-def test_pages_stay_of_bearable_size():
-    values = {"x": list(range(MOST_POINTS + 5, 0, -1))}
-    rows = rows_of(values, told=lambda one: {f"t{k}": one["x"] for k in range(MOST_PLOTS + 3)})
-    page, found, data = page_of(values, rows)
-    assert len(data["plots"]) == MOST_PLOTS and data["columns"][0]["row"] == list(range(1, MOST_POINTS + 1))
-    assert len(found.rows) == 1 + MOST_ROWS and f"And {len(rows) - MOST_ROWS:,} more in the file." in page
-    few = {"x": list(range(MOST_ROWS))}
-    assert "more in the file" not in page_of(few, rows_of(few))[0]
 
 
 @pytest.fixture

@@ -53,14 +53,6 @@ def test_a_recipe_whose_tables_stand_in_another_order_is_the_same(here):
     assert gk.sweep(TABLE, ONE, ["grashof_type", "grashof_type"]).rows[0].told == {"grashof_type": "crank-rocker"}
 
 
-def test_keys_in_another_order_are_the_same_combinations(here):
-    both = {"linkage.crank": [20, 25], "linkage.rocker": [70, 75]}
-    gk.sweep(TABLE, both, (), "made")
-    again = gk.sweep(TABLE, dict(reversed(both.items())), (), "made")
-    assert again.kept == 4 and again.keys == ("linkage.rocker", "linkage.crank")
-    assert [tuple(row.values.values()) for row in again.rows] == [(70, 20), (70, 25), (75, 20), (75, 25)]
-
-
 class Failing(Executor):
     """Works its first job at once, fails at the second, and leaves later ones undone."""
 
@@ -127,13 +119,3 @@ def test_a_slip_in_one_of_several_keys_is_told_at_once_and_the_recipe_s_own_in_i
     table = TABLE | {"linkage": SIZES | {"cra": 3}}
     rows = gk.sweep(table, good).rows
     assert len(rows) == 2 and all(row.refused.startswith("linkage.cra: unknown key") for row in rows)
-
-
-def test_names_to_tell_of_are_judged_by_the_first_recipe_that_works(here):
-    first = [500.0 + k for k in range(19)]
-    rows = gk.sweep(TABLE, {"linkage.crank": [*first, 30]}, ["grashof_type"]).rows
-    assert [row.told.get("grashof_type") for row in rows[-2:]] == [None, "crank-rocker"]
-    with pytest.raises(gk.DesignError, match="tell: found 'grashof'"):
-        gk.sweep(TABLE, {"linkage.crank": [*first, 30]}, ["grashof"])
-    # Where none works at all, there is nothing to judge them by.
-    assert all(row.refused for row in gk.sweep(TABLE, {"linkage.crank": first}, ["grashof"]).rows)

@@ -35,12 +35,3 @@ def test_the_one_that_is_made_stands_alone_and_none_is_better(name):
     assert table["made"][choice.chosen] == found.transmission_angle_deg
     allowed = table["every_one"][table["ratio_of_every_one"] <= most * (1 + 1e-9)]
     assert np.nanmax(allowed) <= found.transmission_angle_deg + 1e-6
-
-
-def test_another_of_the_ranked_is_marked_where_it_is():
-    chosen = dataclasses.replace(recipe("wiper"), choose=3)
-    choice = chosen.scene.choice
-    assert (
-        choice.table["free_angle"][choice.chosen] == chosen.found.free_angle_deg != recipe("wiper").found.free_angle_deg
-    )
-    assert recipe("crank-rocker").scene.choice is None

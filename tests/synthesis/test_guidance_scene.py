@@ -64,14 +64,3 @@ def test_what_is_shaded_holds_no_pin_that_was_found(name, driven, driving):
         loops = [np.append(curve.vertices, curve.vertices[:1]) - pins[pin] for curve in regions[role].curves]
         turns = [np.angle(loop[1:] / loop[:-1]).sum() / (2 * np.pi) for loop in loops]
         assert loops and sum(abs(round(turn)) for turn in turns) % 2 == 0
-
-
-@pytest.mark.parametrize("name", ["poses-by-slider", "poses-by-trammel"])
-def test_the_pins_that_slide_sit_on_the_circle_of_sliders(name):
-    (circle,) = curves(name, "circle of sliders")
-    linkage, pins = recipe(name).design.motion.linkage, first_places(name)
-    body = "rod" if "rod" in linkage.bodies else "coupler"
-    slid = [pin for pin, on in linkage.pins.items() if body in on and {s.body for s in linkage.sliders} & set(on)]
-    assert len(slid) == len(linkage.sliders)
-    for pin in slid:
-        assert abs(pins[pin] - circle.centre) == pytest.approx(circle.radius, rel=1e-6)
