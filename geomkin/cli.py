@@ -156,7 +156,7 @@ def list_command() -> None:
 @cli.command()
 @click.argument("name", metavar="KIND")
 @click.option(
-    "--with", "wishes", multiple=True, metavar="TABLE[=KIND]",
+    "--with", "options", multiple=True, metavar="TABLE[=KIND]",
     help="Show a table of another kind (follower=oscillating-roller), or one that may be left out (web).",
 )  # fmt: skip
 def new(name: str, options: tuple[str, ...]) -> None:

@@ -1,63 +1,100 @@
-"""What the README says works: its code runs, its commands run, its pictures and recipe are those of the gallery."""
+"""README.md and docs/ are true: their code runs, the numbers in its comments hold, their links and pictures exist."""
 
+import ast
+import io
 import re
 import shlex
 import shutil
+import tokenize
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import geomkin as gk
 from geomkin.cli import cli
 
 ROOT = Path(__file__).parent.parent
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# Numbers at the start of a comment, such as `True, 11.3027 mm`; in `1/mm` the number belongs to the unit.
+CLAIM = r"(?:True|False|-?\d+(?:\.\d+)?)(?![\w/.])"
+CLAIMS = re.compile(rf"# *({CLAIM}(?:[\w ]*, {CLAIM})*)")
 
 
-def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+def run_commands(block):
+    """The commands of a block that begin with `geomkin`; `> file` writes the output."""
+    for line in block.replace("\\\n", "").splitlines():
+        command, _, file = line.partition(" > ")
+        if command.startswith("geomkin "):
+            result = CliRunner().invoke(cli, shlex.split(command)[1:])
+            assert result.exit_code == 0, (line, result.output)
+            if file:
+                Path(file).write_text(result.output)
 
 
-def test_the_python_code_runs_and_its_comments_are_true(tmp_path, monkeypatch):
+def run_python(block, names):
+    """Each statement; an expression whose comment begins with numbers must have them, to the digits written."""
+    comments = {
+        token.start[0]: token.string
+        for token in tokenize.generate_tokens(io.StringIO(block).readline)
+        if token.type == tokenize.COMMENT
+    }
+    for node in ast.parse(block).body:
+        if not isinstance(node, ast.Expr):
+            exec(compile(ast.Module([node], []), "block", "exec"), names)
+            continue
+        value = eval(compile(ast.Expression(node.value), "block", "eval"), names)
+        claims = CLAIMS.match(comments.get(node.end_lineno, ""))
+        if claims:
+            stated = re.findall(CLAIM, claims[1])
+            found = np.ravel(value)
+            assert len(found) == len(stated), (ast.unparse(node), value)
+            for number, text in zip(found, stated, strict=True):
+                if text in ("True", "False"):
+                    assert bool(number) is (text == "True"), ast.unparse(node)
+                else:
+                    digits = len(text.partition(".")[2])
+                    assert number == pytest.approx(float(text), abs=0.51 * 10.0**-digits), ast.unparse(node)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_code_of_page_runs(page, tmp_path, monkeypatch):
     shutil.copytree(ROOT / "recipes", tmp_path / "recipes")
     monkeypatch.chdir(tmp_path)
-    names = {}
-    for code in blocks("python"):
-        exec(code, names)
-    assert names["wheel"] == names["recipe"] and names["swings"].rocker.direction.shape == (361, 5)
-    assert {path.name for path in Path().iterdir() if path.is_file()} == {"gear.dxf", "gear.csv", "wheel.stl"}
-    assert (tmp_path / "made" / "spur-gear" / "summary.json").exists()
-    assert names["gear"].is_undercut and names["gear"].form_radius == pytest.approx(11.3027, abs=5e-5)
-    assert np.iscomplexobj(names["motion"].point("coupler_point").acceleration)
-    assert len(names["points"]) > 100 and names["arcs"].bulges.any()
+    names = {"__name__": "page"}
+    for language, block in re.findall(
+        r"^```(sh|python|toml)\n(.*?)^```", page.read_text("utf-8"), re.DOTALL | re.MULTILINE
+    ):
+        if language == "sh":
+            run_commands(block)
+        elif language == "python":
+            run_python(block, names)
+        else:
+            assert gk.load(block).design is not None
 
 
-def test_the_commands_run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    runner = CliRunner()
-    commands = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("geomkin ")]
-    assert len(commands) >= 4
-    for line in commands:
-        words, _, target = line.partition(" > ")
-        result = runner.invoke(cli, shlex.split(words)[1:])
-        assert result.exit_code == 0, result.output
-        if target:
-            Path(target).write_text(result.output)
-    assert {p.suffix for p in Path("made/my-cam").iterdir()} == {".dxf", ".svg", ".json"}
+def anchor(heading):
+    """The anchor that GitHub gives a heading."""
+    return re.sub(r"[^\w -]", "", heading.strip().lower()).replace(" ", "-")
 
 
-def test_the_messages_shown_are_the_messages_given(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("my-gear.toml").write_text('kind = "spur-gear"\n[gear]\nteeth = 2.5\nmodule = 2\nmodul = 2\n')
-    result = CliRunner().invoke(cli, ["run", "my-gear.toml"])
-    assert result.exit_code == 1
-    assert result.output.strip() == blocks("text")[0].strip()
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_and_pictures_exist(page):
+    text = page.read_text("utf-8")
+    targets = re.findall(r'src="([^"]+)"', text) + re.findall(r"\]\(([^)\s]+)\)", text)
+    for target in targets:
+        file, _, name = target.partition("#")
+        if not target.startswith("https://"):
+            linked = (page.parent / file).resolve() if file else page
+            assert linked.exists(), target
+            if name:
+                headings = re.findall(r"^#+ (.*)$", linked.read_text("utf-8"), re.MULTILINE)
+                assert name in map(anchor, headings), target
 
 
-def test_pictures_and_recipe_are_the_gallery_s():
-    for source in re.findall(r'src="([^"]+)"', README):
-        assert (ROOT / source).exists(), source
-    recipe = blocks("toml")[0]
-    assert recipe.strip() in (ROOT / "recipes" / "spur-gear.toml").read_text()
-    assert "geomkin run recipes" in blocks("sh")[0] and "pytest" in blocks("sh")[1]
+def test_readme_is_short_and_starts_with_the_two_commands():
+    text = PAGES[0].read_text("utf-8")
+    assert len(text.splitlines()) <= 150
+    gallery, tests, *_ = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+    assert "geomkin run recipes" in gallery and "pytest" in tests

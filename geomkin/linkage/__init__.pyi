@@ -66,6 +66,7 @@ from .motion import PointMotion as PointMotion
 from .motion import SlideMotion as SlideMotion
 from .motion import mechanical_advantage as mechanical_advantage
 from .motion import motion_table as motion_table
+from .pantograph import Pantograph as Pantograph
 from .parts.engraved import PlateStock as PlateStock
 from .parts.engraved import engraved as engraved
 from .parts.stack import Stack as Stack

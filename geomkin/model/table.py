@@ -25,7 +25,7 @@ Sizes = Annotated[
 DIGITS = 10
 # A number is rounding noise beyond so many digits, counted from the size of the terms that it is the sum of. Of most
 # columns these are unknown: what is beyond so many decimals, or 1e-12 of a column whose values are small, is noise.
-NOISE_DIGITS, DECIMALS = 15, 9
+NOISE_DIGITS, DECIMALS = 14, 9
 
 
 @record(checked=True, eq=False)

@@ -45,6 +45,7 @@ KINDS = Kinds({
     "stephenson-six-bar": "geomkin.linkage.kinds.linkages:StephensonSixBarRecipe",
     "watt-six-bar": "geomkin.linkage.kinds.linkages:WattSixBarRecipe",
     "shaper": "geomkin.linkage.kinds.linkages:ShaperRecipe",
+    "pantograph": "geomkin.linkage.kinds.pantograph:PantographRecipe",
     "elliptic-trammel": "geomkin.linkage.kinds.linkages:EllipticTrammelRecipe",
     "scotch-yoke": "geomkin.linkage.kinds.linkages:ScotchYokeRecipe",
     "oldham-coupling": "geomkin.linkage.kinds.linkages:OldhamCouplingRecipe",

@@ -1,0 +1,96 @@
+"""The pantograph: a parallelogram that copies the motion of one point larger, about a pole."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated
+
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, PointXY, entry, quantity
+from ..core.records import record
+from .linkage import AbstractLinkage, Linkage
+
+
+@record(checked=True)
+class Pantograph(AbstractLinkage):
+    """A parallelogram of four bars whose pen copies the path of a tracer, enlarged about a pole.
+
+    Pole, tracer and pen stay in line, with pen = pole + ratio (tracer - pole). A crank carries the tracer round a
+    circle, so that the pen draws one that is `ratio` times as large.
+
+    Parameters
+    ----------
+    arm : float
+        Long bar from the pole to the elbow, mm.
+    forearm : float
+        Long bar from the elbow to the pen, mm.
+    ratio : float
+        Size of the pen's path to that of the tracer, above 1.
+    crank : float
+        Radius of the tracer's circle, mm.
+    crank_pivot : complex
+        Centre of the tracer's circle, from the pole, mm.
+    origin : complex
+        The pole, mm.
+    ground_angle_deg : float
+        Angle by which the whole is turned about the pole.
+
+    Raises
+    ------
+    DesignError
+        If the bars reach no point of the tracer's circle.
+
+    Notes
+    -----
+    Joints for branches: `arm_joint` and `forearm_joint`. With both at +1, the default, the short bars are parallel to
+    the long ones; with different signs they cross, and the pen no longer copies. Source: C. Scheiner, Pantographice
+    (1631); the proof is that of similar triangles.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geomkin as gk
+    >>> motion = gk.move(gk.linkage.Pantograph(arm=150, forearm=150, ratio=3, crank=10, crank_pivot=60 + 0j), [0.0, 1.0])
+    >>> bool(np.allclose(motion.point("pen").position, 3 * motion.point("tracer").position))
+    True
+    """
+
+    arm: float = quantity("bar from the pole to the elbow", "mm", above=0, at_most=FARTHEST, example=150)
+    forearm: float = quantity("bar from the elbow to the pen", "mm", above=0, at_most=FARTHEST, example=150)
+    ratio: float = quantity("size of the pen's path to that of the tracer", above=1, at_most=100, example=3)
+    crank: float = quantity("radius of the tracer's circle", "mm", above=0, at_most=FARTHEST, example=15)
+    crank_pivot: Annotated[complex, PointXY()] = entry(
+        "centre of the tracer's circle, from the pole, [x, y] in mm", example=65 + 0j
+    )
+    origin: Annotated[complex, PointXY()] = entry("the pole, [x, y] in mm", default=0j)
+    ground_angle_deg: float = quantity(
+        "angle by which the whole is turned about the pole", "deg", default=0.0, at_least=-360, at_most=360
+    )
+
+    def __post_init__(self) -> None:
+        distance = abs(self.crank_pivot)
+        farthest, nearest = (self.arm + self.forearm) / self.ratio, abs(self.arm - self.forearm) / self.ratio
+        if abs(distance - self.crank) >= farthest or distance + self.crank <= nearest:
+            raise DesignError(
+                "crank_pivot",
+                f"found {distance:g} mm from the pole, but the bars reach from {nearest:g} to {farthest:g} mm there",
+                f"give a distance within {self.crank:g} mm of that range",
+            )
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The general linkage; the frame of each bar lies at the joint that is named first."""
+        arm_joint, forearm_joint = self.arm / self.ratio, self.forearm / self.ratio
+        return Linkage(
+            bodies={
+                "ground": {"pole": 0j, "crank_pivot": self.crank_pivot},
+                "crank": {"crank_pivot": 0j, "tracer": self.crank + 0j},
+                "arm": {"pole": 0j, "arm_joint": arm_joint + 0j, "elbow": self.arm + 0j},
+                "tracer_bar": {"arm_joint": 0j, "tracer": forearm_joint + 0j},
+                "forearm": {"elbow": 0j, "forearm_joint": forearm_joint + 0j, "pen": self.forearm + 0j},
+                "link": {"tracer": 0j, "forearm_joint": self.arm - arm_joint + 0j},
+            },
+            driver="crank",
+            origin=self.origin,
+            ground_angle_deg=self.ground_angle_deg,
+        )
