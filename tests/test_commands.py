@@ -82,7 +82,7 @@ def test_a_recipe_that_is_named_twice_is_made_once_and_a_folder_has_a_page_over_
         (["new", "spur-gaer"], "unknown kind 'spur-gaer'; did you mean spur-gear?"),
     ],
 )  # fmt: skip
-def test_slips_are_told_with_what_there_is_and_nothing_is_made(command, tmp_path, words, told):
+def test_invalid_options_are_refused_and_nothing_is_made(command, tmp_path, words, told):
     (tmp_path / "empty").mkdir()
     (tmp_path / "other").mkdir()
     (tmp_path / "other/a.toml").write_text(GEAR.format(24))

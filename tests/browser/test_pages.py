@@ -10,6 +10,8 @@ import geomkin as gk
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 GALLERY = sorted(file.stem for file in RECIPES.glob("*.toml"))
+# One of every four; the campaign opens them all.
+SOME = [name if k % 4 == 0 else pytest.param(name, marks=pytest.mark.campaign) for k, name in enumerate(GALLERY)]
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +47,7 @@ def number(text):
     return float(text.replace("−", "-").split()[0].rstrip("°"))
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize("name", SOME)
 def test_every_page_opens_without_a_complaint_and_asks_for_nothing(name, folder, opened):
     _, file = page_of(name, folder)
     for width in (320, 1400):

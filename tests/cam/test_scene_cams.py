@@ -39,7 +39,7 @@ def test_a_cam_by_itself_shows_the_follower_in_lines(name):
         assert np.abs(np.imag((guide.place - stem.place) / way)).max() < 1e-9
 
 
-def test_undercut_is_found_where_it_is_not_told():
+def test_undercut_is_found_where_it_is_not_reported():
     cam = recipe("undercut-cam").cam
     told, found = scene_of(cam, cut=gk.undercut(cam)), scene_of(cam)
     for one, other in zip(told.marks, found.marks, strict=True):

@@ -163,7 +163,7 @@ def test_a_place_that_may_be_missing():
         assert not MAY_BE_MISSING(value)
 
 
-def test_bounds_are_told_and_are_allowed_themselves():
+def test_bounds_are_reported_and_are_allowed_themselves():
     for sort, _words, good, bad in [
         (of.between(-1.5, 2), "a number from -1.5 to 2", [-1.5, 0, 2, 1.99], [-1.51, 2.01, NAN, True, "1", None]),
         (of.between(0, 10, "mm"), "a number from 0 to 10, in mm", [0, 10], [-1e-9, 10.1]),

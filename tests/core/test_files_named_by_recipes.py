@@ -47,14 +47,14 @@ def test_a_file_is_text_of_bearable_size(tmp_path, monkeypatch, content, reason)
     assert reason in refused("a.csv", tmp_path).problem
 
 
-def test_what_is_no_file_is_told(tmp_path):
+def test_what_is_no_file_is_reported(tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     for name in ("folder", "gone.csv", "a\0b", "loop"):
         refused(name, tmp_path)
 
 
-def test_the_sign_that_makes_no_name_is_the_one_that_is_told():
+def test_the_sign_that_makes_no_name_is_the_one_that_is_reported():
     for name, flaw in [
         (".a", "'.'"),
         ("-a.", "'-'"),

@@ -103,7 +103,7 @@ def test_names_that_some_file_system_takes_for_one_are_refused(twins):
 
 def test_two_sliders_of_one_name_are_refused():
     slides = (gk.Slider("s", "block", "ground"), gk.Slider("s", "block", "crank"))
-    with pytest.raises(gk.DesignError, match="sliders: "):
+    with pytest.raises(gk.DesignError, match="sliders:"):
         gk.Linkage({"ground": {"O": 0}, "crank": {"O": 0, "A": 9}, "block": {"A": 0}}, "crank", slides)
 
 
@@ -144,5 +144,5 @@ def test_the_writer_refuses_two_names_that_differ_only_by_case(tmp_path):
 
 def test_columns_of_one_name_are_a_design_to_mend():
     ones = np.ones(3)
-    with pytest.raises(gk.DesignError, match="columns: "):
+    with pytest.raises(gk.DesignError, match="columns:"):
         Table((Column("A_x", "mm", "", ones), Column("A_x", "mm", "", ones)))

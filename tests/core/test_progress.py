@@ -8,7 +8,7 @@ from geomkin.core import progress
 from geomkin.core.progress import Watch, shown, tell
 
 
-def test_shares_are_told_from_0_to_1_to_the_innermost_listener():
+def test_shares_are_reported_from_0_to_1_to_the_innermost_listener():
     outer, inner = [], []
     tell(0.5, "nobody listens")
     with shown(lambda *said: outer.append(said)):

@@ -45,7 +45,7 @@ CLOSED = Path((Arc(0j, 4 + 0j, 2.2), Segment(4 * np.exp(2.2j), -1 - 6j), Arc(1.5
 
 
 @pytest.mark.parametrize("k", [0.01, 1.0, 300.0])
-def test_a_chain_of_arcs_is_told_arc_by_arc(k):
+def test_a_chain_of_arcs_is_reported_arc_by_arc(k):
     end = CLOSED.pieces[-1].point(1.0)
     chain = Path((*CLOSED.pieces, Segment(complex(end), 4 + 0j)))
     for curve, closed in ((OPEN, False), (chain, True)):
@@ -89,7 +89,7 @@ def test_a_block_is_drawn_where_it_slides_as_it_lies():
     assert closed and seen == pytest.approx(np.array([-10 - 6.5j, 10 - 6.5j, 10 + 6.5j, -10 + 6.5j]), abs=0.01)
 
 
-def test_curves_go_with_their_bodies_and_nothing_is_told_twice():
+def test_curves_go_with_their_bodies_and_nothing_is_reported_twice():
     body = SceneBody("arm", (), PLACE, TURN)
     bent = Polyline(np.array([0, 40, 40 + 20j, 10 + 30j, 1e-9j]))
     doubled = Polyline(np.array([0, 1e-9, 40, 40 + 20j, 40 + 20j + 1e-9, 1e-9j]), is_closed=False)

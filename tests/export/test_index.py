@@ -124,7 +124,7 @@ def test_somebody_else_s_page_is_left_alone(made, tmp_path):
     (tmp_path / "spur-gear").mkdir()
     (tmp_path / "spur-gear" / "summary.json").write_bytes((made / "spur-gear" / "summary.json").read_bytes())
     (tmp_path / "index.html").write_text("<title>mine</title>")
-    with pytest.raises(gk.FileError, match=r"index\.html: it is not one of ours"):
+    with pytest.raises(gk.FileError):
         gk.index(tmp_path)
     assert (tmp_path / "index.html").read_text() == "<title>mine</title>"
     result = CliRunner().invoke(cli, ["run", *map(str, twice(tmp_path)), "--out", str(tmp_path)])

@@ -97,7 +97,7 @@ def test_an_open_mark_may_follow_a_bent_plate():
     made = cut(gk.Part("c", ring, (), 3, marks=(mark,)), TOLERANCE)
     assert len(made.marks[0].points) == 4
     across = gk.plane.Segment(55 + 5j, 55 + 55j)
-    with pytest.raises(gk.DesignError, match="mark 2 reaches over the outline"):
+    with pytest.raises(gk.DesignError, match="mark 2"):
         cut(gk.Part("c", ring, (), 3, marks=(mark, across)), TOLERANCE)
 
 

@@ -192,7 +192,7 @@ def test_a_long_table_is_thinned_and_keeps_its_ends():
 
 def test_another_scene_beside_it_is_on_the_same_drive():
     scene = turning()
-    with pytest.raises(gk.DesignError, match="found 9 rows, but 5 frames of the other mode"):
+    with pytest.raises(gk.DesignError, match="9 rows"):
         dataclasses.replace(scene, others={"mode": turning(frames=5)})
     data = json.loads(island(dataclasses.replace(scene, others={"other": scene}), "a"))
     # The same rows and outlines, told once.

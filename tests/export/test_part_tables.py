@@ -56,7 +56,7 @@ PLATE = gk.plane.Polyline(500 - 70j + np.array([0, 40, 40 + 25j, 25j]))
 HOLES = (gk.plane.Circle(510 - 60j, 2.0), gk.plane.Polyline(520 - 60j + np.array([0, 5, 5 + 4j, 4j])))
 
 
-def test_parts_are_told_with_their_sizes_wherever_they_lie():
+def test_parts_are_reported_with_their_sizes_wherever_they_lie():
     one = Part("one", PLATE, HOLES, 3.0, count=2)
     two = Part("two", Moved(gk.plane.rounded_hull([0, 1234j], 10.0), Pose(-7e3 + 2j)), (), 0.5)
     dot = Part("dot", gk.plane.Circle(0j, 0.1), (), 3.0)

@@ -23,7 +23,7 @@ def refusal(*given, **more):
     return str(caught.value)
 
 
-def test_a_kerf_that_closes_a_gap_is_told_as_it_was_given():
+def test_a_kerf_that_closes_a_gap_is_reported_as_it_was_given():
     notch = np.array([0, 40, 40 + 40j, 22 + 40j, 22 + 10j, 18 + 10j, 18 + 40j, 40j])
     part = gk.Part("fork", gk.plane.Polyline(notch), (), 3.0)
     assert cut(part, 0.01, kerf=3.8).area > gk.area(part.outline)

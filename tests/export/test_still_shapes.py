@@ -90,7 +90,7 @@ def test_a_pin_fills_the_widest_hole_that_it_sits_in_and_stands_on_the_ground_wh
 
 
 @pytest.mark.parametrize("k", [1.0, 0.02])
-def test_blocks_dots_and_arrows_are_as_large_as_told(k):
+def test_blocks_dots_and_arrows_are_as_large_as_reported(k):
     way = np.exp(0.4j)
     root = still_of(
         SceneMark("slide", ONE * k * (60 + 60j), "construction", "block", direction=ONE * way),

@@ -82,7 +82,7 @@ def test_schema_and_messages_list_it():
 
 @pytest.mark.parametrize("wrong", ["3", '["dxf"]', "{ a = 1 }", "true"])
 def test_what_is_no_text_is_no_format(wrong):
-    with pytest.raises(gk.RecipeError, match="files.write.0.: found .*; give 'dxf', "):
+    with pytest.raises(gk.RecipeError, match="files.write.0.:"):
         parse(GEAR % wrong)
 
 

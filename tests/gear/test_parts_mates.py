@@ -87,7 +87,7 @@ REFUSED = [
 ]
 
 
-def test_bores_that_cannot_be_are_refused_by_the_name_of_their_own_key():
+def test_invalid_bores_are_refused_by_the_name_of_their_own_key():
     for sizes, field, remedy in REFUSED:
         for stock in (gk.gear.PairStock, gk.gear.LanternStock):
             with pytest.raises(gk.DesignError) as caught:

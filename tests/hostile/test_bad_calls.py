@@ -8,7 +8,7 @@ import geomkin as gk
 MOTION = gk.move(gk.FourBar(100, 30, 90, 70), [0.1, 0.2])
 
 
-def test_what_cannot_be_together_is_refused():
+def test_conflicting_values_are_refused():
     for call, field, found in [
         (lambda: gk.FourBar(100, np.full(3, 30.0), np.full(4, 90.0), 70), "coupler", "4 sizes, but 3 of crank"),
         (lambda: gk.FourBar(np.full(1, 100.0), np.full(3, 30.0), 90, np.full(2, 70.0)), "rocker", "2 sizes, but 3 of"),

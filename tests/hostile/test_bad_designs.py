@@ -17,7 +17,7 @@ SCALED = {
 }
 
 
-def test_a_four_bar_that_cannot_be(run, refused, recipe):
+def test_an_invalid_four_bar_is_refused(run, refused, recipe):
     for changes, key, word in [
         ({"linkage.ground": "1000"}, "linkage.ground", ""),
         ({"linkage.crank": "0"}, "linkage.crank", "above 0"),
@@ -38,12 +38,12 @@ def test_a_four_bar_that_cannot_be(run, refused, recipe):
 
 
 @pytest.mark.parametrize("unit", [1e-200, 1e5, 1e300])
-def test_a_linkage_too_small_or_too_large_to_cut_is_told_with_a_key_of_the_recipe(run, refused, recipe, unit):
+def test_a_linkage_too_small_or_too_large_to_cut_is_reported_with_a_key_of_the_recipe(run, refused, recipe, unit):
     sizes = {key: repr(value * unit) for key, value in SCALED.items()}
     refused(run(recipe("four-bar", sizes | {"linkage.coupler_point": "[0, 0]"})), many=True)
 
 
-def test_a_program_that_does_not_add_up(run, refused, recipe):
+def test_an_invalid_program_is_refused(run, refused, recipe):
     for program, key, word in [
         ("[]", "cam.program", "360"),
         (f"[{RETURN}]", "cam.program[0].end_lift", ""),
@@ -61,7 +61,7 @@ def test_a_program_that_does_not_add_up(run, refused, recipe):
         assert "program.program" not in result.stderr
 
 
-def test_a_cam_that_cannot_be(run, refused, recipe):
+def test_an_invalid_cam_is_refused(run, refused, recipe):
     for changes, key, word in [
         ({"cam.base_radius": "0"}, "cam.base_radius", "above 0"),
         ({"cam.base_radius": "1e160"}, "cam.base_radius", ""),
@@ -76,14 +76,14 @@ def test_a_cam_that_cannot_be(run, refused, recipe):
         refused(run(recipe("disk-cam", changes)), key, word)
 
 
-def test_a_roller_that_undercuts_is_told_and_the_cam_is_what_it_leaves(run, recipe):
+def test_a_roller_that_undercuts_is_reported_and_the_cam_is_what_it_leaves(run, recipe):
     short = f"[{DWELL}, {RISE.replace('180', '100')}, {RETURN}]"
     follower = '{kind = "translating-roller", roller_radius = 30}'
     result = run(recipe("disk-cam", {"cam.follower": follower, "cam.program": short}))
     assert result.exit_code == 0 and "lift lost to undercut" in result.stderr
 
 
-def test_a_gear_that_cannot_be(run, refused, recipe):
+def test_an_invalid_gear_is_refused(run, refused, recipe):
     for changes, key, word in [
         ({"gear.teeth": "0"}, "gear.teeth", ""),
         ({"gear.teeth": "24.0"}, "gear.teeth", ""),
@@ -102,7 +102,7 @@ def test_a_gear_that_cannot_be(run, refused, recipe):
         refused(run(recipe("spur-gear", changes)), key, word)
 
 
-def test_a_ring_that_cannot_be(run, refused, recipe):
+def test_an_invalid_ring_is_refused(run, refused, recipe):
     for changes, key, word in [
         ({"gear.teeth": "24"}, "gear.teeth", "at least 25"),
         ({"gear.module": "1e300"}, "gear.module", ""),

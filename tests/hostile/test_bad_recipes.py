@@ -7,7 +7,7 @@ import pytest
 WHOLE = "(whole file)"
 
 
-def test_what_is_no_recipe_is_told_in_one_line(run, refused):
+def test_invalid_recipe_gives_one_line_error(run, refused):
     for content, key, word in [
         (b"", "kind", ""),
         (bytes(range(256)), WHOLE, "UTF-8"),
@@ -29,7 +29,7 @@ def test_what_is_no_recipe_is_told_in_one_line(run, refused):
 
 
 @pytest.mark.parametrize("deep", ["linkage.{}", "{}"])
-def test_dotted_keys_that_nest_deep_are_told(run, refused, deep):
+def test_dotted_keys_that_nest_deep_are_reported(run, refused, deep):
     # A dotted key nests without recursion in the reader, so the depth is met only later, in the message.
     refused(run('kind = "four-bar"\n' + deep.format(".".join(["a"] * 3000)) + " = 1"))
 
@@ -83,7 +83,7 @@ def test_a_value_that_is_no_finite_number_is_refused_under_its_key(run, refused,
             refused(run(recipe(kind, {key: value})), key)
 
 
-def test_a_wrong_choice_is_told_with_what_is_allowed(run, refused, recipe):
+def test_a_wrong_choice_is_refused_with_those_allowed(run, refused, recipe):
     for kind, key, value, word in [
         ("four-bar", "linkage.coupler_point", "3", ""),
         ("four-bar", "linkage.coupler_point", "[nan, 0]", ""),

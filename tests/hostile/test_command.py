@@ -92,7 +92,7 @@ def test_an_odd_name_writes_only_inside_its_own_folder(geomkin, recipe, here, na
         assert json.loads(text) if path.suffix == ".json" else ElementTree.fromstring(text)
 
 
-def test_a_name_too_long_for_the_folder_is_told_in_one_line(geomkin, recipe, here):
+def test_a_name_too_long_for_the_folder_is_reported_in_one_line(geomkin, recipe, here):
     name = "x" * 252  # with ".svg" one more than file systems take
     (here / name).write_text(recipe("spur-gear", {"files.write": '["svg"]'}))
     result = geomkin("run", name)
@@ -102,7 +102,7 @@ def test_a_name_too_long_for_the_folder_is_told_in_one_line(geomkin, recipe, her
 @pytest.mark.parametrize(
     ("verb", "name"), [("run", "a\nb\x1b[31m"), ("check", "-rf"), ("run", "AUX.b"), ("check", "a:b"), ("run", "a\\b")]
 )
-def test_a_recipe_whose_name_makes_no_plain_files_is_told_in_one_line(geomkin, recipe, here, verb, name):
+def test_a_recipe_whose_name_makes_no_plain_files_is_reported_in_one_line(geomkin, recipe, here, verb, name):
     (here / f"{name}.toml").write_text(recipe("four-bar", CSV))
     result = geomkin(verb, f"./{name}.toml")
     assert result.exit_code == 1 and not (here / "out").exists()
@@ -116,7 +116,7 @@ def test_a_path_cannot_spoil_the_terminal(command, here):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a file's name is text")
-def test_a_name_that_is_no_text_is_made_or_told(command, recipe, here):
+def test_a_name_that_is_no_text_is_made_or_reported(command, recipe, here):
     name = os.fsdecode(b"bad\xff.toml")
     Path(name).write_text(recipe("four-bar", CSV))
     done = command("run", name)

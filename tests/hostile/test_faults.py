@@ -73,7 +73,7 @@ CASES = ["a file", "under a file", "no real folder", "a device", "a pipe", "a da
 
 
 @pytest.mark.parametrize("case", [*CASES[::2], "a file for the folder"])
-def test_an_output_folder_that_cannot_be_is_told_in_one_line(run, recipe, here, case):
+def test_an_output_folder_that_cannot_be_is_reported_in_one_line(run, recipe, here, case):
     out = in_the_way(here, case)
     before = sorted(here.rglob("*"))
     result = run(recipe("four-bar"), "--out", out)
@@ -183,7 +183,7 @@ def test_a_file_without_end_is_not_read_to_its_end(geomkin):
     assert result.exit_code == 1 and len(result.stderr.splitlines()) == 1
 
 
-def test_a_folder_named_like_a_recipe_is_told_in_one_line_and_the_rest_made(geomkin, recipe, here):
+def test_a_folder_named_like_a_recipe_is_reported_in_one_line_and_the_rest_made(geomkin, recipe, here):
     (here / "in/folder.toml").mkdir(parents=True)
     (here / "in/r.toml").write_text(recipe("four-bar"))
     result = geomkin("run", "in")

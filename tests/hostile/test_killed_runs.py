@@ -122,7 +122,7 @@ for k in range(int(sys.argv[1])):
 """
 
 
-@pytest.mark.parametrize("count", [20, pytest.param(200, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("count", [5, pytest.param(200, marks=pytest.mark.campaign)])
 def test_killed_at_random_every_file_is_old_or_new(replaced, here, count):
     for k in range(count):
         shutil.copytree(here / "out", here / f"out{k}")

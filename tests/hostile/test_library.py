@@ -14,7 +14,7 @@ MOTION = gk.move(LINKAGE, [0.0, 1.0])
 GEAR = {"kind": "spur-gear", "gear": {"teeth": 20, "module": 2}}
 
 
-def test_what_cannot_be_is_refused_by_its_argument():
+def test_invalid_values_are_refused_by_its_argument():
     for call, field in [
         (lambda: MOTION.point("pen"), "name"),
         (lambda: MOTION.point(3), "name"),

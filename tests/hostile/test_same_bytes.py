@@ -46,7 +46,7 @@ def whole(tmp_path_factory):
     ("flags", "environment"),
     [
         (("-O",), {"PYTHONHASHSEED": "1", "TZ": "Asia/Tokyo", "LC_ALL": "C", "OPENBLAS_NUM_THREADS": "2"}),
-        (("-X", "dev", "-W", "error"), {"PYTHONHASHSEED": "3"}),
+        pytest.param(("-X", "dev", "-W", "error"), {"PYTHONHASHSEED": "3"}, marks=pytest.mark.campaign),
     ],
     ids=["seed, zone, language, optimised", "development mode"],
 )
@@ -106,6 +106,7 @@ def test_the_processor_does_not_matter(here, whole, environment):
             assert numbers == pytest.approx(old_numbers, rel=1e-5, abs=1e-5), file
 
 
+@pytest.mark.campaign
 def test_an_old_processor_makes_the_same_cams_gears_and_linkages(here):
     files = [RECIPES / f"{name}.toml" for name in ("table-cam", "roller-cam", "gear-pair", "walking-leg")]
     old, new = make(here / "old", *files, cwd=here, **OLDEST), make(here / "new", *files, cwd=here)

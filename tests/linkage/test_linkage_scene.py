@@ -45,7 +45,7 @@ def test_centres_that_are_no_joints_are_where_links_cross_as_far_as_anybody_look
 
 
 @pytest.mark.parametrize("speed", [3.0, -40.0])
-def test_arrows_are_told_with_their_scale_and_cut_off_where_they_would_cover_all(speed):
+def test_arrows_are_reported_with_their_scale_and_cut_off_where_they_would_cover_all(speed):
     motion, scene = scene_of(BAR, speed=speed)
     size = float(np.max(motion.linkage.size))
     for role, unit in (("velocity", "mm/s"), ("acceleration", "mm/s2")):

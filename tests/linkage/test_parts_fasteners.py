@@ -111,5 +111,5 @@ def test_a_threaded_rod_stands_out_at_either_end_by_all_the_play(play):
 def test_what_is_no_screw_is_a_rod_or_refused():
     assert fastener_of(4.1, 3.0, None, 0.2, None).bill(9.0) == (("rod 4.1 mm, cut to 9.2 mm", 1),)
     assert fastener_of(4.0, 3.0, "rod", 0.2, None).ends(9.0) == (0.0, 0.0)
-    with pytest.raises(DesignError, match="fastener: "):
+    with pytest.raises(DesignError, match="fastener:"):
         LinkStock(pin_diameter=4.1, fastener="screw")

@@ -101,7 +101,7 @@ def test_nothing_passes_through_the_shaft_and_it_is_cut_where_something_passes_o
     assert f" {(crank + 1) * recipe.stock.thickness:g} mm " in recipe.bought[0].name
 
 
-def test_a_crank_so_short_that_its_screw_meets_the_shaft_is_told():
+def test_a_crank_so_short_that_its_screw_meets_the_shaft_is_reported():
     """A washer of 9 mm round the crank's pin, and the shaft of 5 mm: they meet below the crank of 6 mm."""
     motion = gk.move(gk.FourBar(100, 6, 90, 70), np.linspace(0, 2 * np.pi, 73))
     stack = gk.linkage.stack_links(motion, gk.linkage.LinkStock(motor="nema17"))

@@ -121,7 +121,7 @@ REFUSED = [
 ]
 
 
-def test_bores_that_cannot_be_are_refused_with_what_works():
+def test_invalid_bores_are_refused_with_what_works():
     for sizes, field, remedy in REFUSED:
         for stock in (gk.gear.GearStock, gk.cam.CamStock):
             with pytest.raises(gk.DesignError) as caught:

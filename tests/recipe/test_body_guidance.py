@@ -87,7 +87,7 @@ def test_given_points_drive_in_their_order_or_either_and_the_driving_pin_is_stat
     assert rod.notes["found"]["driver"] == "rod" and "driving_pin_on_body_mm" not in rod.notes["found"]
 
 
-def test_poles_are_told_and_those_at_infinity_by_their_direction():
+def test_poles_are_reported_and_those_at_infinity_by_their_direction():
     told = recipe("poses = [[0, 0, 0], [40, 20, 0], [60, 60, 80]]").notes["poles_mm"]
     assert "at_infinity_deg" in told["1 and 2"] and len(told["1 and 3"]) == 2
     # The point that has one place at two poses.
@@ -98,7 +98,7 @@ def test_poles_are_told_and_those_at_infinity_by_their_direction():
     assert own == pytest.approx(pole, abs=1e-6)
 
 
-def test_what_cannot_be_is_refused(tmp_path):
+def test_invalid_values_are_refused(tmp_path):
     for wanted, refusal in [
         ("poses = [[0, 0, 0], [1, 1, 10]]", "wanted.poses: found 2; give 3 to 50 of them"),
         ("poses = [[0, 0, 0], [40, 20, 30], [0, 0, 0]]", "wanted.poses: poses 1 and 3 are the same"),

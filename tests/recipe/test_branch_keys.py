@@ -80,7 +80,7 @@ def test_a_drive_that_closes_nowhere_is_refused_with_what_opens_and_where_it_clo
     assert checks["share of the crank's turn reached"].passed
 
 
-def test_an_open_part_of_the_way_is_told_and_the_rest_is_judged():
+def test_an_open_part_of_the_way_is_reported_and_the_rest_is_judged():
     recipe = parse(
         'kind = "four-bar"\n[linkage]\nground = 40\ncrank = 30\ncoupler = 20\nrocker = 25\n[drive]\nend_deg = 180\n'
     )

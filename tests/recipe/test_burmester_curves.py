@@ -44,7 +44,7 @@ def test_pins_at_the_first_pose_are_those_of_the_body_there():
     assert table["length"] == pytest.approx(np.abs(first - fixed))
 
 
-def test_poles_and_slides_are_told(tmp_path):
+def test_poles_and_slides_are_reported(tmp_path):
     gk.make(recipe().with_name("curves"), tmp_path)
     summary = json.loads((tmp_path / "curves/summary.json").read_text())
     assert all(check["passed"] for check in summary["checks"])
@@ -65,7 +65,7 @@ def test_poles_and_slides_are_told(tmp_path):
     assert np.ptp((on_body * way).imag) < 1e-6
 
 
-def test_what_cannot_be_is_refused():
+def test_invalid_values_are_refused():
     for poses, more, key in [
         (POSES[:3], {}, "poses"),
         ([*POSES, [1, 2, 3]], {}, "poses"),

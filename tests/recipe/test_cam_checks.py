@@ -71,7 +71,7 @@ def test_a_level_face_leans_by_nothing_and_of_a_cam_at_rest_nothing_is_said():
         assert all(check.passed for check in still.values())
 
 
-def test_of_several_jumps_in_velocity_the_largest_is_told_with_its_place():
+def test_of_several_jumps_in_velocity_the_largest_is_reported_with_its_place():
     steps = [(60, 10), (60, 20), (30, 6)]
     ends = np.cumsum([60, *(turn for turn, _ in steps)])
     rises = [gk.Rise("uniform", rise=rise, end_deg=end) for (_, rise), end in zip(steps, ends[1:])]

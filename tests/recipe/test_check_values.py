@@ -40,7 +40,7 @@ def test_the_table_of_planets_is_one_turn_of_the_carrier_without_slip():
     assert seen * planet == pytest.approx(-(table["sun_angle"] - carrier) * sun)
 
 
-def test_lift_lost_to_undercut_is_told_in_the_unit_of_the_lift():
+def test_lift_lost_to_undercut_is_reported_in_the_unit_of_the_lift():
     recipe = parse("""kind = "disk-cam"
 [cam]
 base_radius = 20

@@ -90,7 +90,7 @@ def test_sharp_cams_are_judged_as_the_table_tells_them(sizes, column, name, limi
 
 
 @pytest.mark.parametrize("of", ["turn", "stroke"])
-def test_a_way_that_is_not_reached_is_told_by_its_share(of):
+def test_a_way_that_is_not_reached_is_reported_by_its_share(of):
     """A crank of 80 on a ground of 100 before links of 60 and 60; a slide as far as crank and rod reach."""
     if of == "turn":
         text = FOUR_BAR.format(100).replace("30", "80").replace("90", "60").replace("70", "60")

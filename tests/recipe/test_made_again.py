@@ -65,7 +65,7 @@ def test_only_those_of_the_asked_for_are_written_or_of_all_where_none_is_named(t
         ("kind", "kind"),
     ],
 )
-def test_a_design_s_error_is_told_under_the_recipe_s_key(field, key):
+def test_a_design_s_error_is_reported_under_the_recipe_s_key(field, key):
     recipe = gk.load(BARS)
     with pytest.raises(gk.RecipeError) as refusal, naming("in/a.toml", recipe):
         raise gk.DesignError(field, "found 1", "give 2")

@@ -15,7 +15,7 @@ def told(text):
     return {problem.key: f"{problem.problem}; {problem.remedy}" for problem in caught.value.problems}
 
 
-def test_a_slip_is_told_with_what_to_write():
+def test_a_common_mistake_is_answered_with_the_correction():
     for text, key, words in [
         ("kind = four-bar", "kind", 'a text needs quotes: write kind = "four-bar"'),
         (BAR + "driver = crank # by hand", "linkage.driver", 'write driver = "crank"'),

@@ -53,5 +53,5 @@ def test_a_number_is_no_text_and_no_truth(written):
 def test_a_whole_number_has_no_point(teeth):
     text = 'kind = "spur-gear"\ngear = { teeth = %s, module = 2 }\n'
     assert gk.load(text % "12").gear.teeth == 12
-    with pytest.raises(gk.RecipeError, match="gear.teeth: found .*; give a whole number"):
+    with pytest.raises(gk.RecipeError, match="gear.teeth:"):
         gk.load(text % teeth)

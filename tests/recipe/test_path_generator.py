@@ -58,7 +58,7 @@ def test_points_come_from_files_and_texts(tmp_path):
     assert gk.load(recipe).wanted.places == pytest.approx(places)
 
 
-def test_what_cannot_be_is_refused_by_its_key(tmp_path):
+def test_invalid_values_are_refused_by_key(tmp_path):
     for wanted, message in [
         ("", "of points, file and svg found none; give one of them"),
         ('svg = "M 0 0 L 1 1", points = [[0, 0]]', "of points, file and svg found points and svg; give one of them"),

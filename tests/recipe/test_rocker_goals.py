@@ -61,14 +61,14 @@ def test_another_of_the_family_is_chosen_by_its_rank_or_its_place():
     assert gk.load(changed(STROKE, coupler=120)).found.linkage.coupler == 120
 
 
-def test_a_branch_defect_is_a_check_that_fails_and_is_told():
+def test_a_branch_defect_is_a_check_that_fails_and_is_reported():
     wish = {"crank_start_deg": 30, "crank_swing_deg": 100, "rocker_start_deg": 120, "rocker_swing_deg": -60}
     recipe = gk.load(changed(SWINGS, **wish))
     assert {"defects", "missed swing"} <= {check.name for check in recipe.design_checks if not check.passed}
     assert recipe.notes["found"]["defects"] == ["circuit"]
 
 
-def test_what_is_refused_is_told_by_its_key(tmp_path):
+def test_what_is_refused_is_reported_by_its_key(tmp_path):
     for recipe, text in [
         (
             changed(SWING, swing_deg=45, crank_turn_deg=100),

@@ -66,7 +66,7 @@ def task(tmp_path):
     return lambda *names: Task(data, "bar\n.toml", str(tmp_path), names)
 
 
-def test_what_is_told_is_what_the_table_and_the_notes_have(task):
+def test_what_is_reported_is_what_the_table_and_the_notes_have(task):
     names = ["transmission_angle_deg:least", "transmission_angle_deg:largest", "rocker_angle_deg:last", "nothing:least",
              "grashof_type", "nothing", "versions.nothing"]  # fmt: skip
     sizes = {"linkage.crank": 80, "linkage.coupler": 60, "linkage.rocker": 50, "drive.end_deg": 180}

@@ -20,7 +20,7 @@ def test_rows_of_values_are_as_a_recipe_has_them():
     assert listed("key", [2**63, -(2**63)]) == (2**63, -(2**63))
 
 
-def test_values_that_cannot_be_are_told_with_what_can():
+def test_invalid_values_are_refused():
     for given, words in [
         (3, "values: found 3 for a.b; give a row of values, or a text"),
         ([None], ""),

@@ -12,7 +12,7 @@ GOALS = {"wiper": "full turn", "pump-stroke": "full turn", "double-rocker": "swi
 
 
 @pytest.mark.parametrize("name", GOALS)
-def test_each_row_is_a_linkage_that_drives_as_it_is_told(name):
+def test_each_row_is_a_linkage_that_drives_as_it_is_reported(name):
     found, choice = recipe(name).found, recipe(name).scene.choice
     table = choice.table
     assert np.all(np.diff(table["free_angle"]) > 0)
