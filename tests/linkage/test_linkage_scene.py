@@ -87,3 +87,11 @@ def test_arrows_are_reported_with_their_scale_and_cut_off_where_they_would_cover
 def test_time_passes_as_the_driver_does_or_in_two_seconds(drive, more, time, cyclic):
     _, scene = scene_of(BAR, drive, **more)
     assert scene.time == pytest.approx(time) and scene.cyclic == cyclic
+
+
+def test_the_block_of_a_leaning_slide_lies_along_it():
+    motion = gk.move(gk.SliderCrank(30, 100, ground_angle_deg=40), np.linspace(0, 6, 7))
+    shown = linkage_scene(motion, gk.linkage.motion_table(motion))
+    (mark,) = marks(shown, "slide")
+    way = np.diff(motion.point("slider_pin").position)
+    assert np.abs(np.imag(way / mark.direction[1:])).max() < 1e-9

@@ -76,6 +76,12 @@ def test_a_keyed_bore_has_the_standard_s_keyway(tmp_path, thickest):
     assert across(hole)[1] == pytest.approx(measured, abs=1e-3)
 
 
+def test_nothing_of_a_keyed_bore_lies_beyond_its_reach():
+    stock = gk.gear.GearStock(bore=10, bore_form="keyed", clearance=0)
+    # A keyway 3 mm wide that is 1.4 mm deep beyond the bore.
+    assert stock.hole_reach == pytest.approx(np.hypot(5 + 1.4, 1.5))
+
+
 def test_a_shaft_a_little_thicker_takes_the_next_key_and_all_keys_fit_their_two_keyways():
     for key, following in zip(PARALLEL_KEYS, PARALLEL_KEYS[1:]):
         assert key_of(key.thickest) == key and key_of(key.thickest + 0.01) == following

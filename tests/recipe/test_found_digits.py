@@ -50,7 +50,10 @@ def numbers(table):
             yield value
 
 
-@pytest.mark.parametrize("name", GOALS)
+@pytest.mark.parametrize(
+    "name",
+    [name if k % 3 == 0 else pytest.param(name, marks=pytest.mark.campaign) for k, name in enumerate(GOALS)],
+)
 def test_found_recipes_have_short_numbers_that_are_within_a_millionth_of_what_was_found(name):
     goal = goal_of(name)
     table = tomllib.loads(to_toml(goal.design))

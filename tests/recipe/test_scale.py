@@ -120,7 +120,7 @@ def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
                 assert after[key] == value, key
 
 
-@pytest.mark.parametrize("name", ["wiper", "poses-by-slider", "square-root-slide"])
+@pytest.mark.parametrize("name", ["poses-by-slider", pytest.param("square-root-slide", marks=pytest.mark.campaign)])
 def test_a_goal_finds_the_similar_linkage(name):
     data = gallery(name)
     one, big = gk.load(data), gk.load(data | {"scale": BIG})
