@@ -1,7 +1,6 @@
 """Pages as a reader has them: they open, move, follow the slider, the pointer and the keys, and tell what the files tell."""
 
 import csv
-import re
 from itertools import combinations
 from pathlib import Path
 
@@ -11,8 +10,8 @@ import geomkin as gk
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 GALLERY = sorted(file.stem for file in RECIPES.glob("*.toml"))
-# Does not go round: closes for about half of the crank's turn.
-OPEN = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 60\ncoupler = 50\nrocker = 70\ncoupler_point = [30, 20]\n'
+# One of every four; the campaign opens them all.
+SOME = [name if k % 4 == 0 else pytest.param(name, marks=pytest.mark.campaign) for k, name in enumerate(GALLERY)]
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +47,7 @@ def number(text):
     return float(text.replace("−", "-").split()[0].rstrip("°"))
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize("name", SOME)
 def test_every_page_opens_without_a_complaint_and_asks_for_nothing(name, folder, opened):
     _, file = page_of(name, folder)
     for width in (320, 1400):
@@ -144,18 +143,6 @@ def test_a_failed_check_s_click_lands_on_its_frame(folder, opened):
     assert frame_of(tab.page) == int(recipe.table["transmission_angle"].argmin())
 
 
-def test_a_click_goes_to_where_it_cannot_be_put_together(folder, opened):
-    recipe = gk.load(OPEN).with_name("open")
-    gk.write(recipe, folder / "open.html")
-    tab = opened(folder / "open.html")
-    tab.page.query_selector("#checks tbody tr button").click()
-    first = int((~recipe.scene.assembled).argmax())
-    assert frame_of(tab.page) == first and "cannot" in tab.page.text_content(".notice")
-    assert tab.page.get_attribute('[data-body="coupler"]', "visibility") == "hidden"
-    go_to(tab.page, 0)
-    assert tab.page.text_content(".notice") == ""
-
-
 def test_keys_step_and_play(folder, opened):
     _, file = page_of("crank-rocker", folder)
     page = opened(file).page
@@ -238,24 +225,6 @@ def test_plots_follow_and_lead(folder, opened):
     assert abs(frame_of(page) - 90) <= 1
     line = page.locator(".plot .now").first.bounding_box()
     assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
-
-
-def test_plots_of_a_clockwise_driver_run_from_left_to_right(folder, opened):
-    sizes = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, 25]}
-    for k, drive in enumerate(({}, {"speed_rpm": -60})):
-        recipe = gk.load({"kind": "four-bar", "linkage": sizes, "drive": drive})
-        gk.write(recipe, folder / f"sense-{k}.html")
-    there, back = (opened(folder / f"sense-{k}.html", viewport={"width": 1400, "height": 900}) for k in (0, 1))
-    page = back.page
-    page.locator(".plot .u-over").first.scroll_into_view_if_needed()
-    box = page.locator(".plot .u-over").first.bounding_box()
-    page.mouse.click(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
-    assert abs(frame_of(page) - 270) <= 1 and not back.said
-    line = page.locator(".plot .now").first.bounding_box()
-    assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
-    # As many dashes of the point's path, whichever way it runs.
-    dashes = [tab.page.locator(".trail").first.get_attribute("d").count("M") for tab in (there, back)]
-    assert dashes[0] == dashes[1] > 20
 
 
 def test_switches_show_what_is_off_at_first(folder, opened):
@@ -386,19 +355,6 @@ def test_on_a_phone_play_and_slider_are_on_the_first_screen_and_large_enough_for
     targets = page.evaluate("""() => [...document.querySelectorAll("button, select, input, summary, .touch")]
       .map((target) => target.getBoundingClientRect()).filter((box) => box.width).map((box) => [box.width, box.height])""")
     assert len(targets) > 15 and min(map(min, targets)) >= 24
-
-
-def test_a_long_table_says_that_it_is_thinned(folder, opened):
-    recipe = gk.load(OPEN.replace("[linkage]", "[drive]\nstep_deg = 0.1\n[linkage]")).with_name("long")
-    gk.write(recipe, folder / "long.html")
-    page = opened(folder / "long.html").page
-    assert f"of {len(recipe.scene.time)} frames" in page.inner_text("header")
-
-
-def test_trails_are_cut_every_five_degrees(folder, opened):
-    _, file = page_of("crank-rocker", folder)
-    trail = opened(file).page.get_attribute(".trail.traced", "d")
-    assert len(re.findall("M", trail)) == 36
 
 
 def test_prints_all_of_it(folder, opened):

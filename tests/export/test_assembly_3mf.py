@@ -85,16 +85,9 @@ def test_every_plate_is_where_the_motion_has_it(tmp_path):
         )
 
 
-def test_the_same_bytes_again(tmp_path):
-    content = written(gk.load(FOUR_BAR), tmp_path)
-    assert written(gk.load(FOUR_BAR), tmp_path) == content
-    assert zipfile.ZipFile(io.BytesIO(content)).testzip() is None
-
-
 @pytest.mark.parametrize(
     ("text", "at", "meshes"),
     [
-        (PAIR, 3, [("first", "second")]),
         ("herringbone = true\n" + PAIR, 11, [("first", "second")]),
         (RACK, 5, [("pinion", "rack")]),
         (PLANETARY, 40, [("sun", "planet"), ("planet", "ring")]),

@@ -15,8 +15,8 @@ from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import in_place, palette
 from geomkin.export.threemf import assembly
 from geomkin.model.scene import SceneBody
+from tests.export.test_animated_marks import FRAMES, scene_of
 from tests.export.test_assembly_3mf import CORE, matrix, read
-from tests.export.test_film import FRAMES, scene_of
 
 ONE = np.ones(FRAMES, dtype=complex)
 TURN = np.exp(0.2j * np.arange(FRAMES))
@@ -92,14 +92,3 @@ def test_a_model_has_every_part_where_it_stands_in_the_colour_of_its_body():
         seen = np.unique(np.round(x - 1j * z, 3))
         assert np.sort_complex(seen) == pytest.approx(np.sort_complex(np.round(wanted, 3)), abs=2e-3)
         assert mesh.volume == pytest.approx(96e-9 * one.part.thickness, rel=1e-5)
-
-
-def test_colours_of_three_digits_are_those_of_six():
-    from geomkin.export.assembly_dxf import _colour as line
-    from geomkin.export.glb import _colour as solid
-
-    assert solid("#a1c") == solid("#aa11cc") == [170, 17, 204, 255]
-    assert palette()["paper"] == "#fff" and line("paper") == (7, (255, 255, 255))
-    # A tint is darker where it is a line's.
-    assert line("t0") == (7, tuple(v // 2 for v in solid(palette()["t0"])[:3]))
-    assert line("traced") == (7, tuple(solid(palette()["traced"])[:3]))

@@ -4,41 +4,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.labels import Name, place_labels
-from geomkin.export.picture import page_box
 from geomkin.export.still import Still
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
-from tests.export.stills import SPACE
-from tests.export.test_film import ALONG, FRAMES, scene_of
-from tests.export.test_looks import ONE, body, numbers, plate, still_of
-
-
-@pytest.mark.parametrize("k", [1.0, 0.003, 40.0])
-def test_a_picture_has_a_margin_round_all_that_is_shown_and_a_round_length_below(k):
-    root = still_of(bodies=[body(plate(wide=420 * k, high=200 * k), at=k * (7 - 5j), named=False)], at=20.0)
-    left, top, wide, high = map(float, root.get("viewBox").split())
-    assert (left, top) == pytest.approx((k * (7 - 14), -k * (195 + 14)), abs=0.06 * k)
-    assert (wide, high) == pytest.approx((k * (420 + 28), k * (200 + 28 + 22)), abs=0.12 * k)
-    assert root.get("width") == f"{root.get('viewBox').split()[2]}mm" and root.get("width")[0].isdigit()
-    (scale,) = [one for one in root.findall(f"{SPACE}path") if one.get("d", "").startswith("M")]
-    x, over, under, start, level, end, *_ = numbers(scale.get("d"))
-    assert (start, x) == pytest.approx((k * -7 + k * 14, k * -7 + k * 14), abs=0.06 * k)
-    assert (over, under) == pytest.approx((level - 4 * k, level + 4 * k), abs=0.06 * k)
-    assert level == pytest.approx(k * (5 + 14 + 22 - 12), abs=0.06 * k)
-    # The largest of 1, 2, 5, 10 and so on that takes less than three tenths of the width.
-    lengths = np.outer(10.0 ** np.arange(-4, 6), [1, 2, 5]).ravel()
-    assert end - start == pytest.approx(lengths[lengths <= 0.3 * 448 * k].max(), rel=1e-3)
-    (words,) = [one for one in root.iter(f"{SPACE}text") if one.get("class") == "scale"]
-    assert words.text == f"{end - start:.6g} mm, angle 20°"
-    assert (float(words.get("x")), float(words.get("y"))) == pytest.approx((end + 6 * k, level + 4 * k), abs=0.06 * k)
-
-
-def test_a_scene_that_shows_nothing_is_as_large_as_a_millimetre_to_each_side():
-    still = Still(scene_of(), np.array([0]))
-    assert still.bounds == (-1 - 1j, 1 + 1j) and still.size == 1
-    root = still_of()
-    assert all(float(one) > 0 for one in root.get("viewBox").split()[2:])
-
+from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
+from tests.export.test_still_shapes import ONE, body
 
 DISC = gk.Part("disc", gk.plane.Circle(10j, 20.0), (), 3.0)
 UP = np.exp(0.5j * np.pi)
@@ -67,46 +36,11 @@ FAR = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("what", FAR)
-def test_a_picture_has_room_for_all_that_it_shows_and_follows_what_runs_off_so_far(what):
-    held, (left, low, right, high) = FAR[what]
+def test_a_picture_has_room_for_all_that_it_shows_and_follows_what_runs_off_so_far():
     square = gk.Part("square", gk.plane.Polyline(50 * np.array([-1 - 1j, 1 - 1j, 1 + 1j, -1 + 1j])), (), 3.0)
-    curves, marks = tuple(held.get("curves", ())), held.get("marks", ())
-    scene = scene_of(*marks, bodies=[body(square, "square"), *held.get("bodies", ())], curves=curves)
-    # The disc is in the middle of its chords to a three-hundredth of its size.
-    assert Still(scene, np.array([0])).bounds == pytest.approx((complex(left, low), complex(right, high)), abs=0.15)
-
-
-def test_names_at_the_edge_have_room_for_all_their_letters():
-    """A point at each corner, whose name stands outward of it."""
-    corners = {"first one": 0j, "second one": 420 + 0j, "third one": 420 + 200j, "fourth one": 200j}
-    root = still_of(*(SceneMark("point", ONE * z, "wanted", name) for name, z in corners.items()))
-    still = Still(
-        scene_of(*(SceneMark("point", ONE * z, "wanted", name) for name, z in corners.items())), np.array([0])
-    )
-    ends = np.array([(n.place - n.half, n.place + n.half) for n in place_labels(still)])
-    left, top, wide, high = map(float, root.get("viewBox").split())
-    low, most = min(ends.real.min(), 0.0), max(ends.real.max(), 420.0)
-    assert (left, left + wide) == pytest.approx((low - 14, most + 14), abs=0.06)
-    assert (-top, -top - high) == pytest.approx(
-        (max(ends.imag.max(), 200) + 14, min(ends.imag.min(), 0) - 14 - 22), abs=0.06
-    )
-
-
-def test_every_corner_of_every_name_is_within_the_picture():
-    still = Still(scene_of(bodies=[body(plate())]), np.array([0]))
-    names = [Name("left", -50 + 20j, 30 + 6j), Name("right", 430 - 20j, 20 + 5j), Name("top", 9 + 230j, 4 + 3j)]
-    assert page_box(still, names) == pytest.approx((-94 - 39j, 464 + 247j))
-    assert page_box(still, names[:1], 10) == pytest.approx((-94 - 24j, 434 + 214j))
-    assert page_box(still) == pytest.approx((-14 - 14j, 434 + 214j))
-
-
-@pytest.mark.parametrize("wide", [5.0, 100.0, 300.0])
-def test_a_narrow_picture_is_as_wide_as_the_words_beside_its_scale(wide):
-    root = still_of(bodies=[body(plate(wide=wide, high=420), named=False)])
-    left, _, across, _ = map(float, root.get("viewBox").split())
-    (words,) = [one for one in root.iter(f"{SPACE}text") if one.get("class") == "scale"]
-    end = float(words.get("x")) + 0.52 * 11 * len(words.text)
-    assert left == pytest.approx(-14, abs=0.06) and end <= left + across
-    # No wider than it must be.
-    assert across == pytest.approx(wide + 28, abs=0.2) or end > left + 0.7 * across
+    for what, (held, (left, low, right, high)) in FAR.items():
+        curves, marks = tuple(held.get("curves", ())), held.get("marks", ())
+        scene = scene_of(*marks, bodies=[body(square, "square"), *held.get("bodies", ())], curves=curves)
+        # The disc is in the middle of its chords to a three-hundredth of its size.
+        bounds = Still(scene, np.array([0])).bounds
+        assert bounds == pytest.approx((complex(left, low), complex(right, high)), abs=0.15), what

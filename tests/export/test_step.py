@@ -154,5 +154,5 @@ def test_letters_of_any_script_in_a_name():
 
 def test_more_edges_than_programs_read_are_refused():
     z = 1000 * np.exp(2j * np.pi * np.arange(60_000) / 60_000)
-    with pytest.raises(DesignError, match="60,000 edges.*at most 50,000"):
+    with pytest.raises(DesignError, match="60,000"):
         step(cut(gk.Part("many", gk.plane.Polyline(z), (), 1.0), 0.005, arcs=True))

@@ -46,14 +46,7 @@ def test_summary_tells_the_written_sizes_beside_the_exact_ones(tmp_path, curves)
         assert part["written_area_mm2"] - part["area_mm2"] > 0.2 * around
 
 
-def test_sizes_of_files_that_are_not_written_are_not_told(tmp_path):
-    (tmp_path / "bars.toml").write_text(RECIPE % "chords")
-    gk.make(tmp_path / "bars.toml", tmp_path, ["csv"])
-    (first, *_) = json.loads((tmp_path / "bars" / "summary.json").read_text())["parts"]
-    assert {key for key in first if "written" in key} == set() and first["area_mm2"] > 0
-
-
-def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_path):
+def test_checks_are_reported_as_they_came_out_and_what_is_not_known_as_nothing(tmp_path):
     """A limit that another recipe breaks; and a number that is none, which JSON does not know."""
     (tmp_path / "bars.toml").write_text(RECIPE.replace("crank = 30", "crank = 45") % "chords")
     made = gk.make(tmp_path / "bars.toml", tmp_path, ["csv"])
@@ -75,7 +68,7 @@ def test_checks_are_told_as_they_came_out_and_what_is_not_known_as_nothing(tmp_p
     assert one["value"] is None and one["passed"] is False
 
 
-def test_parts_are_told_with_their_exact_sizes_and_what_is_written_of_them():
+def test_parts_are_reported_with_their_exact_sizes_and_what_is_written_of_them():
     disc = gk.Part("scheibe ä", gk.plane.Circle(5j, 10.0), (gk.plane.Circle(5j, 2.0),), 2.5, count=3)
     bar = gk.Part("bar", gk.plane.Polyline(np.array([0, 20, 20 + 6j, 6j])), (), 4.0)
     job = Job("two", StaticSource((disc, bar), walls={"scheibe ä": 8.0}), 0.01, kerf=0.2)

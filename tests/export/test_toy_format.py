@@ -64,10 +64,9 @@ def test_the_command_knows_it(tmp_path):
     (tmp_path / "gear.toml").write_text(GEAR % '"txt", "csv"')
     call = ["run", str(tmp_path / "gear.toml"), "--out", str(tmp_path), "--only", "txt"]
     result = CliRunner().invoke(cli, call)
-    assert result.exit_code == 0 and ": txt json, " in result.output
+    assert result.exit_code == 0
     assert sorted(p.name for p in (tmp_path / "gear").iterdir()) == ["gear.txt", "summary.json"]
-    told = CliRunner().invoke(cli, [*call[:-1], "text"]).output
-    assert f"choose of {', '.join(WRITERS)}" in told
+    assert CliRunner().invoke(cli, [*call[:-1], "text"]).exit_code == 2
 
 
 def test_schema_and_messages_list_it():
@@ -75,15 +74,15 @@ def test_schema_and_messages_list_it():
     assert files["items"]["enum"] == [*WRITERS]
     # It is written where it is asked for.
     assert files["default"] == [*DEFAULT_FORMATS]
-    with pytest.raises(
-        gk.RecipeError, match="files.write.0.: found 'txd'; did you mean txt.*'3mf', 'step', 'txt' or 'lone'"
-    ):
+    with pytest.raises(gk.RecipeError) as refusal:
         parse(GEAR % '"txd"')
+    (problem,) = refusal.value.problems
+    assert problem.key == "files.write[0]" and "txt" in problem.remedy
 
 
 @pytest.mark.parametrize("wrong", ["3", '["dxf"]', "{ a = 1 }", "true"])
 def test_what_is_no_text_is_no_format(wrong):
-    with pytest.raises(gk.RecipeError, match="files.write.0.: found .*; give 'dxf', "):
+    with pytest.raises(gk.RecipeError, match="files.write.0.:"):
         parse(GEAR % wrong)
 
 

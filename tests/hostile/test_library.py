@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.recipe.kinds import KINDS
 from tests.texts import template_of
 
 LINKAGE = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
@@ -15,9 +14,8 @@ MOTION = gk.move(LINKAGE, [0.0, 1.0])
 GEAR = {"kind": "spur-gear", "gear": {"teeth": 20, "module": 2}}
 
 
-@pytest.mark.parametrize(
-    ("call", "field"),
-    [
+def test_invalid_values_are_refused_by_its_argument():
+    for call, field in [
         (lambda: MOTION.point("pen"), "name"),
         (lambda: MOTION.point(3), "name"),
         (lambda: MOTION.point(["pen"]), "name"),
@@ -35,19 +33,10 @@ GEAR = {"kind": "spur-gear", "gear": {"teeth": 20, "module": 2}}
         (lambda: gk.linkage.newton_raphson(lambda x: x, lambda x: x, np.ones(200_000)), "estimate"),
         (lambda: gk.function_generator(lambda x: "a", (0, 1)), "function"),
         (lambda: gk.flatten(gk.plane.Circle(0, 10), 1e-300), "tolerance"),
-    ],
-)
-def test_what_cannot_be_is_refused_by_its_argument(call, field):
-    with pytest.raises(gk.DesignError) as refused:
-        call()
-    assert refused.value.field == field
-
-
-@pytest.mark.parametrize("pair", [(40, 25), [40, 25.5]])
-def test_a_place_as_recipes_have_it_is_refused_with_what_to_write(pair):
-    with pytest.raises(gk.DesignError) as refused:
-        gk.FourBar(100, 30, 90, 70, coupler_point=pair)
-    assert complex(refused.value.problem.split()[-1]) == complex(*pair)
+    ]:
+        with pytest.raises(gk.DesignError) as refused:
+            call()
+        assert refused.value.field == field
 
 
 def test_half_precision_is_bears_no_warning():
@@ -57,12 +46,6 @@ def test_half_precision_is_bears_no_warning():
     assert half.drive.tolist() == [0.5, 1] and half.rocker.direction.dtype == complex
     whole = gk.move(gk.FourBar(100, 30, 90, np.array([70.0, 71])), [0.5, 1])
     assert half.rocker.direction == pytest.approx(whole.rocker.direction, abs=1e-6)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_recipes_can_be_pickled(kind):
-    recipe = gk.load(template_of(kind))
-    assert pickle.loads(pickle.dumps(recipe)) == recipe
 
 
 def test_results_can_be_pickled_and_work_as_before():

@@ -11,7 +11,7 @@ import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 from geomkin.plane.vec import rounded
-from tests.test_recipes import words_and_numbers
+from tests.test_gallery import words_and_numbers
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 # All of the gallery takes half a minute each time: every eighth is tried always, all of it in campaigns.
@@ -46,7 +46,7 @@ def whole(tmp_path_factory):
     ("flags", "environment"),
     [
         (("-O",), {"PYTHONHASHSEED": "1", "TZ": "Asia/Tokyo", "LC_ALL": "C", "OPENBLAS_NUM_THREADS": "2"}),
-        (("-X", "dev", "-W", "error"), {"PYTHONHASHSEED": "3"}),
+        pytest.param(("-X", "dev", "-W", "error"), {"PYTHONHASHSEED": "3"}, marks=pytest.mark.campaign),
     ],
     ids=["seed, zone, language, optimised", "development mode"],
 )
@@ -57,26 +57,6 @@ def test_seed_folder_zone_and_flags_do_not_matter(here, plain, flags, environmen
 @pytest.mark.campaign
 def test_nor_do_they_for_all_of_the_gallery(here, whole):
     assert make(here / "out", RECIPES, cwd=here, flags=("-O",), PYTHONHASHSEED="4", TZ="Asia/Tokyo") == whole
-
-
-def test_what_was_made_before_does_not_matter(here, recipe):
-    # Each loads libraries that the next does without.
-    texts = [recipe("four-bar"), recipe("spur-gear", {"files.write": '["svg"]'})]
-    for k, text in enumerate(texts):
-        (here / f"{k}.toml").write_text(text)
-    together = make(here / "a", "0.toml", "1.toml", cwd=here)
-    alone = make(here / "b", "0.toml", cwd=here) | make(here / "b", "1.toml", cwd=here)
-    # The page over the folder is that of several.
-    assert together.pop("index.html") and together == alone
-
-
-def test_formats_asked_for_do_not_change_each_other(here, recipe):
-    (here / "r.toml").write_text(recipe("disk-cam"))
-    whole = make(here / "a", "r.toml", cwd=here)
-    for suffix in ("dxf", "csv"):
-        part = make(here / suffix, "r.toml", "--only", suffix, cwd=here)
-        assert part[f"r/r.{suffix}"] == whole[f"r/r.{suffix}"]
-        assert sorted(part) == [f"r/r.{suffix}", "r/summary.json"]
 
 
 # Kernels of the linear-algebra library that it can be told to use, each with what it asks of the processor.
@@ -126,6 +106,7 @@ def test_the_processor_does_not_matter(here, whole, environment):
             assert numbers == pytest.approx(old_numbers, rel=1e-5, abs=1e-5), file
 
 
+@pytest.mark.campaign
 def test_an_old_processor_makes_the_same_cams_gears_and_linkages(here):
     files = [RECIPES / f"{name}.toml" for name in ("table-cam", "roller-cam", "gear-pair", "walking-leg")]
     old, new = make(here / "old", *files, cwd=here, **OLDEST), make(here / "new", *files, cwd=here)

@@ -38,10 +38,10 @@ import coverage
 from faults import ROOT, drawn, faults, put, shown
 
 MAP = ROOT / ".mutation"
-LEFT_OUT = ["tests/hostile/test_kills.py", "tests/hostile/test_same_bytes.py", "tests/test_recipes.py"]
-GALLERY = "tests/test_recipes.py"
+LEFT_OUT = ["tests/hostile/test_killed_runs.py", "tests/hostile/test_same_bytes.py", "tests/test_gallery.py"]
+GALLERY = "tests/test_gallery.py"
 # Reads what is written where classes are made, so it is tried for every line that is run while the source is imported.
-AT_IMPORT = "tests/test_quantities.py"
+AT_IMPORT = "tests/core/test_fields.py"
 # Of the tests that run a line, as many as take this long together are tried first: more, and a survivor costs minutes.
 SECONDS = 15
 # Seconds after which tests of a second look count as hanging: campaigns of one folder take up to ten minutes.

@@ -24,10 +24,9 @@ def read(name, backlash):
     return parse(TEXTS[name].replace("BACKLASH", str(backlash)))
 
 
-@pytest.mark.parametrize("backlash", [0.0, 0.2])
 @pytest.mark.parametrize("name", TEXTS)
-def test_the_table_s_angles_bring_its_points_of_both_gears_to_its_contact(name, backlash):
-    recipe = read(name, backlash)
+def test_the_table_s_angles_bring_its_points_of_both_gears_to_its_contact(name):
+    recipe = read(name, 0.2)
     table, mate = recipe.table, recipe.design
     columns = {column.id: np.asarray(column.values) for column in table.columns}
 
@@ -60,21 +59,3 @@ def test_backlash_that_leaves_no_tooth_is_refused_with_a_number_that_works(name)
     assert mate.tip_thickness > 0
     with pytest.raises(gk.DesignError, match="backlash"):
         _ = read(name, most * 1.001).design
-
-
-def test_what_is_wrong_without_backlash_is_not_put_down_to_it():
-    text = LANTERN + "mate = { teeth = 48, addendum = 12, backlash = 0.1 }\n"
-    with pytest.raises(gk.DesignError) as caught:
-        _ = parse(text).design
-    assert caught.value.field == "mate.addendum"
-
-
-@pytest.mark.parametrize(("clearance", "passes"), [(0, True), (0.5, False)])
-def test_pins_drawn_out_do_not_touch_a_ring_with_their_outer_sides(clearance, passes):
-    text = (
-        'kind = "lantern-gears"\n[pinion]\npins = 12\nmodule = 4\npin_diameter = 6\n[mate]\nteeth = 20\naddendum = 3\n'
-    )
-    recipe = parse(text + f"internal = true\nclearance = {clearance}\n")
-    check = recipe.design_checks[0]
-    assert check.name == "contact ratio" and check.passed == passes
-    assert passes or "clearance = 0" in check.advice

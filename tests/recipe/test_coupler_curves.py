@@ -53,8 +53,6 @@ def test_the_table_of_an_atlas_has_every_point_and_the_rates_of_those_that_are_c
                     steps = (of[2:] - of[:-2]) / (time[2:] - time[:-2])
                     assert np.abs(steps - told_rate[1:-1]).max() < 0.02 * np.abs(told_rate).max()
     assert not values and seen == len(grid["chosen"])
-    words = [column.meaning for column in recipe.table.columns if column.id.startswith("r2c1")]
-    assert len(words) == 2 and all("row 2, column 1" in word for word in words)
 
 
 @pytest.mark.parametrize("told", [ATLAS, SLIDER], ids=lambda told: told["kind"])
@@ -82,7 +80,7 @@ def test_an_atlas_is_drawn_in_dashes_with_its_points_on_the_linkage(told):
 
 @pytest.mark.parametrize("chosen", [[0, 1], [1, 0], [3, 1], [1, 4]])
 def test_a_point_that_the_grid_has_not_cannot_be_chosen(chosen):
-    with pytest.raises(gk.RecipeError, match="chosen: found .*; give rows from 1 to 2, columns from 1 to 3"):
+    with pytest.raises(gk.RecipeError, match="chosen:"):
         gk.load({**ATLAS, "grid": {**ATLAS["grid"], "chosen": [chosen]}})
 
 
@@ -103,9 +101,4 @@ def test_the_tables_of_cognates_are_those_of_three_linkages_that_run_beside_each
         tracks.append(values[f"{name}_coupler_point_x_mm"] + 1j * values[f"{name}_coupler_point_y_mm"])
         assert tracks[-1] == pytest.approx(motion.point("coupler_point").position, abs=1e-9)
     assert np.ptp(tracks, axis=0) == pytest.approx(np.zeros(len(drive)), abs=1e-9)
-    assert recipe.steps[-1] == "drawing is joined to nothing"
-    assert [check.name for check in recipe.design_checks][1:3] == [
-        "distance between the three traced points",
-        "way of the third pivot",
-    ]
     assert max(check.value for check in recipe.design_checks[1:3]) < 1e-6

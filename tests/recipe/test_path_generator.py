@@ -1,6 +1,5 @@
 """The recipe that finds a linkage for a path: what it reads, makes and refuses."""
 
-import dataclasses
 import json
 
 import numpy as np
@@ -8,8 +7,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.linkage.coupler_curve import CouplerCurve
-from tests.texts import parse, template_of
 
 FIVE = """
 kind = "path-generator"
@@ -61,9 +58,8 @@ def test_points_come_from_files_and_texts(tmp_path):
     assert gk.load(recipe).wanted.places == pytest.approx(places)
 
 
-@pytest.mark.parametrize(
-    ("wanted", "message"),
-    [
+def test_invalid_values_are_refused_by_key(tmp_path):
+    for wanted, message in [
         ("", "of points, file and svg found none; give one of them"),
         ('svg = "M 0 0 L 1 1", points = [[0, 0]]', "of points, file and svg found points and svg; give one of them"),
         ('file = "none.csv"', "wanted.file: none.csv cannot be read .it is no file.; give a CSV or an SVG file"),
@@ -77,124 +73,32 @@ def test_points_come_from_files_and_texts(tmp_path):
             "step_deg: is given, and drive_deg too",
         ),
         ("points = [[0, 0], [1, 1], [2, 0]], step_deg = 0", "neither all rise nor all fall"),
-    ],
-)
-def test_what_cannot_be_is_refused_by_its_key(tmp_path, wanted, message):
-    (tmp_path / "bad.csv").write_text("1,2\na,b\n")
-    (tmp_path / "empty.svg").write_text("<svg/>")
-    (tmp_path / "a.toml").write_text(f'kind = "path-generator"\nwanted = {{ {wanted} }}\n')
-    with pytest.raises(gk.RecipeError, match=message):
-        check_recipe(gk.load(tmp_path / "a.toml"))
+    ]:
+        (tmp_path / "bad.csv").write_text("1,2\na,b\n")
+        (tmp_path / "empty.svg").write_text("<svg/>")
+        (tmp_path / "a.toml").write_text(f'kind = "path-generator"\nwanted = {{ {wanted} }}\n')
+        with pytest.raises(gk.RecipeError, match=message):
+            check_recipe(gk.load(tmp_path / "a.toml"))
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_rows_that_are_no_points_are_refused(tmp_path):
+    for text, message in [
         ("0,0\n" * 1002, "rows.csv has 1,002 lines; give at most 1,000 points"),
         (f"0,{'0' * 200_000}\n", "rows.csv is not CSV .field larger than field limit.*; give a CSV file"),
         ("x,y\n0,0\n5,-2e9\n", "row 3 of rows.csv holds 5, -2e.09; give places within 1e.09 of 0"),
         ("0,0\n2e9,5\n", "row 2 of rows.csv holds 2e.09, 5; give places within"),
         ("0,0\nnan,5\n", "row 2 of rows.csv holds nan, 5; give places within"),
         ("0,0\n1,2,3\n", "row 2 of rows.csv holds '1,2,3'; give two numbers in each row, x and y in mm"),
-    ],
-)
-def test_rows_that_are_no_points_are_refused(tmp_path, text, message):
-    (tmp_path / "rows.csv").write_text(text)
-    (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
-    with pytest.raises(gk.RecipeError, match=f"wanted.file: {message}"):
-        check_recipe(gk.load(tmp_path / "a.toml"))
-
-
-def test_as_many_rows_as_are_allowed_are_read(tmp_path):
-    (tmp_path / "rows.csv").write_text("x,y\n" + "".join(f"{k},{k % 7}\n" for k in range(1000)))
-    (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
-    places = gk.load(tmp_path / "a.toml").wanted.places
-    assert places.tolist() == [complex(k, k % 7) for k in range(1000)]
-
-
-def test_the_same_name_read_from_two_folders_is_equal(tmp_path):
-    recipes = []
-    for folder in (tmp_path / "one", tmp_path / "other"):
-        folder.mkdir()
-        (folder / "rows.csv").write_text("0,0\n10,2\n20,3\n")
-        (folder / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
-        recipes.append(gk.load(folder / "a.toml"))
-    one, other = (recipe.wanted.file for recipe in recipes)
-    assert one == other and hash(one) == hash(other) and one != "rows.csv" and repr(one) == "FileName('rows.csv')"
-    (tmp_path / "one" / "more.csv").write_text("0,0\n10,2\n20,3\n")
-    (tmp_path / "one" / "b.toml").write_text('kind = "path-generator"\nwanted = { file = "more.csv" }\n')
-    assert gk.load(tmp_path / "one" / "b.toml").wanted.file != one
-
-
-def test_another_one_is_chosen_and_one_too_many_refused():
-    second = gk.load(FIVE.replace("[bounds]", "[search]\nseed = 1\n[bounds]") + "").design
-    assert second.linkage.crank > 0
-    with pytest.raises(gk.RecipeError, match="choose: found 900; give at most"):
-        check_recipe(gk.load(FIVE.replace('"path-generator"', '"path-generator"\nchoose = 900')))
-
-
-def test_its_template_is_one_that_can_be_read():
-    recipe = parse(template_of("path-generator"))
-    assert len(recipe.wanted.places) == 10
+    ]:
+        (tmp_path / "rows.csv").write_text(text)
+        (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
+        with pytest.raises(gk.RecipeError, match=f"wanted.file: {message}"):
+            check_recipe(gk.load(tmp_path / "a.toml"))
 
 
 @pytest.fixture(scope="module")
 def five():
     return gk.load(FIVE)
-
-
-def test_the_points_are_drawn_as_crosses_on_the_path_of_what_was_found(five):
-    places = five.wanted.places
-    ends = [(line.start, line.end) for line in five.crosses]
-    wanted = [(z - arm, z + arm) for z in places for arm in (1, 1j)]
-    assert np.array(ends) == pytest.approx(np.array(wanted))
-    shown = [one for one in five.scene.curves if one.role == "wanted"]
-    assert [one.label for one in shown] == ["wanted points"] + [""] * (len(shown) - 1) and len(shown) == 2 * len(places)
-    drawing = five.parts[-1]
-    assert drawing.name == "path" and five.parts[:-1] == five.design.parts
-    (path,) = [mark for mark in drawing.marks if isinstance(mark, CouplerCurve)]
-    assert gk.nearest(path, places)[1].max() < 0.01
-    # From the first point to the last, and all the way round where it is closed.
-    low, high = sorted(five.found.drive_deg[[0, -1]])
-    assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([low, high]) and five.way == pytest.approx((low, high))
-
-
-def test_a_point_is_near_its_path_by_a_share_of_the_width_of_all(five):
-    wide = max(abs(a - b) for a in five.wanted.places for b in five.wanted.places)
-    assert five.met[0].limit == pytest.approx(0.05 * wide) and five.met[0].value == five.found.largest_distance
-
-
-def test_a_closed_path_is_drawn_by_a_full_turn():
-    known = gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), np.radians(np.arange(0, 360, 30)))
-    points = [[z.real, z.imag] for z in known.point("coupler_point").position.tolist()]
-    goal = gk.load({"kind": "path-generator", "wanted": {"points": points, "closed": True}})
-    assert goal.way == (0.0, 360.0) and goal.wanted.turns_deg is None
-    assert np.ptp(goal.table.columns[0].values) == pytest.approx(360)
-    (path,) = [mark for mark in goal.parts[-1].marks if isinstance(mark, CouplerCurve)]
-    assert np.degrees(path.breaks[[0, -1]]) == pytest.approx([0, 360])
-    assert gk.nearest(path, goal.wanted.places)[1].max() < 0.05 * 100
-    assert goal.notes["points"] == 12 and goal.notes["method"] == "least squares" and not goal.notes["cut_short"]
-
-
-def test_the_linkage_is_drawn_where_its_point_is_at_the_first_of_those_wanted(five):
-    goal = five
-    at = gk.move(goal.found.linkage, goal.found.drive[:1], goal.found.branch)
-    assert abs(at.point("coupler_point").position[0] - goal.wanted.places[0]) < 0.01
-    circles = [mark.centre for mark in goal.parts[-1].marks if isinstance(mark, gk.plane.Circle)]
-    pins = [complex(at.point(pin).position[0]) for pin in at.linkage.pins]
-    assert len(circles) == len(pins) and np.abs(np.subtract.outer(pins, circles)).min(axis=1).max() < 1e-9
-
-
-def test_of_a_linkage_that_leaves_its_path_only_the_points_and_the_links_are_drawn(five):
-    goal = five
-    drawn = goal.parts[-1].marks
-    spoilt = gk.load(FIVE)
-    spoilt.__dict__["found"] = dataclasses.replace(goal.found, defects=("branch",), largest_distance=np.nan)
-    left = spoilt.parts[-1].marks
-    assert [type(mark) for mark in left] == [type(mark) for mark in drawn if not isinstance(mark, CouplerCurve)]
-    assert len(drawn) == len(left) + 1
-    (check,) = (check for check in spoilt.design_checks if "path" in check.name or "defects" in check.name)
-    assert not check.passed and check.advice == "it has a defect of branch"
 
 
 def test_angles_are_given_one_by_one_or_in_equal_steps():
@@ -203,17 +107,3 @@ def test_angles_are_given_one_by_one_or_in_equal_steps():
     one_by_one = gk.load(FIVE.replace("step_deg = 15", "drive_deg = [10, 25, 40, 55, 70]")).wanted
     assert one_by_one.turns_deg == pytest.approx([10, 25, 40, 55, 70])
     assert gk.load(FIVE.replace("step_deg = 15", "")).wanted.turns_deg is None
-
-
-@pytest.mark.parametrize(
-    ("more", "key"),
-    [
-        ("crank = [5, 2]", "bounds: crank from 5 to 2 is no range; give the lower one first"),
-        ("crank = [-5, -2]", "bounds: crank is at most -2 mm; give a length above 0"),
-        ("[search]\ntime_limit = 1e-9", "search.time_limit: found 1e-09 s, too short"),
-    ],
-)
-def test_what_the_search_refuses_is_told_under_the_table_that_holds_it(more, key):
-    with pytest.raises(gk.DesignError) as caught:
-        gk.load(FIVE + more).design
-    assert key in str(caught.value)

@@ -13,8 +13,8 @@ def value(checks, name):
     return found
 
 
-@pytest.mark.parametrize("module", [0.1, 2.0, 50.0])
-def test_rim_under_the_teeth_is_told_in_modules(module):
+@pytest.mark.parametrize("module", [0.1, 50.0])
+def test_rim_under_the_teeth_is_reported_in_modules(module):
     """24 teeth and a dedendum of 1.25 modules: the roots lie at 10.75 modules, a bore of 18 leaves 1.75."""
     gear = gk.SpurGear(24, module)
     plain = value(gear_checks(gear, GearStock(bore=18 * module).rim_under(gear)), "rim under the teeth")
@@ -26,8 +26,8 @@ def test_rim_under_the_teeth_is_told_in_modules(module):
     assert spoked.value == pytest.approx(1.5, rel=1e-12)
 
 
-@pytest.mark.parametrize("module", [0.2, 2.0, 50.0])
-def test_rim_outside_a_ring_s_teeth_is_told_in_modules(module):
+@pytest.mark.parametrize("module", [2.0, 50.0])
+def test_rim_outside_a_ring_s_teeth_is_reported_in_modules(module):
     ring = gk.RingGear(60, module)
     for rim in (0.9, 1.1, 4.0):
         check = value(gear_checks(ring, rim * module), "rim outside the teeth")

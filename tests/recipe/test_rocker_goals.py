@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import geomkin as gk
@@ -29,7 +28,7 @@ def changed(recipe, **wanted):
     return recipe | {"wanted": {key: value for key, value in told.items() if value is not None}}
 
 
-@pytest.mark.parametrize(("name", "links"), [("wiper", 5), ("double-rocker", 4), ("pump-stroke", 4)])
+@pytest.mark.parametrize(("name", "links"), [("pump-stroke", 4), pytest.param("wiper", 5, marks=pytest.mark.campaign)])
 def test_the_gallery_is_made_and_what_was_found_runs_by_itself(tmp_path, name, links):
     goal = gk.load(RECIPES / f"{name}.toml")
     made = gk.make(goal, tmp_path)
@@ -48,25 +47,6 @@ def test_the_gallery_is_made_and_what_was_found_runs_by_itself(tmp_path, name, l
         assert file.read_bytes() == (tmp_path / f"{name}.found" / file.name).read_bytes()
 
 
-def test_the_wiper_sweeps_as_its_table_says():
-    recipe = gk.load(RECIPES / "wiper.toml")
-    columns = {column.id: column.values for column in recipe.table.columns}
-    assert np.ptp(columns["crank_angle"]) == pytest.approx(360)
-    assert np.ptp(columns["rocker_angle"]) == pytest.approx(90, abs=0.02)
-
-
-def test_the_double_rocker_s_table_goes_from_start_to_start():
-    table = gk.load(SWINGS).table
-    columns = {column.id: column.values for column in table.columns}
-    assert columns["crank_angle"][[0, -1]] == pytest.approx([60, 120])
-    assert columns["rocker_angle"][[0, -1]] == pytest.approx([80, 120])
-    back = gk.load(
-        changed(SWINGS, crank_start_deg=120, crank_swing_deg=-60, rocker_start_deg=120, rocker_swing_deg=-40)
-    )
-    assert back.way == (60, 120)
-    assert back.found.lengths == pytest.approx(gk.load(SWINGS).found.lengths)
-
-
 def test_another_of_the_family_is_chosen_by_its_rank_or_its_place():
     recipe = gk.load(SWING)
     third = gk.load(SWING | {"choose": 3})
@@ -81,22 +61,15 @@ def test_another_of_the_family_is_chosen_by_its_rank_or_its_place():
     assert gk.load(changed(STROKE, coupler=120)).found.linkage.coupler == 120
 
 
-def test_a_turn_and_its_time_ratio_are_one_wish():
-    assert gk.load(SWING).found.linkage == gk.load(changed(SWING, crank_turn_deg=None, time_ratio=1.25)).found.linkage
-    assert gk.load(changed(STROKE, time_ratio=1.25)).found.crank_turn_deg == pytest.approx(200)
-
-
-def test_a_branch_defect_is_a_check_that_fails_and_is_told():
+def test_a_branch_defect_is_a_check_that_fails_and_is_reported():
     wish = {"crank_start_deg": 30, "crank_swing_deg": 100, "rocker_start_deg": 120, "rocker_swing_deg": -60}
     recipe = gk.load(changed(SWINGS, **wish))
-    failed = {check.name: str(check) for check in recipe.design_checks if not check.passed}
-    assert "circuit" in failed["defects"]
-    assert "missed swing" in failed and recipe.notes["found"]["defects"] == ["circuit"]
+    assert {"defects", "missed swing"} <= {check.name for check in recipe.design_checks if not check.passed}
+    assert recipe.notes["found"]["defects"] == ["circuit"]
 
 
-@pytest.mark.parametrize(
-    ("recipe", "text"),
-    [
+def test_what_is_refused_is_reported_by_its_key(tmp_path):
+    for recipe, text in [
         (
             changed(SWING, swing_deg=45, crank_turn_deg=100),
             "wanted.crank_turn_deg: found 100 deg, which no crank-rocker",
@@ -120,9 +93,7 @@ def test_a_branch_defect_is_a_check_that_fails_and_is_told():
         ),
         (changed(STROKE, time_ratio=None, crank_turn_deg=80), "wanted.crank_turn_deg: found 80 deg"),
         (changed(STROKE, crank=45), "wanted.crank: found 45 mm, which no such slider-crank has; give more than"),
-        (changed(STROKE, crank=38, offset=4), "wanted.crank: is given together with offset"),
-    ],
-)
-def test_what_is_refused_is_told_by_its_key(recipe, text, tmp_path):
-    with pytest.raises(gk.RecipeError, match=text):
-        gk.make(recipe, tmp_path)
+        (changed(STROKE, crank=38, offset=4), "wanted.crank: is given besides offset"),
+    ]:
+        with pytest.raises(gk.RecipeError, match=text):
+            gk.make(recipe, tmp_path)

@@ -44,10 +44,8 @@ def test_linkages_and_cams_take_it_and_gears_do_not():
 
 # No search, and the others that do not take long.
 ALIKE = (
-    "crank-rocker", "slider-crank", "slider-crank-by-slider", "watt-six-bar", "stephenson-dwell", "shaper", "whitworth",
-    "elliptic-trammel", "scotch-yoke", "oldham-coupling", "sieve", "lift-table", "parallelogram", "coupler-atlas",
-    "inflection-circle", "centrodes", "shaking-force", "roller-cam", "flat-cam", "rocker-cam", "undercut-cam",
-    "polygons", "walking-leg",
+    "slider-crank-by-slider", "watt-six-bar", "shaper", "scotch-yoke", "sieve", "lift-table", "coupler-atlas",
+    "inflection-circle", "shaking-force", "roller-cam", "undercut-cam", "polygons",
 )  # fmt: skip
 
 
@@ -68,20 +66,6 @@ def test_a_scaled_mechanism_moves_as_a_similar_one(name):
         assert before.unit == after.unit
         size = np.nanmax(np.abs(wanted), initial=0.0)
         assert values == pytest.approx(wanted, rel=1e-7, abs=1e-8 * size + 1e-12, nan_ok=True), before.id
-
-
-@pytest.mark.parametrize("name", SCALED)
-def test_stock_and_files_stay_and_no_scale_is_written(name):
-    text = template_of(name)
-    one, big = parse(text), parse("scale = 2.5\n" + text)
-    for table in UNSCALED:
-        assert getattr(one, table, None) == getattr(big, table, None)
-    assert one != big and gk.scaled(one, 2.5) == big
-    written = gk.recipe.to_toml(big)
-    assert "scale" not in tomllib.loads(written) and gk.load(tomllib.loads(written)) == big
-    # Back again.
-    back = gk.scaled(big, 0.4)
-    assert type(back) is type(one)
 
 
 def lengths_of(thing, path=""):
@@ -136,7 +120,7 @@ def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
                 assert after[key] == value, key
 
 
-@pytest.mark.parametrize("name", ["wiper", "double-rocker", "pump-stroke", "poses-by-slider", "square-root-slide"])
+@pytest.mark.parametrize("name", ["poses-by-slider", pytest.param("square-root-slide", marks=pytest.mark.campaign)])
 def test_a_goal_finds_the_similar_linkage(name):
     data = gallery(name)
     one, big = gk.load(data), gk.load(data | {"scale": BIG})
@@ -175,41 +159,7 @@ def test_points_and_lifts_of_files_are_multiplied(tmp_path):
     assert parse(gk.recipe.to_toml(big)) == big
 
 
-def test_an_arm_keeps_its_lifts():
-    recipe = gk.load(gallery("rocker-cam"))
-    big = gk.scaled(recipe, 2)
-    angles = np.linspace(0, 6, 50)
-    assert big.cam.program.motion(angles).lift == pytest.approx(recipe.cam.program.motion(angles).lift)
-    assert big.cam.base_radius == 2 * recipe.cam.base_radius
-
-
-def test_types_are_scaled_with_arrays_and_places_on_the_x_axis():
-    many = gk.scaled(gk.FourBar(100, np.array([20.0, 30.0]), 90, 70, coupler_point=40), 0.5)
-    assert many.crank == pytest.approx([10, 15]) and many.coupler_point == 20 and many.driver == "crank"
-    linkage = gk.Linkage(
-        {"ground": {"O": 0, "C": 100}, "crank": {"O": 0, "A": 30j}, "coupler": {"A": 0, "B": 90}, "rocker": {"C": 0, "B": 70}},
-        "crank", origin=5, estimate={"B": 90 + 60j},
-    )  # fmt: skip
-    big = gk.scaled(linkage, 2)
-    assert big.bodies["ground"] == {"O": 0, "C": 200} and big.bodies["crank"]["A"] == 60j
-    assert big.origin == 10 and big.estimate["B"] == 180 + 120j
-    slider = gk.scaled(gk.SliderCrank(30, 90, 10).linkage, 3)
-    assert slider.size == pytest.approx(3 * gk.SliderCrank(30, 90, 10).linkage.size)
-    six = gk.scaled(gk.load(gallery("watt-six-bar")).linkage, 2)
-    assert six.four_bar.ground == 2 * gk.load(gallery("watt-six-bar")).linkage.four_bar.ground
-
-
-def test_a_branch_by_place_and_a_sliding_driver_go_with_it():
-    data = {"kind": "four-bar", "linkage": BAR, "branches": {"rocker_pin": [60, 60]}}
-    assert gk.load(data | {"scale": 2}).branches == {"rocker_pin": 120 + 120j}
-    assert gk.load(data | {"branches": {"rocker_pin": -1}, "scale": 2}).branches == {"rocker_pin": -1}
-    slide = gallery("slider-crank-by-slider")
-    one, big = gk.load(slide), gk.load(slide | {"scale": 2})
-    assert big.stroke.speed == 2 * one.stroke.speed and len(big.input_range.frames) == len(one.input_range.frames)
-    assert big.table["time"] == pytest.approx(one.table["time"])
-
-
-@pytest.mark.parametrize("scale", [0, -1, 1e7, float("nan"), True, "2", [2]])
+@pytest.mark.parametrize("scale", [0, 1e7, float("nan"), "2"])
 def test_a_scale_that_is_none_is_refused(scale):
     with pytest.raises(gk.RecipeError) as caught:
         gk.load({"kind": "four-bar", "linkage": BAR, "scale": scale})
@@ -225,11 +175,3 @@ def test_what_leaves_its_range_and_what_is_no_linkage_or_cam_is_refused():
         with pytest.raises(gk.DesignError) as refused:
             gk.scaled(thing, 2)
         assert refused.value.field == "thing"
-
-
-def test_tables_of_stock_are_all_known_by_name():
-    """What is declared in `shop` is cut from and held by: no recipe that can be scaled has it under another name."""
-    for name in SCALED:
-        recipe = parse(template_of(name))
-        held = {f.name: type(getattr(recipe, f.name)).__module__ for f in dataclasses.fields(recipe)}
-        assert {key for key, home in held.items() if home.startswith("geomkin.shop")} <= set(UNSCALED)

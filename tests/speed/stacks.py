@@ -20,7 +20,7 @@ from geomkin.linkage.parts import layers
 from geomkin.linkage.parts.collisions import meeting, path_in
 from geomkin.linkage.parts.plates import LinkStock, assemble
 from geomkin.linkage.parts.stack import stack_links
-from tests.shop.mechanisms import JANSEN_LEG
+from tests.linkage.mechanisms import JANSEN_LEG
 
 
 def legs(frames):

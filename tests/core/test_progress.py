@@ -1,0 +1,47 @@
+"""Progress told to whoever listens, within what it listens to; and a search's clock."""
+
+import threading
+
+import pytest
+
+from geomkin.core import progress
+from geomkin.core.progress import Watch, report, shown
+
+
+def test_shares_are_reported_from_0_to_1_to_the_innermost_listener():
+    outer, inner = [], []
+    report(0.5, "nobody listens")
+    with shown(lambda *said: outer.append(said)):
+        report(-0.5, "a")
+        with shown(lambda *said: inner.append(said)):
+            report(0.25, "b")
+            report(1.5, "b")
+        report(1, "c")
+        # Another thread has listeners of its own.
+        other = threading.Thread(target=report, args=(0.5, "elsewhere"))
+        other.start()
+        other.join()
+    report(0.5, "nobody listens any more")
+    assert outer == [(0.0, "a"), (1, "c")] and inner == [(0.25, "b"), (1.0, "b")]
+
+
+def test_a_listener_that_fails_listens_no_longer_than_it_was_to():
+    def failing(share, what):
+        raise ValueError(what)
+
+    with pytest.raises(ValueError, match="here"), shown(failing):
+        report(0.5, "here")
+    report(0.5, "nobody")
+
+
+def test_a_watch_is_over_when_its_time_is_and_says_so_from_then_on(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    watch, said = Watch(5.0, "looking"), []
+    for at, over in ((100.0, False), (104.9, False), (105.0, True), (103.0, True)):
+        now[0] = at
+        # It is cut short only where it was asked and the time was over.
+        assert watch.cut == (at == 103.0) and watch.over() == watch.cut == over
+    with shown(lambda *told: said.append(told)):
+        watch.report(0.75)
+    assert said == [(0.75, "looking")]

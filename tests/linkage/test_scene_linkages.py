@@ -1,0 +1,43 @@
+"""Scenes of linkages that do not close at every frame, and how large polygons are drawn."""
+
+import numpy as np
+
+import geomkin as gk
+from tests.gallery import named
+
+LIMITED = 'kind = "four-bar"\nlinkage = {ground = 100, crank = 80, coupler = 60, rocker = 50}\ndrive = {step_deg = 5}\n'
+
+
+def test_copies_stand_open_where_any_of_them_does_and_each_is_where_its_own_crank_is():
+    text = LIMITED + "copies = [{phase_deg = 40}, {phase_deg = 100, mirrored = true}]\n"
+    own, alone = gk.load(text), gk.load(LIMITED)
+    scene = own.scene
+    there = np.array([np.isfinite(body.direction) for body in scene.bodies]).all(axis=0)
+    assert np.array_equal(scene.assembled, there) and 0 < scene.assembled.sum() < alone.scene.assembled.sum()
+    crank = named(scene, "crank, copy 2").direction
+    ahead = np.exp(1j * np.radians(np.asarray(scene.drive.values) + 40))
+    assert np.abs(crank - ahead)[np.isfinite(crank)].max() < 1e-9
+    high = max(body.layer for body in alone.scene.bodies) + 1
+    layers = {body.name: body.layer for body in scene.bodies}
+    for body in alone.scene.bodies:
+        assert layers[f"{body.name}, copy 2"] == high + body.layer
+        # Turned over, the lowest is the highest.
+        assert layers[f"{body.name}, copy 3"] == 3 * high - 1 - body.layer
+    assert [body.name for body in scene.bodies if body.named] == [body.name for body in alone.scene.bodies]
+
+
+def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
+    scene = gk.load(LIMITED).scene
+    assert not scene.assembled.all()
+    plotted = {header for plot in scene.plots for header in plot.columns}
+    known = {header for header, values in scene.table.to_columns().items() if np.isfinite(values).any()}
+    assert plotted <= known
+    assert {"coupler_angle_deg", "rocker_angle_deg", "transmission_angle_deg", "coupler_omega_rad_per_s"} <= plotted
+    never = gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(3, 3.2, 7))
+    assert not never.assembled.any()
+    told = {
+        header
+        for plot in gk.linkage.linkage_scene(never, gk.linkage.motion_table(never)).plots
+        for header in plot.columns
+    }
+    assert not told & plotted

@@ -1,0 +1,147 @@
+"""The plate of a motor, read back from its drawing, and where it lies in scenes."""
+
+import dataclasses
+
+import ezdxf
+import ezdxf.path
+import numpy as np
+import pytest
+import shapely
+
+import geomkin as gk
+from geomkin.making.motors import MOTORS
+from tests.making.test_bases import PAIR, PLANETARY, RACK, cam
+from tests.texts import parse, template_of
+
+
+def test_the_plate_has_the_face_and_holes_that_makers_draw(tmp_path):
+    """42.3 mm square, screws 31 mm apart round the boss of 22 mm, which the corners stand 43.84 mm across from."""
+    gk.write(gk.making.motor_plate("nema17", thickness=3, clearance=0.2), tmp_path / "plate.dxf")
+    drawing = ezdxf.readfile(tmp_path / "plate.dxf").modelspace()
+    boss, *screws = sorted(drawing.query("CIRCLE"), key=lambda hole: -hole.dxf.radius)
+    places = np.array([complex(*hole.dxf.center.vec2) for hole in screws])
+    assert boss.dxf.radius == pytest.approx(11.1) and {hole.dxf.radius for hole in screws} == {1.7}
+    offsets = places - complex(*boss.dxf.center.vec2)
+    assert (
+        np.abs(offsets) == pytest.approx(43.84 / 2, abs=0.005) and len({np.round(np.angle(z), 6) for z in offsets}) == 4
+    )
+    assert np.ptp(places.real) == np.ptp(places.imag) == pytest.approx(31)
+    (outline,) = drawing.query("LWPOLYLINE[layer=='CUT']")
+    corners = np.array(outline.get_points("xy"))
+    assert np.ptp(corners, axis=0) == pytest.approx([42.3, 42.3])
+
+
+@pytest.mark.parametrize(
+    ("sunk", "name", "longest", "cut"),
+    [
+        (False, "button head screw ISO 7380-1", 30, "M3 screw, {:g} to {:g} mm under its head"),
+        (True, "countersunk screw ISO 7046", 30, "M3 countersunk screw, {:g} to {:g} mm long"),
+    ],
+)
+def test_a_screw_of_a_motor_is_the_longest_that_is_sold_and_reaches_into_it_by_2_to_4_5_mm(sunk, name, longest, cut):
+    sold = [length for length in (4, 5, 6, 8, 10, 12, 16, 20, 25, 30) if length >= (4 if sunk else 6)]
+    found = set()
+    for thickness in np.arange(0.5, 32, 0.5).tolist():
+        fits = [length for length in sold if 2 <= length - thickness <= 4.5]
+        told = f"M3 x {fits[-1]} {name}" if fits else cut.format(thickness + 2, thickness + 4.5)
+        assert MOTORS["nema17"].screw(thickness, sunk=sunk) == told
+        found.add(fits[-1] if fits else None)
+    assert longest in found and None in found
+
+
+KINDS = {"spur-gear": "stock", "gear-pair": "first_stock", "rack-and-pinion": "stock", "planetary": "sun_stock",
+         "disk-cam": "stock"}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["gear-pair", "planetary", "rocker-cam"])
+def test_a_motor_adds_its_plate_below_all_and_changes_nothing_else(name):
+    plain = parse(template_of(name)) if name in KINDS else gk.load(f"recipes/{name}.toml")
+    key = KINDS.get(name, "stock")
+    if getattr(plain, "base", None):
+        plain = dataclasses.replace(plain, base=None)
+    driven = dataclasses.replace(plain, **{key: dataclasses.replace(getattr(plain, key), motor="nema17")})
+    assert sorted(part.name for part in driven.parts) == sorted([*(p.name for p in plain.parts), "motor_plate"])
+    motor, *others = driven.scene.bodies
+    assert (
+        motor.name == "motor" and motor.layer == 0 and not motor.origin.any() and motor.parts[0].name == "motor_plate"
+    )
+    before = {body.name: body for body in plain.scene.bodies}
+    assert [body.name for body in others] == list(before)
+    for body in others:
+        assert body.layer == before[body.name].layer + 1 > motor.layer
+        assert (body.origin == before[body.name].origin).all() and len(body.parts) == len(before[body.name].parts)
+    assert any("NEMA 17" in one.name for one in driven.bought) and not any("NEMA" in one.name for one in plain.bought)
+
+
+# Where a base stands: how it is asked for, the stock of what drives, where its holes for others are, by what the bill
+# tells of their diameters, and how long the motor's shaft is at least: under a cam lies what carries the roller.
+OVER = {
+    "pair": (lambda: gk.load(PAIR + "[base]\n"), "first_stock", {10.2: 1, 4.2: 4}, 12),
+    "rack": (lambda: gk.load(RACK + "[base]\n"), "stock", {4.2: 4}, 12),
+    "planetary": (lambda: gk.load(PLANETARY + "[base]\n"), "sun_stock", {4.2: 10}, 18),
+    "arm": (lambda: cam("arm"), "stock", {6.2: 1, 4.2: 4}, 15),
+    "straight roller": (lambda: cam("roller"), "stock", {4.2: 4}, 15),
+    "small cam": (lambda: cam("undercut"), "stock", {4.2: 4}, 15),
+}
+
+
+def over_a_base(name, **sizes):
+    recipe, key, *_ = OVER[name]
+    plain = recipe()
+    stock = dataclasses.replace(getattr(plain, key), motor="nema17", **{"bore": 5, "bore_form": "D"} | sizes)
+    return dataclasses.replace(plain, **{key: stock})
+
+
+def contours(path, layer):
+    """Polygons of all that a drawing has on a layer."""
+    for entity in ezdxf.readfile(path).modelspace().query(f"*[layer=='{layer}']"):
+        yield shapely.Polygon([(p.x, p.y) for p in ezdxf.path.make_path(entity).flattening(1e-4)])
+
+
+def square(middle, side):
+    return shapely.box(middle.x - side / 2, middle.y - side / 2, middle.x + side / 2, middle.y + side / 2)
+
+
+def width(hole):
+    return round(hole.bounds[2] - hole.bounds[0], 3)
+
+
+@pytest.mark.parametrize("name", ["rack", "planetary", "arm", "small cam"])
+def test_a_base_has_the_motor_s_holes_and_keeps_all_others_off_its_face(tmp_path, name):
+    """In the written base: boss and screws as makers draw them, and nothing else within the square of 42.3 mm."""
+    _, _, others, _ = OVER[name]
+    recipe = over_a_base(name)
+    gk.write([part for part in recipe.parts if part.name == "base"], tmp_path / "base.dxf")
+    (plate,), holes = contours(tmp_path / "base.dxf", "CUT"), list(contours(tmp_path / "base.dxf", "HOLE"))
+    (boss,) = [hole for hole in holes if width(hole) == 22.2]
+    screws = [hole for hole in holes if width(hole) == 3.4]
+    places = np.array([complex(hole.centroid.x, hole.centroid.y) for hole in screws])
+    middle = complex(boss.centroid.x, boss.centroid.y)
+    assert len(screws) == 4 and np.abs(places - middle) == pytest.approx(43.84 / 2, abs=0.005)
+    assert np.ptp(places.real) == pytest.approx(31, abs=1e-3) and np.ptp(places.imag) == pytest.approx(31, abs=1e-3)
+    face = square(boss.centroid, 42.3)
+    rest = [hole for hole in holes if hole is not boss and not any(hole is screw for screw in screws)]
+    found = {size: sum(width(hole) == size for hole in rest) for size in others}
+    assert plate.contains(face) and all(hole.disjoint(face) for hole in rest) and found == others
+    # Heads of the base's screws, twice as wide, are clear of the motor, too.
+    assert all(hole.centroid.distance(face) >= 4 for hole in rest if width(hole) == 4.2)
+
+
+SMALL = PAIR.replace("bore = 8", 'bore = 5, motor = "nema17"').replace("module = 3", "module = 1") + "[base]\n"
+NEAR = SMALL.replace("module = 1", "module = 1.5")
+
+
+@pytest.mark.parametrize(
+    ("recipe", "field", "words"),
+    [
+        (lambda: over_a_base("pair", thickness=1.9), "first_stock.motor", "at least 2 mm"),
+        (lambda: over_a_base("pair", bore=0, bore_form="round"), "first_stock.bore", "at least 0.01 mm"),
+        (lambda: gk.load(SMALL), "first_stock.motor", "mm"),
+        # 28.25 mm apart, the hole of 10.2 mm would be clear of the face, but its collar of 20 mm is not.
+        (lambda: gk.load(NEAR), "first_stock.motor", "2.9 mm"),
+    ],
+)
+def test_what_would_meet_the_motor_is_refused(recipe, field, words):
+    with pytest.raises(gk.DesignError) as caught:
+        _ = recipe().parts
+    assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"

@@ -1,0 +1,68 @@
+"""Sizes of what is sold, as the standards print them: what is bought by another would not fit."""
+
+from geomkin.making.bores import LENGTHS as KEY_LENGTHS
+from geomkin.making.bores import PARALLEL_KEYS
+from geomkin.making.fasteners import LENGTHS, SIZES
+from geomkin.making.fits import MOTOR_FLATS
+
+# DIN 6885-1: shaft up to, width, height, depth in the shaft, in the hub, lengths from and to.
+KEYS = """
+  8  2  2  1.2  1.0   6  20
+ 10  3  3  1.8  1.4   6  36
+ 12  4  4  2.5  1.8   8  45
+ 17  5  5  3.0  2.3  10  56
+ 22  6  6  3.5  2.8  14  70
+ 30  8  7  4.0  3.3  18  90
+ 38 10  8  5.0  3.3  22 110
+ 44 12  8  5.0  3.3  28 140
+ 50 14  9  5.5  3.8  36 160
+ 58 16 10  6.0  4.3  45 180
+ 65 18 11  7.0  4.4  50 200
+ 75 20 12  7.5  4.9  56 220
+ 85 22 14  9.0  5.4  63 250
+ 95 25 14  9.0  5.4  70 280
+110 28 16 10.0  6.4  80 320
+130 32 18 11.0  7.4  90 360
+150 36 20 12.0  8.4 100 400
+170 40 22 13.0  9.4 100 400
+200 45 25 15.0 10.4 110 400
+230 50 28 17.0 11.4 125 400
+"""
+# Thread, its pitch, the head's diameter and height (ISO 7380-1, below M3 ISO 4762), lengths from and to, the nut's
+# corners and height (ISO 7040, below M3 ISO 4032), the washer's outer diameter and thickness (ISO 7089).
+SCREWS = """
+2.0 0.40  3.8 2.00  3 20  4.32 1.6  5 0.3
+2.5 0.45  4.5 2.50  4 25  5.45 2.0  6 0.5
+3.0 0.50  5.7 1.65  6 30  6.01 4.5  7 0.5
+4.0 0.70  7.6 2.20  8 40  7.66 6.0  9 0.8
+5.0 0.80  9.5 2.75 10 50  8.79 6.8 10 1.0
+6.0 1.00 10.5 3.30 10 60 11.05 8.0 12 1.6
+8.0 1.25 14.0 4.40 12 80 14.38 9.5 16 1.6
+"""
+# R20 and R10 numbers as shops have them: ISO 888 of screws, DIN 6885-1 of keys.
+OF_SCREWS = "3 4 5 6 8 10 12 16 20 25 30 35 40 45 50 55 60 65 70 80"
+OF_KEYS = """6 8 10 12 14 16 18 20 22 25 28 32 36 40 45 50 56 63 70 80 90 100 110 125 140 160 180 200 220 250 280 400"""
+
+
+def rows(table):
+    return [[float(number) for number in line.split()] for line in table.split("\n") if line.strip()]
+
+
+def test_keys_are_those_of_the_standard():
+    found = [
+        [k.thickest, k.width, k.height, k.shaft_depth, k.hub_depth, *k.lengths] for k in PARALLEL_KEYS
+    ]  # fmt: skip
+    assert found == rows(KEYS)
+    assert [list(KEY_LENGTHS)] == rows(OF_KEYS.replace("\n", " "))
+
+
+def test_screws_nuts_and_washers_are_those_of_the_standards():
+    found = [[d, s.pitch, *s.head, *s.lengths, s.nut_width, s.nut_height, *s.washer] for d, s in SIZES.items()]
+    assert found == rows(SCREWS)
+    assert [list(LENGTHS)] == rows(OF_SCREWS)
+    assert {s.screw.split()[-1] for d, s in SIZES.items() if d < 3} == {"4762"}
+    assert {s.nut.split()[-1] for d, s in SIZES.items() if d >= 3} == {"7040"}
+
+
+def test_flats_of_motors_shafts_leave_half_a_millimetre_and_more():
+    assert MOTOR_FLATS == {3: 2.5, 4: 3.5, 5: 4.5, 6: 5.5, 8: 7.5}

@@ -1,0 +1,165 @@
+"""Recipes from a file, a text, a table and Python: the same recipe, the same files; refusals in a person's words."""
+
+import dataclasses
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.build import check_recipe
+from geomkin.recipe.kinds import KINDS, recipe_class
+from geomkin.recipe.load import adapter
+from tests.texts import template_of
+
+GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = ["csv"] }\n'
+TABLE = tomllib.loads(GEAR)
+
+
+def contents(folder):
+    """Name -> bytes of all files."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def without_none(told):
+    """The same without what was left out, which TOML cannot say."""
+    if isinstance(told, list):
+        return [without_none(part) for part in told]
+    return {k: without_none(v) for k, v in told.items() if v is not None} if isinstance(told, dict) else told
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    text = template_of(name)
+    Path("new.toml").write_text(text)
+    recipe = gk.load(text)
+    assert recipe == gk.load(tomllib.loads(text)) == gk.load("new.toml") == gk.load(Path("new.toml"))
+    assert gk.load("new.toml").name == "new" and recipe.name == ""
+    fields = {f.name: getattr(recipe, f.name) for f in dataclasses.fields(recipe)}
+    built = recipe_class(name)(**fields)
+    assert built == recipe and type(built) is recipe_class(name)
+    # What the summary tells of it is a recipe again.
+    assert gk.load(without_none(adapter(type(recipe)).dump_python(recipe, mode="json"))) == recipe
+
+
+def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
+    (tmp_path / "from-file.toml").write_text(GEAR)
+    made = [
+        gk.make(tmp_path / "from-file.toml", tmp_path),
+        gk.make(gk.load(tmp_path / "from-file.toml").with_name("called"), tmp_path),
+        gk.make(GEAR, tmp_path),
+        gk.make(TABLE, tmp_path),
+        gk.make(gk.gear.SpurGearRecipe(gear=gk.SpurGear(17, 2)), tmp_path, only=["csv"]),
+    ]
+    assert [m.name for m in made] == ["from-file", "called", "spur-gear", "spur-gear", "spur-gear"]
+    assert all((tmp_path / m.name / f"{m.name}.csv") in m.files and m.checks for m in made)
+
+
+def test_another_recipe_of_the_same_name_replaces_the_first_ones_files(tmp_path):
+    bars = gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, 30, 90, 70)).with_name("same")
+    gk.make(bars, tmp_path)
+    (tmp_path / "same" / "mine.txt").write_text("kept")
+    gk.make(gk.load(GEAR).with_name("same"), tmp_path)
+    assert sorted(contents(tmp_path / "same")) == ["mine.txt", "same.csv", "summary.json"]
+
+
+def test_what_is_known_of_a_recipe_is_worked_out_once_and_stays_when_it_is_renamed():
+    recipe = gk.load(GEAR)
+    for what in ("design", "table", "parts", "checks"):
+        first = getattr(recipe, what)
+        assert getattr(recipe, what) is first and getattr(recipe.with_name("b"), what) is first
+    assert recipe.with_name("b") == recipe and hash(recipe.with_name("b")) == hash(recipe) and recipe.name == ""
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        recipe.name = "c"
+
+
+def test_files_that_a_text_or_a_table_names_lie_in_the_working_folder(tmp_path, monkeypatch):
+    rows = "cam_angle_deg,lift_mm\n" + "".join(
+        f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10)
+    )
+    (tmp_path / "lift.csv").write_text(rows)
+    follower = '{ kind = "translating-roller", roller_radius = 10 }'
+    program = '[{ kind = "table", file = "lift.csv", decimals = 3 }]'
+    text = f'kind = "disk-cam"\ncam = {{ base_radius = 40, follower = {follower}, program = {program} }}\n'
+    with pytest.raises(gk.RecipeError, match="file"):
+        gk.load(text)
+    monkeypatch.chdir(tmp_path)
+    assert gk.load(text) == gk.load(tomllib.loads(text))
+
+
+def test_what_a_table_cannot_hold_is_reported_by_its_key():
+    for table, key in [
+        ({}, "kind"),
+        ({"kind": ["spur-gear"]}, "kind"),
+        ({"kind": "spur-gear"}, "gear"),
+        ({"kind": "spur-gear", "gear": None}, "gear"),
+        ({"kind": "spur-gear", "gear": {"teeth": 24, "module": float("nan")}}, "gear.module"),
+        ({"kind": "spur-gear", "gear": {"teeth": 24, "module": np.array([2.0, 3.0])}}, "gear.module"),
+        (TABLE | {"files": {"write": "csv"}}, "files.write"),
+        (TABLE | {"files": {"write": [{}]}}, "files.write[0]"),
+        (TABLE | {"speed": 3}, "speed"),
+        (TABLE | {"new\nline": 3}, "new?line"),
+    ]:
+        with pytest.raises(gk.RecipeError) as caught:
+            gk.load(table)
+        assert [p.key for p in caught.value.problems] == [key] and str(caught.value).isprintable()
+
+
+NEITHER = [
+    None,
+    3,
+    2.5,
+    True,
+    b"kind = 3\n",
+    ["a.toml"],
+    object(),
+    gk.FourBar,
+    gk.SpurGear(24, 2),
+    gk.gear.SpurGearRecipe,
+]
+
+
+def test_invalid_recipe_is_refused_by_name(tmp_path):
+    for wrong in NEITHER:
+        with pytest.raises(gk.DesignError, match="^source:"):
+            gk.load(wrong)
+        for verb, more in ((gk.make, {"out": tmp_path}), (check_recipe, {})):
+            with pytest.raises(gk.DesignError, match="^recipe:"):
+                verb(wrong, **more)
+        assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("path", ["absent.toml", "", ".", "a\0b", "x" * 5000, Path("absent\x1b.toml")])
+def test_a_file_that_cannot_be_read_is_reported(tmp_path, monkeypatch, path):
+    monkeypatch.chdir(tmp_path)
+    for verb in (gk.load, gk.make, check_recipe):
+        with pytest.raises(gk.FileError) as caught:
+            verb(path)
+        assert str(caught.value).isprintable()
+
+
+def test_only_is_a_row_of_formats(tmp_path):
+    for only in ["csv", ["pdf"], ["csv", "pdf"], [3], {"csv": 1}, 3, [["csv"]], ["CSV"]]:
+        with pytest.raises(gk.DesignError, match="^only:"):
+            gk.make(GEAR, tmp_path, only)
+        assert not list(tmp_path.iterdir())
+
+
+def test_a_name_that_makes_no_plain_files_is_refused(tmp_path):
+    for name in ["..", "a/b", "con", " a", "\ud800", "x" * 300, "a\nb", "/etc/passwd"]:
+        recipe = gk.load(GEAR).with_name(name)
+        for verb, more in ((gk.make, {"out": tmp_path}), (check_recipe, {})):
+            with pytest.raises(gk.RecipeError, match="its name") as caught:
+                verb(recipe, **more)
+            assert str(caught.value).isprintable()
+        assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("place", ["taken", "taken/deeper", "no\0file"])
+def test_a_place_that_takes_no_files_is_reported(tmp_path, place):
+    (tmp_path / "taken").write_text("in the way")
+    with pytest.raises(gk.FileError):
+        gk.make(GEAR, tmp_path / place)
+    assert (tmp_path / "taken").read_text() == "in the way"

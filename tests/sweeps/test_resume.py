@@ -1,0 +1,121 @@
+"""What a sweep is called, what it says while it works, what a run goes on with, and who works out what."""
+
+from concurrent.futures import Executor, Future
+
+import pytest
+
+import geomkin as gk
+from geomkin.sweeps import sweep as sweeping
+from tests.sweeps.test_sweep import BAR
+
+SIZES = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+TABLE = {"kind": "four-bar", "linkage": SIZES, "drive": {"step_deg": 90}}
+ONE = {"linkage.crank": [20]}
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in/bar 7.toml").write_text(BAR)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("source", "name"),
+    [
+        (lambda: "in/bar 7.toml", "bar 7"),
+        (lambda: BAR, "four-bar"),
+        (lambda: gk.load(BAR).with_name("mine"), "mine"),
+    ],
+    ids=["file", "text", "recipe with a name"],
+)
+def test_a_sweep_is_called_as_its_recipe_is(here, source, name):
+    found = gk.sweep(source(), ONE, (), "made")
+    assert found.name == name
+    assert sorted(path.as_posix() for path in found.files) == [
+        f"made/{name}/{name}.sweep.{end}" for end in ("csv", "html")
+    ]
+    for path, size in found.files.items():
+        assert path.stat().st_size == size > 100
+    assert f"<title>{name}: a sweep</title>" in (here / f"made/{name}/{name}.sweep.html").read_text()
+    assert gk.sweep(source(), ONE, (), "made").kept == 1 and gk.sweep(source(), ONE).files == {}
+
+
+def test_a_recipe_whose_tables_stand_in_another_order_is_the_same(here):
+    gk.sweep(TABLE, ONE, (), "made")
+    turned = {"drive": {"step_deg": 90}, "linkage": dict(reversed(SIZES.items())), "kind": "four-bar"}
+    again = gk.sweep(turned, ONE, (), "made")
+    assert (again.kept, again.anew) == (1, False)
+    other = gk.sweep(TABLE | {"drive": {"step_deg": 45}}, ONE, (), "made")
+    assert (other.kept, other.anew) == (0, True)
+    # Names that are told twice are told once.
+    assert gk.sweep(TABLE, ONE, ["grashof_type", "grashof_type"]).rows[0].told == {"grashof_type": "crank-rocker"}
+
+
+class Failing(Executor):
+    """Works its first job at once, fails at the second, and leaves later ones undone."""
+
+    def __init__(self):
+        self.given, self.undone = [], []
+
+    def submit(self, work, task, batch):
+        future = Future()
+        self.given.append(batch)
+        if len(self.given) == 1:
+            future.set_result(work(task, batch))
+        elif len(self.given) == 2:
+            future.set_exception(RuntimeError("out of light"))
+        else:
+            self.undone.append(future)
+        return future
+
+
+def test_what_was_found_is_handed_on_before_what_went_wrong_and_what_waits_is_called_off(here, monkeypatch):
+    monkeypatch.setattr(sweeping, "AHEAD", 4)
+    failing = Failing()
+    # Of the first four jobs one works, the second fails, the others wait without end.
+    with pytest.raises(gk.DesignError) as refusal:
+        gk.sweep(TABLE, {"linkage.crank": [10 + k for k in range(30)]}, (), "made", failing)
+    assert refusal.value.field == "executor" and "out of light" in refusal.value.problem
+    assert len(failing.given) in (4, 5) and failing.undone and all(one.cancelled() for one in failing.undone)
+    assert gk.sweep(TABLE, {"linkage.crank": [10, 11, 12, 13]}, (), "made").kept == 4
+
+
+def test_a_refusal_of_ours_in_an_executor_stays_what_it_is(here):
+    class Refusing(Executor):
+        def submit(self, *_):
+            raise gk.DesignError("crank", "found 1", "give 2")
+
+    with pytest.raises(gk.DesignError, match="^crank:"):
+        gk.sweep(TABLE, ONE, (), None, Refusing())
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (lambda: gk.load(BAR).with_name("con"), "con: (whole file): its name cannot name a folder and files: Windows"),
+        (lambda: {"kind": "con"}, "recipe: (whole file): its name cannot name"),
+        (lambda: 'kind = "a/b"\n', "recipe: (whole file): its name cannot name"),
+        (lambda: "in/aux.toml", "in/aux.toml: (whole file): its name cannot name"),
+    ],
+)
+def test_what_cannot_name_files_is_refused_under_what_it_came_from(here, source, words):
+    (here / "in/aux.toml").write_text(BAR)
+    with pytest.raises(gk.RecipeError) as refusal:
+        gk.sweep(source(), ONE)
+    assert str(refusal.value).startswith(words)
+
+
+def test_a_slip_in_one_of_several_keys_is_reported_at_once_and_the_recipe_s_own_in_its_rows(here):
+    good = {"linkage.crank": [20, 25]}
+    for key, found in (("linkage.crnk", "linkage.crnk"), ("shaft.bore", "shaft"), ("odd[0]", "odd"), ("odd", "odd")):
+        for values in ({**good, key: [1]}, {key: [1], **good}):
+            with pytest.raises(gk.DesignError) as refusal:
+                gk.sweep(TABLE | ({"odd": [1, 2]} if "odd" in key else {}), values, (), "made")
+            assert (refusal.value.field, refusal.value.problem) == (found, "unknown key")
+    assert not (here / "made").exists()
+    # A key that only begins like one that was asked for is the recipe's own slip.
+    table = TABLE | {"linkage": SIZES | {"cra": 3}}
+    rows = gk.sweep(table, good).rows
+    assert len(rows) == 2 and all(row.refused.startswith("linkage.cra: unknown key") for row in rows)
