@@ -77,7 +77,7 @@ def watched(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
     monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
-    monkeypatch.setattr("geomkin.core.processes._cores", lambda: 1)
+    monkeypatch.setattr("geomkin.core.processes.worker_count", lambda: 1)
     handler = signal.getsignal(signal.SIGINT)
     real = build.make
 

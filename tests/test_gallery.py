@@ -66,7 +66,7 @@ def test_a_recipe_is_written_as_it_was_read_and_its_scene_shows_its_parts(name, 
 def test_files_of_a_recipe_are_its_parts_and_its_table_and_those_kept(name, tmp_path):
     own = recipe(name)
     result = gk.make(own, tmp_path)
-    assert {check.name for check in result.checks if not check.passed} == set(own.expected_failures)
+    assert {check.id for check in result.checks if not check.passed} == set(own.expected_failures)
     folder = tmp_path / name
     drawing_and_solids_are_the_parts(own, folder)
     contours_are_apart_and_engravings_lie_on_one_part(own, folder)

@@ -22,6 +22,12 @@ from .solve.placement import Placement
 if TYPE_CHECKING:
     from .solve.program import Formulas
 
+# Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
+MOTION_ATTRIBUTES = frozenset(
+    "assembled bodies branches drive error_amplification linkage point residual slide solution timing to_columns "
+    "transmission_angle".split()
+)
+
 
 def _are_bodies(value: Any) -> bool:
     return isinstance(value, Mapping) and all(
@@ -219,13 +225,9 @@ class Linkage(AbstractLinkage):
         self._check_driver()
 
     def _check_body_names(self) -> None:
-        """A body is an attribute of its `Motion`, so it may not be named as one that a Motion has anyway."""
-        from .motion import Motion  # here, because motion.py imports this module
-
-        taken = [name for name in self.bodies if hasattr(Motion, name) or name in Motion.__dataclass_fields__]
-        if taken:
-            problem = f"a body is named {shown(taken[0])}, which is an attribute of every Motion"
-            raise DesignError("bodies", problem, f"give it another name, such as {taken[0]}_body")
+        if taken := [name for name in self.bodies if name in MOTION_ATTRIBUTES or name.startswith("_")]:
+            problem = f"a body is named {shown(taken[0])}, which is reserved for an attribute of Motion"
+            raise DesignError("bodies", problem, f"give it another name, such as {taken[0].lstrip('_')}_body")
 
     def _check_driver(self) -> None:
         """A driver that could be meant as an angle or as a displacement is refused."""

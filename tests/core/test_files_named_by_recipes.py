@@ -31,7 +31,7 @@ def test_what_lies_elsewhere_is_no_recipe_s(tmp_path):
     (tmp_path / "in/link.csv").symlink_to(tmp_path / "a.csv")
     for name in ("../a.csv", "link.csv", str(tmp_path / "a.csv")):
         refused(name, tmp_path / "in")
-        assert beside.text_beside(tmp_path / "in" / name, None, "a CSV file") == "1"
+        assert beside.read_text_file(tmp_path / "in" / name, None, "a CSV file") == "1"
 
 
 @pytest.mark.parametrize(

@@ -243,8 +243,8 @@ def test_a_triangle_can_be_cut_and_be_a_hole(arcs, kerf):
 
 def test_what_cannot_be_cut_is_refused():
     for part, words in [
-        (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(0, 11),), 1), "reaches the outline"),
-        (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(9, 2),), 1), "reaches the outline"),
+        (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(0, 11),), 1), "hole 1"),
+        (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(9, 2),), 1), "hole 1"),
         (gk.Part("p", gk.plane.Circle(0, 10), (gk.plane.Circle(0, 2), gk.plane.Circle(3, 2)), 1), "two holes meet"),
         (gk.Part("p", gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 1), "crosses itself"),
         (gk.Part("p", gk.plane.Circle(0, 1e-3), (), 1), "ten times the tolerance"),

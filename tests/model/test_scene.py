@@ -45,7 +45,7 @@ def test_everything_has_as_many_rows_as_there_are_frames():
             },
         ),
     ]:
-        assert scene(**changes(FRAMES)).drive.name == "t"
+        assert scene(**changes(FRAMES)).drive.id == "t"
         for count in (FRAMES - 1, FRAMES + 1):
             with pytest.raises(gk.DesignError) as refusal:
                 scene(**changes(count))

@@ -29,11 +29,11 @@ def found(goal):
         ("swing", "swing_deg", 50, "missed swing", 1e-4),
         ("swing", "crank_turn_deg", 200, "missed turn of the crank", 1e-4),
         ("swings", "rocker_swing_deg", 40, "missed swing", 1e-4),
-        ("swings", "overshoot_deg", 0, "rocker's way beyond its places", 1e-4),
+        ("swings", "overshoot_deg", 0, "rotation of the rocker beyond its positions", 1e-4),
         ("stroke", "stroke", 80, "missed stroke", 80e-6),
         ("stroke", "crank_turn_deg", 360 * 1.2 / 2.2, "missed turn of the crank", 1e-4),
         ("poses", "pose_error", 0, "largest distance from a pose", 0.01),
-        ("poses", "angle_error_deg", 0, "largest turn from a pose", 0.01),
+        ("poses", "angle_error_deg", 0, "largest rotation from a pose", 0.01),
         ("path", "largest_distance", 0, "largest distance of a point from the path", np.hypot(30, 5) / 20),
     ],
 )

@@ -48,7 +48,7 @@ class DiscRecipe(AbstractRecipe):
 
     @property
     def design_checks(self):
-        return (gk.Check("radius", self.disc.radius, "at least", 10.0, "mm"),)
+        return (gk.Check("radius", "radius", self.disc.radius, "at least", 10.0, "mm"),)
 '''
 
 

@@ -93,7 +93,7 @@ def test_what_is_refused_is_reported_by_its_key(tmp_path):
         ),
         (changed(STROKE, time_ratio=None, crank_turn_deg=80), "wanted.crank_turn_deg: found 80 deg"),
         (changed(STROKE, crank=45), "wanted.crank: found 45 mm, which no such slider-crank has; give more than"),
-        (changed(STROKE, crank=38, offset=4), "wanted.crank: is given besides offset"),
+        (changed(STROKE, crank=38, offset=4), "wanted.crank: is given together with offset"),
     ]:
         with pytest.raises(gk.RecipeError, match=text):
             gk.make(recipe, tmp_path)

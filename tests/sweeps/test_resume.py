@@ -92,19 +92,19 @@ def test_a_refusal_of_ours_in_an_executor_stays_what_it_is(here):
 
 
 @pytest.mark.parametrize(
-    ("source", "words"),
+    "source",
     [
-        (lambda: gk.load(BAR).with_name("con"), "con: (whole file): its name cannot name a folder and files: Windows"),
-        (lambda: {"kind": "con"}, "recipe: (whole file): its name cannot name"),
-        (lambda: 'kind = "a/b"\n', "recipe: (whole file): its name cannot name"),
-        (lambda: "in/aux.toml", "in/aux.toml: (whole file): its name cannot name"),
+        lambda: gk.load(BAR).with_name("con"),
+        lambda: {"kind": "con"},
+        lambda: 'kind = "a/b"\n',
+        lambda: "in/aux.toml",
     ],
 )
-def test_what_cannot_name_files_is_refused_under_what_it_came_from(here, source, words):
+def test_what_cannot_name_files_is_refused_under_what_it_came_from(here, source):
     (here / "in/aux.toml").write_text(BAR)
     with pytest.raises(gk.RecipeError) as refusal:
         gk.sweep(source(), ONE)
-    assert str(refusal.value).startswith(words)
+    assert [(problem.key, problem.id) for problem in refusal.value.problems] == [("", "out-of-range")]
 
 
 def test_a_slip_in_one_of_several_keys_is_reported_at_once_and_the_recipe_s_own_in_its_rows(here):

@@ -219,7 +219,7 @@ def test_invalid_options_are_refused_before_any_work(file, tmp_path):
     for values, tell, words in [
         ({"linkage.crnk": [1]}, [], "linkage.crnk"),
         ({"linkge.crank": [1]}, [], "linkge"),
-        ({"linkage.crank": [30]}, ["transmission_angle:least"], "tell"),
+        ({"linkage.crank": [30]}, ["transmission:least"], "tell"),
         ({"linkage.crank": [30]}, ["grashof"], "tell"),
         ({"linkage.crank": [30]}, ["transmission_angle_deg:lest"], "tell"),
         ({"linkage.crank": [float("nan")]}, [], "linkage.crank"),
