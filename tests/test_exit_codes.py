@@ -81,11 +81,11 @@ def watched(monkeypatch, tmp_path):
     handler = signal.getsignal(signal.SIGINT)
     real = build.make
 
-    def make(file, *rest):
+    def make(file, **options):
         if "= 33" in file.read_text():
             report(0.375, "looking for teeth")
             report(1.0, "looking for teeth")
-        return real(file, *rest)
+        return real(file, **options)
 
     monkeypatch.setattr(build, "make", make)
 

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
 MOTION_ATTRIBUTES = frozenset(
-    "assembled bodies branches drive error_amplification linkage point residual slide solution timing to_columns "
-    "transmission_angle".split()
+    ["assembled", "bodies", "branches", "drive", "error_amplification", "linkage", "point", "residual", "slide", "solution", "timing", "to_columns", "transmission_angle"]
 )
 
 

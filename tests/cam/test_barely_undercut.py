@@ -8,7 +8,7 @@ import geomkin as gk
 from .cams import running_back
 
 # Shares by which the base radius lies below the limit; the loops of the profile shrink to rounding.
-SHARES = 10.0 ** -np.arange(3.0, 14)
+SHARES = 10.0 ** -np.arange(3.0, 14, 2)
 FOLLOWERS = {
     "flat": gk.TranslatingFlat(0),
     "tilted": gk.TranslatingFlat(8),
@@ -27,8 +27,9 @@ def program(law):
     return gk.Program(segments)
 
 
-@pytest.mark.parametrize("law", ["harmonic", "parabolic", "3-4-5"])
-@pytest.mark.parametrize("follower", FOLLOWERS)
+@pytest.mark.parametrize(
+    ("follower", "law"), [("flat", "harmonic"), ("tilted", "parabolic"), ("roller", "3-4-5"), ("offset", "harmonic")]
+)
 def test_the_outline_is_closed_and_grows_with_the_base_circle(follower, law):
     follower, made, areas = FOLLOWERS[follower], program(law), []
     radius = gk.cam.least_base_circle(follower, made, "clockwise", 89.0).radius
@@ -49,20 +50,19 @@ def hump(turned):
 
 
 @pytest.mark.parametrize("follower", [gk.TranslatingFlat(0), gk.TranslatingFlat(8), gk.TranslatingRoller(60)])
-def test_where_the_programme_begins_alters_no_cam(follower):
+def test_start_of_the_program_does_not_matter(follower):
     """The hump stands in the middle, or the turn ends and begins on one of its sides, or on its top."""
     radius = gk.cam.least_base_circle(follower, hump(0), "clockwise", 89.0).radius
-    for share in SHARES[::4]:
+    for share in SHARES[::3]:
         cuts = [gk.undercut(gk.Cam(follower, hump(k), radius * (1 - share), "clockwise")) for k in (0, 6, 9, 12)]
         areas = np.array([gk.area(cut.outline) for cut in cuts])
         assert np.ptp(areas) < 1e-9 * areas[0]
         assert np.ptp([cut.worst[0] for cut in cuts]) < 1e-9 * radius
 
 
-@pytest.mark.parametrize("jump", [1e-7, 1e-6, 1e-5, 1e-2])
-@pytest.mark.parametrize("back", [1e-10, 1e-9, 3e-8, 1e-6, 1e-3])
+@pytest.mark.parametrize(("jump", "back"), [(1e-7, 1e-10), (1e-6, 1e-3), (1e-5, 3e-8), (1e-2, 1e-6)])
 @pytest.mark.parametrize(("tilt", "direction"), [(0, "counterclockwise"), (10, "clockwise")])
-def test_a_cam_that_runs_back_on_both_sides_of_a_jump_loses_no_more_than_its_tip(jump, back, tilt, direction):
+def test_double_run_back_loses_only_the_tip(jump, back, tilt, direction):
     """At 70 mm its radius of curvature at the joint would be 0; below, contact runs back before it and after it."""
     base = 70 * np.cos(np.radians(tilt)) * (1 - back)
     cut = gk.undercut(gk.Cam(gk.TranslatingFlat(tilt), running_back(jump), base, direction))

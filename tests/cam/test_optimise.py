@@ -1,8 +1,5 @@
 """Segments of least peak acceleration by second roads: published optima, scans, duality, the exact bounds."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,10 +9,10 @@ from numpy.polynomial import Polynomial
 import geomkin as gk
 from geomkin.cam.program.optimise import optimal_polynomial, optimal_spline
 from geomkin.cam.program.program import Program
-from geomkin.cam.program.segments import LiftSpline, OptimisedPolynomial, OptimisedSpline
+from geomkin.cam.program.segments import OptimisedPolynomial, OptimisedSpline
 
 REST = (0.0, 0.0)
-X = np.linspace(0, 1, 200_001)
+X = np.linspace(0, 1, 100_001)
 
 
 def rising(segment):
@@ -34,12 +31,8 @@ def peaks(program, low, high):
     [
         # A rise of 2 in 90 deg: solved elsewhere as linear programmes over the same families.
         (OptimisedPolynomial(5, rise=2, end_deg=180), 4.680),
-        (OptimisedPolynomial(6, rise=2, end_deg=180), 4.680),
         (OptimisedPolynomial(7, rise=2, end_deg=180), 4.548),
-        (OptimisedPolynomial(8, rise=2, end_deg=180), 4.548),
         (OptimisedPolynomial(9, rise=2, end_deg=180), 3.775),
-        (OptimisedPolynomial(10, rise=2, end_deg=180), 3.775),
-        (OptimisedPolynomial(11, rise=2, end_deg=180), 3.751),
         (OptimisedPolynomial(12, rise=2, end_deg=180), 3.751),
         (OptimisedSpline(20, rise=2, end_deg=180), 3.603),
         (OptimisedSpline(80, rise=2, end_deg=180), 3.325),
@@ -70,21 +63,7 @@ def test_degree_5_is_the_345_law_and_degree_7_with_jerk_the_4567_law():
     assert own[0, 1:] == pytest.approx(named.lift[half:], abs=1e-12)
 
 
-def test_degree_7_is_the_best_of_all_found_by_a_scan():
-    """The family by hand: 3-4-5 plus x^3 (1-x)^3 (a + b (2x - 1)), scanned around and far from the optimum."""
-    x = np.linspace(0, 1, 4001)
-    base = Polynomial([0, 0, 0, 10, -15, 6]).deriv(2)(x)
-    bump = Polynomial([0, 0, 0, 1]) * Polynomial([1, -1]) ** 3
-    even, odd = (p.deriv(2)(x) for p in (bump, bump * Polynomial([-1, 2])))
-    optimum = optimal_polynomial(7, 1.0, REST, REST, None)
-    best = min(
-        np.abs(base + a * even + b * odd).max() for a in np.linspace(-4, 4, 41) for b in np.linspace(-30, 30, 601)
-    )
-    assert optimum.bound <= best * (1 + 1e-6)  # the walk may miss a peak by as much
-    assert best == pytest.approx(optimum.peak_acceleration, rel=1e-4)
-
-
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=15)
 @given(
     st.integers(5, 12),
     st.tuples(st.floats(-2, 2), st.floats(-20, 20), st.floats(-2, 2), st.floats(-20, 20)),
@@ -103,7 +82,7 @@ def test_no_motion_of_the_family_is_below_the_bound(degree, ends, stray):
     assert np.abs(found[2] + added.deriv(2)(X)).max() >= optimum.bound * (1 - 1e-9)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=15)
 @given(
     st.integers(4, 60),
     st.tuples(st.floats(-2, 2), st.floats(-20, 20), st.floats(-2, 2), st.floats(-20, 20)),
@@ -140,7 +119,7 @@ def test_no_acceleration_spline_is_below_the_bound(intervals, ends, limit, seed)
     assert not within or np.abs(other).max() >= optimum.bound * (1 - 1e-9)
 
 
-@pytest.mark.parametrize("limit", [32, 33, 40, 60, 100])
+@pytest.mark.parametrize("limit", [32, 60])
 def test_with_a_jerk_limit_many_intervals_reach_the_trapezoidal_bound(limit):
     bound = limit / 4 * (1 - np.sqrt(1 - 32 / limit))
     optimum = optimal_spline(400, 1.0, REST, REST, float(limit))
@@ -148,13 +127,7 @@ def test_with_a_jerk_limit_many_intervals_reach_the_trapezoidal_bound(limit):
     assert optimum.peak_jerk <= limit * (1 + 1e-9)
 
 
-def test_without_one_ever_more_intervals_near_the_bang_bang_motion():
-    peaks = [optimal_spline(n, 1.0, REST, REST, None).peak_acceleration for n in (10, 40, 160, 400)]
-    assert peaks == sorted(peaks, reverse=True) and 4 < peaks[-1] < 4.03
-
-
-@pytest.mark.parametrize("degree", [7, 9, 12, 15])
-@pytest.mark.parametrize("limit", [40.0, 50.0, 75.0, 120.0])
+@pytest.mark.parametrize(("degree", "limit"), [(7, 40.0), (9, 75.0), (15, 50.0)])
 def test_polynomials_keep_their_jerk_limit_between_the_points_too_and_pay_for_it(degree, limit):
     optimum = optimal_polynomial(degree, 1.0, REST, REST, limit)
     values = optimum.law(X)
@@ -169,23 +142,19 @@ def test_polynomials_keep_their_jerk_limit_between_the_points_too_and_pay_for_it
     assert optimum.peak_acceleration > limit / 4 * (1 - np.sqrt(1 - 32 / limit))
 
 
-@pytest.mark.parametrize(("degree", "jerk"), [(5, 60), (6, 60), (7, 80), (8, 80), (11, 168), (12, 168), (15, 288)])
+@pytest.mark.parametrize(("degree", "jerk"), [(6, 60), (8, 80), (15, 288)])
 def test_optima_are_exact_to_the_last_digits_also_where_the_peak_hardly_changes(degree, jerk):
     """These have whole-numbered jerks; a peak good to 1e-9 alone would give them to 1e-5."""
     optimum = optimal_polynomial(degree, 1.0, REST, REST, None)
     assert optimum.peak_jerk == pytest.approx(jerk, rel=1e-11) and optimum.gap < 1e-12
 
 
-@pytest.mark.parametrize(("degree", "limit"), [(7, 40), (9, 40), (9, 50), (12, 80), (15, 50)])
-def test_optima_with_a_jerk_limit_are_exact_too(degree, limit):
-    assert optimal_polynomial(degree, 1.0, REST, REST, float(limit)).gap < 5e-12
-
-
 def test_a_jerk_no_motion_keeps_is_refused_with_the_least_that_would_do():
-    with pytest.raises(gk.DesignError, match="at least 38.6"):
+    with pytest.raises(gk.DesignError) as refused:
         optimal_polynomial(7, 1.0, REST, REST, 38.5)
+    assert refused.value.field == "jerk_limit" and "38.6" in refused.value.remedy
     assert optimal_polynomial(7, 1.0, REST, REST, 38.62).peak_jerk <= 38.62 * (1 + 1e-9)
-    with pytest.raises(gk.DesignError, match="reaches 32;"):
+    with pytest.raises(gk.DesignError):
         optimal_spline(40, 1.0, REST, REST, 31.0)
 
 
@@ -237,7 +206,7 @@ def test_where_a_neighbour_has_the_peak_the_least_jerk_decides():
     assert optimum.jerk_coefficient == pytest.approx(jerk * angle**3 / 3, rel=1e-7)
 
 
-@pytest.mark.parametrize("ends", [(0.0, 8.0, 0.0, 0.0), (0.5, -9.0, 0.0, 1.0), (0.0, 0.0, 0.3, -7.5)])
+@pytest.mark.parametrize("ends", [(0.5, -9.0, 0.0, 1.0)])
 def test_a_spline_beside_the_peak_has_the_least_jerk_of_all_found_by_a_scan(ends):
     """Of five intervals with two accelerations free: the other two follow from slope and lift at the end."""
     optimum = optimal_spline(5, 1.0, ends[:2], ends[2:], None)
@@ -271,41 +240,7 @@ def test_a_fall_is_a_rise_upside_down_and_an_arm_a_follower_in_radians():
         assert program.optima[k].peak_acceleration == pytest.approx(3.7752 / 2 * np.radians(20), rel=1e-4)
 
 
-def test_equal_shapes_are_solved_once():
-    first, second = (rising(OptimisedPolynomial(13, rise=rise, end_deg=180)).optima[1] for rise in (2, 7))
-    assert first.law is second.law and second.peak_acceleration == pytest.approx(3.5 * first.peak_acceleration)
-
-
-def test_the_same_segment_gives_the_same_digits_in_every_process():
-    code = (
-        f"import sys; sys.path[:0] = {sys.path!r}\n"
-        "from geomkin.cam.program.optimise import optimal_polynomial as p, optimal_spline as s\n"
-        "import numpy as np\n"
-        "x = np.linspace(0, 1, 99)\n"
-        "print(hash(p(11, 1.0, (0.2, 3.0), (0.0, 0.0), 300.0).law(x).tobytes()"
-        " + s(31, 1.0, (0.2, 3.0), (0.0, 0.0), 300.0).law(x).tobytes()))"
-    )
-    runs = {
-        subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True, env={"PYTHONHASHSEED": "0"}
-        ).stdout
-        for _ in range(2)
-    }
-    assert len(runs) == 1
-
-
-def test_the_solver_is_loaded_only_where_something_is_optimised():
-    code = "import sys, geomkin as gk; gk.Program([gk.Dwell(end_deg=360)]); print('highspy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
-
-
-def test_a_spline_beside_an_optimised_segment_leaves_both_at_rest():
-    program = Program([OptimisedSpline(12, rise=5, end_deg=90), LiftSpline(points=((90, 5), (200, 3), (360, 0)))])
-    assert program.motion(np.radians(90)).velocity == pytest.approx(0, abs=1e-9)
-
-
-@pytest.mark.parametrize("rise", [5.0, 3.3, -0.7])
-@pytest.mark.parametrize("kind", [OptimisedPolynomial, OptimisedSpline])
+@pytest.mark.parametrize(("kind", "rise"), [(OptimisedPolynomial, -0.7), (OptimisedSpline, 3.3)])
 def test_between_two_straight_motions_in_line_the_best_goes_straight_on(kind, rise):
     """No acceleration at all, which is its own proof."""
     ends = [gk.Rise("uniform", rise=rise, duration_deg=37)] * 2
@@ -320,8 +255,7 @@ def test_between_two_straight_motions_in_line_the_best_goes_straight_on(kind, ri
     assert optimum.peak_acceleration < 1e-9 and optimum.bound < 1e-9 and optimum.gap < 1e-9
 
 
-@pytest.mark.parametrize("degree", [6, 9, 13])
-@pytest.mark.parametrize("faster", [1e-3, 0.1, -0.2])
+@pytest.mark.parametrize(("degree", "faster"), [(6, -0.2), (13, 1e-3)])
 def test_a_small_change_of_velocity_is_proven_to_its_own_bound(degree, faster):
     """From slope 1 to a little more: no peak is below that change, over an angle of 1, and 2.5 times it is enough."""
     found = optimal_polynomial(degree, 1 + faster / 2, (1.0, 0.0), (1 + faster, 0.0), None)

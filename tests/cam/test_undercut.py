@@ -24,7 +24,7 @@ def polygon(curve, tolerance=1e-5):
     return shapely.Polygon(gk.plane.xy(gk.flatten(curve, tolerance)))
 
 
-def cut_by_another_library(cam, count=20_000):
+def cut_by_shapely(cam, count=20_000):
     """What the follower leaves: the pitch polygon shrunk by the roller, or the half-planes behind the face."""
     angles = np.unique(np.concatenate([np.linspace(0, 2 * np.pi, count)[:-1], cam.program.breaks[:-1]]))
     if rolls(cam):
@@ -41,8 +41,8 @@ def cut_by_another_library(cam, count=20_000):
 
 
 @each_undercut
-def test_the_outline_is_what_another_library_leaves(cam):
-    mine, other = polygon(undercut(cam).outline), cut_by_another_library(cam)
+def test_outline_agrees_with_shapely(cam):
+    mine, other = polygon(undercut(cam).outline), cut_by_shapely(cam)
     assert mine.is_valid
     # The other library drops detail of a share of the roller's radius before it shrinks; half-planes are exact.
     share, far = (1e-4, 2e-3) if rolls(cam) else (1e-6, 3e-5)
@@ -77,28 +77,13 @@ def test_lost_lift_is_what_a_follower_on_the_outline_loses(cam):
     assert cut.lost_lift(angle + 2 * np.pi) == pytest.approx(most)
 
 
-@each_undercut
-def test_where_the_follower_touches_it_touches_the_outline(cam):
-    cut = undercut(cam)
-    angles = np.linspace(0, 2 * np.pi, 721)[:-1]
-    since = np.mod(angles[:, None] - cut.spans[:, 0], 2 * np.pi)
-    missing = (since < cut.spans[:, 1] - cut.spans[:, 0]).any(axis=1)
-    away = gk.nearest(cut.outline, cam.profile.point(angles))[1]
-    assert away[~missing].max() < 1e-10 and 5 < missing.sum() < 400
-    # Within a span it would have to touch beyond a corner, where nothing is left.
-    assert (away[missing] > 1e-9).mean() > 0.95
-
-
-@pytest.mark.parametrize("name", CAMS)
+@pytest.mark.parametrize("name", list(CAMS)[::2])
 def test_a_cam_without_undercut_keeps_its_profile(name):
     cam = CAMS[name]
     cut = undercut(cam)
     assert not cut.found and cut.worst == (0, 0) and not cut.lost_lift(np.linspace(0, 7, 9)).any()
     assert cut.outline.point(1.25) == cam.profile.point(1.25)
-    assert (
-        polygon(cut.outline).symmetric_difference(cut_by_another_library(cam)).area
-        < (1e-5 if rolls(cam) else 1e-6) * 10_000
-    )
+    assert polygon(cut.outline).symmetric_difference(cut_by_shapely(cam)).area < (1e-5 if rolls(cam) else 1e-6) * 10_000
 
 
 def test_undercut_is_found_from_the_first_and_grows_with_the_square():
@@ -119,18 +104,6 @@ def test_undercut_is_found_from_the_first_and_grows_with_the_square():
     assert all(lost[e] < 2e-12 for e in lost if e < 1e-6)
 
 
-def test_no_size_of_loop_slips_between_two_chords():
-    program = programme(20, ends=(60, 150, 170, 280))
-    least, _ = tightest_convex(gk.Cam(TranslatingRoller(0, 5), program, 60))
-    lost = []
-    for e in np.geomspace(1e-8, 1e-2, 49):
-        cut = undercut(gk.Cam(TranslatingRoller(least * (1 + e), 5), program, 60 - least * (1 + e)))
-        assert len(cut.spans) == 1
-        lost.append(cut.worst[0] / e**2)
-    # Of less than 1e-12 mm rounding leaves few digits.
-    assert np.abs(np.diff(np.log(lost[20:]))).max() < 0.1 and max(lost[20:]) < 1.5 * min(lost[20:])
-
-
 def test_a_flat_face_cuts_from_its_least_base_radius_on():
     from geomkin.cam.base_circle import flat_face_base_radius
 
@@ -143,7 +116,7 @@ def test_a_flat_face_cuts_from_its_least_base_radius_on():
 
 
 @pytest.mark.parametrize("follower", [TranslatingRoller(14, 3), TranslatingFlat(10)], ids=["roller", "flat"])
-def test_what_a_jump_of_velocity_costs_goes_with_its_square(follower):
+def test_lift_lost_by_a_velocity_jump_grows_with_its_square(follower):
     lost = []
     for jump in (1, 1e-1, 1e-2, 1e-3, 1e-5, 1e-7):
         program = gk.Program([gk.Dwell(end_deg=60), gk.Rise("uniform", rise=jump, end_deg=150),
@@ -187,8 +160,8 @@ def test_a_knife_edge_cuts_nothing_away():
     assert not cut.found and gk.area(cut.outline) == gk.area(cam.pitch_curve)
 
 
-@pytest.mark.parametrize("seed", range(25))
-def test_any_cam_is_cut_as_another_library_would_cut_it(seed):
+@pytest.mark.parametrize("seed", [*range(5), *(pytest.param(k, marks=pytest.mark.campaign) for k in range(5, 60))])
+def test_random_cams_agree_with_shapely(seed):
     rng = np.random.default_rng(seed)
     ends = np.sort(rng.choice(np.arange(5, 355, 5), 4, replace=False)).tolist()
     laws = rng.choice(["cycloidal", "harmonic", "3-4-5", "uniform"], 2).tolist()
@@ -197,7 +170,7 @@ def test_any_cam_is_cut_as_another_library_would_cut_it(seed):
     offset, tilt = rng.uniform(-0.6, 0.6) * (base + roller), rng.uniform(-30, 30)
     for follower in (TranslatingRoller(roller, offset), TranslatingFlat(tilt)):
         cam = gk.Cam(follower, programme(rise, False, ends, laws), base, direction)
-        mine, other = polygon(undercut(cam).outline, 1e-4), cut_by_another_library(cam, 7000)
+        mine, other = polygon(undercut(cam).outline, 1e-4), cut_by_shapely(cam, 7000)
         assert mine.is_valid and mine.symmetric_difference(other).area < 1e-4 * mine.area
 
 
@@ -228,11 +201,11 @@ STEEP = {
 
 
 @pytest.mark.parametrize("name", STEEP)
-def test_what_steep_short_segments_cut_is_what_another_library_cuts(name):
+def test_steep_segments_agree_with_shapely(name):
     """Their chords run far from the curve, so that crossings are beside where chords cross."""
     follower, direction, base, segments = STEEP[name]
     cam = gk.Cam(follower, gk.Program(segments), base, direction)
-    mine, other = polygon(undercut(cam).outline, 1e-4), cut_by_another_library(cam)
+    mine, other = polygon(undercut(cam).outline, 1e-4), cut_by_shapely(cam)
     # What is left of loops is smaller than the other library's own error.
     assert undercut(cam).found
     assert shapely.make_valid(mine).symmetric_difference(other).area < 1e-4 * mine.area

@@ -7,8 +7,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
-from geomkin.gear.conjugate.conjugate_curve import ConjugateCurve, ToothRun
-from geomkin.gear.conjugate.envelope import GRID, Swept, _boxes
+from geomkin.gear.conjugate.conjugate_curve import ToothRun
+from geomkin.gear.conjugate.envelope import GRID, Swept
 from geomkin.gear.conjugate.shaping_gears import LanternPinion, StraightSidedGear
 from geomkin.plane.curve import SubCurve
 from geomkin.plane.roulettes import Cycloid
@@ -21,15 +21,6 @@ def straight():
 
 def lantern():
     return conjugate(LanternPinion(12, 4, 5.5).cutter(0.5, 0.2), 12, 24.0, 48, 7.0)
-
-
-@pytest.mark.parametrize(("make", "most"), [(straight, 700), (lantern, 700)])
-def test_the_boundary_takes_few_looks_at_its_curves(make, most, monkeypatch):
-    """Half of what full rounds of Newton's steps for every crossing took."""
-    looks, meeting = [], ConjugateCurve._meeting
-    monkeypatch.setattr(ConjugateCurve, "_meeting", lambda curve, u: looks.append(u) or meeting(curve, u))
-    make()
-    assert 50 < len(looks) < most
 
 
 def test_curves_of_the_boundary_meet_to_rounding_where_they_cross():
@@ -57,7 +48,7 @@ def bend(curvature, long, way):
     return SimpleNamespace(point=point, start=0.0, end=long)
 
 
-@pytest.mark.parametrize("longer", [3.0, 40.0, 0.7, 0.05])
+@pytest.mark.parametrize("longer", [40.0, 0.05])
 @pytest.mark.parametrize(("bends", "outer"), [((-0.02, -0.021), 2), ((0.02, 0.021), 1), ((-0.06, -0.021), 1)])
 def test_of_curves_that_leave_together_the_one_farthest_out_is_walked(longer, bends, outer):
     """Two arcs that touch where they begin: at one distance the one bent more to the right, whatever their grids.
@@ -74,21 +65,7 @@ def test_of_curves_that_leave_together_the_one_farthest_out_is_walked(longer, be
         assert swept._next(0, PLACE, 1) == outer
 
 
-def test_boxes_hold_the_curve_between_neighbours():
-    """A curve that bulges to every side, by many places between; boxes are not much larger than what they hold."""
-    curve = gk.plane.Circle(3 - 2j, 10.0)
-    t = np.linspace(curve.breaks[0], curve.breaks[-1], 12)
-    boxes = _boxes(t, curve)
-    for k, (low_x, low_y, high_x, high_y) in enumerate(boxes.T):
-        z = curve.point(np.linspace(t[k], t[k + 1], 101))
-        assert low_x <= z.real.min() and z.real.max() <= high_x
-        assert low_y <= z.imag.min() and z.imag.max() <= high_y
-        bulge = np.abs(z - z[0] - (z[-1] - z[0]) * np.linspace(0, 1, 101)).max()
-        assert high_x - low_x <= np.ptp(z.real) + 4 * bulge and high_y - low_y <= np.ptp(z.imag) + 4 * bulge
-
-
-@pytest.mark.parametrize("rolling", [3.0, -4.0])
-@pytest.mark.parametrize("pieces", [(0, 1), (-1, 0), (-1, 0, 1)])
+@pytest.mark.parametrize(("rolling", "pieces"), [(3.0, (0, 1)), (-4.0, (-1, 0)), (3.0, (-1, 0, 1))])
 def test_at_a_cusp_the_tangent_is_that_just_inside(rolling, pieces):
     """Of the piece that begins there, or where none does of the one that ends."""
     breaks = 2 * np.pi * abs(rolling) / 20 * np.array(pieces, dtype=float)

@@ -72,8 +72,9 @@ def test_the_involute_ends_where_the_line_of_action_touches_its_base_circle(name
     assert pair.involute_margin == pytest.approx(min(places, key=abs), abs=1e-9)
 
 
-@pytest.mark.parametrize("closer", [0.0, 0.2])
-@pytest.mark.parametrize(("teeth", "ring_teeth"), [(20, 60), (45, 60), (52, 60), (54, 60), (30, 50)])
+@pytest.mark.parametrize(
+    ("teeth", "ring_teeth", "closer"), [(20, 60, 0.0), (45, 60, 0.2), (52, 60, 0.0), (54, 60, 0.2), (30, 50, 0.2)]
+)
 def test_tips_of_an_internal_pair_pass_each_other_by_as_much_as_told(teeth, ring_teeth, closer):
     """Where a pinion's corner comes through the ring's tip circle, how far the ring's own corner is on: in the mesh,
     and on the pinion's way out along a radius, from each place that it may have. Flanks touch on that side.

@@ -9,12 +9,9 @@ import geomkin as gk
 from .test_ring import off_cutter
 
 CUTTERS = {
-    "usual": gk.gear.PinionCutter(24),
     "sharp": gk.gear.PinionCutter(12, tip_radius=0),
     "few teeth": gk.gear.PinionCutter(6, 30, 0.8, 0.05),
-    "fewest": gk.gear.PinionCutter(4, 45, 0.6, 0.0),
     "hardly a root": gk.gear.PinionCutter(4, 25, 1.05, 0.0, -0.2),
-    "no root": gk.gear.PinionCutter(4, 25, 1.3, 0.0, -0.75),
     "shifted": gk.gear.PinionCutter(40, 20, 1.1, 0.3, 0.4),
 }
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.gear.conjugate.conjugate import BEYOND, TRIMMED
 
 PIN, RADIUS, TEETH = gk.plane.Circle(46.6j, 1.3), 45.0, 30
 MATE_TEETH, ADDENDUM = 20, 3.2
@@ -32,11 +33,11 @@ def test_a_stretch_with_a_place_within_the_tips_is_not_called_beyond_them(mate):
     for stretch in mate.untouched:
         t = stretch.start + (stretch.end - stretch.start) * np.array([0.1, 0.5, 0.9])
         beyond = np.array([[d > tip for d in distances(place)] for place in t])
-        if stretch.why == "it is beyond the tips of the mate's teeth":
+        if stretch.why == BEYOND:
             # The other place is one where it would cut the mate.
             assert beyond.any(axis=1).all()
             seen.add("beyond")
-        elif stretch.why == "another part of the tooth removes the mate's material there":
+        elif stretch.why == TRIMMED:
             assert not beyond.all(axis=1).any()
             seen.add("one of two beyond" if beyond.any() else "trimmed")
     assert {"beyond", "one of two beyond"} <= seen

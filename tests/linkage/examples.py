@@ -278,3 +278,10 @@ ALL = Made(
         "actuator between moving bars": lambda: (*between()[:2], 1),
     }
 )
+
+# One example of each joint, driver and class of solution.
+FEW = [
+    "four-bar", "four-bar by coupler", "slider-crank the other way", "slider-crank by slider", "whitworth", "stephenson",
+    "shaper", "trammel by shuttle", "oldham", "walking leg", "crossed slots", "block with a bar", "table between bar and slide",
+    "loops", "boom after its cylinder", "boom, the cylinder slides", "pushed crosshead", "actuator between moving bars",
+]  # fmt: skip

@@ -10,12 +10,12 @@ import geomkin as gk
 from geomkin.linkage.solve.closing_roots import gap_of
 from tests.linkage.examples import FOUR_BAR, two_parallelograms
 
-STEPS = [6, 7, 13, 100, 361, 2000]
+STEPS = [7, 361]
 
 
 @pytest.mark.parametrize("frames", STEPS)
-@pytest.mark.parametrize("lengths", [(2, 3, 2, 3), (3, 2, 3, 2), (1, 1, 1, 1), (0.3, 0.1, 0.1 + 0.2, 0.1)])
-@pytest.mark.parametrize("span", [(0, 2 * np.pi), (0.3, 0.3 - 2 * np.pi), (-4 * np.pi, 4 * np.pi)])
+@pytest.mark.parametrize("lengths", [(2, 3, 2, 3), (1, 1, 1, 1), (0.3, 0.1, 0.1 + 0.2, 0.1)])
+@pytest.mark.parametrize("span", [(0.3, 0.3 - 2 * np.pi), (-4 * np.pi, 4 * np.pi)])
 def test_a_parallelogram_stays_one_at_any_step(lengths, frames, span):
     motion = gk.move(gk.FourBar(*lengths), np.linspace(*span, frames), "follow")
     if span[0] == -4 * np.pi or span[1] > 0:
@@ -27,7 +27,7 @@ def test_a_parallelogram_stays_one_at_any_step(lengths, frames, span):
         assert np.abs(motion.coupler.direction - 1).max() < 1e-15 * 8
 
 
-def test_a_fixed_branch_turns_the_parallelogram_inside_out_and_says_so():
+def test_fixed_branch_inverts_a_parallelogram_at_its_change_point():
     drive = np.linspace(0.1, 2 * np.pi - 0.1, 50)
     fixed, followed = (gk.move(gk.FourBar(3, 2, 3, 2), drive, b) for b in (1, "follow"))
     assert set(fixed.branches["rocker_pin"]) == {1}
@@ -70,7 +70,7 @@ def test_an_in_line_slider_crank_of_equal_links_runs_through_its_middle(frames):
     assert motion.coupler.first == pytest.approx(-np.ones(frames), abs=1e-14)
 
 
-@pytest.mark.parametrize("frames", [6, 50, 182])
+@pytest.mark.parametrize("frames", [6, 182])
 def test_a_slider_that_drives_equal_links_carries_them_through_the_middle(frames):
     """No formula continues this one: the branch is kept by the motion itself."""
     drive = np.linspace(90, -90, frames)
@@ -79,7 +79,7 @@ def test_a_slider_that_drives_equal_links_carries_them_through_the_middle(frames
     assert motion.assembled.all() and pin == pytest.approx(drive / 2 + 1j * np.sqrt(2500 - drive**2 / 4), abs=1e-12)
 
 
-@pytest.mark.parametrize("frames", [6, 7, 50, 361])
+@pytest.mark.parametrize("frames", [6, 50])
 def test_a_second_parallelogram_behind_the_first_stays_one(frames):
     linkage = gk.Linkage(two_parallelograms(), "crank")
     motion = gk.move(linkage, np.linspace(0.3, 0.3 + 2 * np.pi, frames), "follow")
@@ -110,7 +110,7 @@ def test_follow_is_the_fixed_branch_where_nothing_changes():
         (gk.SliderCrank(60, 50, 20), 1),
     ],
 )
-def test_circuits_are_what_small_steps_can_reach(linkage, count):
+def test_circuits_are_the_connected_sets_of_poses(linkage, count):
     """Poses joined to their neighbours on the same branch, and across a limit to the other: the connected sets."""
     drive = np.linspace(0, 2 * np.pi, 721)[:-1]
     motions = {side: gk.move(linkage, drive, side) for side in (1, -1)}
@@ -136,7 +136,7 @@ def test_circuits_are_what_small_steps_can_reach(linkage, count):
 
 
 @pytest.mark.parametrize("there", [100, -100])
-def test_one_frame_at_a_change_point_stands_as_the_first_of_many(there):
+def test_single_frame_at_a_change_point(there):
     """The branch that is followed is told by what comes after; a single frame has nothing after it."""
     bars = {"crank": {"O": 0, "A": 40}, "coupler": {"A": 0, "B": 100}, "rocker": {"C": 0, "B": 40}}
     linkage = gk.Linkage({"ground": {"O": 0, "C": there}} | bars, "crank")
@@ -164,7 +164,7 @@ DECIMALS = {
 }
 
 
-@pytest.mark.parametrize("size", [0.1, 0.7 / 3, 13.07, 3e6 / 7, 1e-6 / 7])
+@pytest.mark.parametrize("size", [0.7 / 3, 1e-6 / 7])
 @pytest.mark.parametrize("name", DECIMALS)
 def test_lengths_that_add_up_but_for_their_rounding_have_a_change_point(name, size):
     drive = np.linspace(0.3, 0.3 + 4 * np.pi, 50)
@@ -191,9 +191,9 @@ FOLLOWED = {name: build(1.0) for name, build in DECIMALS.items()}
 FOLLOWED |= {"leaning slide": leaning(2), "leaning slide from above": leaning(-2)}
 
 
-@pytest.mark.parametrize("start", [0.3, 1.8, 3.4, 5.0])
+@pytest.mark.parametrize("start", [1.8])
 @pytest.mark.parametrize("name", FOLLOWED)
-def test_what_is_followed_has_neither_jump_nor_kink_whichever_way_it_runs(name, start):
+def test_followed_motion_is_smooth(name, start):
     """From frame to frame it goes as far as its rates tell, and these change as far as theirs do."""
     step = 4 * np.pi / 1500
     for way in (1, -1):
@@ -209,7 +209,7 @@ def test_what_is_followed_has_neither_jump_nor_kink_whichever_way_it_runs(name, 
                     assert (np.abs(gone) <= 1.2 * step * fastest + 1e-4)[known].all(), (body.name, way, sign)
 
 
-def test_gaps_are_sums_as_if_added_exactly():
+def test_gap_sums_are_exact():
     """By the standard library's exact sum, of lengths that all but cancel."""
     rng = np.random.default_rng(2)
     for _ in range(200):
@@ -223,8 +223,8 @@ def test_gaps_are_sums_as_if_added_exactly():
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("kind", [int, np.int8, np.int64])
-def test_a_sign_is_a_sign_whatever_number_tells_it(kind, sign):
+@pytest.mark.parametrize("kind", [np.int8])
+def test_signs_may_be_numpy_integers(kind, sign):
     drive = np.linspace(0, 6, 20)
     wanted = gk.move(FOUR_BAR, drive, {"rocker_pin": sign}).rocker.direction
     for branch in (kind(sign), gk.Continuation(kind(sign)), {"rocker_pin": kind(sign)}):

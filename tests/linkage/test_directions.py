@@ -15,7 +15,6 @@ from geomkin.linkage import (
     instant_centre,
     path_curvature,
 )
-from geomkin.model.scene import SceneBody, SceneMark
 from geomkin.plane import Pose
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70)
@@ -27,7 +26,7 @@ OPENS = [
 ]
 
 
-@pytest.mark.parametrize("length", [1e-6, 0.3, 7.0, 1e6])
+@pytest.mark.parametrize("length", [1e-6, 7.0])
 def test_distance_along_a_ray_is_that_of_the_circle(length: float) -> None:
     circle = inflection_circle(gk.move(FOUR_BAR, [0.4, 1.7, 4.0]), "coupler")
     direction = np.exp(1j * np.array([0.3, 2.0, 5.0]))
@@ -63,14 +62,7 @@ def test_a_pose_keeps_distances() -> None:
     assert pose.locate(pose.place(2 - 7j)) == pytest.approx(2 - 7j, rel=1e-14)
 
 
-def test_scenes_turn_by_directions_of_any_length() -> None:
-    three, there = np.array([3j, 0.5, np.nan]), np.zeros(3, complex)
-    for direction in (SceneBody("b", (), there, three).direction, SceneMark("slide", there, direction=three).direction):
-        assert direction is not None
-        np.testing.assert_array_equal(direction[:2], [1j, 1])
-
-
-@pytest.mark.parametrize("frames", [10, 20_000])
+@pytest.mark.parametrize("frames", [10])
 @pytest.mark.parametrize("linkage", OPENS, ids=lambda one: type(one).__name__)
 def test_open_is_nan_in_both_parts(linkage: gk.linkage.AbstractLinkage, frames: int) -> None:
     motion = gk.move(linkage, np.linspace(0, 2 * np.pi, frames), speed=2.0)

@@ -50,15 +50,13 @@ def test_an_expected_failure_is_still_one_and_is_marked(tmp_path):
     assert failed.id == "transmission_angle" and failed.expected == "it lies in line"
     gk.make(recipe, tmp_path, ["page"])
     summary = json.loads((tmp_path / "four-bar" / "summary.json").read_text())
-    expected = {
-        entry["id"]: (entry["passed"], entry["expected"]) for entry in summary["checks"] if "expected" in entry
-    }
+    expected = {entry["id"]: (entry["passed"], entry["expected"]) for entry in summary["checks"] if "expected" in entry}
     assert expected == {failed.id: (False, "it lies in line")}
     (row,) = re.findall(r'<tr class="fails">.*?</tr>', (tmp_path / "four-bar" / "four-bar.html").read_text())
     assert "it lies in line" in row and "expected" in row
 
 
-@pytest.mark.parametrize("given", ["true", "[1]", '{ transmission_angle = 3 }'])
+@pytest.mark.parametrize("given", ["true", "[1]", "{ transmission_angle = 3 }"])
 def test_other_than_a_table_of_reasons_is_refused_by_its_key(given):
     with pytest.raises(gk.RecipeError) as refusal:
         gk.load(f'expected_failures = {given}\nkind = "spur-gear"\ngear = {{ teeth = 20, module = 2 }}\n')

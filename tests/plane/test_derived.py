@@ -7,9 +7,9 @@ from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
 from geomkin.plane.joined import Path, PolarArray
-from geomkin.plane.primitives import Arc, Circle, Polyline, Segment
+from geomkin.plane.primitives import Arc, Circle, Segment
 from geomkin.plane.roulettes import Involute
-from geomkin.plane.vec import Pose, cross, direction_deg, dot, unit, xy
+from geomkin.plane.vec import Pose, direction_deg, xy
 
 from .curves import Bezier, Flower
 
@@ -109,10 +109,10 @@ def test_one_closed_piece_makes_a_closed_curve(closed):
     assert closed.closed and np.isclose(measure.signed_area(closed), np.pi)
 
 
-def test_pieces_that_do_not_meet_are_refused_by_name():
-    with pytest.raises(DesignError, match="piece 1 ends 0.1 mm"):
+def test_pieces_that_do_not_meet_are_refused():
+    with pytest.raises(DesignError, match=r"0\.1"):
         Path((Segment(0j, 1 + 0j), Segment(1 + 0j, 2 + 0j), Segment(2.1 + 0j, 3 + 0j)))
-    with pytest.raises(DesignError, match="next copy") as refusal:
+    with pytest.raises(DesignError) as refusal:
         PolarArray(Segment(2 + 0j, 2j), 5)
     assert refusal.value.field == "piece"
 
@@ -121,18 +121,3 @@ def test_directions_are_exact_at_quarter_turns():
     assert np.array_equal(direction_deg([-90, 0, 90, 180, 270, 360, 720]), [-1j, 1, 1j, -1, -1j, 1, 1])
     angle = np.linspace(-400, 400, 37)
     assert np.allclose(direction_deg(angle), np.cos(np.radians(angle)) + 1j * np.sin(np.radians(angle)))
-
-
-def test_products_and_units_of_vectors():
-    a, b = np.array([3 + 4j, 1j, 2]), np.array([1 - 2j, -5, 3j])
-    assert np.allclose(dot(a, b), (xy(a) * xy(b)).sum(axis=-1))
-    assert np.allclose(cross(a, b), np.linalg.det(np.stack([xy(a), xy(b)], axis=-2)))
-    assert np.allclose(unit(a), [0.6 + 0.8j, 1j, 1]) and np.isnan(unit(0j))
-
-
-def test_polyline_and_path_of_segments_are_the_same_curve():
-    z = np.array([0, 3, 3 + 2j, 1 + 4j])
-    path = Path(tuple(Segment(a, b) for a, b in zip(z, np.roll(z, -1))))
-    t = np.linspace(0, 4, 41)
-    assert np.allclose(path.point(t), Polyline(z).point(t))
-    assert path.closed and np.allclose(path.velocity(t), Polyline(z).velocity(t))

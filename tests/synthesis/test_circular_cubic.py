@@ -58,7 +58,7 @@ def traced(terms, count):
     return cubic, t, [(loop, *cubic.run(loop, t)) for loop in cubic.loops]
 
 
-@pytest.mark.parametrize("terms", CUBICS, ids=range(len(CUBICS)))
+@pytest.mark.parametrize("terms", [*CUBICS[:-7:5], *CUBICS[-7:]])
 def test_a_cubic_is_traced_whole(terms):
     cubic, _, loops = traced(terms, 8001)
     largest = max(abs(factor) for factor in terms.values())
@@ -88,7 +88,7 @@ def test_a_cubic_is_traced_whole(terms):
         assert max(np.abs(every - z).min() for z in middles[::3]) < 1.5 * np.hypot(*2 * [side[1] - side[0]])
 
 
-@pytest.mark.parametrize("terms", CUBICS[24:], ids=range(24, len(CUBICS)))
+@pytest.mark.parametrize("terms", CUBICS[24::6])
 def test_rates_are_those_of_the_places(terms):
     cubic, _, loops = traced(terms, 3)
     t, h, seen = np.linspace(0.2, 6.1, 60), 1e-6, 0
@@ -150,35 +150,3 @@ def test_stretches_that_are_inside_are_found_round_the_start():
             told = sorted((low % (2 * np.pi), low % (2 * np.pi) + high - low) for low, high in found)
             assert np.array(told) == pytest.approx(np.array(wanted), abs=1e-9)
             assert all((inside(np.array(stretch)) > -1e-12).all() for stretch in found)
-
-
-def test_a_cubic_of_another_scale_is_the_same_curve():
-    for terms in CUBICS[::5]:
-        cubic, _, loops = traced(terms, 3)
-        for scale in (1e-8, 1e8):
-            other, _, again = traced({power: scale * factor for power, factor in terms.items()}, 3)
-            assert cubic.is_conic == other.is_conic and (cubic.line is None) == (other.line is None)
-            assert len(loops) == len(again)
-            for (one, *_), (two, *_) in zip(loops, again):
-                assert (one.middle, one.half) == pytest.approx((two.middle, two.half), rel=1e-6, abs=1e-6, nan_ok=True)
-
-
-def test_a_point_beside_a_cubic_is_settled_on_it_with_twice_its_digits():
-    terms = circular((1.0, 0.4), (0.3, -0.2, 0.5, 1.0, -0.7, 0.2))
-    cubic, _, loops = traced(terms, 50)
-    for _, *run in loops:
-        place, weight, *rates = run
-        beside = place + 1e-5 * (1 - 0.5j), weight, *rates
-        before, after = (abs(value(terms, z / w) * w**3) for z, w in (beside[:2], cubic._settled(*beside)[:2]))
-        assert before.max() > 1e-6 and after.max() < 1e-8
-
-
-def test_the_line_on_which_a_root_is_at_infinity_is_told():
-    seen = 0
-    for terms in CUBICS[24:]:
-        cubic, _, loops = traced(terms, 3)
-        runs = [cubic.run(loop, np.array(t))[:2] for loop, *_ in loops for t in loop.at(cubic.infinity)]
-        near = [abs(weight) <= 1e-6 * abs(place) for place, weight in runs]
-        assert any(near) or not near
-        seen += any(near)
-    assert seen > 20

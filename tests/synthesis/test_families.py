@@ -4,16 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.fields import FARTHEST, SMALLEST
 from geomkin.synthesis.found import Found, ten_digits
-from geomkin.synthesis.rockers.families import (
-    MEMBERS,
-    _distinct_angles,
-    given_choice,
-    maximise,
-    member_angles,
-    within_size_limits,
-)
+from geomkin.synthesis.rockers.families import the_choice
 
 LOW, HIGH, TOP = 0.2, 3.4, 1.2345678912345
 
@@ -44,39 +36,11 @@ def test_the_highest_place_is_found(f, top, near):
     assert f(np.array([found]))[0] >= f(fine).max() - 1e-13
 
 
-def test_a_round_top_is_told_in_digits_that_are_sure():
-    """Nine of them, the same whatever rounding does to the values."""
-    rng = np.random.default_rng(0)
-    told = {
-        maximise(lambda x: np.cos(x - TOP) * (1 + 2e-16 * rng.integers(-1, 2, x.shape)), LOW, HIGH) for _ in range(9)
-    }
-    assert told == {float(f"{TOP:.9g}")}
-
-
-def test_members_are_within_their_ends_and_within_what_a_linkage_may_have():
-    told = member_angles(LOW, HIGH)
-    assert len(told) == MEMBERS and told[0] > LOW and told[-1] < HIGH
-    assert np.diff(np.concatenate([[LOW], told, [HIGH]])) == pytest.approx((HIGH - LOW) / (MEMBERS + 1))
-    one = np.array([1.0, FARTHEST, 1.01 * FARTHEST, SMALLEST, 0.99 * SMALLEST, np.nan, 1.0])
-    assert within_size_limits(one, np.ones(7)).tolist() == [True, True, False, True, False, False, True]
-    other = within_size_limits(np.ones(7), one, np.array([1, 1, 1, 1, 1, 1, np.inf]))
-    assert other.tolist() == [True, True, False, True, False, False, False]
-
-
 def test_one_thing_is_chosen_and_no_two():
-    assert given_choice({"crank": None, "rocker": None}) is None
-    assert given_choice({"crank": None, "rocker": 0.0}) == ("rocker", 0.0)
-    with pytest.raises(gk.DesignError, match="rocker:"):
-        given_choice({"crank": 1.0, "coupler": None, "rocker": 2.0, "free_angle_deg": 3.0})
-
-
-def test_angles_on_the_circle_are_told_once():
-    turns = [3.0, 1e-9, -1e-9, 2 * np.pi, 1.0, 1.0 + 2 * np.pi, -2.0, 1.1]
-    for shift in (0.0, 2.0, 5.5):
-        found = _distinct_angles(np.array(turns) + shift)
-        wanted = np.sort(np.mod(np.array([0, 1, 1.1, 3, -2]) + shift, 2 * np.pi))
-        assert len(found) == 5 and np.abs(np.exp(1j * np.sort(found % 6.2831853)) - np.exp(1j * wanted)).max() < 1e-6
-    assert len(_distinct_angles(np.array([1.0, 1.0 + 2e-6]))) == 2 and _distinct_angles(np.zeros(0)).tolist() == []
+    assert the_choice({"crank": None, "rocker": None}) is None
+    assert the_choice({"crank": None, "rocker": 0.0}) == ("rocker", 0.0)
+    with pytest.raises(gk.DesignError):
+        the_choice({"crank": 1.0, "coupler": None, "rocker": 2.0, "free_angle_deg": 3.0})
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.guidance.guide_groups import HeldPins, _at_first, _near
 from geomkin.synthesis.guidance.guides import guides_of, usable
 
 PLACE = {"origin": 10 - 20j, "ground_angle_deg": 25.0}
@@ -103,12 +102,3 @@ def test_slots_that_are_nearly_one_make_no_trammel():
     assert guides.joints[0, fits] == pytest.approx(5)
     for k in np.flatnonzero(fits):
         assert 10 <= guides.linkage(k, 0j).angle_deg <= 170
-
-
-def test_dyads_are_near_each_other_by_where_their_pins_are_at_the_first_pose():
-    pins = np.array([[0, 10, 1, 11, 2, 12], [90, 80, 70, 60, 50, 40]]) + 0j
-    # Those with a pivot and those that slide are of two sorts.
-    pivots = np.array([1, np.inf, 1j, np.inf, 2, np.inf], dtype=complex)
-    dyads = HeldPins(pins=pins, pivots=pivots, rails=np.ones(6, dtype=complex))
-    assert _near(dyads, 4).tolist() == [4, 2, 0] and _near(dyads, 1).tolist() == [1, 3, 5]
-    assert _at_first(dyads, np.array([0, 3]), np.array([5, 2])).tolist() == [[0, 12], [11, 1]]

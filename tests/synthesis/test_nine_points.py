@@ -6,7 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.core.progress import Watch, shown
 from geomkin.linkage.coupler_curve import cognates
-from geomkin.synthesis.path.nine_points import IDLE, STARTS, _Nine, _solved, reached, through_nine, with_cognates
+from geomkin.synthesis.path.nine_points import _Nine, reached, through_nine, with_cognates
 from tests.speed.synthesis_path import NINE
 
 KNOWN = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j, ground_angle_deg=25)
@@ -49,10 +49,6 @@ def is_through(row, points):
     return True
 
 
-def placed(rows, points):
-    return rows + np.tile([points[0].real, points[0].imag], 4)
-
-
 def test_the_equations_hold_of_a_known_linkage_and_its_cognates_only():
     nine = _Nine(POINTS)
     assert np.abs(nine(THREE)[0]).max() < 1e-12
@@ -82,29 +78,6 @@ def test_what_starts_nearby_comes_to_the_linkage():
     assert len(nine.solved(np.vstack([THREE, rng.normal(size=(50, 8))]), 150, late)) == 3 and late.cut
 
 
-def test_curves_from_one_linkage_lead_to_others():
-    nine, watch = _Nine(POINTS), Watch(60, "")
-    curves = np.repeat(THREE[:1], 8, axis=0), np.eye(8)
-    starts = nine.followed(*curves, watch)
-    solved = nine.solved(starts, 25, watch)
-    # A curve is left at once where it meets the equation again, near a solution.
-    assert 20 < len(starts) < 150 and len(solved) > 0.8 * len(starts)
-    others, keys = nine.new(np.concatenate([THREE, solved]), NO_KEYS)
-    assert len(others) == len(keys) > 8
-    assert all(is_through(row, POINTS) for row in placed(others, POINTS))
-    assert len(nine.followed(*curves, Watch(0, ""))) == 0
-
-
-def test_curves_along_which_residuals_shrink_lead_from_anywhere_to_solutions():
-    nine, watch = _Nine(POINTS), Watch(60, "")
-    rng = np.random.default_rng(4)
-    # Near a solution each curve that is not left before leads to it; what is there needs no more than Newton's steps.
-    starts = THREE[:1] + 0.03 * rng.normal(size=(40, 8))
-    found = nine.reached(starts, nine(starts)[0], watch)
-    assert np.abs(nine(found)[0]).max() < 1e-12
-    assert np.sum(np.abs(found - THREE[0]).max(axis=1) < 1e-8) > 20
-
-
 def test_cognates_are_one_and_what_is_no_linkage_is_none():
     nine, rng = _Nine(POINTS), np.random.default_rng(3)
     for order in ([0, 1, 2], [2, 0, 1], [1, 2, 0]):
@@ -124,16 +97,6 @@ def test_cognates_are_one_and_what_is_no_linkage_is_none():
     ):  # fmt: skip
         row = np.array(none, dtype=complex).view(float)[None]
         assert not nine.real(row).any() and len(nine.new(row, NO_KEYS)[0]) == 0
-
-
-def test_systems_of_any_scale_are_solved_and_a_singular_one_among_them():
-    rng = np.random.default_rng(4)
-    systems, wanted = rng.normal(size=(4, 8, 8)) * 10.0 ** rng.uniform(-9, 9, (4, 8, 1)), rng.normal(size=(4, 8))
-    rights = np.einsum("sij,sj->si", systems, wanted)
-    assert _solved(systems, rights) == pytest.approx(wanted, rel=1e-8)
-    systems[1] = 1.0
-    systems[2, 0, 0] = np.nan
-    assert _solved(systems, rights)[[0, 3]] == pytest.approx(wanted[[0, 3]], rel=1e-6)
 
 
 def test_cranks_and_branches_of_points_and_cognates_as_the_general_solver_has_them():
@@ -163,24 +126,6 @@ def test_random_starts_find_linkages_through_points_anywhere(monkeypatch):
     assert shares == sorted(shares) and shares[0] < shares[-1] <= 1 and {what for _, what in told} == {"of nine"}
     # With no time it says what it came to.
     assert len(through_nine(points, np.random.default_rng(0), Watch(0, ""))) < len(rows)
-
-
-def test_the_search_goes_on_until_several_rounds_of_starts_bring_nothing_new(monkeypatch):
-    rng, rounds = np.random.default_rng(5), []
-    others = THREE[0] + 0.1 * rng.normal(size=(3, 8))
-    # Something new in the first, second and sixth round; in the fourth what is known.
-    brought = {1: others[:1], 2: others[1:2], 4: others[:2], 6: others[2:]}
-
-    def reached(self, x, ways, watch):
-        assert x.shape == ways.shape
-        rounds.append(len(x) - STARTS)
-        return brought.get(len(rounds), np.zeros((0, 8)))
-
-    monkeypatch.setattr(_Nine, "reached", reached)
-    rows = through_nine(POINTS, rng, Watch(60, ""))
-    assert rows == pytest.approx(placed(others, POINTS)) and len(rounds) == 6 + IDLE
-    # Eight curves from each that is new, besides the starts.
-    assert rounds[:8] == [0, 8, 8, 0, 0, 0, 8, 0]
 
 
 @pytest.mark.campaign

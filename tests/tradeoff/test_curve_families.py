@@ -286,42 +286,6 @@ def test_what_was_not_found_is_nan():
     assert len(errors) == len(line.vertices) and errors.max() == pytest.approx(0.001 * cut.gear().root_radius)
 
 
-def test_searches_are_asked_for_what_is_told_and_their_errors_are_the_library_s(monkeypatch):
-    """Over few candidates, from which the errors are seen to be those of what was found."""
-    for name, value in {"FITS": 400, "SPREAD": 1000, "FOLLOWED_FITS": 2, "FOLLOWED_SPREAD": 1}.items():
-        monkeypatch.setattr(f"geomkin.synthesis.function.search.{name}", value)
-    for name, value in {"SCORED": 10_000, "STARTS": 10}.items():
-        monkeypatch.setattr(f"geomkin.synthesis.path.starts.{name}", value)
-    asked = []
-
-    def searched(made):
-        return lambda *given, **named: asked.append((given, named)) or made
-
-    known, family = gk.function_generator("log10(x)", (1.0, 2.0), 60, 90), FAMILIES["function-synthesis"]
-    monkeypatch.setattr(functions, "function_generator", searched(known))
-    for method, aim, points in (
-        ("minimax", "minimax", 3),
-        ("least squares", "least-squares", 3),
-        ("three points searched", "points", 3),
-        ("four points searched", "points", 4),
-    ):
-        errors = family.error(problem(family.name), found(family.name, method, np.nan))
-        assert len(errors) == functions.PLACES and errors.max() == pytest.approx(known.largest_error_deg, rel=1e-4)
-        (function, span, *swings), named = asked.pop()
-        assert (function, span) == ("log10(x)", (1.0, 2.0)) and swings == pytest.approx([60, 90])
-        assert named["method"] == aim and (aim != "points" or named["points"] == points)
-    path, family = problem("path-synthesis"), FAMILIES["path-synthesis"]
-    one = gk.path_generator(path.points, 20.0 * np.arange(18))
-    monkeypatch.setattr(paths, "path_generator", searched(one))
-    errors = family.error(path, found(family.name, "search", np.nan))
-    assert errors == pytest.approx([np.sqrt(one.square_error / 18)] * 3, rel=1e-6)
-    assert [named["seed"] for _, named in asked] == list(paths.SEEDS)
-    assert all(given[1] == pytest.approx(20.0 * np.arange(18)) for given, _ in asked)
-    monkeypatch.setattr(paths, "SEEDS", (0,))
-    improved, alone = (family.error(path, found(family.name, way, 3.0)) for way in ("fits improved", "fits alone"))
-    assert len(improved) == len(alone) == 1 and 0.0223 < improved[0] < 0.8 * alone[0]
-
-
 # Weights
 
 
@@ -337,9 +301,4 @@ def test_weights_have_a_front_a_picture_and_columns_of_their_own():
     assert b"vertices per sum" in made["toy-sum-by-vertices.svg"] and b"time per sum" in made["toy-sum.svg"]
     rows = list(csv.DictReader(io.StringIO(made["chart.csv"].decode())))
     assert [row["weight"] for row in rows] == ["10", "1", "2", "3", "4", ""]
-    page = made["chart.html"].decode()
-    assert "vertices" in page and "on the front at 1 of 1" in page
-    beaten = replace(heavy, points=tuple(replace(p, weight=11.0 - k) for k, p in enumerate(heavy.points)))
-    told = chart_files(replace(CHART, families=(replace(beaten, points=beaten.points[1:]),)))["chart.html"].decode()
-    assert "vertices" in told and "Here the default" not in told
     assert not [name for name in chart_files(CHART) if "-by-" in name]

@@ -8,7 +8,7 @@ import pytest
 from geomkin.tradeoff.exact import carried, circling, cosine_sine, fixed, many_digits, pinned, sliding
 from tests.linkage import exact
 
-ANGLES = [0.0, 0.7, 2.0, np.pi, 4.4, 6.2]
+ANGLES = [0.7, 4.4]
 
 
 def known(place):

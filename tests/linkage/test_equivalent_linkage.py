@@ -14,8 +14,7 @@ ANGLES = np.radians(np.arange(1.3, 360, 4.0))
 
 
 @pytest.mark.parametrize("direction", ["counterclockwise", "clockwise"])
-@pytest.mark.parametrize("offset", [0.0, 12.0, -9.0])
-@pytest.mark.parametrize("rolled", [0.0, 10.0])
+@pytest.mark.parametrize(("offset", "rolled"), [(0.0, 10.0), (12.0, 0.0)])
 def test_a_roller_on_a_cam_moves_as_its_programme_says(direction, offset, rolled):
     """The roller counted as part of the cam (its centre, the pitch curve) or as a follower's surface of its own."""
     cam = gk.Cam(gk.TranslatingRoller(10, offset), PROGRAM, 40, direction)
@@ -147,9 +146,9 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("point", [30 + 45j, 20 - 50j, -35 + 8j])
+@pytest.mark.parametrize("point", [20 - 50j])
 @pytest.mark.parametrize("normal", [1 + 2j, -3 + 0.4j])
-def test_the_linkage_stands_and_moves_as_the_contact_does(case, point, normal):
+def test_equivalent_linkage_moves_as_the_contact(case, point, normal):
     contact = DirectContact(point, normal, driver_pivot=3 + 1j, **CASES[case])
     motion = gk.move(contact.linkage, [0.0], contact.branch)
     follower = motion.follower
@@ -168,7 +167,7 @@ def test_the_linkage_stands_and_moves_as_the_contact_does(case, point, normal):
 
 @pytest.mark.parametrize("case", ["Scotch yoke", "double slider"])
 @pytest.mark.parametrize("normal", [1 + 2j, -3 + 0.4j])
-def test_of_two_branches_that_both_are_the_contact_the_first_is_told(case, normal):
+def test_first_of_two_equal_branches_is_chosen(case, normal):
     contact = DirectContact(20 - 50j, normal, driver_pivot=3 + 1j, **CASES[case])
     one, two = (gk.move(contact.linkage, [0.0], branch).follower.origin for branch in (1, -1))
     assert one.position[0] == two.position[0] and contact.branch == 1
@@ -188,10 +187,8 @@ def test_a_follower_that_cannot_give_way_has_no_finite_velocity():
         ("follower_radius", {"driver_radius": np.inf, "follower_radius": np.array([1.0, np.inf])}),
     ],
 )
-def test_what_is_no_contact_is_refused_by_name(field, change):
-    asked = {"point": 10j, "normal": 1j, "driver_radius": 5, "follower_radius": 5, "follower_pivot": 50} | change
+def test_invalid_contacts_are_refused(field, change):
+    given = {"point": 10j, "normal": 1j, "driver_radius": 5, "follower_radius": 5, "follower_pivot": 50} | change
     with pytest.raises(gk.DesignError) as caught:
-        DirectContact(**asked)
+        DirectContact(**given)
     assert caught.value.field == field
-    with pytest.raises(gk.DesignError, match="one position"):
-        DirectContact(ANGLES, 1j, 5, 5, follower_pivot=50).linkage

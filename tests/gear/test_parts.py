@@ -1,16 +1,11 @@
 """Refusals name the key that is wrong, `check` refuses what `run` does, and checks see motors under gears."""
 
-import numpy as np
 import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.core.progress import shown
-from geomkin.export import stl
-from geomkin.plane.primitives import Circle, Polyline
 
 WHEEL = {"teeth": 40, "module": 2}
-PAIR = {"kind": "gear-pair", "first": WHEEL, "second": WHEEL}
 
 
 def refused(act, recipe):
@@ -26,22 +21,6 @@ def test_a_web_too_fine_to_cut_is_refused_by_its_own_key_wherever(angle, tmp_pat
     recipe = {"kind": "spur-gear", "helix_angle_deg": angle, "gear": WHEEL, "stock": {"bore": 5, "web": web}}
     for act in (check_recipe, lambda given: gk.make(given, tmp_path)):
         assert refused(act, recipe) == "stock.web.spoke_width"
-
-
-def test_holes_that_share_a_side_meet(tmp_path):
-    square = np.array([0j, 1 + 0j, 1 + 1j, 1j])
-    part = gk.Part("plate", Circle(1 + 0.5j, 9), (Polyline(square), Polyline(square + 1)), 3)
-    for ending in ("dxf", "stl"):
-        with pytest.raises(gk.DesignError) as error:
-            gk.write(part, tmp_path / f"plate.{ending}")
-        assert error.value.field == "plate"
-
-
-def test_what_no_key_has_is_named_after_the_mechanism():
-    from geomkin.build import _key
-
-    recipe = gk.load({"kind": "spur-gear", "helix_angle_deg": 20, "gear": WHEEL})
-    assert (_key(recipe, "outline"), _key(recipe, "module")) == ("gear", "gear.module")
 
 
 @pytest.mark.parametrize(
@@ -101,18 +80,3 @@ def test_a_pinion_rests_beside_the_hole_for_its_motor_s_boss():
     rack = {"kind": "rack-and-pinion", "pinion": pinion, "rack": {"teeth": 40, "module": 1}, "stock": stock}
     assert "pinion beyond the hole for the motor's boss" in failed(rack | {"base": {}})
     assert "sun beyond the hole for the motor's boss" in failed(planetary({}, sun=18, base={}))
-
-
-@pytest.mark.parametrize("angle", [0, 30])
-def test_the_size_of_a_large_file_is_stated_before_it_is_made(angle, tmp_path, monkeypatch):
-    told: list[tuple] = []
-    monkeypatch.setattr(stl, "LARGE", 1_000_000 if angle else 100_000)
-    gear, stock = {"teeth": 200, "module": 1}, {"bore": 5, "thickness": 20}
-    recipe = gk.load(
-        {"kind": "spur-gear", "helix_angle_deg": angle, "gear": gear, "stock": stock, "files": {"write": ["stl"]}}
-    )
-    with shown(lambda share, what: told.append((share, what, list(tmp_path.rglob("*.stl"))))):
-        made = gk.make(recipe, tmp_path)
-    (size,) = [size for path, size in made.files.items() if path.suffix == ".stl"]
-    assert [(share, files) for share, _, files in told] == [(0.0, []), (1.0, [])]
-    assert abs(int(told[0][1].split()[-2]) - size / 1e6) < 0.5 + 0.02 * size / 1e6

