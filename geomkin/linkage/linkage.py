@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from .solve.program import Formulas
 
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
-MOTION_ATTRIBUTES = frozenset(
-    ["assembled", "bodies", "branches", "drive", "error_amplification", "linkage", "point", "residual", "slide", "solution", "timing", "to_columns", "transmission_angle"]
-)
+MOTION_ATTRIBUTES = {
+    "assembled", "bodies", "branches", "drive", "error_amplification", "linkage",
+    "point", "residual", "slide", "solution", "timing", "to_columns", "transmission_angle",
+}  # fmt: skip
 
 
 def _are_bodies(value: Any) -> bool:

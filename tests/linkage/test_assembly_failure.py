@@ -65,7 +65,7 @@ def test_suggested_drives_assemble():
         (TRIPLE_ROCKER, np.linspace(2, 4, 9)),
         (gk.SliderCrank(30, 90, driver="slider"), [200.0, 230.0]),
     ):
-        refusal = never_closed(gk.move(linkage, drive))
+        refusal = assembly_error(gk.move(linkage, drive))
         assert refusal.field == "drive"
         turns = refusal.remedy.split()[-4] != "mm," and "deg" in refusal.remedy
         for low, high in re.findall(r"(-?[\d.]+) and (-?[\d.]+) (?:deg|mm)", refusal.remedy):
@@ -87,7 +87,7 @@ def test_suggested_branch_assembles():
     found = gk.linkage.assembly_failure(motion)
     assert found.joint == "output_pin" and found.branch == {"rocker_pin": 1, "output_pin": 1}
     assert gk.move(six_bar, drive, found.branch).assembled.all()
-    assert never_closed(motion).field == "drive"
+    assert assembly_error(motion).field == "drive"
 
 
 def test_guides_that_stand_parallel_and_loops_are_named_without_a_length():

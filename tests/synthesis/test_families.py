@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis.found import Found, ten_digits
-from geomkin.synthesis.rockers.families import the_choice
+from geomkin.synthesis.rockers.families import given_choice, maximise
 
 LOW, HIGH, TOP = 0.2, 3.4, 1.2345678912345
 
@@ -37,10 +37,10 @@ def test_the_highest_place_is_found(f, top, near):
 
 
 def test_one_thing_is_chosen_and_no_two():
-    assert the_choice({"crank": None, "rocker": None}) is None
-    assert the_choice({"crank": None, "rocker": 0.0}) == ("rocker", 0.0)
+    assert given_choice({"crank": None, "rocker": None}) is None
+    assert given_choice({"crank": None, "rocker": 0.0}) == ("rocker", 0.0)
     with pytest.raises(gk.DesignError):
-        the_choice({"crank": 1.0, "coupler": None, "rocker": 2.0, "free_angle_deg": 3.0})
+        given_choice({"crank": 1.0, "coupler": None, "rocker": 2.0, "free_angle_deg": 3.0})
 
 
 @pytest.mark.parametrize(

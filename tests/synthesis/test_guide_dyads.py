@@ -7,7 +7,7 @@ import geomkin as gk
 from geomkin.core.progress import Watch
 from geomkin.synthesis import body_guides, dyads_through
 from geomkin.synthesis.guidance import guide_groups as guide_dyads
-from geomkin.synthesis.guidance.guide_groups import best_pairs, held_pins
+from geomkin.synthesis.guidance.guide_groups import GuideRequest, best_pairs, held_pins, inside_box
 from tests.synthesis.test_guidance import KNOWN, THREE, poses_of
 from tests.synthesis.test_guide_search import body_of
 

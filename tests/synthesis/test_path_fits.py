@@ -10,6 +10,7 @@ from geomkin.core.progress import Watch
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
 from geomkin.synthesis.path.fits import PathTask, polished, refined, squares
+from geomkin.synthesis.path.search import _cranks_for_all_points, _nearest_on_path
 
 WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
 # Its coupler point crosses its own path.
