@@ -42,16 +42,32 @@ def most_pressure_angle(cam: Cam) -> float:
 
 @checked
 def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
-    """Whether a cam drives its follower well: pressure angles of rise and return, deg, against the limit for such a
-    follower; jumps in velocity and in acceleration; scatter of tables; the room left before undercut, and the lift
-    that undercut takes.
+    """Check whether a cam drives its follower well.
 
-        [check for check in gk.cam.cam_checks(cam) if not check.passed]
+    Parameters
+    ----------
+    cam : Cam
+        The cam.
+    cut : Undercut, optional
+        Result of `undercut(cam)`, if it is known already.
 
-    A check that fails is advice: the cam exists all the same. cut: what `undercut` found, where it is known already.
+    Returns
+    -------
+    tuple of Check
+        Pressure angles of rise and return, deg; jumps of velocity and acceleration; scatter of tables; the distance
+        from undercut, and the lift that undercut takes. A failed check is advice: the cam can be made all the same.
 
-    Source: the limits stand, each with its source, above the function: Rothbart, Cams (1956), and Norton, Design of
-    Machinery.
+    Notes
+    -----
+    The limits are constants of this module, with their sources: Rothbart, Cams (1956), and Norton, Design of Machinery.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> program = gk.Program([gk.Rise("cycloidal", 20, end_deg=180), gk.Return("cycloidal", end_deg=360)])
+    >>> cam = gk.Cam(gk.TranslatingRoller(10), program, base_radius=40)
+    >>> [check.id for check in gk.cam.cam_checks(cam) if not check.passed]
+    []
     """
     return tuple(_checks(cam, cut or undercut(cam)))
 

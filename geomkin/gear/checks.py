@@ -19,10 +19,26 @@ LEAST_RIM = 1
 
 @checked
 def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") -> tuple[Check, ...]:
-    """Tip, undercut, and what holds the teeth of one gear.
+    """Check the tips, the undercut and the rim of one gear.
 
-    rim: thickness under the teeth, mm, of a ring outside them; left out, the gear is solid, and a ring's is not
-    judged. name: what the checks call the gear.
+    Parameters
+    ----------
+    gear : AbstractGear
+        The gear.
+    rim : float, optional
+        Thickness of material under the teeth, mm; outside them for a ring. By default the gear is solid, and the rim of
+        a ring is not checked.
+    name : str
+        Name of the gear in the ids and names of the checks.
+
+    Returns
+    -------
+    tuple of Check
+        Values in modules.
+
+    Notes
+    -----
+    The limits are constants of this module, each with its source.
     """
     before, prefix, module = f"{name} " if name else "", f"{name}_" if name else "", gear.module
     thinner = "give less profile_shift, addendum or tooth_thickness_allowance"
@@ -53,7 +69,20 @@ LEAST_PLANET_GAP = 0.5
 
 @checked
 def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
-    """Contact, clearance and interference of two gears. name: what the checks call the pair."""
+    """Check contact, clearance and interference of two gears.
+
+    Parameters
+    ----------
+    pair : GearPair or RackPair
+        The gears in mesh.
+    name : str
+        Name of the pair in the ids and names of the checks.
+
+    Returns
+    -------
+    tuple of Check
+        Contact ratio, clearance of the tips in modules, and number of interferences.
+    """
     clear = min(pair.clearances) / pair.module
     before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
     teeth = "give more teeth, less shift or no undercut"
@@ -75,7 +104,18 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
 
 @checked
 def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
-    """Both meshes of a planetary set, and the room between its planets where there are several."""
+    """Check both meshes of a planetary set, and the room between its planets.
+
+    Parameters
+    ----------
+    gears : PlanetarySet
+        The set.
+
+    Returns
+    -------
+    tuple of Check
+        `mesh_checks` of sun and ring; the gap between planets, in modules, if there are several.
+    """
     room = gears.planet_gap / gears.sun.module
     fewer, least = "give fewer planets", LEAST_PLANET_GAP
     beside = Check("planet_gap", "room between planets", room, "at least", least, "modules", fewer)
@@ -92,10 +132,23 @@ LEAST_CONJUGATE_CONTACT_RATIO = 1
 
 @checked
 def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
-    """Contact ratio and tips of a mate.
+    """Check the contact ratio and the tips of a conjugate gear.
 
-    module: of its gear, mm. pieces: how many of its cutter's, from the first on, are the driving side of the gear's
-    tooth. longer: what else makes the contact longer, for the advice.
+    Parameters
+    ----------
+    mate : Conjugate
+        The mate of a gear.
+    module : float
+        Module of the gear, mm.
+    pieces : int
+        Number of pieces of the cutter, from the first, that form the driving side of the gear's tooth.
+    longer : str
+        Further advice on how to lengthen the contact.
+
+    Returns
+    -------
+    tuple of Check
+        Contact ratio, and tip thickness in modules.
     """
     ratio, thickness = mate.contact_ratio(0.0, pieces), mate.tip_thickness / module
     thinner = "give a smaller mate.addendum or mate.backlash"
@@ -110,7 +163,20 @@ def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer:
 
 @checked
 def touch_check(mate: Conjugate, module: Positive) -> Check:
-    """Whether all of the gear's flank touches the mate."""
+    """Check that all of the gear's flank touches its mate.
+
+    Parameters
+    ----------
+    mate : Conjugate
+        The mate of a gear.
+    module : float
+        Module of the gear, mm.
+
+    Returns
+    -------
+    Check
+        Height of the flank that does not touch, in modules.
+    """
     lost = sum(u.outer_radius - u.inner_radius for u in mate.untouched if u.start < 1 and u.why != BEYOND)
     advice = "the mate is undercut: give it more teeth, or the gear's flanks less height or more lean"
     return Check("untouched_flank", "flank that cannot touch", lost / module, "at most", 0, "modules", advice)

@@ -52,11 +52,27 @@ def transmission_check(motion: Motion, advice: str = "") -> Check:
 
 @checked
 def linkage_checks(motion: Motion) -> tuple[Check, ...]:
-    """Whether the driver runs through all frames, and how well it drives: the least transmission angle, deg.
+    """Check that the driver moves through all frames, and how well it drives.
 
-    A failed check says which dyad opens first and what would mend it, or is advice. Where the driver drives nothing
-    else there is no angle to judge, and no check of it. DesignError for many linkages at once. Limits: as at
-    `LEAST_TRANSMISSION_ANGLE_DEG`.
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage.
+
+    Returns
+    -------
+    tuple of Check
+        The share of frames reached, %, and the least transmission angle, deg. The second is missing if the driver
+        drives nothing else. The advice of a failed check names the dyad that opens first.
+
+    Raises
+    ------
+    DesignError
+        If the motion is of many linkages at once.
+
+    Notes
+    -----
+    The limits are constants of this module, each with its source.
     """
     if motion.linkage.is_batch:
         raise DesignError("motion", "found many linkages at once", "give one, for each has checks of its own")
@@ -69,7 +85,18 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
 
 @checked
 def hole_check(hole_diameter: Positive, thickness: Positive) -> Check:
-    """Whether pin holes, mm, can be cut in a sheet of a thickness, mm: what cutting services ask for."""
+    """Check that pin holes can be cut in a sheet, by the rule of cutting services.
+
+    Parameters
+    ----------
+    hole_diameter, thickness : float
+        Diameter of the holes and thickness of the sheet, mm.
+
+    Returns
+    -------
+    Check
+        Hole diameter to thickness.
+    """
     advice = "smaller holes burn or break out when cut"
     ratio, least = hole_diameter / thickness, LEAST_HOLE_TO_THICKNESS
     return Check("pin_hole", "pin hole to thickness", ratio, "at least", least, "", advice)
@@ -77,5 +104,17 @@ def hole_check(hole_diameter: Positive, thickness: Positive) -> Check:
 
 @checked
 def collision_check(collisions: int, advice: str = "") -> Check:
-    """Whether plates and pins pass each other. collisions: how many do not, `len(stack.collisions)`. Derived here."""
+    """Check that plates and pins pass each other.
+
+    Parameters
+    ----------
+    collisions : int
+        Number of pairs that do not, `len(stack.collisions)`.
+    advice : str
+        Advice of the check if it fails.
+
+    Returns
+    -------
+    Check
+    """
     return Check("collisions", "plates and pins that collide", collisions, "at most", 0, "", advice)

@@ -51,7 +51,7 @@ class Pantograph(AbstractLinkage):
     >>> import geomkin as gk
     >>> linkage = gk.linkage.Pantograph(arm=150, forearm=150, ratio=3, crank=10, crank_pivot=60 + 0j)
     >>> motion = gk.move(linkage, [0.0, 1.0])
-    >>> abs(motion.point("pen").position - 3 * motion.point("tracer").position).max() < 1e-9
+    >>> bool(abs(motion.point("pen").position - 3 * motion.point("tracer").position).max() < 1e-9)
     True
     """
 

@@ -78,6 +78,11 @@ def recipe_class(kind: str) -> type[AbstractRecipe]:
     kind : str
         Name in the table `KINDS`, or of an entry point of the group `geomkin.kinds` of an installed package.
 
+    Returns
+    -------
+    type
+        A subclass of `AbstractRecipe`.
+
     Raises
     ------
     KeyError
@@ -101,7 +106,13 @@ def all_kinds() -> dict[str, KindRow]:
 
 
 def kind_names() -> list[str]:
-    """Names of all kinds."""
+    """Names of all kinds.
+
+    Returns
+    -------
+    list of str
+        Those of the table, then those of installed packages.
+    """
     return list(all_kinds())
 
 

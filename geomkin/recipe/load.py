@@ -135,9 +135,17 @@ DEEPEST = 2
 
 @checked
 def to_toml(recipe: AbstractRecipe) -> str:
-    """The TOML text of a recipe, of which `gk.load` makes an equal one. Files that it reads are named in it.
+    """Write a recipe as TOML text.
 
-    What is as it is where a recipe leaves it out, such as all of `files`, is left out.
+    Parameters
+    ----------
+    recipe : AbstractRecipe
+        The recipe. Keys that have their default value are omitted; files that it reads are named.
+
+    Returns
+    -------
+    str
+        A text from which `gk.load` makes an equal recipe.
     """
     told = adapter(type(recipe)).dump_python(recipe, mode="json")
     usual = {f.name for f in fields(recipe) if f.name != "kind" and getattr(recipe, f.name) == f.default}

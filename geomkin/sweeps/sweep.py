@@ -171,18 +171,38 @@ def sweep(
     out: str | Path | None = None,
     executor: Executor | None = None,
 ) -> Sweep:
-    """Work out a recipe, or what `load` finds, for all combinations of values under some of its keys.
+    """Evaluate a recipe for all combinations of values of some of its keys.
 
-    values: dotted key, such as "gear.teeth" or "program[0].rise", to a row of values, or to a text as the command
-    takes it: "8:120:4" (start:stop:step, the stop included where it is met), "-0.5,0,0.5", "spur,ring"; 10,000
-    combinations at most. What the recipe refuses is a row with the reason. tell: what is told besides the checks: a
-    table's column as "transmission_angle_deg:least", or `largest` or `last`, and entries of the notes by dotted name.
-    Nothing is worked out that neither the checks nor these need.
-    out: writes `out`/<name>/<name>.sweep.csv, a page, and each row as it is found, so that the same call goes on where
-    it was stopped, unless the recipe, `tell` or the version has changed; without it nothing is written or kept.
-    executor: of `concurrent.futures`, or one that is such, as of Dask's `client.get_executor()`; this process unless
-    given. The results are the same. Raises RecipeError and FileError as `load` does, DesignError for keys and names
-    that are unknown, too many combinations, and an executor that fails; what was found by then is kept.
+    Parameters
+    ----------
+    recipe : AbstractRecipe, str, Path or mapping
+        A recipe, or anything that `gk.load` reads.
+    values : mapping of str to sequence or str
+        Dotted keys, such as "gear.teeth" or "program[0].rise", and their values: a row, or a text as in the command,
+        such as "8:120:4" (start:stop:step; the stop is included if a step meets it) or "-0.5,0,0.5".
+        At most 10,000 combinations.
+    tell : sequence of str
+        Results besides the checks: a column of the table as "transmission_angle:least" (or `largest`, `last`), or an
+        entry of the notes by its dotted name.
+    out : str or Path, optional
+        Folder for <name>/<name>.sweep.csv, a page, and each row as it is computed, so that the same call continues
+        where it was stopped. By default nothing is written.
+    executor : Executor, optional
+        Of `concurrent.futures`, or of a cluster with the same interface, such as Dask's `client.get_executor()`. By
+        default this process computes the rows.
+
+    Returns
+    -------
+    Sweep
+        One row for each combination. A combination that the recipe refuses has the reason in its row.
+
+    Raises
+    ------
+    RecipeError, FileError
+        As for `gk.load`.
+    DesignError
+        If a key or a result is unknown, there are too many combinations, or the executor fails. Rows that were
+        written remain.
     """
     return swept(recipe, values, tell, out, _here if executor is None else partial(_by_executor, executor))
 
