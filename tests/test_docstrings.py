@@ -22,7 +22,9 @@ def name_of(path):
 @pytest.mark.parametrize("path", WITH_EXAMPLES, ids=name_of)
 def test_examples_run(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    failed, tried = doctest.testmod(import_module(name_of(path)), extraglobs={"gk": gk, "np": np}, optionflags=doctest.ELLIPSIS)
+    failed, tried = doctest.testmod(
+        import_module(name_of(path)), extraglobs={"gk": gk, "np": np}, optionflags=doctest.ELLIPSIS
+    )
     assert tried and not failed
 
 

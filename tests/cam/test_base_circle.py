@@ -191,7 +191,7 @@ def test_a_hill_between_samples_limits_the_largest_base_radius_too(tried):
     """A limit that a radius that is tried keeps at all samples, and breaks between them: the largest is smaller."""
     follower, program = OscillatingRoller(10, 100, 80), SWINGS
     low, high = follower.base_radius_range(np.radians(14))
-    radius = low + (high - low) * (tried + 0.5) / base_circle.TRIED
+    radius = low + (high - low) * (tried + 0.5) / base_circle.TRIALS
 
     def leaning(radius, angles):
         return np.degrees(np.abs(follower.contact(program.motion(angles), radius, 1).pressure_angle)).max()

@@ -179,7 +179,7 @@ def test_impossible_cams_are_refused(follower, program, base, field):
 )
 def test_range_of_base_radii_of_an_arm(follower, low, high):
     """Low: the pivot's distance less the arm; high: a little less than all of it in line, or square."""
-    least, most = follower.base_radii(np.radians(14))
+    least, most = follower.base_radius_range(np.radians(14))
     assert least == pytest.approx(low) and high < most < high + 1
     for base in (least * (1 + 1e-6) + 1e-6, most * (1 - 1e-6)):
         place = gk.Cam(follower, SWINGS, base).follower_pose(np.linspace(0, 2 * np.pi, 99))

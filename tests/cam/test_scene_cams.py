@@ -18,15 +18,15 @@ def test_a_cam_by_itself_shows_the_follower_in_lines(name):
     scene, follower = scene_of(cam), cam.follower
     (contact,) = marks(scene, "point", "contact")
     pins = {mark.label: mark.place for mark in scene.marks if mark.sort.endswith("pin")}
-    assert ("pivot" in pins) == follower.oscillates and ("roller" in pins) == bool(follower.rounding)
+    assert ("pivot" in pins) == follower.oscillates and ("roller" in pins) == bool(follower.roller_radius)
     assert scene.cyclic and scene.assembled.all() and not any(body.parts for body in scene.bodies)
-    if follower.rounding:
+    if follower.roller_radius:
         # Where it touches is a roller's radius from its centre, all the time.
-        assert np.abs(pins["roller"] - contact.place) == pytest.approx(np.full(121, follower.rounding))
+        assert np.abs(pins["roller"] - contact.place) == pytest.approx(np.full(121, follower.roller_radius))
     if follower.oscillates:
         (arm,) = marks(scene, "line", "arm")
         assert (arm.place == pins["pivot"]).all() and not marks(scene, "slide")
-        if follower.rounding:
+        if follower.roller_radius:
             assert np.abs(arm.place + arm.vector - pins["roller"]).max() < 1e-9
     else:
         (stem,), (guide,) = marks(scene, "line", "follower"), marks(scene, "slide", "guide")

@@ -37,4 +37,4 @@ def test_planets_and_carrier_turn_as_the_table_says():
         told = np.radians(np.asarray(scene.table[header]))
         assert np.abs(seen - seen[0] - (told - told[0])).max() < 1e-9, name
     (plot,) = scene.plots
-    assert plot.columns == ("carrier_angle_deg", "planet_angle_deg")
+    assert plot.columns == ("carrier_angle", "planet_angle")

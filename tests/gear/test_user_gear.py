@@ -118,14 +118,6 @@ def test_impossible_stock_is_refused(stock, field):
     assert caught.value.field == field
 
 
-def test_incomplete_gear_class_is_refused():
-    with pytest.raises(TypeError):
-
-        class Halfgear(AbstractGear):
-            teeth: int
-            tip_radius = 3.0
-
-
 @pytest.mark.parametrize(
     ("gear", "stock", "name"),
     [

@@ -63,10 +63,10 @@ def test_a_fault_of_our_own_in_one_recipe_does_not_stop_the_others(geomkin, reci
         (here / f"{name}.toml").write_text(recipe("spur-gear", CSV))
     real = build.make
 
-    def make(file, *rest):
+    def make(file, **options):
         if Path(file).stem == "first":
             raise fault("out of reach")
-        return real(file, *rest)
+        return real(file, **options)
 
     monkeypatch.setattr(build, "make", make)
     result = geomkin("run", ".")

@@ -79,4 +79,4 @@ def test_shaking_forces_are_drawn_at_one_scale():
     scales = [np.abs(a.vector).max() / own.table[f"force_{n}"].max() for a, n in zip(arrows, ("none", "given", "best"))]
     assert len(scales) == 3
     np.testing.assert_allclose(scales, scales[0])
-    assert scene.plots[0].columns == ("force_none_N", "force_given_N", "force_best_N")
+    assert scene.plots[0].columns == ("force_none", "force_given", "force_best")

@@ -82,7 +82,10 @@ def test_an_actuator_is_followed_over_its_whole_reach():
     slide = linkage.sliders[0]
     arm, base = abs(120 + 10j), abs(60 - 80j)
     # Where the rod's pin is seen from the cylinder's as the slide moves on.
-    start, along = slide.seen("rod", -5, 0.0), slide.seen("rod", -5, 1.0) - slide.seen("rod", -5, 0.0)
+    start, along = (
+        slide.in_other_frame("rod", -5, 0.0),
+        slide.in_other_frame("rod", -5, 1.0) - slide.in_other_frame("rod", -5, 0.0),
+    )
     ahead, left = (start * np.conj(along)).real, (start * np.conj(along)).imag
     far, near = np.sqrt((arm + base) ** 2 - left**2), np.sqrt((arm - base) ** 2 - left**2)
     assert np.array(parts) + ahead == pytest.approx(np.array([[-far, -near], [near, far]]), rel=1e-13)

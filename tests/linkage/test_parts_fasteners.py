@@ -89,7 +89,7 @@ def test_screws_hold_plates_spacers_and_nut():
             assert length in LENGTHS and size.lengths[0] <= length <= size.lengths[1]
             head, nut = held.ends(grip)
             # What is under the head: the plates, and what stands out of them with the nut on it.
-            assert grip + nut == pytest.approx(length) and nut >= size.washer[1] + size.height + size.pitch
+            assert grip + nut == pytest.approx(length) and nut >= size.washer[1] + size.nut_height + size.pitch
             assert head > size.head[1]
             assert sum(count for _, count in held.bill(grip)) == 3
 

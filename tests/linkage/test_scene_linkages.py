@@ -29,10 +29,10 @@ def test_copies_stand_open_where_any_of_them_does_and_each_is_where_its_own_cran
 def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
     scene = gk.load(LIMITED).scene
     assert not scene.assembled.all()
-    plotted = {header for plot in scene.plots for header in plot.columns}
-    known = {header for header, values in scene.table.to_columns().items() if np.isfinite(values).any()}
+    plotted = {column for plot in scene.plots for column in plot.columns}
+    known = {column.id for column in scene.table.columns if np.isfinite(column.values).any()}
     assert plotted <= known
-    assert {"coupler_angle_deg", "rocker_angle_deg", "transmission_angle_deg", "coupler_omega_rad_per_s"} <= plotted
+    assert {"coupler_angle", "rocker_angle", "transmission_angle", "coupler_omega"} <= plotted
     never = gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(3, 3.2, 7))
     assert not never.assembled.any()
     told = {

@@ -217,7 +217,7 @@ class Shifted:
     def origin(self, body, order):
         return self.solution.origin(body, order) + (self.by if body == self.body and order == 0 else 0)
 
-    def worked_at(self, body, local):
+    def evaluation_at(self, body, local):
         """Nothing, so that points go by the origin above."""
 
     def __getattr__(self, name):

@@ -150,7 +150,7 @@ def test_starts_are_near_the_points_and_the_best_come_first(asked, monkeypatch):
         low=np.array([-50.0 if asked == "slides" else 1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]),
     )  # fmt: skip
     told = []
-    monkeypatch.setattr(Watch, "tell", lambda self, share: told.append(share))
+    monkeypatch.setattr(Watch, "report", lambda self, share: told.append(share))
     rng = np.random.default_rng(8)
     if timed:
         x, branch = starts.timed_starts(task, rng, Watch(60, ""))

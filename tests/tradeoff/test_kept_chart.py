@@ -55,7 +55,7 @@ def test_tables_and_pictures_are_rewritten_as_kept(name, written):
 
 
 def test_all_files_that_are_written_are_kept(written):
-    assert {path.name for path in kept.FOLDER.iterdir()} == set(written)
+    assert {path.name for path in kept.FOLDER.iterdir()} == set(written) - {"chart.html"}
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.campaign) if n in SLOW else n for n in FAMILIES])
