@@ -88,7 +88,7 @@ def load(source: Readable) -> AbstractRecipe:
     'four-bar'
     """
     if isinstance(source, Mapping):
-        return reading.told(source)
+        return reading.from_table(source)
     if isinstance(source, str) and "\n" in source:
         return reading.parse(source)
     return reading.read(Path(source))

@@ -96,7 +96,7 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
         name, column = "jump in acceleration", "acceleration"
         yield Check("acceleration_jump", name, jumps.max(), "at most", 0, unit, advice, column, at)
     for k, table in cam.program.tables.items():
-        # What cannot be told is no check.
+        # Unknown scatter gives no check.
         if not np.isnan(table.noise):
             advice = f"the curve follows the scatter of the rows: give within = {_above(table.wide)} in program[{k}]"
             if np.isinf(table.noise):

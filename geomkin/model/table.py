@@ -23,8 +23,9 @@ Sizes = Annotated[
 # Significant digits of a number in a file. More would print the last bit of a processor's sine, and the same recipe
 # would no longer give the same bytes everywhere.
 DIGITS = 10
-# A number is rounding noise beyond so many digits, counted from the size of the terms that it is the sum of. Of most
-# columns these are unknown: what is beyond so many decimals, or 1e-12 of a column whose values are small, is noise.
+# A number is rounding noise beyond so many digits, counted from the size of the terms that it is the sum of. The terms
+# of most columns are unknown: digits beyond so many decimals, or beyond 1e-11 of the largest value, count as noise. One
+# digit more let two processors write 0.0730111895 and 0.0730111896 for a sum of terms of 100 mm.
 NOISE_DIGITS, DECIMALS = 14, 9
 
 

@@ -9,9 +9,10 @@ from urllib.parse import quote
 from ..core.errors import FileError
 from ..core.names import file_name_flaw, folded
 from ..export.formats import tail_of
+from ..export.still import colours
 from ..export.summary import listed_files, read_summary
 from ..export.text import text
-from .page import colours, head, web_file
+from .page import head, player_file
 
 NAME = "index.html"
 # What tells a page of ours from one that somebody wrote, within so many bytes of its start.
@@ -43,7 +44,7 @@ def index(folder: Path) -> dict[str, bytes]:
         raise FileError(folder, "no recipe was made into it", "make some first", "file-unreadable")
     more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
     place = folder.resolve().name or "this folder"
-    style = f"{colours()}{web_file('index.css')}"
+    style = f"{colours()}{player_file('index.css')}"
     page = f"""{head(f"Mechanisms in {place}", style, mark=OURS.decode())}<body>
 <header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{text(place)}</bdi></p></header>
 <main>

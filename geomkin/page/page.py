@@ -51,11 +51,11 @@ def page(job: Job) -> bytes:
 def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:
     """A page of one file. title: plain text; about, body: HTML; data: JSON that is safe in a script element.
 
-    scripts: files of `web`, the plot library first, and `start` what calls them. Its policy lets run what stands in it
-    and nothing else, whatever a recipe's texts hold.
+    scripts: files of `player`, the plot library first; start: the line that calls them. The policy of the page runs
+    these scripts and no other, whatever the texts of a recipe contain.
     """
     script = _script(scripts, start)
-    told = f"""{head(title, web_file("style.css"), script)}<body>
+    told = f"""{head(title, player_file("style.css"), script)}<body>
 <header><h1><bdi>{text(title)}</bdi></h1>{about}</header>
 <main>
 {body}</main>
@@ -70,7 +70,7 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
 @cache
 def _script(scripts: tuple[str, ...], start: str) -> str:
     """Files of the player as one module: one after another, without the lines and words that link modules."""
-    return "\n".join([*(_without_links(web_file(name)) for name in scripts), start, ""])
+    return "\n".join([*(_without_links(player_file(name)) for name in scripts), start, ""])
 
 
 def _without_links(source: str) -> str:
@@ -78,12 +78,7 @@ def _without_links(source: str) -> str:
     return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
 
 
-def colours() -> str:
-    """The part of the style that gives colours their names, light and dark."""
-    return web_file("style.css").partition("\n* {")[0]
-
-
-def web_file(name: str) -> str:
+def player_file(name: str) -> str:
     """The text of a file of the player."""
     return files("geomkin.page.player").joinpath(name).read_text("utf-8").strip()
 

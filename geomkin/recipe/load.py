@@ -32,7 +32,7 @@ def read(path: Path) -> AbstractRecipe:
 
     Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
     """
-    return told(table_of(path), str(path), str(path.parent)).with_name(path.stem)
+    return from_table(table_of(path), str(path), str(path.parent)).with_name(path.stem)
 
 
 def table_of(path: Path) -> dict[str, Any]:
@@ -42,7 +42,7 @@ def table_of(path: Path) -> dict[str, Any]:
 
 def parse(text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
-    return told(parsed(text, file), file, folder)
+    return from_table(parsed(text, file), file, folder)
 
 
 def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
@@ -64,7 +64,7 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named", "invalid-toml") from None
 
 
-def told(data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+def from_table(data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
     """The recipe in a table as TOML gives it: tables as dicts, points as [x, y]."""
     name = data.get("kind")
     try:

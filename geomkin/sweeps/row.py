@@ -21,7 +21,7 @@ from ..core.progress import shown as told_to
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
-from ..recipe.load import told
+from ..recipe.load import from_table
 from ..recipe.messages import nearest
 from ..recipe.recipe import AbstractRecipe
 
@@ -185,7 +185,7 @@ class Task:
 
     def opened(self, changes: Mapping[str, Any]) -> AbstractRecipe:
         """The recipe with these changes. Raises what `gk.load` does, and DesignError for a key that leads nowhere."""
-        return told(with_values(self.recipe, changes), self.file, self.folder)
+        return from_table(with_values(self.recipe, changes), self.file, self.folder)
 
 
 def worked_out(task: Task, several: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import geomkin as gk
-from geomkin.page.page import SCRIPTS, web_file
+from geomkin.page.page import SCRIPTS, player_file
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NAMES = ["crank-rocker", "walking-leg", "roller-cam", "gear-pair"]
@@ -66,7 +66,7 @@ def in_browser(files):
 
 
 def main(names):
-    library, own = len(web_file(SCRIPTS[0])), "player"
+    library, own = len(player_file(SCRIPTS[0])), "player"
     rows, files = [], {}
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
