@@ -227,6 +227,7 @@ ALL = Made(
             -1,
         ),
         "four-bar by coupler": lambda: (gk.FourBar(100, 90, 25, 90, 12 + 40j, driver="coupler"), TURN, 1),
+        "deltoid": lambda: (gk.FourBar(40, 40, 70, 70, 20 + 30j), np.linspace(0.2, 6.0, 60), 1),
         "four-bar placed elsewhere": lambda: (
             gk.FourBar(100, 30, 90, 70, 40, origin=5 - 3j, ground_angle_deg=37),
             TURN,
@@ -281,7 +282,7 @@ ALL = Made(
 
 # One example of each joint, driver and class of solution.
 FEW = [
-    "four-bar", "four-bar by coupler", "slider-crank the other way", "slider-crank by slider", "whitworth", "stephenson",
+    "four-bar", "deltoid", "four-bar by coupler", "slider-crank the other way", "slider-crank by slider", "whitworth", "stephenson",
     "shaper", "trammel by shuttle", "oldham", "walking leg", "crossed slots", "block with a bar", "table between bar and slide",
     "loops", "boom after its cylinder", "boom, the cylinder slides", "pushed crosshead", "actuator between moving bars",
 ]  # fmt: skip

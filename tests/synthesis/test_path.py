@@ -114,8 +114,7 @@ def test_nine_points_have_nearly_all_their_linkages():
 
 @pytest.mark.campaign
 def test_a_few_linkages_through_nine_points(monkeypatch):
-    monkeypatch.setattr("geomkin.synthesis.path.nine_points.TURNS", 1)
-    monkeypatch.setattr("geomkin.synthesis.path.nine_points.STARTS", 2000)
+    monkeypatch.setattr("geomkin.synthesis.path.nine_points.IDLE", 1)
     monkeypatch.setattr("geomkin.synthesis.path.nine_points.FOLLOWED", 60)
     rows = through_nine(NINE - NINE.mean(), np.random.default_rng(0), Watch(60, ""))
     assert len(rows) > 5

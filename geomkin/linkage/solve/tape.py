@@ -107,8 +107,9 @@ class Tape:
         operation = INSTEAD.get(operation, operation)
         of = tuple([self.number(value) for value in inputs])
         if any(self.steps[k].kind is complex for k in of):
-            # Constants are converted to complex once, instead of at every call.
-            of = tuple([self.number(self.constants[k] + 0j) if k in self.constants else k for k in of])
+            # Constants are converted to complex once, instead of at every call; a mask stays one.
+            numbers = [k for k in of if k in self.constants and self.steps[k].kind is not bool]
+            of = tuple([self.number(self.constants[k] + 0j) if k in numbers else k for k in of])
         if operation is np.power and of[1] in self.constants and self.constants[of[1]] == 2:
             operation, of = np.square, of[:1]
         if operation is np.multiply:
