@@ -29,6 +29,8 @@ _NODES, _WEIGHTS = np.concatenate([-_ABOVE[::-1], _ABOVE]), np.concatenate([_HAL
 _DOUBLINGS = 12
 # Samples per smooth piece in the search for a nearest point. A smaller feature of the curve may be missed.
 _SAMPLES = 48
+# Distances between points and samples that are kept at once: 50 MB.
+AT_ONCE = 2_000_000
 
 
 @checked
@@ -245,10 +247,16 @@ def nearest(curve: AbstractCurve, points: Points) -> tuple[Real, Real]:
     >>> float(t), float(distance)
     (0.5, 2.0)
     """
-    z = np.asarray(points, dtype=complex)
-    flat, b = z.ravel(), curve.breaks
+    z, b = np.asarray(points, dtype=complex), curve.breaks
     grid = np.concatenate([b0 + (b1 - b0) * np.arange(_SAMPLES) / _SAMPLES for b0, b1 in pairwise(b)])
     grid = np.append(grid, b[-1])
+    chunks = np.array_split(z.ravel(), max(1, -(-z.size * len(grid) // AT_ONCE)))
+    t, distance = (np.concatenate(parts) for parts in zip(*[_nearest(curve, chunk, grid) for chunk in chunks]))
+    return t.reshape(z.shape), distance.reshape(z.shape)
+
+
+def _nearest(curve: AbstractCurve, flat: Complex, grid: Real) -> tuple[Real, Real]:
+    """The same for a row of points, from the samples of the curve at `grid`."""
     samples = curve.point(grid)
     distances = np.abs(samples - flat[:, None])
     padded = np.pad(distances, ((0, 0), (1, 1)), constant_values=np.inf)
@@ -261,7 +269,7 @@ def nearest(curve: AbstractCurve, points: Points) -> tuple[Real, Real]:
     parameters = _golden(curve, flat[row], low, high, grid[column])
     distance = np.abs(curve.point(parameters) - flat[row])
     best = np.lexsort((distance, row))[np.searchsorted(row, np.arange(len(flat)))]
-    return parameters[best].reshape(z.shape), distance[best].reshape(z.shape)
+    return parameters[best], distance[best]
 
 
 def _golden(curve: AbstractCurve, z: Complex, low: Real, high: Real, start: Real) -> Real:

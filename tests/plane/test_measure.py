@@ -1,5 +1,7 @@
 """Measures against closed forms, against shapely, and against the nearest of very many points."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 import shapely
@@ -109,6 +111,18 @@ def test_nearest_against_the_nearest_of_many(name):
     assert (distance >= best - step).all()
     on = curve.point(np.linspace(low, high, 41))
     assert measure.nearest(curve, on)[1].max() < 1e-12 * size(curve)
+
+
+def test_nearest_of_many_points_in_little_memory(monkeypatch):
+    outline, z = SpurGear(20, 2).outline, 30 * np.exp(1j * np.linspace(0, 6, 12))
+    results, peaks = [], []
+    for at_once in (10**9, 20_000):
+        monkeypatch.setattr(measure, "AT_ONCE", at_once)
+        tracemalloc.start()
+        results.append(measure.nearest(outline, z))
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert np.array_equal(*results) and peaks[1] < 0.5 * peaks[0]
 
 
 def test_nearest_of_plain_shapes():
