@@ -26,9 +26,9 @@ def main() -> None:
             except GeomkinError as error:
                 sys.exit(str(error))
         except click.ClickException as error:
-            told = io.StringIO()
-            error.show(told)
-            sys.stderr.writelines(f"{harmless(line)}\n" for line in told.getvalue().splitlines())
+            message = io.StringIO()
+            error.show(message)
+            sys.stderr.writelines(f"{harmless(line)}\n" for line in message.getvalue().splitlines())
             sys.exit(error.exit_code)
         except click.Abort:
             _stop()
@@ -42,7 +42,7 @@ def main() -> None:
     except OSError as error:
         sys.exit(f"geomkin cannot go on: {error.strerror or error}")
     except Exception as error:
-        # What is refused on purpose is told elsewhere; this is ours to mend, and a traceback helps no user.
+        # Refusals are reported above; this is our own fault, and a traceback helps no user.
         fault = harmless(f"{type(error).__name__}: {error}")
         sys.exit(f"geomkin failed by a fault of its own ({fault}); please report the recipe")
     finally:

@@ -138,12 +138,12 @@ def columns(recipe: Path) -> None:
     "the first being [0]: cam.program[1].rise=10,20; once for each key.",
 )  # fmt: skip
 @click.option(
-    "--tell", multiple=True, metavar="NAME",
-    help="Tell besides the checks: COLUMN:least, :largest or :last of the table, or an entry of the notes.",
+    "--result", "results", multiple=True, metavar="NAME",
+    help="A result besides the checks: COLUMN:least, :largest or :last of the table, or an entry of the notes.",
 )  # fmt: skip
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 @_as_json
-def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: Path, as_json: bool) -> None:
+def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
     """Work out a RECIPE for all combinations of values, into OUT/<recipe>/<recipe>.sweep.csv and .html.
 
     One that was stopped goes on where it was.
@@ -162,14 +162,14 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
     watched = _is_terminal(sys.stderr)
     try:
         with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
-            found = swept(recipe, values, tell, out, by_processes)
+            found = swept(recipe, values, results, out, by_processes)
     except GeomkinError as error:
         refused = _refused(recipe, error)
         _end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
         sys.exit(1)
     if found.anew:
         click.echo(
-            "begun anew: the rows of an earlier run are of another recipe, --tell or version of geomkin, or damaged",
+            "begun anew: an earlier run was of another recipe, other results or another version, or is damaged",
             err=True,
         )
     refusals = [row.refused for row in found.rows if row.refused]
@@ -179,7 +179,7 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
                 "values": row.values,
                 "refused": row.refused,
                 "checks": [check.to_dict() for check in row.checks],
-                "told": row.told,
+                "results": row.results,
             }
             for row in found.rows
         ]
@@ -193,8 +193,8 @@ def sweep(recipe: Path, settings: tuple[str, ...], tell: tuple[str, ...], out: P
             }
         )
     else:
-        told = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refusals):,} refused"
-        click.echo(f"{', '.join(map(printable, found.files))}: {told}")
+        counts = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refusals):,} refused"
+        click.echo(f"{', '.join(map(printable, found.files))}: {counts}")
     if len(refusals) == len(found.rows):
         click.secho(f"all are refused, the first for this: {harmless(refusals[0])}", fg="red", err=True)
         sys.exit(1)
@@ -272,11 +272,11 @@ def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     from .tradeoff.results import chart
     from .tradeoff.study import stability
 
-    def tell(share: float, what: str) -> None:
+    def show(share: float, what: str) -> None:
         click.echo(f"\r\x1b[K{what}: {share:.0%}" if share < 1 else "\r\x1b[K", nl=False, err=True)
 
     try:
-        with shown(tell if _is_terminal(sys.stderr) else lambda share, what: None):
+        with shown(show if _is_terminal(sys.stderr) else lambda share, what: None):
             measured = chart(families, quick)
         # Of all there is: where methods break, too, if what reckons in many digits is installed.
         study = stability() if not families and find_spec("mpmath") else None
@@ -331,7 +331,7 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
     outcomes: list[Made | Refused] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
 
-    def tell(share: float, what: str) -> None:
+    def show(share: float, what: str) -> None:
         """Within one recipe: a line of its own where there is one recipe only, in the bar otherwise."""
         if not _is_terminal(sys.stderr):
             return
@@ -348,7 +348,7 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
         file=sys.stderr,
         hidden=hidden,
     )
-    with counted as bar, shown(tell):
+    with counted as bar, shown(show):
         bar.update(0, files[0])
         killed = Problem("", "its process was killed", LARGER, "too-much-work")
         for file, following, outcome in zip(files, [*files[1:], None], each(partial(_tried, action), files)):
@@ -362,7 +362,7 @@ def _tried(action: Callable[[Path], Made], file: Path) -> Made | Refused:
     try:
         return action(file)
     except Exception as error:
-        # A fault of ours in one recipe is told like any other, and the rest are made.
+        # A fault of ours in one recipe is reported like any other, and the rest are made.
         return _refused(file, error)
 
 

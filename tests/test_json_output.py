@@ -53,12 +53,12 @@ def test_checks_that_fail_do_not_change_the_exit_state(command):
 
 
 def test_a_sweep_is_one_object_with_a_row_for_each_combination(command):
-    code, (one,), _ = command("sweep", "--json", "a.toml", "--set", "gear.teeth=2,8,20", "--tell", "along:last")
+    code, (one,), _ = command("sweep", "--json", "a.toml", "--set", "gear.teeth=2,8,20", "--result", "along:last")
     assert code == 0 and (one["name"], one["kind"], one["file"]) == ("a", "spur-gear", "a.toml")
     assert [row["values"] for row in one["rows"]] == [{"gear.teeth": teeth} for teeth in (2, 8, 20)]
     assert [bool(row["refused"]) for row in one["rows"]] == [True, False, False]
     assert "tip_thickness" in [check["id"] for check in one["rows"][1]["checks"]]
-    assert one["rows"][2]["told"]["along:last"] > 0 and len(one["files"]) == 2
+    assert one["rows"][2]["results"]["along:last"] > 0 and len(one["files"]) == 2
     code, (one,), wrong = command("sweep", "--json", "a.toml", "--set", "gear.tooth=2")
     assert code == 1 and wrong == "" and [problem["id"] for problem in one["problems"]] == ["unknown-key"]
 

@@ -140,9 +140,9 @@ def whole_between(least: int, most: int) -> ArgumentType:
 
 
 def _either(sorts: list[ArgumentType]) -> ArgumentType:
-    told = [sort.allowed for sort in sorts if sort is not NOTHING]
+    listed = [sort.allowed for sort in sorts if sort is not NOTHING]
     types = tuple(each for sort in sorts for each in sort.types)
-    return ArgumentType(lambda value: any(sort.fits(value) for sort in sorts), _listed(told), types)
+    return ArgumentType(lambda value: any(sort.fits(value) for sort in sorts), _listed(listed), types)
 
 
 def _listed(words: Sequence[str]) -> str:

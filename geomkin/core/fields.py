@@ -127,7 +127,7 @@ def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
     return good
 
 
-# Digits of a number that is advised: fewer than are told in messages, more than are set in a workshop.
+# Digits of a number that is advised: fewer than messages show, more than a workshop can set.
 DIGITS = 7
 
 
@@ -283,7 +283,7 @@ class SignOrPlace:
 
 
 class KindTable(UserDict[str, type[T]]):
-    """kind -> dataclass of tables that a recipe tells apart by their `kind`; recipes read it anew when it changes.
+    """kind -> dataclass of tables that a recipe distinguishes by their `kind`; recipes read it anew when it changes.
 
     A class that leaves out what its contract asks for is refused at its row, with the names of what is missing.
     """
@@ -306,7 +306,7 @@ class KindTable(UserDict[str, type[T]]):
 
 
 class OneOfKinds:
-    """Marks dataclasses told apart by their `kind`, so that errors speak of the right one: a union of them, or an
+    """Marks dataclasses distinguished by their `kind`, so that errors speak of the right one: a union of them, or an
     abstract class whose attribute `KINDS` is their table.
     """
 

@@ -20,12 +20,12 @@ KINDS = {"f": "real", "c": "complex", "i": "whole", "u": "whole", "b": "bool", "
 def one_line(self: Any) -> str:
     """What `__repr__` gives: the class and its fields, those left at their default out.
 
-    Arrays are told by shape and kind, rows of things by how many they are, other things by their class alone. A class
+    Arrays are shown by shape and kind, sequences by their length, other things by their class alone. A class
     takes it by `__repr__ = one_line` in its body; every curve has it.
     """
     fields = dataclasses.fields(self) if dataclasses.is_dataclass(self) else ()
-    told = [(f.name, getattr(self, f.name)) for f in fields if f.repr and not _is_default(f, getattr(self, f.name))]
-    return clipped(f"{type(self).__name__}({', '.join(f'{name}={short(value)}' for name, value in told)})")
+    shown = [(f.name, getattr(self, f.name)) for f in fields if f.repr and not _is_default(f, getattr(self, f.name))]
+    return clipped(f"{type(self).__name__}({', '.join(f'{name}={short(value)}' for name, value in shown)})")
 
 
 def _is_default(field: dataclasses.Field[Any], value: object) -> bool:
@@ -62,11 +62,11 @@ def short(value: object) -> str:
 
 def moving(self: Any) -> str:
     """What `_repr_html_` gives, by `_repr_html_ = moving` in a class: the thing moving, or in words why it cannot."""
-    told: str = import_module("geomkin.studio.notebook").inline(self)
-    return told
+    html: str = import_module("geomkin.studio.notebook").inline(self)
+    return html
 
 
 def still(self: Any, curves: Sequence[Any], marks: Sequence[Any] = ()) -> str | None:
     """What `_repr_svg_` gives: curves and engraved marks of a thing as an SVG text; None where they cannot be drawn."""
-    told: str | None = import_module("geomkin.export.svg_path").picture(repr(self), curves, marks)
-    return told
+    svg: str | None = import_module("geomkin.export.svg_path").picture(repr(self), curves, marks)
+    return svg

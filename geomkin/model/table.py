@@ -157,5 +157,5 @@ def xy_columns(id: str, unit: str, meaning: str, values: Complex) -> tuple[Colum
 
 
 def finite(values: NDArray[Number]) -> NDArray[Number]:
-    """The values with what lies at infinity, which no number tells, left out; of complex ones both coordinates."""
+    """The values, with nan for those at infinity; of complex ones both coordinates."""
     return known(np.isfinite(values), values)

@@ -15,7 +15,7 @@ from ..export.text import text
 from .page import head, player_file
 
 NAME = "index.html"
-# What tells a page of ours from one that somebody wrote, within so many bytes of its start.
+# The mark of a page of ours, and the bytes at the start of a page within which it is looked for.
 OURS, WITHIN = b'<meta name="generator" content="geomkin">', 1000
 # Bytes of a picture that is shown, and of all of them: ours are far smaller, and a page is to open at once.
 LARGEST_PICTURE, ALL_PICTURES = 200_000, 5_000_000
@@ -107,12 +107,12 @@ def _verdict(checks: object) -> str:
     failing.sort(key=lambda check: "expected" in check)
     failed = [check["name"] for check in failing]
     if not failed:
-        told = "Its one check holds." if len(checks) == 1 else f"All {len(checks):,} checks hold."
-        return f'<p class="holds">{told}</p>'
+        verdict = "Its one check holds." if len(checks) == 1 else f"All {len(checks):,} checks hold."
+        return f'<p class="holds">{verdict}</p>'
     fails = "fails" if len(failed) == 1 else "fail"
     fails += " as expected" * all("expected" in check for check in failing)
-    told = f"{len(failed):,} of {_counted(len(checks), 'check')} {fails}: {text(str(failed[0])[:200])}"
-    return f'<p class="fails">{told}{" and others" if len(failed) > 1 else ""}.</p>'
+    verdict = f"{len(failed):,} of {_counted(len(checks), 'check')} {fails}: {text(str(failed[0])[:200])}"
+    return f'<p class="fails">{verdict}{" and others" if len(failed) > 1 else ""}.</p>'
 
 
 def _is_check(check: object) -> TypeGuard[dict[str, object]]:

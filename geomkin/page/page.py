@@ -38,7 +38,7 @@ def page(job: Job) -> bytes:
         about += f"<p>It shows {MOST_FRAMES} of {frames} frames, evenly chosen; the CSV file of the recipe has all.</p>"
     body = (
         '<section id="player" aria-label="The mechanism, moving, and its plots"></section>\n'
-        "<noscript><p>The drawing moves by a script; without one, the tables below tell the same.</p></noscript>\n"
+        "<noscript><p>The drawing moves by a script; without one, the tables below state the same.</p></noscript>\n"
         f"{''.join(f'{section}{chr(10)}' for section in all_of(job) if section)}"
     )
     scripts: tuple[str, ...] = SCRIPTS
@@ -55,7 +55,7 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
     these scripts and no other, whatever the texts of a recipe contain.
     """
     script = _script(scripts, start)
-    told = f"""{head(title, player_file("style.css"), script)}<body>
+    page = f"""{head(title, player_file("style.css"), script)}<body>
 <header><h1><bdi>{text(title)}</bdi></h1>{about}</header>
 <main>
 {body}</main>
@@ -64,7 +64,7 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
 </body>
 </html>
 """
-    return told.encode("utf-8", "replace")
+    return page.encode("utf-8", "replace")
 
 
 @cache

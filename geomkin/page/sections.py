@@ -1,4 +1,4 @@
-"""What a page tells in words and tables, as HTML that reads without a script: checks, parts, stack, recipe."""
+"""Text and tables of a page, as HTML that reads without a script: checks, parts, stack, recipe."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from ..model.scene import Scene
 from ..plane.curve import extent
 from ..plane.measure import area, length
 
-# Distance between a part and the chords that its size is read off, as a share of that size: four digits are told.
+# Distance between a part and the chords that its size is read off, as a share of that size: four digits are shown.
 FOUR_DIGITS = 5e-5
 # Significant digits of the measured sizes of gears: the last ones show how a tooth was cut.
 MEASURED_DIGITS = 6
-# Names of a table's row or of a file that are told at most: a sheet of a thousand parts is no table for a reader.
+# Most names in a row of a table: a list of a thousand parts is no help to a reader.
 MOST_ROWS = 200
 
 
@@ -32,8 +32,8 @@ def verdict(checks: tuple[Check, ...]) -> str:
     if not checks:
         return ""
     if not failed:
-        told = "Its one check holds." if len(checks) == 1 else f"All {len(checks)} checks hold."
-        return f'<p class="verdict holds">{told}</p>'
+        verdict = "Its one check holds." if len(checks) == 1 else f"All {len(checks)} checks hold."
+        return f'<p class="verdict holds">{verdict}</p>'
     failed.sort(key=lambda check: bool(check.expected))
     count = f"{len(failed)} of {len(checks)} checks {'fails' if len(failed) == 1 else 'fail'}"
     return f'<p class="verdict fails">{count}: {text(str(failed[0]).replace(" deg", "°"))}.</p>'
@@ -81,8 +81,8 @@ def choice(scene: Scene) -> str:
     """Where the player plots what the mechanism was chosen from."""
     if scene.choice is None:
         return ""
-    told = f"<p>All that do what is wanted, by the {text(scene.choice.table.columns[0].meaning)}: "
-    return section("choice", "What it was chosen from", f"{told}the spot and the line are the one that is made.</p>")
+    lead = f"<p>All that do what is wanted, by the {text(scene.choice.table.columns[0].meaning)}: "
+    return section("choice", "What it was chosen from", f"{lead}the spot and the line are the one that is made.</p>")
 
 
 def parts(job: Job) -> str:
@@ -105,11 +105,11 @@ def _sheets(job: Job) -> str:
     """How large the sheets of a recipe's parts are, and how much of them becomes parts."""
     if not job.about:
         return ""
-    told = [
+    sheets = [
         f"{number(sheet.width)} \N{MULTIPLICATION SIGN} {number(sheet.height)} mm, {100 * sheet.filled:.0f} % filled"
         for sheet in job.sheets[:MOST_ROWS]
     ]
-    return f"<p>{'Sheet' if len(told) == 1 else f'{len(job.sheets)} sheets'}: {'; '.join(told)}.</p>"
+    return f"<p>{'Sheet' if len(sheets) == 1 else f'{len(job.sheets)} sheets'}: {'; '.join(sheets)}.</p>"
 
 
 def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
@@ -156,10 +156,10 @@ def stack(scene: Scene) -> str:
                 f'<text x="{x + wide / 2 - 3:.4g}" y="{y + 21}" text-anchor="middle">'
                 f"{text(_short(part.name, wide))}</text>"
             )
-    told = "; ".join(f"layer {layer}: {', '.join(part.name for part in layers[layer])}" for layer in sorted(layers))
+    order = "; ".join(f"layer {layer}: {', '.join(part.name for part in layers[layer])}" for layer in sorted(layers))
     drawing = (
         f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
-        f'aria-label="{text(f"From the lowest up, {told}")}">{"".join(rows)}</svg>'
+        f'aria-label="{text(f"From the lowest up, {order}")}">{"".join(rows)}</svg>'
     )
     return section("stack", "How the plates lie on each other", f"{drawing}")
 
@@ -180,21 +180,21 @@ def joined(job: Job) -> str:
     )
     order = "".join(f"<li>{text(step)}</li>" for step in steps)
     lettered = any(any(part.hole_names) for part in job.source.parts)
-    told = f"<p>{'Letters are at the holes. ' * lettered}Bottom up:</p><ul>{order}</ul>" if steps else ""
-    return section("joined", "How it goes together" if steps else "What is bought", f"<ul>{rows}</ul>{told}")
+    steps_text = f"<p>{'Letters are at the holes. ' * lettered}Bottom up:</p><ul>{order}</ul>" if steps else ""
+    return section("joined", "How it goes together" if steps else "What is bought", f"<ul>{rows}</ul>{steps_text}")
 
 
 def notes(held: Mapping[str, object]) -> str:
     """What is known of the design besides: what is said in a word or some numbers, then what takes more."""
-    inside = _said_of({name: said for name, value in held.items() if (said := _said(value))})
+    inside = _list_of({name: said for name, value in held.items() if (said := _said(value))})
     # How the plates lie on each other, and what is bought, have sections of their own.
     held = {name: value for name, value in held.items() if name not in ("stack", "bought", "steps")}
     inside += "".join(_more(name, value, held.get("found", {})) for name, value in held.items())
     return section("notes", "About it", inside) if inside else ""
 
 
-def _said_of(told: Mapping[str, str]) -> str:
-    rows = "".join(f"<dt>{_head(name)}</dt><dd>{text(said)}</dd>" for name, said in told.items())
+def _list_of(entries: Mapping[str, str]) -> str:
+    rows = "".join(f"<dt>{_head(name)}</dt><dd>{text(said)}</dd>" for name, said in entries.items())
     return f"<dl>{rows}</dl>" if rows else ""
 
 
@@ -204,8 +204,8 @@ def _more(name: str, value: object, found: object) -> str:
     if isinstance(value, Mapping) and all(isinstance(one, Mapping) for one in value.values()):
         things = [{"name": key.replace("_", " "), **_flat(one, digits)} for key, one in value.items()]
     elif isinstance(value, Mapping):
-        told = _said_of(_flat(value, digits))
-        return f"<h3>{_head(name)}</h3>{told}" if told else ""
+        entries = _list_of(_flat(value, digits))
+        return f"<h3>{_head(name)}</h3>{entries}" if entries else ""
     else:
         alike = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
         things = [_flat(one) for one in value[:MOST_ROWS]] if alike else []  # type: ignore[index]

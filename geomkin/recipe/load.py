@@ -147,10 +147,10 @@ def to_toml(recipe: AbstractRecipe) -> str:
     str
         A text from which `gk.load` makes an equal recipe.
     """
-    told = adapter(type(recipe)).dump_python(recipe, mode="json")
+    table = adapter(type(recipe)).dump_python(recipe, mode="json")
     usual = {f.name for f in fields(recipe) if f.name != "kind" and getattr(recipe, f.name) == f.default}
-    told = {key: value for key, value in told.items() if key not in usual}
-    return "\n".join(_table("", told)).lstrip("\n") + "\n"
+    table = {key: value for key, value in table.items() if key not in usual}
+    return "\n".join(_table("", table)).lstrip("\n") + "\n"
 
 
 def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:

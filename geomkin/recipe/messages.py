@@ -220,7 +220,7 @@ def tables_in(hint: Any) -> list[type]:
 
 
 def kind_of(table: type) -> Any:
-    """The `kind` by which a recipe tells a table from others; None where it needs none."""
+    """The `kind` by which a recipe distinguishes a table from others; None if it needs none."""
     return next((f.default for f in dataclasses.fields(table) if f.name == "kind"), None)
 
 

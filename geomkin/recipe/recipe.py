@@ -78,19 +78,19 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """What joins the parts and is not cut; empty where a kind does not tell."""
+        """Bought items that join the parts; empty if a kind does not state them."""
         return ()
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """How the parts are put together, a line each, from the bottom up; empty where a kind does not tell."""
+        """How the parts are put together, a line each, from the bottom up; empty if a kind does not state it."""
         return ()
 
     @property
     def assembly_summary(self) -> Mapping[str, object]:
-        """What is bought and the steps, as entries of summary.json; those that a kind does not tell are left out."""
-        told = {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
-        return {name: lines for name, lines in told.items() if lines}
+        """Bought items and steps, as entries of summary.json; empty ones are left out."""
+        entries = {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
+        return {name: lines for name, lines in entries.items() if lines}
 
     @property
     @abstractmethod
@@ -100,7 +100,7 @@ class AbstractRecipe(_Shared, ABC):
     @cached_property
     def checks(self) -> tuple[Check, ...]:
         """Whether the mechanism is good, and whether its parts hold when they are cut."""
-        # Parts first: what cannot be made at all is told before what is poor.
+        # Parts first: a refusal comes before failed checks.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
         reasons = self.expected_failures
         return tuple(replace(check, expected=reasons.get(check.id, "")) for check in (*self.design_checks, *walls))
@@ -133,7 +133,7 @@ class AbstractRecipe(_Shared, ABC):
 
     @classmethod
     def has_scene(cls) -> bool:
-        """Whether the kind shows anything: told without working it out."""
+        """Whether the kind has a scene; known without computing it."""
         return cls.scene is not None and cls.scene is not AbstractRecipe.scene
 
     @property
@@ -190,7 +190,7 @@ class AbstractRecipe(_Shared, ABC):
 class AbstractGoal(AbstractRecipe):
     """A recipe that finds another one: its `design` is that recipe, and what is known of that one is handed on.
 
-    A subclass says how it is found, and adds what it has to tell of the search to `judged`, `parts` and `notes`.
+    A subclass finds the design, and adds the facts of the search to `design_checks`, `parts` and `notes`.
     """
 
     @property

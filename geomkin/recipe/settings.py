@@ -103,7 +103,7 @@ class Files:
     )
 
     sheet: tuple[Side, Side] | None = entry("[width, height] in mm of the sheets that parts are cut from", default=None)
-    title: Title = entry("what the title of the drawing with sizes tells besides", default=Title())
+    title: Title = entry("further entries in the title of the drawing with sizes", default=Title())
     assembly_at: float | None = quantity(
         "where the driver stands in pictures of the assembly: deg where it turns, mm where it slides",
         default=None,
@@ -156,7 +156,7 @@ def _check_end(key: str, start: float, end: float, speed_key: str, speed: float)
 
 @record(checked=True)
 class Drive:
-    """How a crank, a cam or a gear turns, and how finely its motion is told."""
+    """How a crank, a cam or a gear turns, and in which steps its motion is given."""
 
     speed_rpm: float = _speed_rpm()
     step_deg: float = quantity(
@@ -168,7 +168,7 @@ class Drive:
         _check_speed("speed_rpm", self.speed_rpm, SLOWEST_RPM)
 
     def check_rows(self, turns: float = 1.0) -> None:
-        """Refuse more rows than a table may have. turns: of the driver that it tells of; a recipe asks it."""
+        """Refuse more rows than a table may have. turns: of the driver; called by a recipe."""
         check_rows("drive.step_deg", 360 * turns, self.step_deg, "deg")
 
     @property
@@ -184,7 +184,7 @@ class Drive:
 
 @record(checked=True)
 class Turn:
-    """How a linkage's driver turns, and how finely its motion is told."""
+    """How a linkage's driver turns, and in which steps its motion is given."""
 
     speed_rpm: float = _speed_rpm()
     step_deg: float = quantity(
@@ -268,7 +268,7 @@ class Turn:
 
 @record(checked=True)
 class Stroke:
-    """How a sliding driver moves, and how finely its motion is told."""
+    """How a sliding driver moves, and in which steps its motion is given."""
 
     start: float = quantity(
         "driver's first place along its line", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=70

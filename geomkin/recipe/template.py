@@ -176,7 +176,7 @@ def asked(recipe: type, options: Iterable[str]) -> dict[str, str]:
 def schema() -> dict[str, Any]:
     """A schema in which a wrong key or value is wrong at its own place, not at the whole recipe or segment.
 
-    Which table stands somewhere is told by its `kind` alone: each has its `if` and `then`. Of a plain choice between
+    A table is recognised by its `kind` alone: each has its `if` and `then`. Of a plain choice between
     them (`oneOf`) an editor only sees that none fits, and marks the whole.
     """
     kinds = {name: recipe_class(name) for name in kind_names()}
@@ -195,7 +195,7 @@ def schema() -> dict[str, Any]:
 
 
 def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
-    """A table that is one of several, told apart by its `kind`. tables: the reference to each; usual: without one."""
+    """A table that is one of several, by its `kind`. tables: the reference to each; usual: without one."""
     return {
         "type": "object",
         "required": [] if usual else ["kind"],
@@ -211,7 +211,7 @@ def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
 
 
 def _plain(node: Any) -> Any:
-    """The same without what TOML does not know (null, complex numbers), and with choices told apart by `kind`."""
+    """The same without what TOML does not know (null, complex numbers), and with choices distinguished by `kind`."""
     if isinstance(node, list):
         return [_plain(part) for part in node]
     if not isinstance(node, dict):

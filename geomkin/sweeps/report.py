@@ -29,18 +29,18 @@ class Row(Protocol):
     @property
     def checks(self) -> Sequence[Check]: ...
     @property
-    def told(self) -> Mapping[str, Any]: ...
+    def results(self) -> Mapping[str, Any]: ...
 
 
 def columns(keys: Sequence[str], rows: Sequence[Row]) -> tuple[Column, ...]:
-    """The keys' values, why a combination is refused, which checks failed, what each check found, what was told."""
+    """The keys' values, the reason of a refusal, failed checks, values of checks, further results."""
     failed = ["; ".join(check.id for check in row.checks if not check.passed) for row in rows]
     found = [
         *(Column(key, "", "value under this key", _array([row.values[key] for row in rows])) for key in keys),
         Column("refused", "", "why there is no such mechanism", _array([row.refused for row in rows])),
         Column("failed", "", "the checks that failed", _array(failed)),
         *of_checks(rows),
-        *of_told(rows),
+        *of_results(rows),
     ]
     return tuple(_apart(found))
 
@@ -58,10 +58,10 @@ def of_checks(rows: Sequence[Row]) -> list[Column]:
     ]
 
 
-def of_told(rows: Sequence[Row]) -> list[Column]:
+def of_results(rows: Sequence[Row]) -> list[Column]:
     """What was asked for besides, under the name by which it was asked for."""
-    names = dict.fromkeys(name for row in rows for name in row.told)
-    return [Column(name.replace(":", "_"), "", name, _array([row.told.get(name) for row in rows])) for name in names]
+    names = dict.fromkeys(name for row in rows for name in row.results)
+    return [Column(name.replace(":", "_"), "", name, _array([row.results.get(name) for row in rows])) for name in names]
 
 
 def _array(values: Sequence[Any]) -> Array:
@@ -94,7 +94,7 @@ def _apart(found: Sequence[Column]) -> Iterator[Column]:
 
 SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "plots.js", "rows.js")
 START = 'mountRows(document.getElementById("plots"), JSON.parse(document.getElementById("scene").textContent));'
-# Lines of a plot at most, as many as colours and dashes tell apart.
+# Most lines in a plot: as many as colours and dashes distinguish.
 MOST_LINES = 6
 # Plots to choose from, and values of a line at most; more make pages of megabytes, and the CSV has them all.
 MOST_PLOTS, MOST_POINTS = 40, 1001
@@ -102,11 +102,11 @@ MOST_PLOTS, MOST_POINTS = 40, 1001
 
 def report(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) -> bytes:
     """The page. name: of the recipe; values: of each key, all of whose combinations are the rows, in order."""
-    found = [*of_checks(rows), *of_told(rows)]
+    found = [*of_checks(rows), *of_results(rows)]
     refused = sum(bool(row.refused) for row in rows)
     sound = sum(not row.refused and all(check.passed for check in row.checks) for row in rows)
-    told = f"{len(rows):,} combinations of {text(' and '.join(values))}: in {sound:,} all checks hold"
-    about = f"<p>{told}; {refused:,} the recipe refuses.</p>"
+    counts = f"{len(rows):,} combinations of {text(' and '.join(values))}: in {sound:,} all checks hold"
+    about = f"<p>{counts}; {refused:,} the recipe refuses.</p>"
     data, note = _plotted(values, rows, found)
     plots = f'<section id="plots" class="values" aria-label="Plots"></section>\n{note}' if data["plots"] else ""
     unplotted = "" if data["plots"] else '<section id="plots" hidden></section>'
@@ -129,13 +129,13 @@ def _plotted(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], found: Se
     data["frames"], data["columns"] = len(place), [_column(along, "", "", place)]
     limits = [{c.id: (c.limit, f"{c.side} {number(c.limit)}") for c in row.checks} for row in rows]
     for column in [c for c in found if c.values.dtype.kind in "fi"][:MOST_PLOTS]:
-        told = {held[column.id] for held in limits if column.id in held}
+        limit = {held[column.id] for held in limits if column.id in held}
         data["plots"].append(
             {
                 "title": harmless(capital(column.meaning)),
                 "columns": [len(data["columns"]) + k for k in range(len(shown))],
                 # Limits that differ from one combination to the next are no line.
-                "limits": [[value, said] for value, said in told if len(told) == 1 and math.isfinite(value)],
+                "limits": [[value, said] for value, said in limit if len(limit) == 1 and math.isfinite(value)],
             }
         )
         for choice in shown:
@@ -149,8 +149,8 @@ def _plotted(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], found: Se
 
 
 def _column(name: str, unit: str, meaning: str, row: Sequence[Any]) -> dict[str, Any]:
-    told = [float(f"{value:.6g}") if math.isfinite(value) else None for value in row]
-    return {"name": harmless(name), "unit": harmless(unit), "meaning": harmless(meaning), "row": told}
+    values = [float(f"{value:.6g}") if math.isfinite(value) else None for value in row]
+    return {"name": harmless(name), "unit": harmless(unit), "meaning": harmless(meaning), "row": values}
 
 
 def _is_number(value: Any) -> bool:
@@ -159,8 +159,8 @@ def _is_number(value: Any) -> bool:
 
 def _table(keys: Sequence[str], rows: Sequence[Row], found: Sequence[Column]) -> str:
     """The first rows, as many as a reader takes in."""
-    told = [f"{capital(c.meaning)}{f', {c.unit}' if c.unit else ''}" for c in found]
-    heads = "".join(f'<th scope="col">{text(head)}</th>' for head in (*keys, "Checks", *told))
+    found_heads = [f"{capital(c.meaning)}{f', {c.unit}' if c.unit else ''}" for c in found]
+    heads = "".join(f'<th scope="col">{text(head)}</th>' for head in (*keys, "Checks", *found_heads))
     lines = "".join(_line(keys, row, [c.values[k] for c in found]) for k, row in enumerate(rows[:MOST_ROWS]))
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{lines}</tbody></table>"
     more = f"<p>And {len(rows) - MOST_ROWS:,} more in the file.</p>" if len(rows) > MOST_ROWS else ""

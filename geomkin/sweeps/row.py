@@ -59,12 +59,12 @@ def combinations(values: Mapping[str, Sequence[Any]]) -> Iterator[dict[str, Any]
     """Every combination, the last key's values running fastest; refused where there are too many."""
     counts = [len(row) for row in values.values()]
     if math.prod(counts) > MOST:
-        told = " x ".join(f"{count:,}" for count in counts)
+        product = " x ".join(f"{count:,}" for count in counts)
         longest = max(values, key=lambda key: len(values[key]))
         most = MOST * len(values[longest]) // math.prod(counts)
         remedy = f"at most {most:,} values of {longest}" if most else f"values that make at most {MOST:,}"
         raise DesignError(
-            "values", f"found {told} = {math.prod(counts):,} combinations", f"give {remedy}", "too-much-work"
+            "values", f"found {product} = {math.prod(counts):,} combinations", f"give {remedy}", "too-much-work"
         )
     return (dict(zip(values, row)) for row in itertools.product(*values.values()))
 
@@ -166,9 +166,9 @@ def _plain(key: str, value: Any) -> Any:
     return value
 
 
-# What is told of a table's column, and how it is found among its values that are not nan.
+# What a result states of a table's column, and how it is found among its values that are not nan.
 WAYS: dict[str, Callable[[Real], float]] = {"least": np.min, "largest": np.max, "last": lambda values: values[-1]}
-# What any number that is told of stays below; a larger whole number is no float.
+# Bound of any number in a result; a larger whole number is no float.
 LARGEST_NUMBER = 1e300
 # Bytes of a file that a recipe names; see `beside`.
 LARGEST = 10_000_000
@@ -181,7 +181,7 @@ class Task:
     recipe: Mapping[str, Any]
     file: str
     folder: str
-    tell: tuple[str, ...]
+    results: tuple[str, ...]
 
     def opened(self, changes: Mapping[str, Any]) -> AbstractRecipe:
         """The recipe with these changes. Raises what `gk.load` does, and DesignError for a key that leads nowhere."""
@@ -194,14 +194,14 @@ def worked_out(task: Task, several: Sequence[Mapping[str, Any]]) -> list[dict[st
 
 
 def _worked_out(task: Task, changes: Mapping[str, Any]) -> dict[str, Any]:
-    row: dict[str, Any] = {"refused": "", "checks": [], "told": {}}
+    row: dict[str, Any] = {"refused": "", "checks": [], "results": {}}
     try:
-        # Whoever watches a sweep is told of its combinations, and not of what each is busy with.
+        # A sweep reports its combinations, not the progress within each.
         with told_to(lambda *_: None):
             recipe = task.opened(changes)
             with errors_named_by_key(task.file, recipe):
                 checks = [[c.id, c.name, float(c.value), c.side, float(c.limit), c.unit] for c in recipe.checks]
-                row |= {"checks": checks, "told": {name: _told(recipe, name) for name in task.tell}}
+                row |= {"checks": checks, "results": {name: _result(recipe, name) for name in task.results}}
     except GeomkinError as error:
         first = str(error).split("\n")[0]
         row["refused"] = first.removeprefix(f"{printable(task.file)}: ")
@@ -214,20 +214,20 @@ def _worked_out(task: Task, changes: Mapping[str, Any]) -> dict[str, Any]:
 
 def is_row(task: Task, row: Any) -> bool:
     """Whether a row that a file has kept is such as `worked_out` gives."""
-    if not isinstance(row, dict) or row.keys() != {"refused", "checks", "told"}:
+    if not isinstance(row, dict) or row.keys() != {"refused", "checks", "results"}:
         return False
-    refused, checks, told = row["refused"], row["checks"], row["told"]
-    if not (isinstance(refused, str) and isinstance(checks, list) and isinstance(told, dict)):
+    refused, checks, results = row["refused"], row["checks"], row["results"]
+    if not (isinstance(refused, str) and isinstance(checks, list) and isinstance(results, dict)):
         return False
     try:
         design_checks = [Check(*check) for check in checks]
     except (TypeError, DesignError):
         return False
     texts = [refused, *(text for check in design_checks for text in (check.id, check.name, check.unit))]
-    texts += [value for value in told.values() if isinstance(value, str)]
-    numbers = [value for value in told.values() if value is not None and not isinstance(value, str)]
+    texts += [value for value in results.values() if isinstance(value, str)]
+    numbers = [value for value in results.values() if value is not None and not isinstance(value, str)]
     return (
-        told.keys() <= set(task.tell)
+        results.keys() <= set(task.results)
         and all(map(str.isprintable, texts))
         and all(isinstance(number, float) for check in design_checks for number in (check.value, check.limit))
         and all(isinstance(value, (int, float)) and not abs(value) > LARGEST_NUMBER for value in numbers)
@@ -236,7 +236,7 @@ def is_row(task: Task, row: Any) -> bool:
 
 def check_tell(task: Task, recipe: AbstractRecipe) -> None:
     """Refuse what the first recipe that works knows nothing of, with the nearest of what it knows."""
-    for name in task.tell:
+    for name in task.results:
         column, colon, way = name.rpartition(":")
         if colon and way in WAYS:
             numbers = [c for c in recipe.table.columns if c.values.dtype.kind in "fiub"]
@@ -247,10 +247,10 @@ def check_tell(task: Task, recipe: AbstractRecipe) -> None:
             entries = f", or one of {', '.join(known)}" if known else ""
             found, what = name in known, f"COLUMN:{', COLUMN:'.join(WAYS)}{entries}"
         if not found:
-            raise DesignError("tell", f"found {shown(name)}", f"{nearest(column, known)}give {what}", "unknown-key")
+            raise DesignError("results", f"found {shown(name)}", f"{nearest(column, known)}give {what}", "unknown-key")
 
 
-def _told(recipe: AbstractRecipe, name: str) -> Any:
+def _result(recipe: AbstractRecipe, name: str) -> Any:
     """A column's least, largest or last value that is not nan, or an entry of the notes; None where there is none."""
     column, colon, way = name.rpartition(":")
     if not (colon and way in WAYS):

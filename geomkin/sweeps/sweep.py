@@ -114,7 +114,7 @@ TOGETHER = 4
 AHEAD = 256
 
 # What comes of a combination whose process was killed.
-ENDED = {"refused": "its process was killed, perhaps for want of memory", "checks": [], "told": {}}
+ENDED = {"refused": "its process was killed, perhaps for want of memory", "checks": [], "results": {}}
 
 Rows = Iterator[tuple[int, list[dict[str, Any]]]]
 # Works out batches of combinations: (task, batches) -> (number of the batch, its rows), in any order.
@@ -132,13 +132,13 @@ Names = Annotated[
 class SweepRow:
     """One combination. values: by key; refused: why there is no such mechanism, "" where there is one.
 
-    checks: of the recipe; told: what was asked for besides, None where there is none.
+    checks: of the recipe; results: those asked for besides, None if there is none.
     """
 
     values: Mapping[str, Any]
     refused: str
     checks: tuple[Check, ...]
-    told: Mapping[str, Any]
+    results: Mapping[str, Any]
 
 
 @record(eq=False)
@@ -159,7 +159,7 @@ class Sweep:
 
     @property
     def table(self) -> Table:
-        """The rows as columns: the keys, why one was refused, which checks failed, what they found, what was told."""
+        """The rows as columns: the keys, why one was refused, which checks failed, what they found, the results."""
         return Table(columns(self.keys, self.rows))
 
 
@@ -167,7 +167,7 @@ class Sweep:
 def sweep(
     recipe: AbstractRecipe | Readable,
     values: Values,
-    tell: Names = (),
+    results: Names = (),
     out: str | Path | None = None,
     executor: Executor | None = None,
 ) -> Sweep:
@@ -181,7 +181,7 @@ def sweep(
         Dotted keys, such as "gear.teeth" or "program[0].rise", and their values: a row, or a text as in the command,
         such as "8:120:4" (start:stop:step; the stop is included if a step meets it) or "-0.5,0,0.5".
         At most 10,000 combinations.
-    tell : sequence of str
+    results : sequence of str
         Results besides the checks: a column of the table as "transmission_angle:least" (or `largest`, `last`), or an
         entry of the notes by its dotted name.
     out : str or Path, optional
@@ -204,18 +204,18 @@ def sweep(
         If a key or a result is unknown, there are too many combinations, or the executor fails. Rows that were
         written remain.
     """
-    return swept(recipe, values, tell, out, _here if executor is None else partial(_by_executor, executor))
+    return swept(recipe, values, results, out, _here if executor is None else partial(_by_executor, executor))
 
 
 def swept(
     recipe: AbstractRecipe | Readable,
     values: Mapping[str, Any],
-    tell: Sequence[str],
+    results: Sequence[str],
     out: str | Path | None,
     by: Worker,
 ) -> Sweep:
     """The same, worked out by any worker."""
-    task, name = _task(recipe, tuple(dict.fromkeys(tell)))
+    task, name = _task(recipe, tuple(dict.fromkeys(results)))
     keyed = {key: listed(key, given) for key, given in values.items()}
     if not keyed:
         raise DesignError(
@@ -223,7 +223,7 @@ def swept(
         )
     every = list(combinations(keyed))
     _check_keys(task, keyed)
-    _check_tell(task, every)
+    _check_results(task, every)
     kept_in = None if out is None else Path(out) / name / f"{name}{ENDING}.jsonl"
     ledger = None if kept_in is None else Ledger(kept_in, _title(task), partial(is_row, task))
     known: dict[str, Any] = {} if ledger is None else dict(ledger.known)
@@ -240,19 +240,22 @@ def swept(
             ledger.add(found)
         done += len(found)
         report_progress(done / len(every), f"{done} of {len(every)} combinations")
-    told = tuple(_row(changes, known[key]) for changes, key in zip(every, keys))
+    swept_rows = tuple(_row(changes, known[key]) for changes, key in zip(every, keys))
     result = Sweep(
-        name, str(task.recipe.get("kind", "")), tuple(keyed), told, kept, ledger is not None and ledger.anew, {}
+        name, str(task.recipe.get("kind", "")), tuple(keyed), swept_rows, kept, ledger is not None and ledger.anew, {}
     )
     if out is None:
         return result
     folder = Path(out) / name
-    contents = {f"{name}{ENDING}.csv": csv(result.table, "inf"), f"{name}{ENDING}.html": report(name, keyed, told)}
+    contents = {
+        f"{name}{ENDING}.csv": csv(result.table, "inf"),
+        f"{name}{ENDING}.html": report(name, keyed, swept_rows),
+    }
     write_whole(folder, contents)
     return replace(result, files={folder / file: len(content) for file, content in contents.items()})
 
 
-def _task(recipe: AbstractRecipe | Readable, tell: tuple[str, ...]) -> tuple[Task, str]:
+def _task(recipe: AbstractRecipe | Readable, results: tuple[str, ...]) -> tuple[Task, str]:
     """What is worked out, read once, and the name of its files."""
     if isinstance(recipe, AbstractRecipe):
         data, file, name = tomllib.loads(to_toml(recipe)), recipe.name or recipe.kind, recipe.name
@@ -264,8 +267,8 @@ def _task(recipe: AbstractRecipe | Readable, tell: tuple[str, ...]) -> tuple[Tas
         path = Path(recipe)
         data = table_of(path)
         # Other processes may work in other folders.
-        return Task(data, str(path), str(path.absolute().parent), tell), name_of(str(path), path.stem)
-    return Task(data, file, str(Path.cwd()), tell), name_of(file, name or str(data.get("kind", "recipe")))
+        return Task(data, str(path), str(path.absolute().parent), results), name_of(str(path), path.stem)
+    return Task(data, file, str(Path.cwd()), results), name_of(file, name or str(data.get("kind", "recipe")))
 
 
 def _check_keys(task: Task, values: Mapping[str, Sequence[Any]]) -> None:
@@ -280,9 +283,9 @@ def _check_keys(task: Task, values: Mapping[str, Sequence[Any]]) -> None:
                 raise DesignError(problem.key, problem.problem, problem.remedy, problem.id) from None
 
 
-def _check_tell(task: Task, every: Iterable[Mapping[str, Any]]) -> None:
-    """Refuse names to tell of that the first recipe that works does not know."""
-    if not task.tell:
+def _check_results(task: Task, every: Iterable[Mapping[str, Any]]) -> None:
+    """Refuse names of results that the first recipe that works does not have."""
+    if not task.results:
         return
     for changes in islice(every, 20):
         try:
@@ -331,7 +334,7 @@ def _by_executor(executor: Executor, task: Task, batches: Sequence[Sequence[Mapp
 def _title(task: Task) -> dict[str, Any]:
     """What all rows of a ledger are of."""
     text = json.dumps([task.recipe, file_marks(task.recipe, task.folder)], sort_keys=True, default=str)
-    return {"geomkin": __version__, "recipe": hashlib.sha256(text.encode()).hexdigest(), "tell": list(task.tell)}
+    return {"geomkin": __version__, "recipe": hashlib.sha256(text.encode()).hexdigest(), "results": list(task.results)}
 
 
 def _key_of(task: Task, changes: Mapping[str, Any]) -> str:
@@ -340,4 +343,4 @@ def _key_of(task: Task, changes: Mapping[str, Any]) -> str:
 
 
 def _row(changes: Mapping[str, Any], found: Mapping[str, Any]) -> SweepRow:
-    return SweepRow(changes, found["refused"], tuple(Check(*check) for check in found["checks"]), found["told"])
+    return SweepRow(changes, found["refused"], tuple(Check(*check) for check in found["checks"]), found["results"])

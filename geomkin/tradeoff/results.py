@@ -100,8 +100,8 @@ class _Trial:
         return sum(self.times) * self.calls
 
 
-def measured(family: MethodFamily[P, R], quick: bool, tell: Callable[[float], object]) -> tuple[Measurement, ...]:
-    """Every method of a family at every setting; `tell` receives the share that is done.
+def measured(family: MethodFamily[P, R], quick: bool, progress: Callable[[float], object]) -> tuple[Measurement, ...]:
+    """Every method of a family at every setting; `progress` receives the share that is done.
 
     Batches of all points alternate, so that a temporary slowdown affects all alike. The clock is the processor time of
     the process.
@@ -120,14 +120,14 @@ def measured(family: MethodFamily[P, R], quick: bool, tell: Callable[[float], ob
             trial.weight = family.weigh(problem, found)
         trial.times = [spent] if quick and spent > LONG else []
         trials.append(trial)
-        tell(0.3 * (k + 1) / len(chosen))
+        progress(0.3 * (k + 1) / len(chosen))
     for k, trial in enumerate(trials):
         if not trial.times:
             trial.calibrate()
-        tell(0.3 + 0.2 * (k + 1) / len(trials))
+        progress(0.3 + 0.2 * (k + 1) / len(trials))
     budget = QUICK / len(trials) if quick else FULL
     for share in _rounds([t for t in trials if not quick or t.times[0] < LONG], budget):
-        tell(0.5 + 0.5 * share)
+        progress(0.5 + 0.5 * share)
     return tuple(_measurement(family.name, trial) for trial in trials)
 
 

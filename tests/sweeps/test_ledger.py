@@ -8,7 +8,7 @@ import geomkin as gk
 from geomkin.sweeps import sweep as ledger
 from geomkin.sweeps.sweep import Ledger
 
-TITLE = {"geomkin": "1", "tell": ["a"]}
+TITLE = {"geomkin": "1", "results": ["a"]}
 ROWS = {"x": {"b": 1}, "y": {"b": None}}
 
 

@@ -62,7 +62,7 @@ def test_names_on_plots_are_harmless():
 
 @pytest.fixture
 def task(tmp_path):
-    """task(*names): of a four-bar, told these names of it."""
+    """task(*names): of a four-bar, with these results."""
     data = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70},
             "drive": {"step_deg": 90}}  # fmt: skip
     return lambda *names: Task(data, "bar\n.toml", str(tmp_path), names)
@@ -75,13 +75,13 @@ def test_what_is_reported_is_what_the_table_and_the_notes_have(task):
     row, open_row = worked_out(task(*names), [{}, sizes])
     recipe = gk.load(BAR.replace("end_deg = 30", "").replace("step_deg = 10", "step_deg = 90"))
     angles = recipe.table["transmission_angle_deg"]
-    assert row["told"]["transmission_angle_deg:least"] == pytest.approx(angles.min())
-    assert row["told"]["transmission_angle_deg:largest"] == pytest.approx(angles.max()) != angles.min()
-    assert row["told"]["rocker_angle_deg:last"] == pytest.approx(recipe.table["rocker_angle_deg"][-1])
-    assert row["told"]["nothing:least"] is None and row["told"]["nothing"] is None
-    assert row["told"]["grashof_type"] == recipe.notes["grashof_type"]
+    assert row["results"]["transmission_angle_deg:least"] == pytest.approx(angles.min())
+    assert row["results"]["transmission_angle_deg:largest"] == pytest.approx(angles.max()) != angles.min()
+    assert row["results"]["rocker_angle_deg:last"] == pytest.approx(recipe.table["rocker_angle_deg"][-1])
+    assert row["results"]["nothing:least"] is None and row["results"]["nothing"] is None
+    assert row["results"]["grashof_type"] == recipe.notes["grashof_type"]
     # Where the last row cannot be, there is no last value, though there is a least one.
-    told = open_row["told"]
+    told = open_row["results"]
     assert told["rocker_angle_deg:last"] is None and np.isfinite(told["transmission_angle_deg:least"])
 
 
@@ -104,8 +104,8 @@ def test_what_one_combination_does_ends_no_other(task, monkeypatch, fault, words
 
     monkeypatch.setattr(Task, "opened", opened)
     bad, good = worked_out(task("grashof_type"), [{"linkage.crank": 3}, {}])
-    assert words in bad["refused"] and (bad["checks"], bad["told"]) == ([], {})
-    assert not good["refused"] and good["checks"] and good["told"]["grashof_type"]
+    assert words in bad["refused"] and (bad["checks"], bad["results"]) == ([], {})
+    assert not good["refused"] and good["checks"] and good["results"]["grashof_type"]
 
 
 def test_files_that_a_recipe_names_count_where_they_lie_beside_it(tmp_path, monkeypatch):

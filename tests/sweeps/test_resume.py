@@ -49,8 +49,8 @@ def test_a_recipe_whose_tables_stand_in_another_order_is_the_same(here):
     assert (again.kept, again.anew) == (1, False)
     other = gk.sweep(TABLE | {"drive": {"step_deg": 45}}, ONE, (), "made")
     assert (other.kept, other.anew) == (0, True)
-    # Names that are told twice are told once.
-    assert gk.sweep(TABLE, ONE, ["grashof_type", "grashof_type"]).rows[0].told == {"grashof_type": "crank-rocker"}
+    # A name that is given twice counts once.
+    assert gk.sweep(TABLE, ONE, ["grashof_type", "grashof_type"]).rows[0].results == {"grashof_type": "crank-rocker"}
 
 
 class Failing(Executor):

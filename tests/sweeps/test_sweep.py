@@ -170,7 +170,7 @@ WORKED = sweeping.worked_out
 
 
 @pytest.mark.parametrize(
-    "change", ["recipe", "file", *(pytest.param(one, marks=pytest.mark.campaign) for one in ("version", "tell"))]
+    "change", ["recipe", "file", *(pytest.param(one, marks=pytest.mark.campaign) for one in ("version", "results"))]
 )
 def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
     (tmp_path / "lift.csv").write_text(
@@ -180,8 +180,8 @@ def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
     recipe = tmp_path / "cam.toml"
     recipe.write_text(text)
 
-    def run(tell=()):
-        sweep = gk.sweep(recipe, {"cam.base_radius": [40, 50]}, tell, tmp_path)
+    def run(results=()):
+        sweep = gk.sweep(recipe, {"cam.base_radius": [40, 50]}, results, tmp_path)
         assert not any(row.refused for row in sweep.rows), sweep.rows
         return sweep.kept, sweep.anew
 
@@ -194,7 +194,7 @@ def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
         monkeypatch.setattr(sweeping, "__version__", "another")
     elif change == "file":
         (tmp_path / "lift.csv").write_text((tmp_path / "lift.csv").read_text().replace("\n180,20.000", "\n180,20.001"))
-    assert run(["lift_mm:largest"] if change == "tell" else ()) == (0, True)
+    assert run(["lift_mm:largest"] if change == "results" else ()) == (0, True)
 
 
 def test_a_refusal_names_what_works():
@@ -216,18 +216,18 @@ def test_a_text_that_is_no_key_is_refused():
 
 
 def test_invalid_options_are_refused_before_any_work(file, tmp_path):
-    for values, tell, words in [
+    for values, results, words in [
         ({"linkage.crnk": [1]}, [], "linkage.crnk"),
         ({"linkge.crank": [1]}, [], "linkge"),
-        ({"linkage.crank": [30]}, ["transmission:least"], "tell"),
-        ({"linkage.crank": [30]}, ["grashof"], "tell"),
-        ({"linkage.crank": [30]}, ["transmission_angle_deg:lest"], "tell"),
+        ({"linkage.crank": [30]}, ["transmission:least"], "results"),
+        ({"linkage.crank": [30]}, ["grashof"], "results"),
+        ({"linkage.crank": [30]}, ["transmission_angle_deg:lest"], "results"),
         ({"linkage.crank": [float("nan")]}, [], "linkage.crank"),
         ({"linkage.crank": range(10**9)}, [], "linkage.crank"),
         ({}, [], "values"),
     ]:
         with pytest.raises(gk.DesignError) as refusal:
-            gk.sweep(file, values, tell, tmp_path / "out")
+            gk.sweep(file, values, results, tmp_path / "out")
         assert refusal.value.field == words and not (tmp_path / "out").exists()
 
 
@@ -280,7 +280,7 @@ def test_the_command_sweeps_resumes_and_says_so(file, tmp_path, monkeypatch):
         result = CliRunner().invoke(cli, ["sweep", "bar.toml", *arguments])
         return result.exit_code, result.stdout, result.stderr
 
-    crank = ("--set", "linkage.crank=20,500", "--tell", "transmission_angle_deg:least")
+    crank = ("--set", "linkage.crank=20,500", "--result", "transmission_angle_deg:least")
     files = "out/bar/bar.sweep.csv, out/bar/bar.sweep.html"
     assert run(*crank) == (0, f"{files}: 2 combinations, 0 of them from before, 1 refused\n", "")
     first = (tmp_path / "out/bar/bar.sweep.csv").read_bytes()

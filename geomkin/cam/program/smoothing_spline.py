@@ -37,7 +37,7 @@ def smoothest_within(x: Real, values: Real, ends: Ends, within: float) -> Piecew
     """Quintic spline that leaves `values` (n,) at rising x (n,), from 0 to 1, by at most `within`, with least jerk.
 
     The first and last values and `ends` are met; closed (ends None), no value is met in particular. None where no
-    spline of as many intervals as there are rows stays inside: rows nearer together than their number tells.
+    spline of as many intervals as there are rows stays inside: rows nearer together than their number suggests.
     """
     if len(x) < FEWEST:
         return None
