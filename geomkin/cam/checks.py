@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..model.check import Check
-from ..plane.vec import Real
+from ..plane.vec import Real, first_largest
 from .cam import Cam
 from .extrema import largest
 from .measures import cam_angles, pressure_angle, segment_limits, tightest_convex
@@ -81,14 +81,14 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
             yield Check(id, words, leaning, "at most", most, "deg", advice, "pressure_angle", at)
     jumps = np.abs(cam.program.jumps.velocity)
     if jumps.any():
-        at = float(np.degrees(cam.program.breaks[:-1][jumps.argmax()]))
+        at = float(np.degrees(cam.program.breaks[:-1][first_largest(jumps)]))
         advice = f"infinite acceleration, worst at {at:.4g} deg: start and end the motion with a law that rests there"
         unit = "mm/rad or rad/rad"
         yield Check("velocity_jump", "jump in velocity", jumps.max(), "at most", 0, unit, advice, "velocity", at)
     jumps = np.abs(cam.program.jumps.acceleration)
     if jumps.any():
         joints = np.degrees(cam.program.breaks[:-1])
-        angles, at = joints[jumps > 0], float(joints[jumps.argmax()])
+        angles, at = joints[jumps > 0], float(joints[first_largest(jumps)])
         places = ", ".join(f"{angle:.4g}" for angle in angles[:MOST_PLACES])
         places += " and more" * (len(angles) > MOST_PLACES)
         advice = f"infinite jerk at {places} deg: give laws that meet there in acceleration, such as {SMOOTH}"

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..plane.vec import Real
+from ..plane.vec import Real, first_largest
 
 # Samples in each stretch. A segment's law has at most one peak between two of them. Fewer may miss a peak; more take
 # proportionally longer.
@@ -86,5 +86,4 @@ def largest(breaks: Real, f: Callable[[Real], Real]) -> tuple[float, float]:
     # Most stretches are clearly lower: only those that may hold the largest value are refined.
     may = ~(bounds < values.max())
     tops, where = refine_peak(before[may], after[may], f)
-    k = int(tops.argmax())
-    return float(tops[k]), float(where[k])
+    return float(tops.max()), float(where[first_largest(tops)])

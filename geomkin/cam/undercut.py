@@ -13,7 +13,7 @@ from ..core.arguments import checked
 from ..core.records import record
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
-from ..plane.vec import Complex, Mask, Real, Whole
+from ..plane.vec import Complex, Mask, Real, Whole, first_largest
 from .cam import Cam
 from .extrema import highest_between, refine_peak, samples
 from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings, refined
@@ -29,9 +29,6 @@ BLOCK = 1_000_000
 # Chords to either side in which a crossing is searched, tried in this order: chords of a steep branch are far from the
 # curve. Fewer miss such crossings, and with them the undercut; more find other crossings.
 SEARCH_CHORDS = (1, 4, 16)
-# Relative difference up to which two losses of lift count as equal. With a smaller value rounding chooses the worst
-# angle of a symmetric cam; with a larger one the first of two different losses is chosen.
-TIED = 1e-9
 
 # Two parameters of the untrimmed outline.
 Interval = tuple[float, float]
@@ -129,8 +126,7 @@ class Undercut:
         ends = [np.array([a, *joints[(joints > a) & (joints < b)], b]) for a, b in self.spans.tolist()]
         low, high = (np.concatenate([b[which] for b in ends]) for which in (slice(None, -1), slice(1, None)))
         tops = highest_between(low, high, self.lost_lift)
-        # The first of equal losses of a symmetric cam, independent of rounding.
-        first = int((tops[0] >= (1 - TIED) * tops[0].max()).argmax())
+        first = first_largest(tops[0])
         return float(tops[0][first]), float(tops[1][first] % (2 * np.pi))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from ..core.arguments import Positive, checked
 from ..core.errors import DesignError
 from ..model.check import Check
+from ..plane.vec import first_largest
 from .measures import assembly_failure
 from .motion import Motion
 
@@ -45,7 +46,7 @@ def transmission_check(motion: Motion, advice: str = "") -> Check:
     """The least transmission angle over the frames, deg."""
     angle = np.degrees(np.where(motion.assembled, motion.transmission_angle, np.nan))
     known = bool(np.isfinite(angle).any())
-    least, at = (float(np.nanmin(angle)), driver_at(motion, int(np.nanargmin(angle)))) if known else (np.nan, None)
+    least, at = (float(np.nanmin(angle)), driver_at(motion, first_largest(-angle))) if known else (np.nan, None)
     name, column, limit = "least transmission angle", "transmission_angle", LEAST_TRANSMISSION_ANGLE_DEG
     return Check("transmission_angle", name, least, "at least", limit, "deg", advice, column, at)
 

@@ -8,6 +8,7 @@ from ..core.arguments import Found
 from ..core.errors import harmless
 from ..core.records import record
 from ..core.reprs import clipped
+from ..plane.vec import rounded
 
 
 @record(checked=True)
@@ -55,7 +56,7 @@ class Check:
         """As JSON files state it."""
         known: dict[str, object] = {"column": self.column} if self.column else {}
         # The place of a maximum is known to the square root of the rounding only: more decimals would be noise.
-        known |= {"at": round(self.at, 4) + 0.0} if self.at is not None else {}
+        known |= {"at": float(rounded(self.at, 3)) + 0.0} if self.at is not None else {}
         known |= {"expected": self.expected} if self.expected and not self.passed else {}
         return {
             "id": self.id,

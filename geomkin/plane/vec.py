@@ -22,6 +22,9 @@ Array = NDArray[Any]
 # less. Numbers of few decimals, as recipes have them, may be exactly in the middle; the last bit of a processor's sine
 # must not decide about these.
 BESIDE_HALF = 2.0**-44
+# Relative difference up to which two values count as equally large. With a smaller value rounding chooses the worst
+# place of a symmetric mechanism; with a larger one the first of two different values is chosen.
+TIED = 1e-9
 
 
 @checked
@@ -67,6 +70,13 @@ def as_unit(direction: ArrayLike) -> Complex:
 def known(mask: Mask, values: Array) -> Array:
     """Values where a mask is true; elsewhere nan, in both parts of complex values."""
     return np.where(mask, values, complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan)
+
+
+def first_largest(values: Real) -> int:
+    """Index of the first value that is the largest but for rounding, so that it is the same on every processor."""
+    most = np.nanmax(values)
+    with np.errstate(invalid="ignore"):
+        return int(np.argmax((values == most) | (values >= most - TIED * np.abs(most))))
 
 
 def dot(a: ArrayLike, b: ArrayLike) -> Real:

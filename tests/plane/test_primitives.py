@@ -10,7 +10,7 @@ from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.flatten import flatten
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, moved, rounded_hull, slot
-from geomkin.plane.vec import Pose, xy
+from geomkin.plane.vec import Pose, first_largest, xy
 
 grid = st.integers(-20, 20)
 places = st.builds(complex, grid, grid)
@@ -127,3 +127,17 @@ def test_the_area_within_edges_and_arcs_is_that_of_many_chords(bulge, size):
     coarse, fine, finest = (chords(count) for count in (500, 1000, 2000))
     once = [fine + (fine - coarse) / 3, finest + (finest - fine) / 3]
     assert measure.signed_area(curve) == pytest.approx(once[1] + (once[1] - once[0]) / 15, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    "values, first",
+    [
+        ([1, 3, 3 * (1 + 1e-15), 2], 1),
+        ([1, 3, 3 * (1 + 1e-6), 2], 2),
+        ([-2 * (1 + 1e-15), -2, -3], 0),
+        ([np.nan, 1, np.inf], 2),
+        ([0.0, -1e-300, 0.0], 0),
+    ],
+)
+def test_the_first_of_equal_maxima(values, first):
+    assert first_largest(np.array(values, dtype=float)) == first

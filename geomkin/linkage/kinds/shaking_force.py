@@ -17,6 +17,7 @@ from ...model.roles import Role
 from ...model.scene import Limit, Plot, Scene
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
+from ...plane.vec import first_largest
 from ...recipe.settings import Files, Turn
 from ..checks import MOST_FORCE_TO_BEST, collision_check, driver_at, reached
 from ..dynamics.shaking import (
@@ -139,7 +140,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
                 MOST_FORCE_TO_BEST,
                 "",
                 advice,
-                at=driver_at(self.motion, int(np.nanargmax(self.table["force_given"]))),
+                at=driver_at(self.motion, first_largest(self.table["force_given"])),
             ),
             collision_check(len(self.stack.collisions), "see summary.json"),
             *self.drive.checks,
