@@ -237,7 +237,7 @@ GOOD = {
     "planetary_checks": {"gears": PLANETARY},
     "stack_links": {"motion": MOTION, "stock": gk.linkage.LinkStock()},
     "touch_check": {"mate": CONJUGATE, "module": 2.0},
-    "sweep": {"recipe": {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}, "values": {"gear.teeth": "12"}, "tell": ("x_mm:last",)[:0], "executor": None},
+    "sweep": {"recipe": {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}, "values": {"gear.teeth": "12"}, "results": (), "executor": None},
     "svg_path_points": {"path": "M 0 0 L 10 5 C 20 0 30 10 40 0", "count": 12},
     "xy": {"z": np.array([1j, 2.0])},
     "mid_ordinate_integral": {"rates": np.cos(DRIVE), "interval": 0.1, "start": 2.0, "inexact": 1e-6},
