@@ -3,19 +3,19 @@ import { abs, make, max, min, px, round, see } from "./shapes.js";
 
 // Frames at which it is looked where names are in each other's way.
 const LOOKS = 24;
-// Pixels that a line takes up.
-const LINE = 15;
 // Pixels kept free at either end of a name.
 const EDGE = 2;
 
 export class Names {
-  constructor(drawing) { Object.assign(this, { drawing, all: [] }); }
+  // line: height of the tallest name, px, which depends on the reader's font.
+  constructor(drawing) { Object.assign(this, { drawing, all: [], line: 0 }); }
 
   // spots: of a frame and half the text's width, px, where its middle may be; the best first.
   // What the edge would cut of a text is moved inwards.
   add(text, look, role, spots) {
     const shape = make(this.drawing.names, "text", { class: `name ${look}` }, text);
-    const half = EDGE + shape.getComputedTextLength() / 2;
+    const { width, height } = shape.getBBox(), half = EDGE + width / 2;
+    this.line = max(this.line, height);
     spots = spots.map((spot) => (k) => {
       const [x, y] = spot(k, half), over = x - max(half, min(this.drawing.wide - half, x));
       return [abs(over) > 2 * half ? x : x - over, y];
@@ -25,7 +25,7 @@ export class Names {
   }
 
   arrange() {
-    const { frames, hidden, marks, wide, tall } = this.drawing, taken = [];
+    const { frames, hidden, marks, wide, tall } = this.drawing, { line } = this, taken = [];
     const looks = Array.from({ length: LOOKS }, (_, k) => round(k * (frames - 1) / LOOKS));
     const pins = marks.filter((mark) => mark.always || mark.trail);
     const pinned = looks.map((k) => pins.map((pin) => this.drawing.screen(pin.x[k], pin.y[k])));
@@ -35,12 +35,12 @@ export class Names {
       spots.forEach((spot, cost) => {
         const places = looks.map(spot);
         places.forEach(([x, y], look) => {
-          if (x <= half || x >= wide - half || y < LINE / 2 || y > tall - LINE) cost += 2;
+          if (x <= half || x >= wide - half || y < line / 2 || y > tall - line) cost += 2;
           for (const other of taken) {
             const [u, v] = other.places[look];
-            if (abs(x - u) < half + other.half && abs(y - v) < LINE) cost += 3;
+            if (abs(x - u) < half + other.half && abs(y - v) < line) cost += 3;
           }
-          for (const [u, v] of pinned[look]) if (abs(x - u) < half + 2 && abs(y - v) < LINE / 2 + 4) cost++;
+          for (const [u, v] of pinned[look]) if (abs(x - u) < half + 2 && abs(y - v) < line / 2 + 4) cost++;
         });
         if (cost < low) { low = cost; Object.assign(name, { spot, places }); }
       });
@@ -53,7 +53,7 @@ export class Names {
     const shown = [];
     for (const { shape, spot, half, role } of this.all) {
       if (this.drawing.hidden.has(role)) continue;
-      const [x, y] = spot(k), over = shown.some(([u, v, other]) => abs(x - u) < half + other && abs(y - v) < LINE);
+      const [x, y] = spot(k), over = shown.some(([u, v, other]) => abs(x - u) < half + other && abs(y - v) < this.line);
       const on = isFinite(x + y) && !over;
       see(shape, on);
       if (!on) continue;
