@@ -18,10 +18,10 @@ from geomkin.sweeps.sweep import SweepRow
 from tests.sweeps.test_sweep import BAR, Texts
 
 
-def rows_of(values, checks=lambda changes: (), told=lambda changes: {}, refused=lambda changes: ""):
+def rows_of(values, checks=lambda changes: (), results=lambda changes: {}, refused=lambda changes: ""):
     """A row for each combination, the last key's values running fastest."""
     every = [dict(zip(values, row)) for row in itertools.product(*values.values())]
-    return [SweepRow(one, refused(one), tuple(checks(one)), told(one)) for one in every]
+    return [SweepRow(one, refused(one), tuple(checks(one)), results(one)) for one in every]
 
 
 def page_of(values, rows):
@@ -31,11 +31,11 @@ def page_of(values, rows):
 
 
 def test_numbers_stay_numbers_and_all_else_is_text():
-    told = [
+    results = [
         {"whole": 1, "some": 1.5, "mixed": 2, "yes": True, "row": [0, 1.5], "huge": 2**63, "a:b": None},
         {"whole": -3, "some": None, "mixed": "x", "yes": False, "row": ["a", True], "huge": 0, "a:b": None},
     ]
-    made = columns(["key"], [SweepRow({"key": k}, "", (), one) for k, one in enumerate(told)])
+    made = columns(["key"], [SweepRow({"key": k}, "", (), one) for k, one in enumerate(results)])
     found = {column.header: column.values.tolist() for column in made}
     assert found["whole"] == [1, -3] and found["huge"] == [2**63, 0] and found["key"] == [0, 1]
     assert found["some"][0] == 1.5 and math.isnan(found["some"][1]) and np.isnan(found["a_b"]).all()
@@ -81,8 +81,8 @@ def test_what_is_reported_is_what_the_table_and_the_notes_have(task):
     assert row["results"]["nothing:least"] is None and row["results"]["nothing"] is None
     assert row["results"]["grashof_type"] == recipe.notes["grashof_type"]
     # Where the last row cannot be, there is no last value, though there is a least one.
-    told = open_row["results"]
-    assert told["rocker_angle_deg:last"] is None and np.isfinite(told["transmission_angle_deg:least"])
+    results = open_row["results"]
+    assert results["rocker_angle_deg:last"] is None and np.isfinite(results["transmission_angle_deg:least"])
 
 
 @pytest.mark.parametrize(
