@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot, unit
-from .placement import Anchor, Coefficients, Placement, Poses, SlideAxis, times
+from .placement import Anchor, Coefficients, JointLines, Placement, Poses, SlideAxis, times
 
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
@@ -29,6 +29,7 @@ class Dyad(Placement):
     """A placement that can close on two branches. joint: name of its inner joint; leader: a body that it turns."""
 
     joint: str
+    joint_lines: JointLines
 
     @property
     @abstractmethod
@@ -219,6 +220,7 @@ class RPR(Dyad):
 class Crossed(Placement):
     """A body of known direction whose origin lies on two lines: start_1 + x g1 = start_2 + y g2 = origin."""
 
+    joint_lines: JointLines
     body: str
     starts: tuple[Anchor, Anchor]
     rails: tuple[SlideAxis, SlideAxis]
