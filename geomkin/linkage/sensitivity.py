@@ -426,7 +426,7 @@ class SizeDerivatives:
             if angle is None:
                 continue
             angle = self._flat(angle)
-            smaller = np.where(np.isnan(least), True, angle < least)
+            smaller = np.isnan(least) | (angle < least)
             least = np.where(smaller, angle, least)
             if not isinstance(placement, Dyad | Crossed):
                 rates[:, smaller] = np.nan
@@ -458,7 +458,7 @@ class SizeDerivatives:
 def _inverted(matrices: Real) -> Real:
     """Inverses of (n, k, k); nan where a matrix is singular or not finite."""
     inverse = np.full_like(matrices, np.nan)
-    regular: Mask = np.isfinite(matrices).all(axis=(1, 2))
+    regular: Mask = np.logical_and.reduce(np.isfinite(matrices), axis=(1, 2))
     # A sign of zero means a pivot of zero, for which `inv` would refuse all matrices.
     regular[regular] = np.linalg.slogdet(matrices[regular])[0] != 0
     inverse[regular] = np.linalg.inv(matrices[regular])
