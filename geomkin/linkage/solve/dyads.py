@@ -14,8 +14,11 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot, unit
-from .placement import Anchor, Coefficients, JointLines, Placement, Poses, SlideAxis, times
+from ..linkage import Slider
+from .placement import Anchor, Coefficients, Placement, Poses, SlideAxis, times
 
+# The two members between which a transmission angle lies: each the two points of a bar, or a slider.
+JointLines = tuple[tuple[str, str] | Slider, tuple[str, str] | Slider]
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
 # Distance of two pins, in sizes of the linkage, below which rounding alone decides the direction between them. After

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from ...core.records import record
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
 from . import tape as tape
 from .tape import Recorded
-
-if TYPE_CHECKING:
-    from ..linkage import Slider
 
 Numbers = TypeVar("Numbers", Real, Complex)
 
@@ -143,10 +140,6 @@ class SlideAxis:
     def at(self, p0: Poses) -> Complex:
         """The direction in the fixed body's frame."""
         return p0.direction[self.body] * self.direction
-
-
-# The two members between which a dyad's transmission angle lies: each the ends of a bar, or a slider.
-JointLines = tuple["tuple[str, str] | Slider", "tuple[str, str] | Slider"]
 
 
 class Placement(ABC):
