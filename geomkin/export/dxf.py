@@ -48,14 +48,14 @@ def drawn(
     """A DXF file of shapes and texts on their layers.
 
     `layers` maps names to colour index and RGB; `extents` and `limits` are the corners of the shapes and of the paper,
-    mm. The stamp is the header's name of the project.
+    mm. The stamp is in the dictionary EZDXF_META.
     """
     with _fixed_stamps():
         # The library's default is metres, and programs would read the file 1000 times too large.
         document = new("R2000", units=units.MM)
         document.header["$MEASUREMENT"] = 1
         if stamp:
-            document.header["$PROJECTNAME"] = stamp
+            document.ezdxf_metadata()["STAMP"] = stamp
         # Without a plot scale one program prints a blank page.
         document.header["$PSVPSCALE"] = 1.0
         for name, (index, rgb) in layers.items():

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from hashlib import sha256
 
 from ..core.records import record
+from .summary import as_json
 
 # Raised when the meaning of a stamp changes.
 LAYOUT = 1
@@ -18,7 +19,7 @@ TEXT = re.compile(rf"geomkin (\d{{1,6}}) recipe ([0-9a-f]{{{DIGITS}}}) tolerance
 
 def recipe_hash(data: Mapping[str, object]) -> str:
     """SHA-256 of a recipe's data, as summary.json holds it; the same whatever the order of its keys."""
-    return sha256(json.dumps(data, sort_keys=True, ensure_ascii=True).encode()).hexdigest()
+    return sha256(json.dumps(as_json(data), sort_keys=True, ensure_ascii=True).encode()).hexdigest()
 
 
 @record

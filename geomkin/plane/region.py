@@ -114,16 +114,12 @@ def nearest(loop: Complex) -> Complex:
     return points
 
 
-def containers(loops: Sequence[Complex]) -> list[list[int]]:
-    """For each polygon the indices of those that contain its first corner, the smallest first."""
+def containers(points: Complex, loops: Sequence[Complex]) -> list[list[int]]:
+    """For each point (n,) the indices of the polygons that it is inside, the smallest first."""
     shapes = np.array([shapely.Polygon(xy(loop)) for loop in loops], dtype=object)
-    corners = shapely.points(xy(np.array([loop[0] for loop in loops])))
-    inside, around = shapely.STRtree(shapes).query(corners, predicate="within")
+    inside, around = shapely.STRtree(shapes).query(shapely.points(xy(points)), predicate="within")
     areas = shapely.area(shapes)
-    return [
-        sorted((int(j) for j in around[inside == k] if j != k), key=lambda j: float(areas[j]))
-        for k in range(len(loops))
-    ]
+    return [sorted(around[inside == k].tolist(), key=lambda j: float(areas[j])) for k in range(len(points))]
 
 
 class Edges:
@@ -131,7 +127,7 @@ class Edges:
 
     def __init__(self, starts: Complex, ends: Complex):
         self.starts, self.ends = starts, ends
-        self._tree = shapely.STRtree(shapely.linestrings(np.stack([xy(starts), xy(ends)], axis=1)).tolist())
+        self._tree = shapely.STRtree(np.asarray(shapely.linestrings(np.stack([xy(starts), xy(ends)], axis=1))))
 
     def nearest(self, points: Complex) -> tuple[Whole, Real]:
         """For each point (n,) the index of the nearest edge, and the distance, mm."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import isfinite, nan
 from pathlib import Path
@@ -16,16 +15,14 @@ from ..core.errors import FileError, GeomkinError, harmless, printable
 from ..core.names import file_name_flaw
 from ..core.progress import report
 from ..core.records import record
-from ..export.files import write_whole
 from ..export.formats import format_of
 from ..export.stamp import LAYOUT, Stamp, recipe_hash
-from ..export.summary import FOUND, NAME, as_json, read_summary
+from ..export.summary import FOUND, NAME, read_summary
 from ..recipe.load import from_table, parse
 from ..recipe.recipe import AbstractRecipe
 from .comparison import FINENESS, ExactPart, Measured, exact_part, measure_drawing, measure_mesh, measure_plate
 from .drawing import LARGEST, UnreadableError
 
-CERTIFICATE = "verify.json"
 # Share of the tolerance by which a deviation may exceed it: what the measurement itself may be off.
 MEASURED = 2 * FINENESS
 # Most files of a folder that are measured.
@@ -56,6 +53,8 @@ class FileReport:
         Numbers of parts and of their holes in the file.
     problems : tuple of str
         What is wrong, a sentence each; empty if nothing is.
+    worst : Measured, optional
+        The plate with the largest deviation, and the exact one.
     """
 
     file: str
@@ -68,6 +67,7 @@ class FileReport:
     parts: int = 0
     holes: int = 0
     problems: tuple[str, ...] = ()
+    worst: Measured | None = None
 
     @property
     def passed(self) -> bool:
@@ -183,13 +183,6 @@ def verify(folder: str | Path) -> list[Certificate]:
     return [_certificate(inside) for inside in folders]
 
 
-def write_certificate(certificate: Certificate) -> Path:
-    """Write a certificate into the folder of its recipe as verify.json."""
-    text = json.dumps(as_json(certificate.to_dict()), indent=1, ensure_ascii=False) + "\n"
-    write_whole(certificate.folder, {CERTIFICATE: text.encode("utf-8", "replace")})
-    return certificate.folder / CERTIFICATE
-
-
 def _certificate(folder: Path) -> Certificate:
     summary = read_summary(folder)
     data, names = summary.get("recipe"), summary.get("files")
@@ -200,7 +193,7 @@ def _certificate(folder: Path) -> Certificate:
     kind, hashed = str(data.get("kind", "")), recipe_hash(data)
     try:
         sources = summary.get("sources")
-        recipe = from_table(data, NAME, sources if isinstance(sources, dict) else {})
+        recipe = from_table(data, NAME, str(folder) if not isinstance(sources, dict) else sources)
         expected = Expected(recipe)
         with errors_named_by_key(NAME, recipe):
             _ = expected.parts
@@ -365,6 +358,7 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
         parts=len(content.measured),
         holes=sum(one.holes for one in content.measured),
         problems=tuple(map(harmless, problems)),
+        worst=worst if worst.plate else None,
     )
 
 
@@ -391,8 +385,6 @@ def _found_problems(path: Path) -> tuple[str, ...]:
 
 def _with_counts(reports: Iterable[FileReport], expected: Expected) -> Iterable[FileReport]:
     """The reports, with numbers of parts that differ from the recipe's as a problem of the first file of a format."""
-    from dataclasses import replace
-
     reports = list(reports)
     copies = Counter({part.part.name: part.part.count for part in expected.parts})
     for kind in ALL_COPIES:

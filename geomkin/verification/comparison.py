@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import nan
 
 import numpy as np
@@ -35,15 +36,20 @@ class Measured:
     """What was found of one plate or solid of a file.
 
     part: name of the part that it is; deviation: largest distance between the file and the exact curves, mm, found at
-    `place`, in the part's frame; problems: a sentence each.
+    `place`; plate, exact: both, for a picture, in the part's frame; problems: a sentence each.
     """
 
     part: str
     deviation: float = nan
     place: complex = 0j
-    holes: int = 0
-    area: float = nan
+    plate: Shape | None = None
+    exact: Shape | None = None
     problems: tuple[str, ...] = ()
+
+    @property
+    def holes(self) -> int:
+        """Number of holes found."""
+        return len(self.plate.holes) if self.plate else 0
 
 
 def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
@@ -97,7 +103,7 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
 
 
 def _with(found: Measured, problems: Sequence[str]) -> Measured:
-    return Measured(found.part, found.deviation, found.place, found.holes, found.area, (*found.problems, *problems))
+    return replace(found, problems=(*found.problems, *problems))
 
 
 def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
@@ -123,7 +129,7 @@ def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measure
         worst, place = max((worst, place), _marks_apart(plate.marks, exact.marks, resolution), key=lambda one: one[0])
         if bool(exact.marks) != bool(plate.marks):
             problems.append("its engraving is missing" if exact.marks else "it is engraved, and the part is not")
-    return Measured(name, worst, place, len(plate.holes), plate.area, tuple(problems))
+    return Measured(name, worst, place, plate, exact, tuple(problems))
 
 
 def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution: float) -> tuple[float, complex]:

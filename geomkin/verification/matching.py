@@ -62,17 +62,19 @@ def nested(cuts: Sequence[Outline], marks: Sequence[Outline]) -> list[tuple[list
 
     A loop inside an even number of others is an outline, any other a hole in the smallest of them.
     """
-    around = containers([cut.points for cut in cuts])
+    if not cuts:
+        return []
+    loops = [cut.points for cut in cuts]
+    # A loop's own first corner is on it, not inside it.
+    around = containers(np.array([loop[0] for loop in loops]), loops)
     plates = {k: ([k], list[int]()) for k, outer in enumerate(around) if len(outer) % 2 == 0}
     for k, outer in enumerate(around):
         if len(outer) % 2:
             plates.setdefault(outer[0], ([outer[0]], []))[0].append(k)
-    if marks and cuts:
-        held = containers([*(mark.points for mark in marks), *(cut.points for cut in cuts)])
-        for k in range(len(marks)):
-            outlines = [j - len(marks) for j in held[k] if j - len(marks) in plates]
-            if outlines:
-                plates[outlines[0]][1].append(k)
+    for k, outer in enumerate(containers(np.array([mark.points[0] for mark in marks], dtype=complex), loops)):
+        outlines = [j for j in outer if j in plates]
+        if outlines:
+            plates[outlines[0]][1].append(k)
     return list(plates.values())
 
 
@@ -85,7 +87,9 @@ def position(found: Shape, exact: Shape, tolerance: float) -> tuple[complex, com
     """
     here, there = found.outline.centroid, exact.outline.centroid
     samples = _samples(found)
-    edges = Edges(*(np.concatenate([getattr(loop, end) for loop in exact.loops]) for end in ("starts", "ends")))
+    # Marks decide where the outline is symmetric.
+    drawn = (*exact.loops, *exact.marks)
+    edges = Edges(np.concatenate([one.starts for one in drawn]), np.concatenate([one.ends for one in drawn]))
 
     def misfit(turn: complex) -> float:
         return float(edges.nearest((samples - here) / turn + there)[1].mean())
@@ -137,13 +141,14 @@ def _moments(shape: Shape) -> Iterator[complex]:
 
 
 def _samples(shape: Shape) -> Complex:
-    """Points spread along all loops, corners included if there are few."""
-    step = shape.length / SAMPLES
+    """Points spread along all loops and marks, corners included if there are few."""
+    drawn = (*shape.loops, *shape.marks)
+    step = sum(one.length for one in drawn) / SAMPLES
     spread: list[Complex] = []
-    for loop in shape.loops:
+    for loop in drawn:
         lengths = np.append(0, np.cumsum(np.abs(loop.ends - loop.starts)))
         at = np.arange(step / 2, lengths[-1], step) if lengths[-1] > step else np.array([0, lengths[-1] / 2])
-        z = np.append(loop.points, loop.points[:1])
+        z = np.append(loop.starts, loop.ends[-1:])
         spread.append(np.interp(at, lengths, z.real) + 1j * np.interp(at, lengths, z.imag))
         spread.append(loop.points[:: len(loop.points) // SAMPLES + 1])
     return np.concatenate(spread)

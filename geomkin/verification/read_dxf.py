@@ -46,7 +46,7 @@ def read_dxf(path: Path, error: float) -> Drawing:
         else:
             problems.append(f"it has a {kind} on layer {layer}, which is not a closed polyline or circle")
     problems += _wrong_extents(document, lines, error)
-    return Drawing(tuple(lines), str(document.header.get("$PROJECTNAME", "")), tuple(problems))
+    return Drawing(tuple(lines), document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
 
 
 def _wrong_extents(document: Any, lines: list[Line], error: float) -> list[str]:

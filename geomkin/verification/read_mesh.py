@@ -51,7 +51,7 @@ def read_glb(path: Path) -> tuple[list[Mesh], list[str], str]:
 def _loaded(path: Path) -> Any:
     try:
         # As it is in the file: nothing is merged or repaired.
-        loaded = trimesh.load(path, process=False)  # type: ignore[no-untyped-call]
+        loaded = trimesh.load(path, process=False)
         if not np.isfinite(loaded.bounds).all():
             raise ValueError("not finite")
     except Exception as fault:

@@ -34,7 +34,7 @@ def read_rows(path: Path) -> list[list[str]]:
 def motion_problems(path: Path, table: Table) -> list[str]:
     """Differences between a CSV file and the table of its recipe, a sentence each."""
     header, *rows = read_rows(path)
-    expected = table.to_columns()
+    expected = {column.header: column.written for column in table.columns}
     if header != list(expected):
         return ["its columns are not those of the recipe"]
     problems = []
@@ -78,7 +78,7 @@ def bill_problems(path: Path, parts: Sequence[Part], bought: Sequence[Bought]) -
         listed = [(row[item].lstrip("'"), int(row[count])) for row in rows]
     except ValueError:
         return ["it has no columns of items and counts"]
-    expected = [(one.name, one.count) for one in (*parts, *bought)]
+    expected = [(part.name, part.count) for part in parts] + [(item.name, item.count) for item in bought]
     missing = [one for one in expected if one not in listed]
     further = [one for one in listed if one not in expected]
     return [f"it lacks {count} x {name}" for name, count in missing] + [
