@@ -405,6 +405,8 @@ class _Handler(BaseHTTPRequestHandler):
         if not length.isdecimal():
             raise _RefusedError(HTTPStatus.LENGTH_REQUIRED, "the length of the body is missing")
         if int(length) > LARGEST_BODY:
+            # A browser shows the answer only if its request was read.
+            self.rfile.read(min(int(length), 10 * LARGEST_BODY))
             raise _RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the body is larger than {LARGEST_BODY:,} bytes")
         try:
             body = json.loads(self.rfile.read(int(length)))
