@@ -15,9 +15,9 @@ const LAYERS = ["guides", "plates", "world", "trails", "above", "names", "scaleB
 let drawings = 0;
 
 export class Drawing {
-  // An empty drawing that fills `stage`; `hidden`: roles that it does not show.
+  // An empty drawing that fills `stage`; `hidden`: roles that it does not show. Its `overlays` have a method show(frame).
   constructor(stage, hidden = []) {
-    Object.assign(this, { by: 1, hidden: new Set(hidden), id: `hatch${drawings++}` });
+    Object.assign(this, { by: 1, hidden: new Set(hidden), overlays: [], id: `hatch${drawings++}` });
     this.svg = make(stage, "svg", { class: "drawing", tabindex: 0, role: "application", "aria-roledescription": "drawing" });
     this.pattern = make(make(this.svg, "defs"), "pattern", { id: this.id, patternUnits: "userSpaceOnUse", width: 6, height: 6 });
     make(this.pattern, "path", { d: "M0 0V6", class: "hatch" });
@@ -391,7 +391,8 @@ export class Drawing {
       if ((!this.hidden.has(mark.role) || mark.always) && (anew || mark.sort !== "fixed pin")) this.showMark(mark, k);
     }
     if (!this.hidden.has("names")) this.named.show(k);
-    this.notice.textContent = this.open.has(k) ? "It cannot be put together here." : "";
+    this.notice.textContent = this.open.has(k) ? "It cannot be assembled here." : "";
+    for (const overlay of this.overlays) overlay.show(k);
   }
 
   showMark(mark, k) {

@@ -14,6 +14,7 @@ export function read(data) {
   for (const column of data.columns) {
     column.row = data.rows[column.row];
     column.header = column.unit ? `${column.name}_${column.unit.replaceAll("/", "_per_")}` : column.name;
+    column.id = column.name;
     column.name = spaced(column.name);
   }
   return data;
@@ -34,7 +35,7 @@ export const measured = (value, unit) =>
 
 export class Plots {
   // root: their parent element; data.spots: whether values are drawn as points; seek(frame): called when a reader points
-  // at another position of the drive.
+  // at another position of the drive. A later `drawn(card)` is called whenever a plot was drawn.
   constructor(root, data, seek) {
     Object.assign(this, { data, seek, frame: 0, cards: [] });
     this.grid = make(root, "div", { class: "plots" });
@@ -144,7 +145,7 @@ export class Plots {
         { ...axis, label: unit, size: 58, values: (_, ticks) => ticks.map(shown) },
       ],
       series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!column.spot, size: 6 } }))],
-      hooks: { draw: [(plot) => { drawLimits(plot, this.limitsOf(card), colour("--wanted"), colour("--paper"), font); this.show(this.frame); }], setCursor: [(plot) => this.hover(card, plot)] },
+      hooks: { draw: [(plot) => { drawLimits(plot, this.limitsOf(card), colour("--wanted"), colour("--paper"), font); this.show(this.frame); this.drawn?.(card); }], setCursor: [(plot) => this.hover(card, plot)] },
     }, this.curves(card), card.chart);
     this.label(card, strokes);
     this.point(card);
