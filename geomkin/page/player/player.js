@@ -1,6 +1,7 @@
 // The player: shows a scene moving, with its plots; mouse, touch and keys move the driver.
 import { Drawing, FOOT, MARGIN } from "./drawing.js";
 import { followPointers } from "./hands.js";
+import { drawingFile, drawingImage, offer } from "./pictures.js";
 import { measured, Plots, read, shown, unitOf } from "./plots.js";
 import { abs, floor, make, max, min, spaced } from "./shapes.js";
 
@@ -106,6 +107,13 @@ class Player {
     button("Zoom out", "−", () => this.zoom(1 / CLOSER));
     button("Zoom in", "+", () => this.zoom(CLOSER));
     button("Show all of it", "⤢", () => this.zoom(0));
+    const picture = (label, sign, tail, make) => button(label, sign, async () => {
+      for (const [k, drawing] of this.shownDrawings.entries()) {
+        offer(await make(drawing), `${this.data.name}-${this.frame}${k ? `-${k + 1}` : ""}.${tail}`, "image/svg+xml");
+      }
+    });
+    picture("Drawing at this frame as SVG", "SVG", "svg", drawingFile);
+    picture("Drawing at this frame as PNG", "PNG", "png", drawingImage);
     this.contact = button("Zoom on the contact", "contact", () => {
       this.drawings[0].lookAtContact();
       this.announceZoom(this.drawings[0]);
@@ -219,12 +227,14 @@ class Player {
     this.step(event.shiftKey ? 10 * step : step);
   }
 
+  get shownDrawings() { return this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings; }
+
   // Makes the drawings as large as there is room for, all at one scale.
   fit(changed) {
     const room = this.stages.clientWidth;
     if (room < 50 || (room === this.room && !changed)) return;
     this.room = room;
-    const drawings = this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings;
+    const drawings = this.shownDrawings;
     const columns = room > 620 ? min(2, drawings.length) : 1;
     const sizes = drawings.map((drawing) => drawing.size()), widest = max(...sizes.map(([across]) => across));
     // Two side by side share the width in proportion to their needs; any other number have equal widths.
@@ -323,12 +333,4 @@ class Player {
     for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (isFinite(row[k]) ? +row[k].toPrecision(7) : "")).join(","));
     return `${lines.join("\n")}\n`;
   }
-}
-
-function offer(text, name, type) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }

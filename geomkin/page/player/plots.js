@@ -1,5 +1,6 @@
 // Plots of the table's columns over the drive, one to four at a time. uPlot is used here and nowhere else.
 /* global uPlot */
+import { inPrint, offer, plotFile } from "./pictures.js";
 import { abs, make, max, min, round, spaced, unpack } from "./shapes.js";
 
 export const MOST_PLOTS = 4;
@@ -83,6 +84,8 @@ export class Plots {
     card.select = make(head, "select", { "aria-label": "What is plotted" });
     this.offerPlots(card);
     card.select.addEventListener("change", () => { card.chosen = +card.select.value; this.build(card); });
+    const picture = make(head, "button", { type: "button", "aria-label": "This plot as SVG", title: "This plot as SVG" }, "SVG");
+    picture.addEventListener("click", () => offer(this.picture(card), `${this.data.name ?? "plot"}-${this.titleOf(card)}.svg`, "image/svg+xml"));
     const close = make(head, "button", { type: "button", "aria-label": "Remove this plot", class: "close" }, "×");
     close.addEventListener("click", () => this.remove(card));
     card.chart = make(card.root, "div", { class: "chart" });
@@ -133,7 +136,9 @@ export class Plots {
     const axis = { stroke, grid, ticks: grid, font, labelFont: font, labelSize: 18 };
     const label = [drive.name, unitOf(drive.unit)].filter(Boolean).join(", ");
     const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || (data.spots ? "" : "ratio");
-    card.columns = columns;
+    // The ticks of both axes, for pictures.
+    const write = (axis) => (_, ticks) => { card.ticks[axis] = ticks.map((value) => [value, shown(value)]); return ticks.map(shown); };
+    Object.assign(card, { columns, ticks: {}, labels: { x: label, y: unit } });
     card.plot = new uPlot({
       ...this.sizeOf(card),
       padding: [10, 12, 0, 0],
@@ -141,8 +146,8 @@ export class Plots {
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 } },
       scales: { x: { time: false }, y: { range: (_, low, high) => this.range(card, low, high) } },
       axes: [
-        { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: (_, ticks) => ticks.map(shown) },
-        { ...axis, label: unit, size: 58, values: (_, ticks) => ticks.map(shown) },
+        { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: write("x") },
+        { ...axis, label: unit, size: 58, values: write("y") },
       ],
       series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!column.spot, size: 6 } }))],
       hooks: { draw: [(plot) => { drawLimits(plot, this.limitsOf(card), colour("--wanted"), colour("--paper"), font); this.show(this.frame); this.drawn?.(card); }], setCursor: [(plot) => this.hover(card, plot)] },
@@ -190,6 +195,23 @@ export class Plots {
     over.addEventListener("pointerdown", (event) => { over.setPointerCapture(event.pointerId); take(event); });
     over.addEventListener("pointermove", (event) => { if (event.buttons) take(event); });
     over.addEventListener("pointerleave", () => { card.hovered = null; this.write(card); });
+  }
+
+  titleOf(card) { return this.data.plots[card.chosen].title.replace(/\W+/g, "-"); }
+
+  // The plot as the text of an SVG file.
+  picture(card) {
+    const { plot, ticks, labels, columns } = card, dpr = devicePixelRatio || 1, drive = this.data.columns[0];
+    const { left, top, width, height } = plot.bbox, bounds = [left, top, width, height].map((length) => length / dpr);
+    const at = (axis, start) => (value) => start + plot.valToPos(value, axis);
+    const style = getComputedStyle(document.documentElement);
+    return inPrint(() => plotFile({
+      width: plot.width, height: plot.height, bounds, ticks, labels, x: at("x", bounds[0]), y: at("y", bounds[1]), now: drive.row[this.frame],
+      limits: this.limitsOf(card).map(([value, label]) => [value, unitOf(label).replace(" °", "°")]),
+      curves: columns.map((column, k) => ({ name: column.name, points: [...column.row].map((value, row) => [drive.row[row], value]), isSpot: column.spot,
+        stroke: style.getPropertyValue(`--${STROKES[k % 6]}`), dash: DASHES[k % 6] })),
+      colours: { ink: style.getPropertyValue("--ink"), grid: style.getPropertyValue("--grid"), limit: style.getPropertyValue("--wanted") },
+    }));
   }
 
   hover(card, plot) {
