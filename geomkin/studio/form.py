@@ -37,7 +37,7 @@ def form(kind: str) -> dict[str, Any]:
     --------
     >>> from geomkin.studio.form import form
     >>> [group["key"] for group in form("spur-gear")["groups"]]
-    ['', 'gear', 'stock', 'stock.web', 'files']
+    ['', 'gear', 'gear.rack', 'stock', 'stock.web', 'files', 'files.title']
     """
     recipe = recipe_class(kind)
     # The same table may be inside several kinds of table.
