@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.fields import FARTHEST, PointsXY, Sizes, entry, quantity
+from ..core.fields import FARTHEST, ComplexOrArray, FloatOrArray, entry, quantity
 from ..core.records import record
 
 
@@ -33,9 +33,9 @@ class Mass:
     Mass(mass=3, centre=10+0j, inertia=650)
     """
 
-    mass: Sizes = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
-    centre: PointsXY = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)
-    inertia: Sizes = quantity(
+    mass: FloatOrArray = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
+    centre: ComplexOrArray = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)
+    inertia: FloatOrArray = quantity(
         "moment of inertia about the centre", "kg mm2", default=0.0, at_least=0, at_most=FARTHEST**2, example=100
     )
 

@@ -95,7 +95,7 @@ class AbstractRecipe(_Shared, ABC):
         return {**{name: lines for name, lines in entries.items() if lines}, **self.mass_summary}
 
     @cached_property
-    def masses(self) -> Mapping[str, Mass]:
+    def body_masses(self) -> Mapping[str, Mass]:
         """Mass of each moving or fixed body, in its frame, by name; of bodies whose parts have a material."""
         return part_masses(self.parts)
 
@@ -108,7 +108,7 @@ class AbstractRecipe(_Shared, ABC):
                 "centre_mm": [round(float(z), 6) + 0.0 for z in (mass.centre.real, mass.centre.imag)],
                 "inertia_kg_mm2": float(f"{mass.inertia:.9g}"),
             }
-            for name, mass in self.masses.items()
+            for name, mass in self.body_masses.items()
         }
         return {"masses": bodies} if bodies else {}
 
@@ -244,9 +244,9 @@ def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
     >>> gk.masses(recipe)["gear"]
     Mass(mass=0.0842, centre=0+0j, inertia=24.5)
     """
-    if not recipe.masses:
+    if not recipe.body_masses:
         raise DesignError("stock.material", "is missing, so masses are unknown", "give a material", "missing-key")
-    return dict(recipe.masses)
+    return dict(recipe.body_masses)
 
 
 class AbstractGoal(AbstractRecipe):
@@ -289,8 +289,8 @@ class AbstractGoal(AbstractRecipe):
         return (*self.design.steps, *(f"{name} is a drawing, joined to nothing" for name in drawn))
 
     @property
-    def masses(self) -> Mapping[str, Mass]:
-        return self.design.masses
+    def body_masses(self) -> Mapping[str, Mass]:
+        return self.design.body_masses
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

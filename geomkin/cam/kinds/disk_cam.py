@@ -120,7 +120,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
 
     @cached_property
-    def masses(self) -> Mapping[str, Mass]:
+    def body_masses(self) -> Mapping[str, Mass]:
         """Mass of cam, roller and follower; that of the follower with the pins that are glued into it."""
         bodies = part_masses(self.parts)
         if bodies:

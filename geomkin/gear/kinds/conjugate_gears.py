@@ -280,7 +280,7 @@ class LanternGearsRecipe(AbstractShapedRecipe):
         return self.on_base((disc, wheel), float(np.abs(disc.outline.point(0.0))))
 
     @cached_property
-    def masses(self) -> Mapping[str, Mass]:
+    def body_masses(self) -> Mapping[str, Mass]:
         """Mass of the pinion, two discs and its steel pins, and of the wheel."""
         bodies = part_masses(self.parts)
         if disc := bodies.get("pinion"):

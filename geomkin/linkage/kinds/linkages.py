@@ -163,7 +163,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         )
 
     @cached_property
-    def masses(self) -> Mapping[str, Mass]:
+    def body_masses(self) -> Mapping[str, Mass]:
         """Mass of each body, with its screws or rods; of one linkage if there are copies."""
         bodies = part_masses(self.parts)
         if bodies:
