@@ -242,7 +242,7 @@ def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
     ...     "kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "stock": {"material": "steel-C45"}
     ... })
     >>> gk.masses(recipe)["gear"]
-    Mass(mass=0.0842, centre=0+0j, inertia=24.5)
+    Mass(mass=0.0841871, inertia=24.4984)
     """
     if not recipe.body_masses:
         raise DesignError("stock.material", "is missing, so masses are unknown", "give a material", "missing-key")
