@@ -50,6 +50,7 @@ from .linkage.named_linkages import StephensonSixBar as StephensonSixBar
 from .linkage.named_linkages import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
 from .model.check import Check as Check
+from .model.mass import Mass as Mass
 from .model.part import HoleFit as HoleFit
 from .model.part import Part as Part
 from .model.part import Twist as Twist

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
 MOTION_ATTRIBUTES = {
-    "assembled", "bodies", "branches", "drive", "error_amplification", "linkage",
-    "point", "residual", "slide", "solution", "timing", "to_columns", "transmission_angle",
+    "assembled", "bodies", "branches", "drive", "error_amplification", "given", "linkage",
+    "point", "residual", "sensitivity", "slide", "solution", "timing", "to_columns", "transmission_angle",
 }  # fmt: skip
 
 

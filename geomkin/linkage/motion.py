@@ -13,8 +13,9 @@ from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.reprs import clipped, moving, short
 from ..model.table import Column, Table, finite, xy_columns
-from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
-from .linkage import Linkage, Slider
+from ..plane.vec import Array, Complex, Mask, Real, Whole, cross, dot
+from .linkage import AbstractLinkage, Linkage, Slider
+from .sensitivity import Sensitivities
 from .solve.formulas import LazyEvaluation, Timing, first_of, second_of
 from .solve.solution import LinkageSolution
 
@@ -225,6 +226,8 @@ class Motion:
         Speed and acceleration of the driver.
     solution : LinkageSolution
         The solved positions.
+    given : Linkage or any named linkage
+        The linkage as it was passed to `move`; `sensitivity` differentiates by its sizes.
 
     Examples
     --------
@@ -240,6 +243,7 @@ class Motion:
     drive: Real
     timing: Timing
     solution: LinkageSolution
+    given: AbstractLinkage = field(repr=False)
     # Cache of named points: a table, a scene and checks use the same ones.
     _points: dict[str, PointMotion] = field(init=False, repr=False, default_factory=dict)
 
@@ -384,6 +388,53 @@ class Motion:
             f"give one of {sliders or 'none'}",
             "unknown-key",
         )
+
+    @checked
+    def sensitivity(self, of: str, by: str) -> Array:
+        """Derivative of a quantity by a size of the linkage, exact to rounding, at a fixed position of the driver.
+
+        Parameters
+        ----------
+        of : str
+            A point's name, for its position as a complex number, or the id of a column of `motion_table`:
+            `coupler_point_x`, `coupler_point_velocity` (complex) or `coupler_point_velocity_x`, `rocker_angle`,
+            `rocker_omega`, `rocker_alpha`, `slide_displacement`, `slide_velocity`, `transmission_angle` ...
+        by : str
+            A size of the linkage as passed to `move`, such as `crank` or `ground_angle_deg`; of a point its coordinate,
+            such as `coupler_point.x`; of a part its own size, such as `four_bar.crank`. Or any point or slider of the
+            general linkage: `coupler.rocker_pin.y`, `slide.direction_deg`.
+
+        Returns
+        -------
+        array, shape of the motion
+            The quantity's unit per mm, or per rad if the size is an angle; angles are in rad. nan where the linkage is
+            open, at a limit of the driver and at a change point. The transmission angle of loops that are solved
+            together has no derivative here: nan.
+
+        Raises
+        ------
+        DesignError
+            If there is no such quantity or size; names the nearest.
+
+        Notes
+        -----
+        Implicit function theorem on the conditions of the joints. At the frame with the smallest or largest value the
+        result is also the derivative of that extreme value, since the extreme does not depend on the driver there.
+
+        Examples
+        --------
+        >>> import geomkin as gk
+        >>> motion = gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), [0.0, 1.0])
+        >>> motion.sensitivity("coupler_point", by="crank").round(4)
+        array([0.8825+0.0165j, 0.9456+0.6229j])
+        >>> motion.sensitivity("transmission_angle", by="ground").round(5)
+        array([0.01451, 0.01469])
+        """
+        return self._sensitivities.of(of, by)
+
+    @cached_property
+    def _sensitivities(self) -> Sensitivities:
+        return Sensitivities(self.solution, self.given)
 
     def to_columns(self) -> dict[str, Real]:
         """The columns of `motion_table` as arrays, for a data frame.
