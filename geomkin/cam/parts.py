@@ -63,7 +63,7 @@ def cam_base(
         pivot = complex(pin_paths[0, 0])
         openings.append(BaseOpening("the arm's pivot", *bore_of_pin, (pivot,), LETTERS["pivot_bore"], head=collar))
     elif len(pins) < 2:
-        raise DesignError("base", "the follower has no stem that a base could guide", "omit base")
+        raise DesignError("base", "the follower has no stem that a base could guide", "omit base", "conflict")
     else:
         ends = (complex(pin_paths[0, 0]), complex(pin_paths[-1, -1]))
         openings.append(BaseOpening("the guide pins", *bore_of_pin, ends, LETTERS["pivot_bore"], head=collar))

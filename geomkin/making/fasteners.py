@@ -126,6 +126,7 @@ def fastener_of(
             "fastener",
             f"found a screw, but there is no screw size of {diameter:g} mm",
             f'give pin_diameter as one of {sizes}, or fastener = "rod"',
+            "conflict",
         )
     screw = Fastener(diameter, "screw", play, head_height)
     is_too_high = max(screw.ends(thickness)) > MOST_SHEETS * thickness
@@ -135,6 +136,7 @@ def fastener_of(
             "fastener",
             f"found a screw, whose nut is as high as {sheets:.0f} sheets; the limit is {MOST_SHEETS}",
             'give a thicker sheet, a thinner pin, or fastener = "rod"',
+            "conflict",
         )
     fits = diameter in SIZES and not is_too_high
     return Fastener(diameter, form or ("screw" if fits else "rod"), play, head_height)

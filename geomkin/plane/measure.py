@@ -122,7 +122,7 @@ def signed_area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     By Green's theorem, half the integral of P x dP.
     """
     if not curve.closed:
-        raise DesignError("curve", "found an open curve, which encloses no area", "give a closed curve")
+        raise DesignError("curve", "found an open curve, which encloses no area", "give a closed curve", "wrong-type")
     if isinstance(curve, PolarArray):
         return curve.count * _sector(curve.piece, 0j, accuracy).real
     if isinstance(curve, Polyline):

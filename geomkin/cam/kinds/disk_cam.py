@@ -92,7 +92,9 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
             remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
-            raise DesignError("drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy)
+            raise DesignError(
+                "drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy, "out-of-range"
+            )
         self.drive.check_rows()
 
     @property

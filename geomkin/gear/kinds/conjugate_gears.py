@@ -103,7 +103,7 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
             return *parts, *self.stock.motor_parts
         mate, stock = self.design, self.stock
         if mate.is_ring:
-            raise DesignError("base", "found a base for a ring, which has no shaft", "omit base")
+            raise DesignError("base", "found a base for a ring, which has no shaft", "omit base", "conflict")
         reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
         keys = ("stock.bore", "stock.mate_bore")
         plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)

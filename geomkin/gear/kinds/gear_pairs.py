@@ -85,7 +85,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         self.check_faces({"first_stock": self.first_stock.thickness, "second_stock": self.second_stock.thickness})
         if self.second_stock.motor is not None:
             problem = "found a motor for the driven gear"
-            raise DesignError("second_stock.motor", problem, "give first_stock.motor instead")
+            raise DesignError("second_stock.motor", problem, "give first_stock.motor instead", "conflict")
         self.design  # noqa: B018  raises for gears that cannot mesh
 
     @cached_property

@@ -64,7 +64,7 @@ class GearStock(AbstractBored):
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material under the teeth of a gear, mm."""
         if gear.solid_rim is None:
-            raise DesignError("stock", "found the stock of a wheel for a ring", "give a RingStock")
+            raise DesignError("stock", "found the stock of a wheel for a ring", "give a RingStock", "wrong-type")
         if not gear.hole_room:
             return gear.solid_rim
         return gear.solid_rim - self.hole_reach if self.web is None else self.web.rim
@@ -105,7 +105,7 @@ class RingStock:
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
         """No holes."""
         if not gear.is_ring:
-            raise DesignError(key, "found the stock of a ring for a wheel", "give a GearStock")
+            raise DesignError(key, "found the stock of a ring for a wheel", "give a GearStock", "wrong-type")
         return ()
 
     def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
@@ -216,7 +216,7 @@ def base_plate(
     """
     for field, given in (("axes", axes), ("holes", holes)):
         if len(given) != 2:
-            raise DesignError(field, f"found {len(given)}", "give two")
+            raise DesignError(field, f"found {len(given)}", "give two", "wrong-type")
     apart = abs(axes[0] - axes[1])
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(

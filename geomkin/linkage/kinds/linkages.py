@@ -66,7 +66,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         check_copies(self.copies, self.linkage, self.input_range)
         if self.copies and self.stock.motor is not None:
             problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
-            raise DesignError("stock.motor", problem, "omit motor or copies")
+            raise DesignError("stock.motor", problem, "omit motor or copies", "conflict")
         # Upper limit of the columns of the bodies, the slides and the points that are not pins.
         linkage = self.linkage.linkage
         points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
@@ -78,7 +78,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             self.dwell.body(linkage)
         if self.both_modes and self.other is None:
             problem = "found true, but there is no other mode: it cannot be assembled, or there are more than two dyads"
-            raise DesignError("both_modes", problem, "omit it")
+            raise DesignError("both_modes", problem, "omit it", "conflict")
 
     @cached_property
     def fine_motion(self) -> Motion:

@@ -70,7 +70,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         self.drive.check_rows()
         if self.linkage.driver != "crank":
             raise DesignError(
-                "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn"
+                "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn", "conflict"
             )
 
     @cached_property
@@ -171,7 +171,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             return []
         if stock.motor is not None:
             problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
-            raise DesignError("stock.motor", problem, "omit it")
+            raise DesignError("stock.motor", problem, "omit it", "conflict")
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
         fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance),)
         disc, letters = Circle(complex(-radius / 2), radius), ("A", "")

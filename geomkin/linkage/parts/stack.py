@@ -276,7 +276,10 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     meetings = Meetings(motion, stock, assemble(motion, stock))
     if len(meetings.moving) > LARGEST:
         raise DesignError(
-            "bodies", f"found {len(meetings.moving)} plates that move", f"give at most {LARGEST}, or make it in pieces"
+            "bodies",
+            f"found {len(meetings.moving)} plates that move",
+            f"give at most {LARGEST}, or make it in pieces",
+            "too-much-work",
         )
     # If openings overlap whatever the bridge carries, `link_parts` reports which.
     options = bridge_options(meetings.assembly, meetings.ground)

@@ -106,7 +106,7 @@ class LinkStock:
     def _check_motor(self) -> None:
         if (shaft := self.shaft) is None or self.motor is None:
             if self.fit == "press":
-                raise DesignError("fit", "found press, but no motor", "give motor, or omit fit")
+                raise DesignError("fit", "found press, but no motor", "give motor, or omit fit", "conflict")
             return
         MOTORS[self.motor].check_plate(self.motor, self.thickness, "motor")
         if self.bar_width <= (widest := shaft.bore + shaft.play):
