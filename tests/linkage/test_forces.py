@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from tests.linkage import andrews
 from tests.linkage.examples import ALL, FEW
 
 GRAVITY = -9810j
@@ -244,3 +245,17 @@ def test_every_body_obeys_newton_and_euler(name):
 def test_every_body_obeys_newton_and_euler_under_many_loads(name):
     for seed in range(10):
         holds_for(name, seed)
+
+
+def test_seven_body_mechanism_of_andrews():
+    """Published: the accelerations at rest under 0.033 N m; so the driver needs this torque for that acceleration."""
+    linkage, branch = andrews.start()
+    motion = gk.move(linkage, [andrews.BETA], branch, speed=0.0, acceleration=14222.4439199541)
+    angles = [one(np.angle(motion[body].direction)) for body in ("K3", "K5", "K7")]
+    assert angles == pytest.approx([andrews.GAMMA, andrews.DELTA, andrews.EPSILON], abs=1e-13)
+    assert one(motion["K2"].alpha - motion["K1"].alpha) == pytest.approx(-10666.8329399656, rel=1e-12)
+    result = gk.forces(motion, andrews.LOADS)
+    assert one(result.driver) == pytest.approx(andrews.TORQUE, rel=1e-12)
+    assert one(result.pin("E", on="K3")) == pytest.approx(98.5668703962411 - 6.1226883442557j, rel=1e-10)
+    # The other two bodies at this pin are still at rest, and unloaded.
+    assert abs(one(result.pin("E", on="K4"))) + abs(one(result.pin("E", on="K6"))) < 1e-9

@@ -274,7 +274,7 @@ def forces(motion: Motion, loads: Loads, about: AboutPoint = None) -> ForceAnaly
     linkage = motion.linkage
     about = linkage.driver_pivot if about is None else about
     if about is None or isinstance(about, str):
-        place = known_place(linkage, linkage.ground, about or 0j, "about")
+        place = known_place(linkage, linkage.ground, about or 0j, "about.")
         about = linkage.origin + linkage.ground_direction * place
     result = ForceAnalysis(motion, loads, about)
     result.wrenches  # noqa: B018  so that errors of the loads are raised here

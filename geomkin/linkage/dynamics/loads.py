@@ -113,7 +113,7 @@ class Force(AbstractLoad):
 
     def apply(self, wrenches: Wrenches) -> None:
         motion = wrenches.motion
-        place = known_place(motion.linkage, self.body, self.point, "forces.point")
+        place = known_place(motion.linkage, self.body, self.point, "forces.")
         force = _over_frames(motion, self.force, "forces.force")
         wrenches.add_force(
             self.body, place, force * motion.bodies[self.body].direction if self.frame == "body" else force
@@ -199,10 +199,9 @@ class _TwoPoints(AbstractLoad):
         """Force that pulls the ends together, N, at a length, mm."""
 
     def apply(self, wrenches: Wrenches) -> None:
-        ends = [(self.body, self.point, "springs.point"), (self.to_body, self.to_point, "springs.to_point")]
-        (one, here), (two, there) = (
-            (body, known_place(wrenches.motion.linkage, body, point, name)) for body, point, name in ends
-        )
+        linkage, one, two = wrenches.motion.linkage, self.body, self.to_body
+        here = known_place(linkage, one, self.point, "springs.")
+        there = known_place(linkage, two, self.to_point, "springs.to_")
         if one == two:
             raise DesignError("springs.to_body", f"both ends are on {one}", "give another body", "conflict")
         apart = wrenches.position(two, there) - wrenches.position(one, here)

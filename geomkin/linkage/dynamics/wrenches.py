@@ -25,14 +25,18 @@ def known_body(linkage: Linkage, body: str, field: str) -> str:
     return body
 
 
-def known_place(linkage: Linkage, body: str, point: str | complex | Array, field: str) -> complex | Complex:
-    """A point of a body, given by name or by its position, mm in the body's frame."""
-    points = linkage.bodies[known_body(linkage, body, field)]
+def known_place(linkage: Linkage, body: str, point: str | complex | Array, prefix: str) -> complex | Complex:
+    """A point of a body, given by name or by its position, mm in the body's frame.
+
+    prefix: of the fields body and point in an error.
+    """
+    points = linkage.bodies[known_body(linkage, body, f"{prefix}body")]
     if not isinstance(point, str):
         return point
     if point not in points:
         problem = f"found {shown(point)}, which is not a point of {body}"
-        raise DesignError(field, problem, f"give one of {', '.join(points) or 'none'}, or x + yj", "unknown-key")
+        remedy = f"give one of {', '.join(points) or 'none'}, or x + yj"
+        raise DesignError(f"{prefix}point", problem, remedy, "unknown-key")
     return points[point]
 
 
