@@ -43,7 +43,7 @@ class Search:
 
     seed: int = quantity("seed of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
     time_limit: float = quantity(
-        "time after which the best linkage so far is taken", "s", default=10.0, above=0, at_most=3600
+        "time after which the best linkage so far is taken", "s", default=30.0, above=0, at_most=3600
     )
 
 
