@@ -62,6 +62,7 @@ from .linkage.named_linkages import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
 from .model.check import Check as Check
 from .model.mass import Mass as Mass
+from .model.material import Material as Material
 from .model.part import HoleFit as HoleFit
 from .model.part import Part as Part
 from .model.part import Twist as Twist
@@ -74,6 +75,7 @@ from .plane.measure import area as area
 from .plane.measure import curvature as curvature
 from .plane.measure import length as length
 from .plane.measure import nearest as nearest
+from .recipe.recipe import masses as masses
 from .studio.notebook import show as show
 from .sweeps.sweep import sweep as sweep
 from .synthesis.function.function import function_generator as function_generator

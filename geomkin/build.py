@@ -289,7 +289,7 @@ def _as_source(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[
         return StaticSource(table=source), ("table",)
     parts = (source,) if isinstance(source, Part) else tuple(source)
     if not parts:
-        raise DesignError("source", "there are no parts", "give at least one")
+        raise DesignError("source", "there are no parts", "give at least one", "out-of-range")
     return StaticSource(parts), ("parts",)
 
 

@@ -63,7 +63,7 @@ class Title:
             value = getattr(self, field.name)
             if flaw := _flaw(value):
                 allowed = f"give at most {LONGEST} letters of any script, digits and signs, {SIGNS} too"
-                raise DesignError(field.name, f"found {shown(value)}, which {flaw}", allowed)
+                raise DesignError(field.name, f"found {shown(value)}, which {flaw}", allowed, "out-of-range")
 
     def lines(self) -> Iterator[str]:
         """The entries besides the name, each with its label."""

@@ -102,11 +102,17 @@ def _rows(text: str, name: str) -> Complex:
                 continue
             problem = f"row {k} of {name} holds {printable(repr(','.join(line)), 30)}"
             raise DesignError(
-                "file", problem, "give two numbers in each row, x and y in mm, separated by a comma or a semicolon"
+                "file",
+                problem,
+                "give two numbers in each row, x and y in mm, separated by a comma or a semicolon",
+                "wrong-type",
             ) from None
         if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
             raise DesignError(
-                "file", f"row {k} of {name} holds {x:g}, {y:g}", f"give coordinates within {FARTHEST:g} of 0"
+                "file",
+                f"row {k} of {name} holds {x:g}, {y:g}",
+                f"give coordinates within {FARTHEST:g} of 0",
+                "out-of-range",
             )
         points.append(complex(x, y))
     return np.array(points, dtype=complex)
@@ -171,9 +177,9 @@ class WantedPath:
         given = [name for name in ("points", "file", "svg") if getattr(self, name) is not None]
         if len(given) != 1:
             found = " and ".join(given) or "none"
-            raise DesignError("points", f"of points, file and svg found {found}", "give one of them")
+            raise DesignError("points", f"of points, file and svg found {found}", "give one of them", "conflict")
         if self.drive_deg is not None and self.step_deg is not None:
-            raise DesignError("step_deg", "is given, and drive_deg too", "give one of them")
+            raise DesignError("step_deg", "is given, and drive_deg too", "give one of them", "conflict")
 
     @cached_property
     def places(self) -> Complex:
