@@ -94,6 +94,7 @@ def parts(job: Job) -> str:
     walls = job.source.walls
     heads: tuple[str, ...] = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm")
     heads += ("Thinnest wall, mm",) if walls else ()
+    heads += ("Mass, g",) if any(part.mass for part in held) else ()
     head = "".join(f'<th scope="col">{one}</th>' for one in heads)
     rows = "".join(_part(part, tints.get(part.name, "t0"), walls) for part in held[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
@@ -123,6 +124,7 @@ def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
         *(number(walls[name]) if np.isfinite(walls[name]) else "none" for name in [part.name] if name in walls),
+        *([] if part.mass is None else [number(1000 * float(part.mass.mass))]),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
     return f'<tr><td>{small}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
@@ -235,7 +237,7 @@ def _head(name: str) -> str:
 
 def _named(name: str) -> str:
     """A name of the summary, whose last word may be a unit."""
-    for unit in ("deg", "mm", "mm2", "N"):
+    for unit in ("deg", "mm", "mm2", "N", "kg"):
         if name.endswith(f"_{unit}"):
             return f"{name.removesuffix(f'_{unit}')}, {unit_sign(unit)}"
     return name
