@@ -34,6 +34,17 @@ from .gear.pair import GearPair as GearPair
 from .gear.ring import RingGear as RingGear
 from .gear.spur import SpurGear as SpurGear
 from .linkage.coupler_curve import CouplerCurve as CouplerCurve
+from .linkage.dynamics.friction import PinFriction as PinFriction
+from .linkage.dynamics.friction import SlideFriction as SlideFriction
+from .linkage.dynamics.inverse import forces as forces
+from .linkage.dynamics.loads import DriveTable as DriveTable
+from .linkage.dynamics.loads import Force as Force
+from .linkage.dynamics.loads import GasSpring as GasSpring
+from .linkage.dynamics.loads import Loads as Loads
+from .linkage.dynamics.loads import SlideForce as SlideForce
+from .linkage.dynamics.loads import Spring as Spring
+from .linkage.dynamics.loads import Torque as Torque
+from .linkage.dynamics.loads import TorsionSpring as TorsionSpring
 from .linkage.linkage import Linkage as Linkage
 from .linkage.linkage import Slider as Slider
 from .linkage.measures import driver_limits as driver_limits

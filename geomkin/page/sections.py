@@ -11,7 +11,7 @@ from ..core.errors import harmless
 from ..export.job import Job
 from ..export.still import kept_frames
 from ..export.svg_path import bounding_box, thumbnail
-from ..export.text import DIGITS, _unit, capital, number, text, with_unit
+from ..export.text import DIGITS, capital, number, text, unit_sign, with_unit
 from ..model.check import Check
 from ..model.part import Part
 from ..model.scene import Scene
@@ -239,7 +239,7 @@ def _named(name: str) -> str:
     """A name of the summary, whose last word may be a unit."""
     for unit in ("deg", "mm", "mm2", "N", "kg"):
         if name.endswith(f"_{unit}"):
-            return f"{name.removesuffix(f'_{unit}')}, {_unit(unit)}"
+            return f"{name.removesuffix(f'_{unit}')}, {unit_sign(unit)}"
     return name
 
 
