@@ -24,7 +24,13 @@ FARTHEST = 2**50
 
 
 def island(scene: Scene, name: str) -> str:
-    """The JSON text of a scene, safe within a script element.
+    """The JSON text of a scene, safe within a script element."""
+    text = json.dumps(scene_data(scene, name), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c")
+
+
+def scene_data(scene: Scene, name: str) -> dict[str, object]:
+    """A scene as the player takes it, of plain values.
 
     `series` holds rows over the frames, which all else names by their index: the table's values and angles in deg as
     `floats`, places in mm as `steps`. A row that comes twice, as the angle of a body in the table, is stored once.
@@ -53,8 +59,7 @@ def island(scene: Scene, name: str) -> str:
             "chosen": scene.choice.chosen,
             "series": own.series,
         }
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c")
+    return data
 
 
 def _roles(scene: Scene) -> list[dict[str, object]]:
