@@ -22,6 +22,7 @@ from .bores import (
     shaft,
     widened,
 )
+from .materials import MaterialKey, material_entry
 from .motors import MOTORS, MotorName, motor_plate
 
 # mm. Twice the error of lasers and printers, so that the hole still grips. A hole of 5 mm is stretched by 2 %, which
@@ -96,6 +97,8 @@ class AbstractBored:
         How much wider a hole is than its pin or shaft, mm.
     motor : {"nema17"}, optional
         Motor that drives the part.
+    material : Material, optional
+        Material of the part.
 
     Raises
     ------
@@ -116,6 +119,7 @@ class AbstractBored:
         "motor that drives the part: adds the motor's mounting plate, or its holes in a base; none if omitted",
         default=None,
     )
+    material: MaterialKey = material_entry("the part")
 
     def __post_init__(self) -> None:
         self._check_bore()

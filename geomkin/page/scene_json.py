@@ -25,7 +25,13 @@ MOST_STEPS = 2**50
 
 
 def scene_json(scene: Scene, name: str) -> str:
-    """The JSON text of a scene, safe within a script element.
+    """The JSON text of a scene, safe within a script element."""
+    text = json.dumps(scene_data(scene, name), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c")
+
+
+def scene_data(scene: Scene, name: str) -> dict[str, object]:
+    """A scene as the player takes it, of plain values.
 
     `series` holds rows of numbers over the frames: the table's values and angles in deg as `floats`, coordinates in mm
     as `steps`. All other entries refer to a row by its index. Equal rows, such as the angle of a body, which is also in
@@ -54,8 +60,7 @@ def scene_json(scene: Scene, name: str) -> str:
             "chosen": scene.choice.chosen,
             "series": solutions.series,
         }
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c")
+    return data
 
 
 def _roles(scene: Scene) -> list[dict[str, object]]:

@@ -144,7 +144,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
             axes = [0j, complex(self.design.centre_distance)]
             keys = ("first_stock.bore", "second_stock.bore")
             bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness, keys)
-            bar = replace(bar, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits))
+            fits = (*self.first_stock.running_fits, *self.second_stock.running_fits)
+            bar = replace(bar, fits=fits, material=self.first_stock.material)
             parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
         return *parts, *self.first_stock.motor_parts
 

@@ -159,6 +159,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         holes = sun.hole_diameter, planet.hole_diameter
         fits = (*sun.running_fits, *(gears.planets * planet.running_fits))
         plate = replace(carrier(gears, holes, planet.hole_diameter, planet.thickness), fits=fits)
+        plate = replace(plate, material=planet.material)
         if self.base is not None:
             plate = replace(plate, hole_names=("A", *"C" * gears.planets))
         return (*parts, plate)

@@ -13,6 +13,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...making.fits import AbstractBored
+from ...making.materials import MaterialKey, material_entry
 from ...model.part import HoleFit, Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Polyline, rounded_hull
@@ -53,7 +54,7 @@ class GearStock(AbstractBored):
 
     Parameters
     ----------
-    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor : optional
+    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor, material : opt.
         As of `AbstractBored`: thickness of the sheet, and bore of the shaft, mm.
     web : Web, optional
         Openings between hub and rim; none if omitted.
@@ -93,10 +94,13 @@ class RingStock:
         Thickness of the sheet, mm.
     rim : float, optional
         Thickness of the ring outside its teeth, mm.
+    material : Material, optional
+        Material of the ring.
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     rim: float = quantity("thickness of the ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
+    material: MaterialKey = material_entry("the ring")
 
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material outside the teeth, mm."""
@@ -156,7 +160,8 @@ def gear_parts(
     ('gear', 6.0)
     """
     plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
-    return (replace(plate, fits=stock.hole_fits(gear), twist=_twist(gear, helix, stock.thickness)),)
+    twist = _twist(gear, helix, stock.thickness)
+    return (replace(plate, fits=stock.hole_fits(gear), twist=twist, material=stock.material),)
 
 
 def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:

@@ -12,6 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
 from ...model.check import Check
+from ...model.material import Material
 from ...model.part import HoleFit, Part
 from ...model.roles import Role
 from ...model.scene import Limit, Plot, Scene
@@ -175,12 +176,25 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
         fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance),)
         disc, letters = Circle(complex(-radius / 2), radius), ("A", "")
-        return [Part("counterweight", disc, holes, stock.thickness, body="crank", hole_names=letters, fits=fits)]
+        material = Material("counterweight", self.weight_density)
+        return [
+            Part(
+                "counterweight",
+                disc,
+                holes,
+                stock.thickness,
+                body="crank",
+                hole_names=letters,
+                fits=fits,
+                material=material if stock.material else None,
+            )
+        ]
 
     @property
     def notes(self) -> Mapping[str, object]:
         return {
             "best_counterbalance_kg_mm": float(f"{self.best.product.real:.9g}"),
             "largest_force_N": {name: float(f"{force:.9g}") for name, force in self.largest.items()},
+            **self.mass_summary,
             "stack": {**self.stack.summary(), "steps": list(self.steps)},
         }

@@ -250,7 +250,14 @@ class Plate:
             tuple(hole_letters) if any(hole_letters) else (),
         )
         return Part(
-            name, outline, tuple(holes), stock.thickness, body=self.body, hole_names=hole_names, fits=tuple(fits)
+            name,
+            outline,
+            tuple(holes),
+            stock.thickness,
+            body=self.body,
+            hole_names=hole_names,
+            fits=tuple(fits),
+            material=stock.material,
         )
 
 
