@@ -146,7 +146,7 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         contents = {file: content for files in written.values() for file, content in files.items()}
         found_recipe = recipe.found_recipe
         found_file = {} if found_recipe is None else {f"{name}{FOUND}": to_toml(found_recipe).encode()}
-        contents |= {**found_file, NAME: summary(job, _data(recipe), checks, recipe.notes, written, list(found_file))}
+        contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
     folder = Path(out) / name
     before = listed_files(folder) if only is None else set()
     write_whole(folder, contents)
@@ -317,6 +317,11 @@ def _job(name: str, source: Source, files: Files) -> Job:
     about = " ".join((source.subtitle, *source.remarks))
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp)
+
+
+def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
+    """Further entries of summary.json, the files that the recipe reads among them."""
+    return {**recipe.notes, **({"sources": dict(recipe.sources)} if recipe.sources else {})}
 
 
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:
