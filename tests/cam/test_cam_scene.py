@@ -1,12 +1,8 @@
 """Cam and follower touch at every frame, also where undercut keeps the follower from where it should be."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from geomkin.cam.kinds.disk_cam import DiskCamRecipe
-from geomkin.recipe.template import example
 from tests.gallery import frames, marks, named, point, recipe, seen
 
 ROLLERS = ["rocker-cam", "undercut-cam"]
@@ -59,12 +55,6 @@ def test_where_lift_is_lost_what_was_asked_for_is_drawn_beside_it():
     assert [curve.label for curve in scene.curves if curve.role == "wanted"] == ["profile without undercut"]
 
 
-def test_limits_of_the_checks_are_lines_in_the_plots():
-    lines = {plot.title: [limit.value for limit in plot.limits] for plot in recipe("roller-cam").scene.plots}
-    assert lines["pressure angle"] == [30, -30]
-    assert lines["curvature of the pitch curve"] == [1 / recipe("roller-cam").cam.follower.roller_radius]
-
-
 @pytest.mark.parametrize(("name", "steepest"), [("flat-cam", 30), ("flat-rocker-cam", 45)])
 def test_faces_have_the_sharpest_edge_of_the_check_for_a_line(name, steepest):
     scene = recipe(name).scene
@@ -77,16 +67,3 @@ def test_faces_have_the_sharpest_edge_of_the_check_for_a_line(name, steepest):
     words = f"at most {steepest} deg"
     assert lines["pressure angle"] == [(steepest, words), (-steepest, words)]
     assert not lines.get("curvature of the pitch curve")
-
-
-@pytest.mark.parametrize("kind", ["translating-roller", "oscillating-roller"])
-def test_a_knife_edge_has_a_scene_too(kind):
-    fitted = DiskCamRecipe.example_values({"cam.follower": kind})
-    cam = replace(
-        example(DiskCamRecipe).cam,
-        base_radius=fitted["cam.base_radius"],
-        follower=replace(fitted["cam.follower"], roller_radius=0.0),
-        program=fitted["cam.program"],
-    )
-    scene = DiskCamRecipe(cam=cam).scene
-    assert "roller" not in [body.name for body in scene.bodies] and len(scene.plots) >= 6

@@ -20,7 +20,6 @@ from geomkin.export.svg_path import path
 from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from geomkin.page.page import page
 from geomkin.page.scene_json import island
-from geomkin.recipe import Files
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NASTY = '</script><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'
@@ -117,27 +116,6 @@ def test_the_policy_lets_run_what_stands_in_the_page_and_nothing_else(make):
     for rule, key in (("script-src", "script module"), ("style-src", "style")):
         digest = b64encode(sha256(elements.inside[key].encode()).digest()).decode()
         assert rules[rule] == f"'sha256-{digest}'"
-
-
-def test_nothing_is_fetched_and_the_page_says_what_it_is():
-    text = page(job_of(turning(), about="A plate that turns.")).decode()
-    assert not re.findall(r'(?:src|href)="(?!data:)', text) and "@import" not in text and "url(#" in text
-    assert text.startswith('<!doctype html>\n<html lang="en">') and "<title>page</title>" in text
-    assert text.count("<h1>") == 1 and "A plate that turns." in text
-
-
-def test_a_recipe_s_page_is_a_format_like_any_other(tmp_path):
-    recipe = gk.load(RECIPES / "crank-rocker.toml")
-    made = gk.make(recipe, tmp_path)
-    file = tmp_path / "crank-rocker" / "crank-rocker.html"
-    assert file in made.files and "crank-rocker.html" in json.loads(file.with_name("summary.json").read_text())["files"]
-    (again,) = gk.write(recipe, tmp_path / "mine.html")
-    assert again.name == "mine.html" and b"<title>mine</title>" in again.read_bytes()
-    only = gk.make(recipe, tmp_path / "only", ["page"])
-    assert {path.name for path in only.files} == {"crank-rocker.html", "summary.json"}
-    # Told in the summary, and so removed where the recipe asks for it no more.
-    gk.make(dataclasses.replace(recipe, files=Files(write=("csv",))).with_name("crank-rocker"), tmp_path)
-    assert not file.exists()
 
 
 def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):

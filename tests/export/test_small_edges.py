@@ -28,11 +28,6 @@ def test_corners_that_the_format_cannot_tell_from_a_straight_line_leave_no_flat_
     assert np.vecdot(np.cross(b - a, c - b), a).sum() / 6 == pytest.approx(1.05 * size**2 * 3, rel=1e-5)
 
 
-def test_a_gentle_curve_keeps_its_corners():
-    circle = cut(gk.Part("disc", gk.plane.Circle(0j, 50.0), (), 2.0), 1e-6 * 50)
-    assert len(solid(circle)[0]) == 2 * len(circle.loops[0].points)
-
-
 @pytest.mark.parametrize("kerf", [0.0, 0.2])
 def test_places_that_a_file_cannot_tell_apart_are_one(kerf):
     twice = np.array([0, 40, 40 + 1e-8j, 40 + 30j, 40 + 30j - 1e-8, 30j, 1e-8j])

@@ -11,7 +11,6 @@ import trimesh
 import geomkin as gk
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.summary import summary
-from geomkin.model.check import Check
 
 RECIPE = """
 kind = "four-bar"
@@ -44,28 +43,6 @@ def test_summary_tells_the_written_sizes_beside_the_exact_ones(tmp_path, curves)
         # The path lies half a kerf off the part on every side.
         around = 2 * np.pi * 7 + 2 * np.pi * 2.1 * 2
         assert part["written_area_mm2"] - part["area_mm2"] > 0.2 * around
-
-
-def test_checks_are_reported_as_they_came_out_and_what_is_not_known_as_nothing(tmp_path):
-    """A limit that another recipe breaks; and a number that is none, which JSON does not know."""
-    (tmp_path / "bars.toml").write_text(RECIPE.replace("crank = 30", "crank = 45") % "chords")
-    made = gk.make(tmp_path / "bars.toml", tmp_path, ["csv"])
-    told = json.loads((tmp_path / "bars" / "summary.json").read_text())["checks"]
-    assert len(told) == len(made.checks) > 3 and not all(one["passed"] for one in told)
-    for one, check in zip(told, made.checks, strict=True):
-        assert one["value"] == pytest.approx(check.value, rel=1e-9)
-        assert [one[key] for key in ("name", "side", "limit", "unit")] == [
-            check.name,
-            check.side,
-            check.limit,
-            check.unit,
-        ]
-        assert one["passed"] is (
-            one["value"] >= check.limit if check.side == "at least" else one["value"] <= check.limit
-        )
-    job, none = Job("odd", StaticSource(()), 0.01), Check("odd", "odd", float("nan"), "at most", 1.0)
-    (one,) = json.loads(summary(job, {}, [none], {}, {}))["checks"]
-    assert one["value"] is None and one["passed"] is False
 
 
 def test_parts_are_reported_with_their_exact_sizes_and_what_is_written_of_them():

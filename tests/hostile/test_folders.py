@@ -51,10 +51,3 @@ def test_what_a_killed_run_left_long_ago_is_swept_away(run, recipe, here):
         os.utime(here / "out/r" / name, (time.time() - age,) * 2)
     assert run(recipe("spur-gear")).exit_code == 0
     assert names(here / "out/r") == FILES | {"gear.stl", ".making-now", ".hidden"}
-
-
-@pytest.mark.parametrize("name", ["\u00e4" * 120])
-def test_a_name_too_long_for_its_files_is_refused(geomkin, refused, recipe, here, name):
-    (here / f"{name}.toml").write_text(recipe("spur-gear"))
-    result = geomkin("run", f"{name}.toml")
-    assert result.exit_code == 1 and not (here / "out").exists()

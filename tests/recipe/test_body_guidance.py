@@ -96,22 +96,3 @@ def test_poles_are_reported_and_those_at_infinity_by_their_direction():
     assert 60 + 60j + pole * np.exp(1j * np.radians(80)) == pytest.approx(60 + 60j + pole * np.exp(1j * np.radians(80)))
     own = (pole - (60 + 60j)) * np.exp(-1j * np.radians(80))
     assert own == pytest.approx(pole, abs=1e-6)
-
-
-def test_invalid_values_are_refused(tmp_path):
-    for wanted, refusal in [
-        ("poses = [[0, 0, 0], [1, 1, 10]]", "wanted.poses: found 2"),
-        ("poses = [[0, 0, 0], [40, 20, 30], [0, 0, 0]]", "wanted.poses: poses 1 and 3"),
-        ("poses = [[0, 0], [40, 20, 30], [0, 0, 0]]", "wanted.poses"),
-        (f'{THREE}\ntype = "six-bar"', "wanted.type"),
-        (f"{THREE}\nregion = [[10, 10], [0, 0]]", "wanted.region"),
-        (f"{THREE}\nregion = [[0, 0], [1, 1]]", "wanted.poses"),
-        (
-            f'{THREE}\nfixed_points = [[0, 0], [1, 1]]\ntype = "slider-crank"',
-            "wanted.fixed_points",
-        ),
-    ]:
-        with pytest.raises(gk.GeomkinError, match="poses|region|type|fixed_points") as caught:
-            gk.make(recipe(wanted), tmp_path)
-        assert refusal in str(caught.value)
-        assert not list(tmp_path.iterdir())

@@ -97,25 +97,3 @@ def test_files_count_the_parts_of_all_and_what_joins_them(walker, tmp_path):
         {"name": b.name, "count": b.count, "joints": list(b.joints)} for b in walker.bought
     ]
     assert walker.steps[: len(alone.steps)] == alone.steps
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (LEG + "[drive]\nend_deg = 180\n[[copies]]\n", "whole turn"),
-        (LEG + 24 * "[[copies]]\n", "at most 23"),
-        (
-            'kind = "slider-crank"\nlinkage = { crank = 30, coupler = 90, driver = "slider" }\n'
-            "stroke = { start = 70, end = 110 }\n[[copies]]\n",
-            "no fixed shaft",
-        ),
-        (
-            'kind = "four-bar"\nlinkage = { ground = 100, crank = 30, coupler = 90, rocker = 70, driver = "coupler" }\n'
-            "[[copies]]\n",
-            "no fixed shaft",
-        ),
-    ],
-)
-def test_copies_of_what_shares_no_shaft_are_refused(text, words):
-    with pytest.raises(gk.GeomkinError, match=words):
-        gk.load(text)

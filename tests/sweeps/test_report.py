@@ -1,7 +1,5 @@
 """A sweep's table and page, from rows made by hand: what is a number, a text, a line, a limit, and how much is shown."""
 
-import itertools
-import json
 import math
 
 import numpy as np
@@ -9,25 +7,12 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.processes import each
-from geomkin.model.check import Check
 from geomkin.sweeps import row as of_one
 from geomkin.sweeps import sweep as sweeping
-from geomkin.sweeps.report import columns, report
+from geomkin.sweeps.report import columns
 from geomkin.sweeps.row import Task, file_marks, worked_out
 from geomkin.sweeps.sweep import SweepRow
-from tests.sweeps.test_sweep import BAR, Texts
-
-
-def rows_of(values, checks=lambda changes: (), results=lambda changes: {}, refused=lambda changes: ""):
-    """A row for each combination, the last key's values running fastest."""
-    every = [dict(zip(values, row)) for row in itertools.product(*values.values())]
-    return [SweepRow(one, refused(one), tuple(checks(one)), results(one)) for one in every]
-
-
-def page_of(values, rows):
-    page = report("name", values, rows).decode()
-    found = Texts(page)
-    return page, found, json.loads(found.data)
+from tests.sweeps.test_sweep import BAR
 
 
 def test_numbers_stay_numbers_and_all_else_is_text():
@@ -43,21 +28,6 @@ def test_numbers_stay_numbers_and_all_else_is_text():
         found["mixed"] == ["2", "x"] and found["yes"] == ["true", "false"] and found["row"] == ["[0, 1.5]", "[a, true]"]
     )
     assert {column.values.dtype.kind for column in made if column.id in ("whole", "key")} == {"i"}
-
-
-def test_names_on_plots_are_harmless():
-    values = {"a.k": ["p\x1b", "q"], "x": [1, 2]}
-    rows = rows_of(
-        values,
-        lambda one: [Check("ch_u202eeck", "ch\u202eeck", 1.0, "at most", 2.0, "m\x07m")],
-        lambda one: {"to\x1bld": 1},
-    )
-    page, _, data = page_of(values, rows)
-    assert [plot["title"] for plot in data["plots"]] == ["Ch?eck", "To?ld"]
-    assert [column["name"] for column in data["columns"][1:3]] == ["k p?", "k q"] and data["columns"][1][
-        "unit"
-    ] == "m?m"
-    assert all(sign not in page for sign in "\x1b\u202e\x07")
 
 
 @pytest.fixture

@@ -1,16 +1,12 @@
 """What the library does at each place where methods fail, against arithmetic of 120 digits and textbooks' formulas."""
 
-import csv
 import dataclasses
-import io
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.tradeoff import stability
-from geomkin.tradeoff.cell import ANSWERS, Digits, _digits, answered, measured
+from geomkin.tradeoff.cell import ANSWERS, answered, measured
 from geomkin.tradeoff.study import CELLS
 from tests.tradeoff import kept
 
@@ -83,19 +79,6 @@ def test_a_loss_without_a_word_is_found():
     assert outcome(library=lambda *sizes: ()) == "nan"
 
 
-def test_what_a_cell_is_told_to_do():
-    """Of 14 digits, of those of the sizes, of fewer, of nan and of a refusal, by falling distance."""
-    cell = CELLS[0]
-    kinds = {"a": (14.0, False), "s": (8.0, False), "l": (3.0, False), "n": (np.nan, False), "r": (np.nan, True)}
-    for row, told in {
-        "aaa": "all", "asa": "sizes", "sss": "sizes", "aan": "all, nan", "asnn": "sizes, nan", "arr": "all, refused",
-        "anr": "all, refused", "rrr": "refused", "nnn": "nan", "als": "lost", "nla": "lost",
-        "ana": "numbers again beyond nan", "nas": "numbers again beyond nan", "rar": "numbers again beyond nan",
-    }.items():  # fmt: skip
-        digits = [Digits(cell, 0.1, kinds[k][0], np.nan, 9.0, kinds[k][1]) for k in row]
-        assert answered(digits) == told, row
-
-
 def test_small_and_large_modules_are_as_far_off_as_is_told():
     far = {"module over 2 mm": lambda module: module / 2, "2 mm over the module": lambda module: 2 / module}
     cells = [cell for cell in CELLS if cell.distance in far and cell.result == "form radius"]
@@ -140,32 +123,3 @@ def test_cells_of_gears_stand_on_the_side_of_the_place_that_is_told():
         thick.append(gk.SpurGear(12, 2, tips.sizes(x)[1]).tip_thickness)
     for row in (lost, thick):
         assert row[0] > row[1] > row[2] > 0 and row[2] < 0.02 * row[0]
-
-
-@pytest.mark.parametrize(
-    "distances",
-    [
-        [],
-        [[1e-3]],
-        [0.12, 1e-3],
-        [1e-3, 1e-16],
-        [1e-3, 1e-3],
-    ],
-)
-def test_invalid_distances_are_refused(distances):
-    with pytest.raises(gk.DesignError):
-        stability(np.array(distances))
-
-
-def test_the_kept_table_says_of_every_cell_what_is_held_here():
-    file = Path(__file__).parents[2] / "tests" / "speed" / "chart" / "stability.csv"
-    rows = list(csv.DictReader(io.StringIO(file.read_text("utf-8"))))
-    does = {(row["family"], row["place"], row["result"]): row["library_does"] for row in rows}
-    assert does == {(cell.family, cell.place, cell.result): ANSWERS[cell.answer] for cell in CELLS}
-
-
-def test_digits_are_those_of_the_share_and_of_what_ought_to_be_zero_those_of_the_error_itself():
-    fp = pytest.importorskip("mpmath").fp
-    assert _digits(fp, 1e-5, 100.0) == pytest.approx(7) and _digits(fp, -1e-5, 0.0) == pytest.approx(5)
-    assert _digits(fp, 0.0, 0.0) == _digits(fp, 0.0, 3.0) == _digits(fp, 1e-30, 1.0) > 15
-    assert _digits(fp, 5.0, 1.0) == 0
