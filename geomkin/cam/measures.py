@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Positive, RealRow, Reals, checked
+from ..core.arguments import FloatRow, PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.records import record
 from ..model.table import Column, Table, finite, xy_columns
@@ -58,7 +58,7 @@ class SegmentLimits:
 
 
 @checked
-def pressure_angle(cam: Cam, angle: Reals) -> Real:
+def pressure_angle(cam: Cam, angle: float | ArrayLike) -> Real:
     """Signed pressure angle: the angle between the follower's path and the force of the cam on it.
 
     Parameters
@@ -164,7 +164,7 @@ def contact_travel(cam: Cam) -> tuple[float, float]:
 
 @checked
 def cam_table(
-    cam: Cam, speed: Positive, angle: RealRow, cut: Undercut | None = None, acceleration: float = 0.0
+    cam: Cam, speed: PositiveFloat, angle: FloatRow, cut: Undercut | None = None, acceleration: float = 0.0
 ) -> Table:
     """Follower motion, pressure angle and coordinates at given cam angles.
 
@@ -256,7 +256,7 @@ def _pitch(cam: Cam, angle: Real) -> Iterator[Column]:
 
 
 @checked
-def polar_radius(outline: AbstractCurve, angle: Reals) -> Real:
+def polar_radius(outline: AbstractCurve, angle: float | ArrayLike) -> Real:
     """Distance from the origin to a closed outline about it, in given directions.
 
     Parameters

@@ -1,7 +1,8 @@
-"""Arguments of public calls, refused at the door where they are not what the signature says they are.
+"""Validation of arguments and fields by their annotations.
 
-The annotations are the one list of what may be given: `checked` holds a function to them, `check_fields` a dataclass.
-What Python's own types cannot say, such as finite points of any shape, is a `ArgumentType` in the annotation.
+`checked` validates the arguments of a function, `check_fields` the fields of a dataclass. `float | ArrayLike` allows
+finite real numbers of any shape, `complex | ArrayLike` finite points. A condition that plain types cannot express, such
+as a number above 0, is an `ArgumentType` in an `Annotated`.
 """
 
 from __future__ import annotations
@@ -19,18 +20,25 @@ from .errors import DesignError, ProblemId, shown
 
 P = ParamSpec("P")
 R = TypeVar("R")
-# Largest number, of whatever unit: from here on a fifth power overflows. Smaller refuses what can still be worked out.
+# Largest number, in any unit. The fifth power of larger ones overflows; a smaller limit refuses computable values.
 LARGEST = 1e60
-# Numbers that are squared and added at once: BLAS has 10,000 done by one core. Of more it wakes a thread for each other
-# core, and those wait busily for tens of milliseconds, as long as a motion of a million frames takes.
-ALONE = 8192
+# Numbers that are squared and added at once. BLAS uses one core for up to 10,000. For more it wakes a thread on every
+# other core, and these wait busily for tens of milliseconds, as long as a motion of a million frames takes.
+CHUNK = 8192
 
 
 @dataclasses.dataclass(frozen=True)
 class ArgumentType:
-    """What an argument may be: a test that never raises, and the same in words for the one who has to mend it.
+    """The values that an argument may have.
 
-    types: those of which some values are allowed and others are out of range.
+    Parameters
+    ----------
+    fits : callable
+        Whether a value is allowed; never raises.
+    allowed : str
+        The allowed values in words, for error messages.
+    types : tuple of type
+        Types whose other values are out of range instead of of a wrong type.
     """
 
     fits: Callable[[Any], bool]
@@ -39,76 +47,75 @@ class ArgumentType:
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """The function, which refuses by DesignError, under the argument's name, what its annotations do not allow."""
+    """Make a function raise DesignError for the first argument that its annotation does not allow."""
     names = function.__code__.co_varnames
-    kept: dict[str, ArgumentType] = {}
+    expected: dict[str, ArgumentType] = {}
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        if not kept:
-            kept.update(_sorts(function))
-        for name, value in zip(names, args):
-            if name in kept and not kept[name].fits(value):
-                raise refused(name, value, kept[name])
-        for name, value in kwargs.items():
-            if name in kept and not kept[name].fits(value):
-                raise refused(name, value, kept[name])
+        if not expected:
+            hints = get_type_hints(function, include_extras=True)
+            types = {name: argument_type(hint) for name, hint in hints.items() if name != "return"}
+            expected.update({name: type for name, type in types.items() if type})
+        for name, value in (*zip(names, args), *kwargs.items()):
+            if name in expected and not expected[name].fits(value):
+                raise refused(name, value, expected[name])
         return function(*args, **kwargs)
 
     return call
 
 
 def check_fields(thing: Any) -> None:
-    """Raise DesignError for the first field of a dataclass that its annotation does not allow, bar `quantity` fields.
+    """Raise DesignError for the first field of a dataclass that its annotation does not allow.
 
-    Call it from `__post_init__`.
+    Fields by `quantity` are skipped, since `check_sizes` validates them. Call it from `__post_init__`.
     """
-    for name, sort in _field_sorts(type(thing)):  # type: ignore[arg-type]
+    for name, expected in _field_types(type(thing)):  # type: ignore[arg-type]
         value = getattr(thing, name)
-        if not sort.fits(value):
-            raise refused(name, value, sort)
+        if not expected.fits(value):
+            raise refused(name, value, expected)
 
 
-def refused(name: str, value: object, sort: ArgumentType) -> DesignError:
-    """The error for an argument that is not of its sort."""
-    if isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value)) and sort.fits(complex(*value)):
-        # A place as a recipe has it.
-        problem = f"found {shown(value)}, and a place is a complex number: {complex(*value):g}"
-        return DesignError(name, problem, f"give {sort.allowed}", "wrong-type")
-    id: ProblemId = "out-of-range" if isinstance(value, sort.types) and not isinstance(value, bool) else "wrong-type"
-    return DesignError(name, f"found {shown(value)}", f"give {sort.allowed}", "not-finite" if is_endless(value) else id)
-
-
-def _sorts(function: Callable[..., Any]) -> dict[str, ArgumentType]:
-    hints = get_type_hints(function, include_extras=True)
-    return {name: sort for name, hint in hints.items() if (sort := argument_type(hint)) and name != "return"}
+def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
+    """The error for an argument that is not of the expected type."""
+    remedy = f"give {expected.allowed}"
+    is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value))
+    if is_pair and expected.fits(complex(*value)):  # type: ignore[misc]
+        # A point as recipes have it.
+        problem = f"found {shown(value)}, and a point is a complex number: {complex(*value):g}"  # type: ignore[misc]
+        return DesignError(name, problem, remedy, "wrong-type")
+    is_right_type = isinstance(value, expected.types) and not isinstance(value, bool)
+    id: ProblemId = "not-finite" if is_endless(value) else "out-of-range" if is_right_type else "wrong-type"
+    return DesignError(name, f"found {shown(value)}", remedy, id)
 
 
 @cache
-def _field_sorts(kind: type) -> tuple[tuple[str, ArgumentType], ...]:
+def _field_types(kind: type) -> tuple[tuple[str, ArgumentType], ...]:
     hints = get_type_hints(kind, include_extras=True)
-    found = []
+    expected = []
     for field in dataclasses.fields(kind):
-        sort = None if "unit" in field.metadata else argument_type(hints[field.name])
-        if sort and field.default is None:
-            # Left out, for the class itself to fill.
-            sort = _either([sort, NOTHING])
-        if sort:
-            found.append((field.name, sort))
-    return tuple(found)
+        type = None if "unit" in field.metadata else argument_type(hints[field.name])
+        if type and field.default is None:
+            # An omitted field that the class itself fills.
+            type = _either([type, NOTHING])
+        if type:
+            expected.append((field.name, type))
+    return tuple(expected)
 
 
 def argument_type(hint: Any) -> ArgumentType | None:
-    """What an annotation allows; None for those that leave it to the code."""
+    """The values that an annotation allows, or None if it is not validated."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return next((mark for mark in inner[1:] if isinstance(mark, ArgumentType)), None) or argument_type(inner[0])
     if origin in (Union, types.UnionType):
-        sorts = [argument_type(option) for option in inner]
-        return None if None in sorts else _either([sort for sort in sorts if sort])
+        if inner[0] in ARRAY_LIKE and set(get_args(ArrayLike) or [ArrayLike]) <= set(inner):
+            # `float | ArrayLike` and `complex | ArrayLike` are equal sets of types; their first member differs.
+            return _either([ARRAY_LIKE[inner[0]], *([NOTHING] if type(None) in inner else [])])
+        options = [argument_type(option) for option in inner]
+        return None if None in options else _either([option for option in options if option])
     if origin is Literal:
-        words = [str(choice) for choice in inner]
-        return ArgumentType(lambda value: _chosen(value, inner), _listed(words), (str,))
+        return ArgumentType(lambda value: _is_choice(value, inner), _listed([str(choice) for choice in inner]), (str,))
     if origin in (tuple, Sequence, list) and inner:
         return _row(argument_type(inner[0]), None if inner[-1] is ... or origin is not tuple else len(inner))
     if origin is Mapping:
@@ -121,35 +128,37 @@ def argument_type(hint: Any) -> ArgumentType | None:
     if hint in PLAIN:
         return PLAIN[hint]
     if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
-        article = "an" if hint.__name__[0] in "AEIOU" else "a"
-        return ArgumentType(lambda value: isinstance(value, hint), f"{article} {hint.__name__}")
+        name = hint.__name__.removeprefix("Abstract")
+        return ArgumentType(lambda value: isinstance(value, hint), f"{'an' if name[0] in 'AEIOU' else 'a'} {name}")
     return None
 
 
 def between(least: float, most: float, unit: str = "") -> ArgumentType:
-    """Of one number from `least` to `most`."""
+    """One number from `least` to `most`."""
     allowed = f"a number from {least:g} to {most:g}" + (f", in {unit}" if unit else "")
     return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed, REAL)
 
 
 def whole_between(least: int, most: int) -> ArgumentType:
-    """Of one whole number from `least` to `most`."""
+    """One whole number from `least` to `most`."""
     return ArgumentType(
-        lambda value: is_whole(value) and bool(least <= value <= most), f"a whole number from {least} to {most}", REAL
+        lambda value: is_whole(value) and bool(least <= value <= most),
+        f"a whole number from {least} to {most}",
+        REAL,
     )
 
 
-def _either(sorts: list[ArgumentType]) -> ArgumentType:
-    listed = [sort.allowed for sort in sorts if sort is not NOTHING]
-    types = tuple(each for sort in sorts for each in sort.types)
-    return ArgumentType(lambda value: any(sort.fits(value) for sort in sorts), _listed(listed), types)
+def _either(options: list[ArgumentType]) -> ArgumentType:
+    allowed = _listed([option.allowed for option in options if option is not NOTHING])
+    types = tuple(each for option in options for each in option.types)
+    return ArgumentType(lambda value: any(option.fits(value) for option in options), allowed, types)
 
 
 def _listed(words: Sequence[str]) -> str:
     return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
-def _chosen(value: Any, choices: tuple[Any, ...]) -> bool:
+def _is_choice(value: Any, choices: tuple[Any, ...]) -> bool:
     return isinstance(value, (str, int)) and not isinstance(value, bool) and value in choices
 
 
@@ -175,32 +184,32 @@ def _table(key: ArgumentType | None, each: ArgumentType | None) -> ArgumentType 
     return ArgumentType(fits, f"a table, each {each.allowed}")
 
 
-def _alone(value: Any) -> Any:
-    """One number of NumPy's as Python's, which no limit is too large for."""
+def _python_number(value: Any) -> Any:
+    """A NumPy scalar as a Python number, since LARGEST overflows the smaller NumPy types."""
     return value.item() if isinstance(value, (np.ndarray, np.generic)) and not value.ndim else value
 
 
 def is_real(value: Any) -> bool:
-    """Whether this is one finite real number of bearable size."""
-    value = _alone(value)
+    """Whether a value is one real number below LARGEST."""
+    value = _python_number(value)
     return isinstance(value, REAL) and not isinstance(value, bool) and bool(-LARGEST < value < LARGEST)
 
 
 def is_whole(value: Any) -> bool:
-    """Whether this is one whole number of bearable size; 3.0 is none."""
+    """Whether a value is one whole number below LARGEST; 3.0 is not."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and -LARGEST < int(value) < LARGEST
 
 
 def is_complex(value: Any) -> bool:
-    """Whether this is one finite number, real or complex, of bearable size."""
-    value = _alone(value)
+    """Whether a value is one number, real or complex, with both parts below LARGEST."""
+    value = _python_number(value)
     if isinstance(value, COMPLEX):
         return bool(-LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST)
     return is_real(value)
 
 
 def numbers(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
-    """The value as an array of numbers of these NumPy kinds, nan allowed; None where it is none."""
+    """The value as an array of these NumPy kinds, which may hold nan; None if it is not one."""
     if isinstance(value, np.ndarray):
         return value if value.dtype.kind in kinds else None
     if isinstance(value, (str, bytes)):
@@ -213,18 +222,18 @@ def numbers(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
 
 
 def is_endless(value: Any) -> bool:
-    """Whether this is a number or an array of numbers of which one is infinite or nan."""
+    """Whether a value is a number or an array of numbers, and one of them is infinite or nan."""
     array = numbers(value)
     return array is not None and not np.isfinite(array).all()
 
 
-def _whole(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
-    """The same of what can be added to and multiplied, as a list cannot."""
+def _not_a_list(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
+    """The same, but None for a list, which cannot be multiplied."""
     return None if isinstance(value, (list, tuple)) else numbers(value, kinds)
 
 
 def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
-    """Whether all is finite and of bearable size; `gaps`: or nan."""
+    """Whether all numbers are below LARGEST; with `gaps` they may also be nan."""
     if array is None:
         return False
     # In single precision neither the squares nor the limit are finite.
@@ -233,33 +242,33 @@ def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
         return bool((np.isnan(array) | (np.abs(array) < LARGEST)).all())
     if array.dtype.kind in "iu":
         return True
-    if array.size > ALONE:
+    if array.size > CHUNK:
         row = array.reshape(-1)
-        return all(_bounded(row[start : start + ALONE]) for start in range(0, row.size, ALONE))
-    # The sum of squares, in one pass: nan and infinity show in it as well.
+        return all(_bounded(row[start : start + CHUNK]) for start in range(0, row.size, CHUNK))
+    # The sum of squares takes one pass and is not below the limit if there is a nan or infinity.
     squares = array.dot(array) if array.ndim == 1 and array.dtype.kind == "f" else np.vdot(array, array).real
     return bool(squares < LARGEST**2)
 
 
 def are_reals(value: Any) -> bool:
-    """Whether these are finite real numbers, of any shape."""
+    """Whether a value is one or more finite real numbers, of any shape."""
     if type(value) is float:
         return -LARGEST < value < LARGEST
     return _bounded(numbers(value, "iuf"))
 
 
 def are_points(value: Any) -> bool:
-    """Whether these are finite complex numbers, of any shape, and not pairs x, y."""
+    """Whether a value is one or more finite complex numbers, of any shape, and not pairs x, y."""
     array = numbers(value)
     if array is not None and array.dtype.kind != "c" and array.ndim and array.shape[-1] == 2:
-        # A row of two places on the x axis would be the same numbers: in a list or an array it is taken as that.
+        # Two numbers may be a pair x, y or two points on the x axis. A list or an array of two is taken as points.
         pairs = array.ndim > 1 or isinstance(value, tuple)
         return not pairs and _bounded(array)
     return _bounded(array)
 
 
 def is_place(value: Any) -> bool:
-    """Whether this is a finite complex number or an array of them: a list would not add up."""
+    """Whether a value is a finite complex number or an array of them; a list is not, since it cannot be multiplied."""
     if type(value) in (int, float, complex):
         return is_complex(value)
     return not isinstance(value, (list, tuple)) and are_points(value)
@@ -275,45 +284,38 @@ PLAIN = {
     bool: ArgumentType(lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
     str: ArgumentType(lambda value: isinstance(value, str), "a text"),
     type(None): NOTHING,
-    np.ndarray: ArgumentType(lambda value: _whole(value) is not None, "a number or an array of numbers"),
+    np.ndarray: ArgumentType(lambda value: _not_a_list(value) is not None, "a number or an array of numbers"),
 }
-# The same by the kind of number, as `plane.vec` names them; what is real or whole serves for complex.
+# Arrays by the type of number; integers also serve as real numbers, and these as complex ones.
 ARRAYS = {
-    np.floating: ArgumentType(lambda value: _whole(value, "iuf") is not None, "a real number or an array of them"),
-    np.integer: ArgumentType(lambda value: _whole(value, "iu") is not None, "a whole number or an array of them"),
-    np.bool_: ArgumentType(lambda value: _whole(value, "b") is not None, "True or False, or an array of them"),
+    np.floating: ArgumentType(lambda value: _not_a_list(value, "iuf") is not None, "a real number or an array of them"),
+    np.integer: ArgumentType(lambda value: _not_a_list(value, "iu") is not None, "a whole number or an array of them"),
+    np.bool_: ArgumentType(lambda value: _not_a_list(value, "b") is not None, "True or False, or an array of them"),
 }
-Reals = Annotated[ArrayLike, ArgumentType(are_reals, "finite real numbers, one or an array")]
-# The same with nan allowed, where one is not known.
-RealsOrNan = Annotated[
+# `float | ArrayLike` and `complex | ArrayLike`, by their first member.
+ARRAY_LIKE = {
+    float: ArgumentType(are_reals, "finite real numbers, one or an array"),
+    complex: ArgumentType(are_points, "finite points as complex numbers x + yj, one or an array"),
+}
+FloatOrNan = Annotated[
     ArrayLike, ArgumentType(lambda value: _bounded(numbers(value, "iuf"), True), "real numbers, one or an array")
 ]
-# The same with infinity allowed, as where a point of a ray may be at infinity.
-Extended = Annotated[
+ComplexOrNan = Annotated[
+    ArrayLike, ArgumentType(lambda value: _bounded(numbers(value), True), "points x + yj, one or an array")
+]
+# These may be infinite.
+AnyFloat = Annotated[
     ArrayLike, ArgumentType(lambda value: numbers(value, "iuf") is not None, "real numbers, one or an array")
 ]
-Numbers = Annotated[ArrayLike, ArgumentType(lambda value: numbers(value) is not None, "numbers, one or an array")]
-# Of a field that is one place, or one for each of many linkages.
-Place = Annotated[
-    complex | NDArray[Any], ArgumentType(is_place, "a finite complex number, x + yj, or an array of them")
-]
-# The points that a curve is made of, in a row.
-RealRow = Annotated[
+AnyComplex = Annotated[ArrayLike, ArgumentType(lambda value: numbers(value) is not None, "numbers, one or an array")]
+# One-dimensional.
+FloatRow = Annotated[
     NDArray[np.floating[Any]],
     ArgumentType(lambda value: are_reals(value) and np.ndim(value) == 1, "a row of finite numbers"),
 ]
-Row = Annotated[
+ComplexRow = Annotated[
     NDArray[np.complexfloating[Any, Any]],
     ArgumentType(lambda value: are_points(value) and np.ndim(value) == 1, "a row of finite points x + yj"),
 ]
-Count = Annotated[int, ArgumentType(lambda value: is_whole(value) and value > 0, "a whole number above 0", REAL)]
-Positive = Annotated[float, ArgumentType(lambda value: is_real(value) and value > 0, "a number above 0", REAL)]
-# What a number was found to be, which may be nothing.
-Found = Annotated[
-    float, ArgumentType(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")
-]
-# Places over the frames, nan where there is none.
-Places = Annotated[
-    ArrayLike, ArgumentType(lambda value: _bounded(numbers(value), True), "places x + yj, one or an array")
-]
-Points = Annotated[ArrayLike, ArgumentType(are_points, "finite points as complex numbers x + yj, one or an array")]
+PositiveInt = Annotated[int, ArgumentType(lambda value: is_whole(value) and value > 0, "a whole number above 0", REAL)]
+PositiveFloat = Annotated[float, ArgumentType(lambda value: is_real(value) and value > 0, "a number above 0", REAL)]

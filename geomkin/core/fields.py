@@ -227,8 +227,9 @@ class OneOrMany:
         return handler(float)
 
 
-Sizes = Annotated[float | NDArray[np.float64], OneOrMany()]
-PointsXY = Annotated[complex | NDArray[Any], PointXY(many=True)]
+FloatOrArray = Annotated[float | NDArray[np.float64], OneOrMany()]
+ComplexPoint = Annotated[complex, PointXY()]
+ComplexOrArray = Annotated[complex | NDArray[Any], PointXY(many=True)]
 
 
 class NotBoolean:

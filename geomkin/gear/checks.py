@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..core.arguments import Positive, checked
+from ..core.arguments import PositiveFloat, checked
 from ..model.check import Check
 from .conjugate.conjugate import BEYOND, Conjugate
 from .contract import AbstractGear
@@ -131,7 +131,7 @@ LEAST_CONJUGATE_CONTACT_RATIO = 1
 
 
 @checked
-def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
+def conjugate_checks(mate: Conjugate, module: PositiveFloat, pieces: int = 1, longer: str = "") -> tuple[Check, ...]:
     """Check the contact ratio and the tips of a conjugate gear.
 
     Parameters
@@ -162,7 +162,7 @@ def conjugate_checks(mate: Conjugate, module: Positive, pieces: int = 1, longer:
 
 
 @checked
-def touch_check(mate: Conjugate, module: Positive) -> Check:
+def touch_check(mate: Conjugate, module: PositiveFloat) -> Check:
     """Check that all of the gear's flank touches its mate.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 
-from ..core.arguments import Count, between, checked, whole_between
+from ..core.arguments import PositiveInt, between, checked, whole_between
 from ..core.errors import DesignError
 from ..core.fields import quantity, rounded_down
 from ..core.records import record
@@ -216,7 +216,7 @@ def transverse_section(gear: G, helix_angle_deg: float) -> G:
 
 
 @checked
-def undercut_free_shift(teeth: Count, rack: RackCutter | None = None) -> float:
+def undercut_free_shift(teeth: PositiveInt, rack: RackCutter | None = None) -> float:
     """The least profile shift, 0 or more, for which a rack does not undercut a gear.
 
     Parameters

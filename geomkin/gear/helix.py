@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..core.arguments import Positive, checked
+from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.fields import entry, quantity
 from ..core.records import record
@@ -80,7 +80,7 @@ class Helix:
         return float(np.tan(np.radians(self.helix_angle_deg))) * (1 if self.hand == "right" else -1)
 
     @checked
-    def width(self, face_width: Positive) -> float:
+    def width(self, face_width: PositiveFloat) -> float:
         """Face width over which the teeth have one hand, mm: all of it, or half for a herringbone.
 
         Parameters
@@ -91,7 +91,7 @@ class Helix:
         return face_width / 2 if self.herringbone else face_width
 
     @checked
-    def advance(self, face_width: Positive) -> float:
+    def advance(self, face_width: PositiveFloat) -> float:
         """Displacement of a tooth along the pitch circle over `width`, mm, positive counterclockwise.
 
         Parameters
@@ -102,7 +102,7 @@ class Helix:
         return self.width(face_width) * self.slope
 
     @checked
-    def normal_module(self, module: Positive) -> float:
+    def normal_module(self, module: PositiveFloat) -> float:
         """Normal module, mm, for a transverse module.
 
         Parameters
@@ -146,7 +146,7 @@ class Helix:
         return float(2 * np.pi * gear.pitch_radius / abs(self.slope)) if self.slope else float("inf")
 
     @checked
-    def overlap_ratio(self, module: Positive, face_width: Positive) -> float:
+    def overlap_ratio(self, module: PositiveFloat, face_width: PositiveFloat) -> float:
         """Overlap ratio, the part of the contact ratio that is due to the helix: `width` in axial pitches.
 
         Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.arguments import Positive, checked
+from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.fields import Length, rounded_down, rounded_up
 from ..core.records import record
@@ -228,7 +228,7 @@ def _refuse_ring(gear: AbstractInvoluteGear) -> None:
 
 
 @checked
-def tooth_table(gear: AbstractInvoluteGear, tolerance: Positive) -> Table:
+def tooth_table(gear: AbstractInvoluteGear, tolerance: PositiveFloat) -> Table:
     """Coordinates of the right-hand half of the tooth on +y, from the inside outwards.
 
     Parameters

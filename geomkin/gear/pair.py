@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.arguments import RealsOrNan, checked
+from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
 from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
 from ..core.records import record
@@ -168,7 +168,7 @@ class GearPair:
         return (end - start) / self.first.base_pitch
 
     @checked
-    def sliding(self, along: RealsOrNan) -> tuple[Real, Real]:
+    def sliding(self, along: FloatOrNan) -> tuple[Real, Real]:
         """Specific sliding of both gears at points on the line of action.
 
         Parameters
@@ -255,7 +255,7 @@ class GearPair:
         return tuple(name for name, occurs in interferences.items() if occurs)
 
     @checked
-    def poses(self, turn: RealsOrNan) -> tuple[Pose, Pose]:
+    def poses(self, turn: FloatOrNan) -> tuple[Pose, Pose]:
         """Poses of both gears at rotations of the first.
 
         Parameters

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.arguments import NUMBER, RealsOrNan, checked, refused
+from ..core.arguments import NUMBER, FloatOrNan, checked, refused
 from ..core.errors import DesignError
 from ..core.fields import entry, quantity
 from ..core.records import record
@@ -152,7 +152,7 @@ class PlanetarySet:
         return {name: float(speeds[name]) for name in weights} | {"planet": float(planet)}
 
     @checked
-    def poses(self, turn: RealsOrNan) -> tuple[Pose, list[Pose], Pose]:
+    def poses(self, turn: FloatOrNan) -> tuple[Pose, list[Pose], Pose]:
         """Poses of sun, planets and ring at rotations of the sun; the ring is fixed.
 
         Parameters

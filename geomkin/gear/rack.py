@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.arguments import RealsOrNan, checked
+from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
 from ..core.fields import entry, quantity, rounded_down, rounded_up
 from ..core.records import record
@@ -281,7 +281,7 @@ class RackPair:
         return (end - start) / (self.rack.pitch * float(np.cos(self.pinion.pressure_angle)))
 
     @checked
-    def sliding(self, along: RealsOrNan) -> tuple[Real, Real]:
+    def sliding(self, along: FloatOrNan) -> tuple[Real, Real]:
         """Specific sliding of pinion and rack at points on the line of action.
 
         Parameters
@@ -333,7 +333,7 @@ class RackPair:
         return tuple(name for name, occurs in interferences.items() if occurs)
 
     @checked
-    def poses(self, turn: RealsOrNan) -> tuple[Pose, Pose]:
+    def poses(self, turn: FloatOrNan) -> tuple[Pose, Pose]:
         """Poses of pinion and rack at rotations of the pinion.
 
         Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.arguments import Positive, checked
+from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..model.check import Check
 from ..plane.vec import first_largest
@@ -85,7 +85,7 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
 
 
 @checked
-def hole_check(hole_diameter: Positive, thickness: Positive) -> Check:
+def hole_check(hole_diameter: PositiveFloat, thickness: PositiveFloat) -> Check:
     """Check that pin holes can be cut in a sheet, by the rule of cutting services.
 
     Parameters

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Points, Reals, checked
+from ..core.arguments import checked
 from ..core.errors import DesignError, shown
 from ..core.fields import rounded_up
 from ..core.records import record
@@ -181,7 +181,7 @@ def coupler_grid(length: float, height: float, rows: int, columns: int, centre: 
 
 
 @checked
-def coupler_curves(motion: Motion, points: Points, body: str = "coupler") -> Complex:
+def coupler_curves(motion: Motion, points: complex | ArrayLike, body: str = "coupler") -> Complex:
     """Paths of a body's points over the frames of a motion.
 
     Parameters
@@ -215,7 +215,12 @@ def coupler_curves(motion: Motion, points: Points, body: str = "coupler") -> Com
 
 @checked
 def dashes(
-    linkage: OneLinkage, points: Points, drive: Reals, tolerance: float, branch: Branch = 1, body: str = "coupler"
+    linkage: OneLinkage,
+    points: complex | ArrayLike,
+    drive: float | ArrayLike,
+    tolerance: float,
+    branch: Branch = 1,
+    body: str = "coupler",
 ) -> list[list[Complex]]:
     """Dashed paths of a body's points, as in an atlas: one dash for every other step of the drive.
 

@@ -6,7 +6,7 @@ from collections import deque
 
 import numpy as np
 
-from ..core.arguments import Positive, checked
+from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.vec import Real, dot
@@ -44,7 +44,7 @@ class OutputDwell:
 
 
 @checked
-def longest_dwell(motion: Motion, output: str, band: Positive) -> OutputDwell:
+def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwell:
     """The longest range of the driver over which a body's angle, or displacement if it slides, stays within a band.
 
     Parameters

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..core.arguments import LARGEST, PLAIN, ArgumentType, Place, is_place
+from ..core.arguments import LARGEST, PLAIN, ArgumentType, is_place
 from ..core.errors import DesignError, shown
-from ..core.fields import KindTable
+from ..core.fields import ComplexOrArray, KindTable
 from ..core.names import check_names
 from ..core.records import record
 from ..core.reprs import LONGEST, moving, one_line
@@ -69,10 +69,6 @@ class AbstractLinkage(ABC):
         return text if len(text) <= LONGEST and not self.linkage.is_batch else one_line(self)
 
 
-AnyLinkage = Annotated[
-    AbstractLinkage,
-    ArgumentType(lambda value: isinstance(value, AbstractLinkage), "a linkage, such as FourBar or Linkage"),
-]
 OneLinkage = Annotated[
     AbstractLinkage,
     ArgumentType(
@@ -105,8 +101,8 @@ class Slider:
     name: str
     body: str
     along: str
-    point: Place = 0j
-    through: Place = 0j
+    point: ComplexOrArray = 0j
+    through: ComplexOrArray = 0j
     direction_deg: float = 0.0
     angle_deg: float = 0.0
 
@@ -188,7 +184,7 @@ class Linkage(AbstractLinkage):
     bodies: Bodies
     driver: str
     sliders: tuple[Slider, ...] = ()
-    origin: Place = 0j
+    origin: ComplexOrArray = 0j
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
 

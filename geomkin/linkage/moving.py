@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations, permutations
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..core.arguments import Reals, checked
+from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..plane.vec import Complex, Real
-from .linkage import AnyLinkage, Linkage, Slider
+from .linkage import AbstractLinkage, Linkage, Slider
 from .motion import Motion
 from .solve.actuators import ActuatorBar, actuated_dyad
-from .solve.branch import Branch, BranchSpec, as_branch_spec
+from .solve.branch import Branch, BranchSpec, Continuation, as_branch_spec
 from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
 from .solve.formulas import Timing
 from .solve.input_dyads import driver_dyad
@@ -356,7 +359,11 @@ def _stroke_line(slider: Slider, other: str) -> tuple[complex | Complex, complex
 
 @checked
 def move(
-    linkage: AnyLinkage, drive: Reals, branch: Branch = 1, speed: Reals = 1.0, acceleration: Reals = 0.0
+    linkage: AbstractLinkage,
+    drive: float | ArrayLike,
+    branch: int | Literal["follow"] | Mapping[str, int | complex] | Continuation | BranchSpec = 1,
+    speed: float | ArrayLike = 1.0,
+    acceleration: float | ArrayLike = 0.0,
 ) -> Motion:
     """Move a linkage through the given driver positions.
 
@@ -412,7 +419,7 @@ def move(
     return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, spec), q, spec, timing))
 
 
-def _time(name: str, rate: Reals, drive: Real, linkage: Linkage) -> Real:
+def _time(name: str, rate: float | ArrayLike, drive: Real, linkage: Linkage) -> Real:
     """Speed or acceleration as a number, or over all frames and linkages."""
     values = np.asarray(rate, dtype=float)
     if not values.ndim:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, PointsXY, PointXY, Sizes, entry, quantity
+from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, entry, quantity
 from ..core.records import record
 from ..plane.vec import Array
 from .linkage import AbstractLinkage, Linkage, Slider
@@ -55,19 +55,19 @@ class SliderCrank(AbstractLinkage):
     array([120.,  60.])
     """
 
-    crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    coupler: Sizes = quantity("length of the connecting rod", "mm", above=0, at_most=FARTHEST, example=90)
-    offset: Sizes = quantity(
+    crank: FloatOrArray = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    coupler: FloatOrArray = quantity("length of the connecting rod", "mm", above=0, at_most=FARTHEST, example=90)
+    offset: FloatOrArray = quantity(
         "height of the slide line above the crank pivot", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
-    coupler_point: PointsXY = entry(
+    coupler_point: ComplexOrArray = entry(
         "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm",
         default=0j,
     )
     driver: Literal["crank", "coupler", "slider"] = entry(
         "body that is driven: crank and coupler by their angle, the slider by its x", default="crank"
     )
-    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity("direction of the slide line", "deg", default=0.0, at_least=-360, at_most=360)
 
     def __post_init__(self) -> None:
@@ -133,9 +133,11 @@ class InvertedSliderCrank(AbstractLinkage):
         If a size is out of range, or the offset is larger than the distance that the crank pin reaches.
     """
 
-    ground: Sizes = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=80)
-    crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    offset: Sizes = quantity(
+    ground: FloatOrArray = quantity(
+        "distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=80
+    )
+    crank: FloatOrArray = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    offset: FloatOrArray = quantity(
         "distance of the slide line from the pin at which its body turns, to the left",
         "mm",
         default=0.0,
@@ -143,13 +145,13 @@ class InvertedSliderCrank(AbstractLinkage):
         at_most=FARTHEST,
     )
     line: Literal["rocker", "coupler"] = entry("body that has the slide line", default="rocker")
-    point: PointsXY = entry(
+    point: ComplexOrArray = entry(
         "point traced by the body with the slide line, from its pin, x along the line, [x, y] in mm",
         default=0j,
         example=130 + 0j,
     )
     driver: Literal["crank", "rocker"] = entry("link whose angle is driven", default="crank")
-    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
     )
@@ -209,15 +211,15 @@ class EllipticTrammel(AbstractLinkage):
         Direction of the first slot, deg, from -360 to 360.
     """
 
-    rod: Sizes = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
-    rod_point: PointsXY = entry(
+    rod: FloatOrArray = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
+    rod_point: ComplexOrArray = entry(
         "point traced by the rod, from its first pin, x towards the second, [x, y] in mm", default=0j, example=100 + 0j
     )
     angle_deg: float = quantity(
         "angle from the first slot to the second", "deg", default=90.0, at_least=10, at_most=170
     )
     driver: Literal["rod", "shuttle"] = entry("what is driven: the rod's angle or the first shuttle", default="rod")
-    origin: Annotated[complex, PointXY()] = entry("where the slots cross, [x, y] in mm", default=0j)
+    origin: ComplexPoint = entry("where the slots cross, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity("direction of the first slot", "deg", default=0.0, at_least=-360, at_most=360)
 
     @cached_property
@@ -267,14 +269,14 @@ class ScotchYoke(AbstractLinkage):
     array([30.    , 16.2091])
     """
 
-    crank: Sizes = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    guide: Sizes = quantity(
+    crank: FloatOrArray = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
+    guide: FloatOrArray = quantity(
         "from the middle of the yoke's slot to the middle of its guide", "mm", above=0, at_most=FARTHEST, example=100
     )
     slot_deg: float = quantity(
         "angle from the yoke's direction of sliding to its slot", "deg", default=90.0, at_least=10, at_most=170
     )
-    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction in which the yoke slides", "deg", default=0.0, at_least=-360, at_most=360
     )
@@ -316,8 +318,8 @@ class OldhamCoupling(AbstractLinkage):
         Direction from the driving to the driven shaft, deg, from -360 to 360.
     """
 
-    shift: Sizes = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
-    origin: Annotated[complex, PointXY()] = entry("centre of the driving shaft, [x, y] in mm", default=0j)
+    shift: FloatOrArray = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
+    origin: ComplexPoint = entry("centre of the driving shaft, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction from driving to driven shaft", "deg", default=0.0, at_least=-360, at_most=360
     )
@@ -381,7 +383,7 @@ class Shaper(AbstractLinkage):
     ram_height: float = quantity(
         "from crank pivot to the ram's line, away from the lever pivot", "mm", above=0, at_most=FARTHEST, example=85
     )
-    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction from crank pivot to lever pivot", "deg", default=-90.0, at_least=-360, at_most=360
     )
@@ -462,18 +464,20 @@ class FourBar(AbstractLinkage):
     array([-4.2857,  2.1951])
     """
 
-    ground: Sizes = quantity("distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100)
-    crank: Sizes = quantity("length of the driving link", "mm", above=0, at_most=FARTHEST, example=30)
-    coupler: Sizes = quantity(
+    ground: FloatOrArray = quantity(
+        "distance between the two ground pivots", "mm", above=0, at_most=FARTHEST, example=100
+    )
+    crank: FloatOrArray = quantity("length of the driving link", "mm", above=0, at_most=FARTHEST, example=30)
+    coupler: FloatOrArray = quantity(
         "length of the floating link between crank and rocker", "mm", above=0, at_most=FARTHEST, example=90
     )
-    rocker: Sizes = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
-    coupler_point: PointsXY = entry(
+    rocker: FloatOrArray = quantity("length of the driven link", "mm", above=0, at_most=FARTHEST, example=70)
+    coupler_point: ComplexOrArray = entry(
         "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
         default=0j,
     )
     driver: Literal["crank", "coupler", "rocker"] = entry("link whose angle is driven", default="crank")
-    origin: Annotated[complex, PointXY()] = entry("crank's ground pivot, [x, y] in mm", default=0j)
+    origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
     )
@@ -533,7 +537,7 @@ class StephensonSixBar(AbstractLinkage):
         "connecting link, from coupler point to output pin", "mm", above=0, at_most=FARTHEST, example=120
     )
     output: float = quantity("output link, from its pivot to its pin", "mm", above=0, at_most=FARTHEST, example=90)
-    output_pivot: Annotated[complex, PointXY()] = entry(
+    output_pivot: ComplexPoint = entry(
         "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=100 + 100j
     )
 
@@ -565,7 +569,7 @@ class WattSixBar(AbstractLinkage):
     """
 
     four_bar: FourBar
-    rocker_point: Annotated[complex, PointXY()] = entry(
+    rocker_point: ComplexPoint = entry(
         "point of the rocker that drives on, from its ground pivot, x towards the rocker pin, [x, y] in mm",
         example=50 - 30j,
     )
@@ -573,7 +577,7 @@ class WattSixBar(AbstractLinkage):
         "second coupler, from rocker point to output pin", "mm", above=0, at_most=FARTHEST, example=90
     )
     output: float = quantity("output link, from its pivot to its pin", "mm", above=0, at_most=FARTHEST, example=60)
-    output_pivot: Annotated[complex, PointXY()] = entry(
+    output_pivot: ComplexPoint = entry(
         "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=180 + 0j
     )
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Annotated
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, PointXY, entry, quantity
+from ..core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ..core.records import record
 from .linkage import AbstractLinkage, Linkage
 
@@ -59,10 +58,8 @@ class Pantograph(AbstractLinkage):
     forearm: float = quantity("bar from the elbow to the pen", "mm", above=0, at_most=FARTHEST, example=150)
     ratio: float = quantity("size of the pen's path to that of the tracer", above=1, at_most=100, example=3)
     crank: float = quantity("radius of the tracer's circle", "mm", above=0, at_most=FARTHEST, example=15)
-    crank_pivot: Annotated[complex, PointXY()] = entry(
-        "centre of the tracer's circle, from the pole, [x, y] in mm", example=65 + 0j
-    )
-    origin: Annotated[complex, PointXY()] = entry("the pole, [x, y] in mm", default=0j)
+    crank_pivot: ComplexPoint = entry("centre of the tracer's circle, from the pole, [x, y] in mm", example=65 + 0j)
+    origin: ComplexPoint = entry("the pole, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "angle by which the whole is turned about the pole", "deg", default=0.0, at_least=-360, at_most=360
     )

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ..core.arguments import ArgumentType, Places, Positive, checked, is_real
+from ..core.arguments import ArgumentType, ComplexOrNan, PositiveFloat, checked, is_real
 from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.vec import Array, Real
@@ -42,7 +42,7 @@ class SampledRates:
 
 
 @checked
-def velocity_difference(samples: Places, interval: Positive, inexact: Inexact = 0.0) -> SampledRates:
+def velocity_difference(samples: ComplexOrNan, interval: PositiveFloat, inexact: Inexact = 0.0) -> SampledRates:
     """Mean rate over each interval, taken as the rate in its middle: the velocity-difference method.
 
     Parameters
@@ -86,8 +86,8 @@ def velocity_difference(samples: Places, interval: Positive, inexact: Inexact = 
 
 @checked
 def central_difference(
-    samples: Places,
-    interval: Positive,
+    samples: ComplexOrNan,
+    interval: PositiveFloat,
     derivative: Literal[1, 2] = 1,
     order: Literal[2, 4, 6, 8] = 4,
     periodic: bool = False,
@@ -135,7 +135,7 @@ def central_difference(
 
 @checked
 def mid_ordinate_integral(
-    rates: Places, interval: Positive, start: complex = 0.0, inexact: Inexact = 0.0
+    rates: ComplexOrNan, interval: PositiveFloat, start: complex = 0.0, inexact: Inexact = 0.0
 ) -> SampledRates:
     """Integral of rates given in the middles of even intervals: each strip is its mid-ordinate times its width.
 
@@ -179,7 +179,7 @@ def mid_ordinate_integral(
     return SampledRates(ends * interval, values, error)
 
 
-def _row(name: str, numbers: Places, least: int) -> Array:
+def _row(name: str, numbers: ComplexOrNan, least: int) -> Array:
     """The numbers as floats or complex; DesignError if they are not one row, or too few."""
     z = np.asarray(numbers)
     if z.ndim != 1 or len(z) < least:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..core.arguments import Positive, checked
+from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.fields import Length
 from ..core.records import record
@@ -97,7 +97,7 @@ def plate_radius(motor: MotorName) -> float:
 
 
 @checked
-def motor_plate(motor: MotorName, thickness: Positive, clearance: Length = 0.0) -> Part:
+def motor_plate(motor: MotorName, thickness: PositiveFloat, clearance: Length = 0.0) -> Part:
     """The mounting plate of a motor, as large as its face, with the shaft at the origin.
 
     Parameters

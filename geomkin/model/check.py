@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from ..core.arguments import Found
+from ..core.arguments import REAL, ArgumentType
 from ..core.errors import harmless
 from ..core.records import record
 from ..core.reprs import clipped
 from ..plane.vec import rounded
+
+# May be nan or infinite.
+AnyNumber = Annotated[
+    float, ArgumentType(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")
+]
 
 
 @record(checked=True)
@@ -38,13 +43,13 @@ class Check:
 
     id: str
     name: str
-    value: Found
+    value: AnyNumber
     side: Literal["at least", "at most"]
-    limit: Found
+    limit: AnyNumber
     unit: str = ""
     advice: str = ""
     column: str = ""
-    at: Found | None = None
+    at: AnyNumber | None = None
     expected: str = ""
 
     @property

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..core.arguments import Positive, RealsOrNan, checked
+from ..core.arguments import FloatOrNan, PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.fields import Length
 from ..core.names import check_names
@@ -38,7 +38,7 @@ class Twist:
     moves: Literal["outline", "holes"] = "outline"
 
     @checked
-    def at(self, share: RealsOrNan) -> Pose:
+    def at(self, share: FloatOrNan) -> Pose:
         """Pose of the moving curves at given heights.
 
         Parameters
@@ -74,7 +74,7 @@ class HoleFit:
         Of a slot, the distance of the centres of its ends, mm; 0 for a hole.
     """
 
-    diameter: Positive
+    diameter: PositiveFloat
     play: float
     flat: Length = 0.0
     keyway: tuple[Length, Length] = (0.0, 0.0)

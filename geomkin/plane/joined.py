@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.arguments import Count
+from ..core.arguments import PositiveInt
 from ..core.errors import DesignError
 from ..core.records import record
 from .curve import AbstractCurve, Mirrored, Reversed
@@ -156,7 +156,7 @@ class PolarArray(AbstractCurve):
     """
 
     piece: AbstractCurve
-    count: Count
+    count: PositiveInt
 
     def __post_init__(self) -> None:
         start, _, end = _start_middle_end(self.piece).tolist()

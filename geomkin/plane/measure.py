@@ -6,8 +6,9 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..core.arguments import Points, Reals, checked
+from ..core.arguments import checked
 from ..core.errors import DesignError
 from .curve import AbstractCurve
 from .joined import PolarArray
@@ -174,7 +175,7 @@ def centroid(curve: AbstractCurve, accuracy: float = 1e-12) -> complex:
 
 
 @checked
-def curvature(curve: AbstractCurve, t: Reals) -> Real:
+def curvature(curve: AbstractCurve, t: float | ArrayLike) -> Real:
     """Signed curvature of a curve, positive if it turns left along rising t.
 
     Parameters
@@ -193,7 +194,7 @@ def curvature(curve: AbstractCurve, t: Reals) -> Real:
 
 
 @checked
-def convexity(curve: AbstractCurve, t: Reals) -> Real:
+def convexity(curve: AbstractCurve, t: float | ArrayLike) -> Real:
     """Curvature of a closed curve, positive where it is convex from outside the enclosed area.
 
     It does not depend on the direction of the curve: the profile of a cam that turns counterclockwise runs clockwise.
@@ -219,7 +220,7 @@ def convexity(curve: AbstractCurve, t: Reals) -> Real:
 
 
 @checked
-def nearest(curve: AbstractCurve, points: Points) -> tuple[Real, Real]:
+def nearest(curve: AbstractCurve, points: complex | ArrayLike) -> tuple[Real, Real]:
     """The point of a curve nearest to each of some points.
 
     Parameters

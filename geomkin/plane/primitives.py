@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Points, Positive, RealRow, Row, checked
+from ..core.arguments import ComplexRow, FloatRow, PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.records import record
 from .curve import AbstractCurve, Moved
@@ -151,8 +151,8 @@ class Polyline(AbstractCurve):
         If there are fewer than two vertices, or the number of bulges is not that of the edges.
     """
 
-    vertices: Row
-    bulges: RealRow | None = None
+    vertices: ComplexRow
+    bulges: FloatRow | None = None
     is_closed: bool = True
 
     def __post_init__(self) -> None:
@@ -237,7 +237,7 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
 
 
 @checked
-def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
+def rounded_hull(centres: complex | ArrayLike, radius: PositiveFloat) -> AbstractCurve:
     """The outline of a plate with a round boss at each of some points: the convex hull of equal discs.
 
     Parameters
@@ -275,7 +275,7 @@ def rounded_hull(centres: Points, radius: Positive) -> AbstractCurve:
 
 
 @checked
-def slot(start: complex, end: complex, radius: Positive) -> AbstractCurve:
+def slot(start: complex, end: complex, radius: PositiveFloat) -> AbstractCurve:
     """The outline swept by a disc along a line.
 
     Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Positive
+from ..core.arguments import PositiveFloat
 from ..core.errors import DesignError
 from ..core.records import record
 from .curve import AbstractCurve
@@ -46,7 +46,7 @@ class Involute(Traced):
         First and last roll angle, rad; start at least 0.
     """
 
-    base_radius: Positive
+    base_radius: PositiveFloat
     start: float
     end: float
 
@@ -117,7 +117,7 @@ class Trochoid(Traced):
     roll angle, this parameter keeps its digits if D vanishes and the whole corner is cut at one instant. Derived here.
     """
 
-    radius: Positive
+    radius: PositiveFloat
     depth: float
     rounding: float
     start: float
@@ -179,7 +179,7 @@ class Cycloid(Traced):
     Derived here.
     """
 
-    radius: Positive
+    radius: PositiveFloat
     rolling: float
     start: float
     end: float

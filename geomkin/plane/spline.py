@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import Row
+from ..core.arguments import ComplexRow
 from ..core.errors import DesignError
 from ..core.records import record
 from .curve import AbstractCurve, curvature_from_derivatives
@@ -37,7 +37,7 @@ class Spline(AbstractCurve):
     chapter IV), which assumes nothing about the ends: three points give a parabola, two a straight line.
     """
 
-    points: Row
+    points: ComplexRow
 
     def __post_init__(self) -> None:
         z = np.asarray(self.points)

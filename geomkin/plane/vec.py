@@ -7,7 +7,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.arguments import Numbers, checked
+from ..core.arguments import AnyComplex, checked
 from ..core.records import record
 
 # Arrays of real numbers; of points, directions and vectors; of whole numbers; of yes and no. They hold float64,
@@ -28,7 +28,7 @@ TIED = 1e-9
 
 
 @checked
-def xy(z: Numbers) -> Real:
+def xy(z: AnyComplex) -> Real:
     """Points as coordinates.
 
     Parameters

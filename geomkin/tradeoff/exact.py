@@ -12,7 +12,7 @@ from decimal import Decimal, localcontext
 import numpy as np
 
 from ..core.records import record
-from ..linkage.linkage import AnyLinkage
+from ..linkage.linkage import AbstractLinkage
 from ..plane.vec import Array, Complex, Real
 
 # Digits of results; computation uses more, since linkages near a toggle lose half of them.
@@ -194,12 +194,12 @@ FRAMES = 360
 class Track:
     """A linkage, its crank angles, rad, and the right values there, (frames,)."""
 
-    linkage: AnyLinkage
+    linkage: AbstractLinkage
     drive: Real
     right: Complex
 
     @classmethod
-    def of(cls, linkage: AnyLinkage, exact: Callable[[float], Vector]) -> Track:
+    def of(cls, linkage: AbstractLinkage, exact: Callable[[float], Vector]) -> Track:
         """The values that `exact` gives at a crank angle, in decimals."""
         drive = np.arange(FRAMES) * (2 * np.pi / FRAMES)
         with many_digits():

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.arguments import Extended, checked
+from ..core.arguments import AnyFloat, checked
 from ..core.errors import DesignError, shown
 from ..core.progress import Watch
 from ..core.records import record
@@ -290,7 +290,7 @@ def processor() -> str:
 
 
 @checked
-def pareto_front(seconds: Extended, errors: Extended) -> Mask:
+def pareto_front(seconds: AnyFloat, errors: AnyFloat) -> Mask:
     """Mark the points that no other point beats in both time and error.
 
     Parameters

@@ -8,8 +8,9 @@ from functools import cached_property
 from html import escape
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..core.arguments import Reals, checked
+from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.records import record
 from .breaking import cams as cams
@@ -83,7 +84,7 @@ class Stability:
 
 
 @checked
-def stability(distances: Reals | None = None) -> Stability:
+def stability(distances: float | ArrayLike | None = None) -> Stability:
     """Measure the decimal digits that the library keeps near singular positions.
 
     Parameters

@@ -7,11 +7,13 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import geomkin as gk
 from geomkin.core import arguments as of
 from geomkin.core.arguments import argument_type, check_fields, checked
+from geomkin.core.fields import ComplexOrArray
+from geomkin.model.check import AnyNumber
 
 
 class Plain:
@@ -19,10 +21,10 @@ class Plain:
 
 
 NAN, INF = np.nan, np.inf
-MAY_BE_MISSING = of.argument_type(of.Places).fits
+MAY_BE_MISSING = of.argument_type(of.ComplexOrNan).fits
 POINT, TRUE = np.array([1j, 2.0]), np.array([True, False])
 # Annotation, its words, what it takes, what it refuses.
-SORTS = [
+TYPES = [
     (
         float, "a finite number",
         [1, -1.5, 0, 9e59, -9e59, np.float64(2), np.float32(2), np.int8(3), np.array(2.5)],
@@ -61,39 +63,39 @@ SORTS = [
     (Exception, "an Exception", [ValueError()], [ValueError, None]),
     (Annotated[float, "in words", of.ArgumentType(lambda value: value == 3, "three")], "three", [3], [4]),
     (Annotated[float, "in words"], "a finite number", [3], ["3"]),
-    (of.Count, "a whole number above 0", [1, np.int8(3)], [0, -1, 1.0, True, None]),
-    (of.Positive, "a number above 0", [0.5, 1e-300], [0, -1, NAN, INF, True, "1", np.ones(1)]),
-    (of.Found, "a number", [0.5, NAN, INF, -3, np.float32(1)], [True, 1j, "1", None, np.ones(1)]),
+    (of.PositiveInt, "a whole number above 0", [1, np.int8(3)], [0, -1, 1.0, True, None]),
+    (of.PositiveFloat, "a number above 0", [0.5, 1e-300], [0, -1, NAN, INF, True, "1", np.ones(1)]),
+    (AnyNumber, "a number", [0.5, NAN, INF, -3, np.float32(1)], [True, 1j, "1", None, np.ones(1)]),
     (
-        of.Reals, "finite real numbers, one or an array",
+        float | ArrayLike, "finite real numbers, one or an array",
         [1, 2.5, [1, 2], [[1.0], [2.0]], np.ones((2, 2)), (), np.float32(1)],
         [NAN, INF, -INF, 2e60, -2e60, [1, NAN], 1j, [1j], "1", ["1"], None, TRUE, [[1], [1, 2]], np.array([[1, INF]])],
     ),
-    (of.RealsOrNan, "real numbers, one or an array", [1, NAN, [1, NAN]], [INF, [1, -INF], 2e60, 1j, "1", None]),
-    (of.Extended, "real numbers, one or an array", [1, NAN, INF, [1, -INF]], [1j, "1", None, TRUE]),
-    (of.Numbers, "numbers, one or an array", [1, NAN, INF, 1j, [1, -INF]], ["1", None, TRUE]),
+    (of.FloatOrNan, "real numbers, one or an array", [1, NAN, [1, NAN]], [INF, [1, -INF], 2e60, 1j, "1", None]),
+    (of.AnyFloat, "real numbers, one or an array", [1, NAN, INF, [1, -INF]], [1j, "1", None, TRUE]),
+    (of.AnyComplex, "numbers, one or an array", [1, NAN, INF, 1j, [1, -INF]], ["1", None, TRUE]),
     (
-        of.Points, "finite points as complex numbers x + yj, one or an array",
+        complex | ArrayLike, "finite points as complex numbers x + yj, one or an array",
         [1j, 1, [1, 2], np.array([1.0, 2.0]), (1, 2, 3), (1j, 2), [[1j, 2], [3, 4]], [[1, 2, 3]], POINT, ()],
         # Pairs x, y are no points.
         [(1, 2), ((1, 2), (3, 4)), [[1, 2], [3, 4]], np.ones((3, 2)), [1, NAN], complex(0, INF), [1j, complex(NAN, 1)], 2e60j, "1", None],
     ),
-    (of.Places, "places x + yj, one or an array", [1j, NAN, [1j, NAN], complex(NAN, NAN)], [INF, 2e60j, [1j, INF], "1", None]),
+    (of.ComplexOrNan, "points x + yj, one or an array", [1j, NAN, [1j, NAN], complex(NAN, NAN)], [INF, 2e60j, [1j, INF], "1", None]),
     (
-        of.Place, "a finite complex number, x + yj, or an array of them",
+        ComplexOrArray, "a finite complex number, x + yj, in mm, x and y within 1e+09 of 0",
         [1j, 1, 2.5, POINT, np.array(1j)], [[1j], (1j,), NAN, complex(0, INF), complex(NAN, 0), np.array([NAN]), np.ones((3, 2)), "1", None, True],
     ),
-    (of.RealRow, "a row of finite numbers", [[1, 2], np.ones(3), ()], [1, np.ones((2, 2)), [1, NAN], [1j], "1"]),
-    (of.Row, "a row of finite points x + yj", [[1j, 2], POINT, [1, 2, 3]], [1j, np.array([[1j]]), [1j, NAN], (1, 2)]),
+    (of.FloatRow, "a row of finite numbers", [[1, 2], np.ones(3), ()], [1, np.ones((2, 2)), [1, NAN], [1j], "1"]),
+    (of.ComplexRow, "a row of finite points x + yj", [[1j, 2], POINT, [1, 2, 3]], [1j, np.array([[1j]]), [1j, NAN], (1, 2)]),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("hint", "words", "good", "bad"), SORTS, ids=[words for _, words, *_ in SORTS])
+@pytest.mark.parametrize(("hint", "words", "good", "bad"), TYPES, ids=[words for _, words, *_ in TYPES])
 def test_an_annotation_takes_and_refuses_values(hint, words, good, bad):
-    sort = argument_type(hint)
-    assert sort.allowed
-    assert [sort.fits(value) for value in good] == [True] * len(good)
-    assert [sort.fits(value) for value in bad] == [False] * len(bad)
+    expected = argument_type(hint)
+    assert expected.allowed
+    assert [expected.fits(value) for value in good] == [True] * len(good)
+    assert [expected.fits(value) for value in bad] == [False] * len(bad)
 
     def call(value, other=0):
         return value, other
@@ -110,7 +112,7 @@ def test_an_annotation_takes_and_refuses_values(hint, words, good, bad):
         ):
             with pytest.raises(gk.DesignError) as caught:
                 refused()
-            assert caught.value.field in ("value", "other") and sort.allowed in caught.value.remedy
+            assert caught.value.field in ("value", "other") and expected.allowed in caught.value.remedy
 
 
 def test_one_wrong_number_is_seen_in_any_shape():

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ...core.arguments import RealsOrNan, checked, whole_between
+from ...core.arguments import FloatOrNan, checked, whole_between
 from ...core.errors import DesignError
 from ...core.fields import Length, Size
 from ...core.records import record
@@ -111,7 +111,7 @@ class Conjugate(AbstractGear):
         return self.tip_radius * (2 * np.pi / self.teeth - space % (2 * np.pi))
 
     @checked
-    def contact(self, t: RealsOrNan) -> ToothContact:
+    def contact(self, t: FloatOrNan) -> ToothContact:
         """Contacts of points of the tooth.
 
         Parameters

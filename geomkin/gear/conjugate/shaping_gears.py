@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, Length, PointXY, entry, quantity, rounded_down, rounded_up
+from ...core.fields import FARTHEST, ComplexPoint, Length, entry, quantity, rounded_down, rounded_up
 from ...core.records import record
 from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.flatten import flatten
@@ -323,7 +323,7 @@ class PointToothGear(AbstractFlankGear):
 
     teeth: int = quantity("number of teeth", whole=True, at_least=4, at_most=1000, example=24)
     module: Settled = module(example=3)
-    points: tuple[Annotated[complex, PointXY()], ...] = entry(
+    points: tuple[ComplexPoint, ...] = entry(
         "right-hand flank of the tooth on +y as [x, y] in mm, from the bottom land out to the tip",
         default=(),
         example=EXAMPLE,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...core.arguments import Positive, checked
+from ...core.arguments import PositiveFloat, checked
 from ...core.errors import DesignError
 from ...core.fields import Length
 from ...making.assembly import collar_across
@@ -28,10 +28,10 @@ RING_SCREWS = 6
 
 @checked
 def pair_base(
-    distance: Positive,
+    distance: PositiveFloat,
     reaches: tuple[Length, Length],
     shafts: tuple[Length, Length],
-    thickness: Positive,
+    thickness: PositiveFloat,
     stock: BaseStock = BaseStock(),
     keys: tuple[str, str] = ("first_stock.bore", "second_stock.bore"),
     motor: MotorName | None = None,
@@ -155,7 +155,7 @@ def rack_base(
 def planetary_base(
     gears: PlanetarySet,
     ring: Part,
-    rim: Positive,
+    rim: PositiveFloat,
     shaft: Length,
     stock: BaseStock = BaseStock(),
     motor: MotorName | None = None,
@@ -210,7 +210,9 @@ def planetary_base(
 
 
 @checked
-def carrier(gears: PlanetarySet, diameters: tuple[float, float], margin: Positive, thickness: Positive) -> Part:
+def carrier(
+    gears: PlanetarySet, diameters: tuple[float, float], margin: PositiveFloat, thickness: PositiveFloat
+) -> Part:
     """The carrier: a plate that holds the planets at their distance from the sun.
 
     Parameters

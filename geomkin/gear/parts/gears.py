@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...core.arguments import Count, Positive, checked
+from ...core.arguments import PositiveFloat, PositiveInt, checked
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
@@ -119,7 +119,7 @@ def gear_parts(
     stock: GearStock | RingStock,
     name: str = "gear",
     key: str = "stock",
-    count: Count = 1,
+    count: PositiveInt = 1,
     helix: Helix = Helix(),
 ) -> tuple[Part, ...]:
     """The plate of a gear about its axis, or of a rack with its teeth up.
@@ -183,8 +183,8 @@ def base_plate(
     name: str,
     axes: Sequence[complex],
     holes: Sequence[float],
-    margin: Positive,
-    thickness: Positive,
+    margin: PositiveFloat,
+    thickness: PositiveFloat,
     keys: tuple[str, str] = ("stock.bore", "stock.bore"),
 ) -> Part:
     """A plate with one hole for each of two axes.

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
-from typing import Annotated
 
 import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, PointXY, entry, quantity
+from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
 from ...plane.vec import Complex, Real, cross
 from ..motion import Motion
@@ -55,10 +54,10 @@ class SliderCrankMasses:
         "mass of the connecting rod", "kg", default=0.0, at_least=0, at_most=FARTHEST, example=0.6
     )
     slider: float = quantity("mass of the slider", "kg", default=0.0, at_least=0, at_most=FARTHEST, example=0.8)
-    crank_centre: Annotated[complex, PointXY()] = entry(
+    crank_centre: ComplexPoint = entry(
         "crank's centre of mass, from its pivot, x to the crank pin, [x, y] in mm", default=0j, example=10 + 0j
     )
-    coupler_centre: Annotated[complex, PointXY()] = entry(
+    coupler_centre: ComplexPoint = entry(
         "rod's centre of mass, from the crank pin, x to the slider pin, [x, y] in mm", default=0j, example=30 + 0j
     )
 

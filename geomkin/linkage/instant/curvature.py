@@ -7,8 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from ...core.arguments import Extended, Place, Places, checked
+from ...core.arguments import AnyFloat, ComplexOrNan, checked
 from ...core.errors import DesignError
+from ...core.fields import ComplexOrArray
 from ...core.records import record
 from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..linkage import Linkage, Slider
@@ -71,7 +72,7 @@ class PathCurvature:
 
 
 @checked
-def crank_path(pin: Places, pivot: Places) -> PathCurvature:
+def crank_path(pin: ComplexOrNan, pivot: ComplexOrNan) -> PathCurvature:
     """The circle of a pin about a pivot, counterclockwise.
 
     The path of a slider's pin is `PathCurvature(pin, direction, 0.0)`.
@@ -95,7 +96,7 @@ def crank_path(pin: Places, pivot: Places) -> PathCurvature:
 
 
 @checked
-def path_curvature(motion: Motion, body: str, local: Place) -> PathCurvature:
+def path_curvature(motion: Motion, body: str, local: ComplexOrArray) -> PathCurvature:
     """Path of a body's point on the ground, to second order, along rising drive.
 
     Parameters
@@ -201,10 +202,10 @@ def path_in(
 @checked
 def euler_savary(
     *,
-    instant_centre: Extended | None = None,
-    point: Extended | None = None,
-    centre: Extended | None = None,
-    inflection: Extended | None = None,
+    instant_centre: AnyFloat | None = None,
+    point: AnyFloat | None = None,
+    centre: AnyFloat | None = None,
+    inflection: AnyFloat | None = None,
 ) -> Real:
     """The Euler-Savary equation: one of four points on a ray through the instant centre, from the other three.
 
@@ -310,13 +311,13 @@ class DirectContact:
     of the textbooks.
     """
 
-    point: Place
-    normal: Place
+    point: ComplexOrArray
+    normal: ComplexOrArray
     driver_radius: Real
     follower_radius: Real
-    driver_pivot: Place = 0j
-    follower_pivot: Place | None = None
-    follower_direction: Place | None = None
+    driver_pivot: ComplexOrArray = 0j
+    follower_pivot: ComplexOrArray | None = None
+    follower_direction: ComplexOrArray | None = None
 
     def __post_init__(self) -> None:
         if (self.follower_pivot is None) == (self.follower_direction is None):

@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Places, checked
+from ...core.arguments import ComplexOrNan, checked
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
@@ -288,7 +288,9 @@ def bobillier(one: PathCurvature, two: PathCurvature) -> Bobillier:
 
 
 @checked
-def bobillier_path(one: PathCurvature, tangent_foot: Places, tangent: Places, position: Places) -> PathCurvature:
+def bobillier_path(
+    one: PathCurvature, tangent_foot: ComplexOrNan, tangent: ComplexOrNan, position: ComplexOrNan
+) -> PathCurvature:
     """Path of a body's point from one crank and the centrode tangent, by Bobillier's theorem; any shape.
 
     Parameters

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, PointXY, entry, quantity, rounded_up
+from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity, rounded_up
 from ...core.records import record
 from ...model.check import Check
 from ...model.part import Bought, Part
@@ -48,7 +48,7 @@ class Grid:
     height: float = quantity("height of the rectangle", "mm", at_least=0, at_most=FARTHEST, example=60)
     rows: int = quantity("rows of points", whole=True, at_least=1, at_most=50, example=3)
     columns: int = quantity("columns of points", whole=True, at_least=1, at_most=50, example=4)
-    centre: Annotated[complex, PointXY()] = entry("middle of the rectangle, [x, y] in mm", default=0j, example=45 + 0j)
+    centre: ComplexPoint = entry("middle of the rectangle, [x, y] in mm", default=0j, example=45 + 0j)
     dash_deg: float = quantity(
         "rotation of the crank for a dash, and for a gap", "deg", default=5.0, at_least=0.5, at_most=90
     )

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, PointXY, entry, quantity
+from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
 from ...model.check import Check
 from ...model.part import Part
@@ -49,7 +49,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
     kind: Literal["inflection-circle"] = "inflection-circle"
     linkage: Annotated[AbstractLinkage, AnyKind()] = entry("the linkage", example=EXAMPLE)
     body: str = entry("the body whose motion is shown", default="coupler")
-    point: Annotated[complex, PointXY()] | None = entry(
+    point: ComplexPoint | None = entry(
         "point of the body whose path is shown, [x, y] in mm in the body's frame; by default its last named point",
         default=None,
     )

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import AsWritten, NotBoolean, PointXY, SignOrPlace, check_sizes, entry, quantity
+from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, check_sizes, entry, quantity
 from ...core.names import check_names
 from ...core.records import record
 from ...plane.vec import Real
@@ -161,8 +161,8 @@ class SliderTable:
     name: str = entry("its name", example="slide")
     body: str = entry("the body that slides", example="block")
     along: str = entry("the body it slides along", example="ground")
-    point: Annotated[complex, PointXY()] = entry("point of the sliding body that stays on the line", default=0j)
-    through: Annotated[complex, PointXY()] = entry("point of the line, in the frame of the guide", default=0j)
+    point: ComplexPoint = entry("point of the sliding body that stays on the line", default=0j)
+    through: ComplexPoint = entry("point of the line, in the frame of the guide", default=0j)
     direction_deg: float = quantity(
         "direction of the line in the guide", "deg", default=0.0, at_least=-360, at_most=360
     )
@@ -191,7 +191,7 @@ class BodyList(AbstractLinkage):
         Direction of the fixed body's x axis, deg.
     """
 
-    bodies: dict[str, dict[str, Annotated[complex, PointXY()]]] = entry(
+    bodies: dict[str, dict[str, ComplexPoint]] = entry(
         "bodies, the fixed one first, each a table of points [x, y]",
         example={
             "ground": {"O": 0j, "C": 100 + 0j},
@@ -209,14 +209,14 @@ class BodyList(AbstractLinkage):
         example=(TriangleCorner("coupler", "pen", ("A", "B"), (50.0, 60.0)),),
     )
     sliders: tuple[SliderTable, ...] = entry("sliding joints", default=())
-    estimate: dict[str, Annotated[complex, PointXY()]] = field(
+    estimate: dict[str, ComplexPoint] = field(
         default_factory=dict,
         metadata={
             "description": "approximate first positions of pins, needed if the linkage is not a chain of dyads",
             "examples": [{}],
         },
     )
-    origin: Annotated[complex, PointXY()] = entry("origin of the fixed body, [x, y] in mm", default=0j)
+    origin: ComplexPoint = entry("origin of the fixed body, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity(
         "direction of the fixed body's x axis", "deg", default=0.0, at_least=-360, at_most=360
     )

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Extended, checked
+from ...core.arguments import AnyFloat, checked
 from ...core.errors import DesignError, shown
 from ...core.records import record
 from ...plane.vec import Mask, Real
@@ -73,7 +73,7 @@ class Root:
 def newton_raphson(
     f: Callable[[Real], ArrayLike],
     jacobian: Callable[[Real], ArrayLike],
-    estimate: Extended,
+    estimate: AnyFloat,
     tolerance: float = 1e-13,
     steps: int = 50,
 ) -> Root:

@@ -9,8 +9,9 @@ from dataclasses import field, replace
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...core.arguments import ArgumentType, Count, Reals, are_reals, between, checked, is_real, is_whole, numbers
+from ...core.arguments import ArgumentType, PositiveInt, are_reals, between, checked, is_real, is_whole, numbers
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, SMALLEST, Size, rounded_down
 from ...core.records import record
@@ -122,12 +123,12 @@ class AbstractFunctionGenerator(Found):
             "active_limits": {name: _six(value) for name, value in self.active_limits.items()},
         }
 
-    def _share(self, x: Reals) -> Real:
+    def _share(self, x: float | ArrayLike) -> Real:
         """Share of the input range, (...,)."""
         return np.asarray((np.asarray(x, dtype=float) - self.wanted.x0) / (self.wanted.x1 - self.wanted.x0))
 
     @checked
-    def input_at(self, x: Reals) -> Real:
+    def input_at(self, x: float | ArrayLike) -> Real:
         """Input angle at x.
 
         Parameters
@@ -143,7 +144,7 @@ class AbstractFunctionGenerator(Found):
         return np.asarray(self.drive[0] + (self.drive[1] - self.drive[0]) * self._share(x))
 
     @checked
-    def wanted_at(self, x: Reals) -> Real:
+    def wanted_at(self, x: float | ArrayLike) -> Real:
         """Wanted output at x.
 
         Parameters
@@ -160,7 +161,7 @@ class AbstractFunctionGenerator(Found):
         return np.asarray(start + extent * self.wanted.share(self._share(x)))
 
     @checked
-    def error(self, x: Reals) -> Real:
+    def error(self, x: float | ArrayLike) -> Real:
         """Error of the output at x.
 
         Parameters
@@ -583,7 +584,7 @@ def _common_fields(
 
 
 @checked
-def chebyshev_points(span: tuple[float, float], count: Count = 3) -> Real:
+def chebyshev_points(span: tuple[float, float], count: PositiveInt = 3) -> Real:
     """Precision points in Chebyshev's spacing.
 
     Parameters

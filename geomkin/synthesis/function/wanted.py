@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import ArgumentType, Reals, are_reals, checked, numbers
+from ...core.arguments import ArgumentType, are_reals, checked, numbers
 from ...core.errors import DesignError, printable, shown
 from ...core.records import record
 from ...plane.spline import Spline
@@ -118,7 +118,7 @@ NAMED: dict[str, tuple[str, int, int]] = {
 
 
 @checked
-def named_function(name: str, coefficients: Reals) -> Expression:
+def named_function(name: str, coefficients: float | ArrayLike) -> Expression:
     """A named function with its coefficients as an expression.
 
     Parameters

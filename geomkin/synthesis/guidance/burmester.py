@@ -8,7 +8,7 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Positive, checked
+from ...core.arguments import PositiveFloat, checked
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.curve import AbstractCurve
@@ -210,7 +210,7 @@ class Burmester:
 
 
 @checked
-def burmester_curves(poses: Poses, reach: Positive | None = None) -> Burmester:
+def burmester_curves(poses: Poses, reach: PositiveFloat | None = None) -> Burmester:
     """Find the centre-point and circle-point curves of four poses, which are circular cubics.
 
     Parameters

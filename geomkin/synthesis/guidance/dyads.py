@@ -7,8 +7,9 @@ from itertools import combinations, islice
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...core.arguments import Points, checked, whole_between
+from ...core.arguments import checked, whole_between
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole
@@ -279,8 +280,8 @@ class Dyads:
 @checked
 def dyads_through(
     poses: Poses,
-    fixed: Points | None = None,
-    moving: Points | None = None,
+    fixed: complex | ArrayLike | None = None,
+    moving: complex | ArrayLike | None = None,
     count: Annotated[int, whole_between(1, 100_000)] = 360,
 ) -> Dyads:
     """Find dyads that carry a body through three or more poses.
@@ -443,7 +444,7 @@ def _size(z: Complex, u: Complex, found: Pairs) -> Real:
     return size
 
 
-def _row(name: str, given: Points) -> Complex:
+def _row(name: str, given: complex | ArrayLike) -> Complex:
     points = np.atleast_1d(np.asarray(given, dtype=complex))
     if points.ndim > 1:
         raise DesignError(name, f"found shape {points.shape}", "give one point or a row of them")

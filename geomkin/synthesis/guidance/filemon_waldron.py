@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...core.arguments import Points, between, checked
+from ...core.arguments import between, checked
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST
 from ...core.records import record
@@ -52,7 +53,7 @@ class Rectification:
     directions: Complex
 
     @checked
-    def drivable(self, points: Points) -> Mask:
+    def drivable(self, points: complex | ArrayLike) -> Mask:
         """Whether a driven link at each point has some driver with which the branch need not change.
 
         Parameters
@@ -70,7 +71,7 @@ class Rectification:
         return np.asarray(np.sign(dot(a, b)) * np.sign(dot(b, c)) * np.sign(dot(c, a)) > 0)
 
     @checked
-    def drives(self, points: Points) -> Mask:
+    def drives(self, points: complex | ArrayLike) -> Mask:
         """Whether a driving link at each point moves the driven one on one branch (Filemon's region).
 
         Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import Points, Reals, checked
+from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.records import record
 from ...linkage.instant.centres import InstantCentre
@@ -139,7 +139,10 @@ class StateFourBar:
 
 @checked
 def velocity_state_four_bar(
-    state: BodyState, speeds: Reals, moving: Points | None = None, fixed: Points | None = None
+    state: BodyState,
+    speeds: float | ArrayLike,
+    moving: complex | ArrayLike | None = None,
+    fixed: complex | ArrayLike | None = None,
 ) -> StateFourBar:
     """Find a four-bar that gives a body its velocities (two infinitely close positions).
 
@@ -186,7 +189,7 @@ def velocity_state_four_bar(
 
 @checked
 def acceleration_state_four_bar(
-    state: BodyState, moving: Points | None = None, fixed: Points | None = None
+    state: BodyState, moving: complex | ArrayLike | None = None, fixed: complex | ArrayLike | None = None
 ) -> StateFourBar:
     """Find a four-bar that gives a body its velocities and accelerations (three infinitely close positions).
 
@@ -234,7 +237,7 @@ def acceleration_state_four_bar(
     return _four_bar(state, name, pins, pivots, float(alpha))
 
 
-def _two_points(moving: Points | None, fixed: Points | None) -> tuple[str, Complex]:
+def _two_points(moving: complex | ArrayLike | None, fixed: complex | ArrayLike | None) -> tuple[str, Complex]:
     if (moving is None) == (fixed is None):
         raise DesignError("moving", "found both, or neither, of moving and fixed", "give one of them")
     name, given = ("moving", moving) if fixed is None else ("fixed", fixed)

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import PointXY, RowsOf, entry, quantity
+from ...core.fields import ComplexPoint, RowsOf, entry, quantity
 from ...core.records import record
 from ...linkage.motion import Motion, unwrapped_deg
 from ...linkage.moving import move
@@ -52,7 +52,7 @@ class OneOfGuides:
 
 
 Rows = Annotated[tuple[tuple[float, float, float], ...], RowsOf(3)]
-PointPair = tuple[Annotated[complex, PointXY()], Annotated[complex, PointXY()]]
+PointPair = tuple[ComplexPoint, ComplexPoint]
 
 
 @record(checked=True, kw_only=True)

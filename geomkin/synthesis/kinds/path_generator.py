@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError, printable, shown
-from ...core.fields import FARTHEST, AsWritten, PointXY, entry, quantity
+from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity
 from ...core.names import csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
@@ -132,7 +132,7 @@ Pair = tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]]
 class WantedPath:
     """The points, given by one of points, file and svg, with the conditions of the path."""
 
-    points: tuple[Annotated[complex, PointXY()], ...] | None = entry(
+    points: tuple[ComplexPoint, ...] | None = entry(
         "points of the path, [x, y] in mm each",
         default=None,
         # Ten points, since fewer are met exactly by many linkages, and rounding decides which one is found.

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arguments import ArgumentType, Positive, between, checked, is_real, numbers, whole_between
+from ...core.arguments import ArgumentType, PositiveFloat, between, checked, is_real, numbers, whole_between
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, SMALLEST
 from ...plane.vec import Real
@@ -68,7 +68,7 @@ def path_generator(
     largest_ratio: Annotated[float, between(1, 1e6)] | None = None,
     bounds: Bounds | None = None,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
-    time_limit: Positive = 10,
+    time_limit: PositiveFloat = 10,
     slides: bool = False,
 ) -> PathFound:
     """Find the four-bar or slider-crank whose coupler point passes through given points.
