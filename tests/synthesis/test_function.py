@@ -273,27 +273,6 @@ def test_invalid_requests_are_refused(wrong, field):
     assert refusal.value.field.startswith(field) and refusal.value.remedy
 
 
-@pytest.mark.campaign
-def test_what_a_refusal_advises_works():
-    asked = {"method": "points", "points": 4, "input_start_deg": 100}
-    with pytest.raises(gk.DesignError) as refusal:
-        gk.function_generator(**WISH, **asked)
-    most = float(refusal.value.remedy.split("give at most ")[1].split(",")[0])
-    held(gk.function_generator(**WISH, **asked, least_transmission_angle_deg=most), most)
-
-
-def test_a_callable_is_taken_by_the_array_or_by_the_number():
-    calls = []
-
-    def single(x):
-        calls.append(x)
-        return math.log10(x)
-
-    one, other = gk.function_generator(single, (1, 2)), logarithm(method="minimax")
-    assert one.largest_error_deg == pytest.approx(other.largest_error_deg, rel=1e-6)
-    assert one.linkage.crank == pytest.approx(other.linkage.crank, rel=1e-8) and sum(map(np.ndim, calls)) <= 2
-
-
 def test_linear_programmes_are_solved():
     """By their duals: what is reached from above equals what the prices say from below."""
     rng = np.random.default_rng(3)

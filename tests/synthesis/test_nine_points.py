@@ -57,13 +57,6 @@ def test_the_equations_hold_of_a_known_linkage_and_its_cognates_only():
     assert (np.abs(other).max(axis=1) > 1e-3).all() and np.abs(other).max() <= 1
 
 
-def test_derivatives_are_those_of_differences():
-    nine, x = _Nine(POINTS), np.random.default_rng(0).normal(size=(6, 8))
-    _, by = nine(x)
-    for k, step in enumerate(1e-6 * np.eye(8)):
-        assert (nine(x + step)[0] - nine(x - step)[0]) / 2e-6 == pytest.approx(by[..., k], abs=1e-6)
-
-
 def test_what_starts_nearby_comes_to_the_linkage():
     nine, rng = _Nine(POINTS), np.random.default_rng(2)
     starts = np.repeat(THREE, 5, axis=0) + 1e-2 * rng.normal(size=(15, 8))

@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis.path import search
-from geomkin.synthesis.path.coupler_paths import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
+from geomkin.synthesis.path.coupler_paths import FREE, LONGEST, SHORTEST, bounds_of
 from geomkin.synthesis.path.search import PathFound, crank_motion
 from tests.synthesis.test_path_fits import CROSSING, at, task_of
 
@@ -52,15 +52,6 @@ def test_bounds_are_told_in_the_units_of_the_search(slides):
             bounds_of({name: (1e-9, 1e-7)}, slides, False, MIDDLE, SIZE)
 
 
-def test_links_are_bounded_when_each_is():
-    four, two = dict.fromkeys(LINKS, (1, 2)), dict.fromkeys(("crank", "coupler"), (1, 2))
-    assert bound_all_links(four, False) and bound_all_links(two, True)
-    assert not bound_all_links(two, False) and not bound_all_links(None, True) and not bound_all_links({}, False)
-    for name in LINKS:
-        assert not bound_all_links({n: pair for n, pair in four.items() if n != name}, False)
-    assert not bound_all_links({"offset": (0, 0), "crank": (1, 2)}, True)
-
-
 def found_of(linkage, branch=1):
     return PathFound(
         linkage=linkage, branch=branch, drive=np.zeros(3), transmission_angle_deg=40.0, defects=(),
@@ -85,15 +76,6 @@ def test_usable_is_what_has_no_defect_and_keeps_both_limits():
 def search_of(task, **changed):
     asked = {"points": task.wanted * 4 + MIDDLE, "middle": MIDDLE, "size": SIZE, "task": task, "bounded": frozenset()}
     return search.PathSearch(**asked | {"all_nine": False, "seed": 0, "time_limit": 60.0} | changed)
-
-
-@pytest.mark.parametrize(
-    ("slides", "timed", "most"), [(False, False, 9), (False, True, 5), (True, False, 8), (True, True, 4)]
-)
-def test_as_many_points_can_be_met_as_a_linkage_has_numbers(slides, timed, most):
-    for count, more in ((most, False), (most + 1, True)):
-        turns = np.linspace(0, 2, count) if timed else None
-        assert search_of(task_of(np.ones(count), turns=turns, slides=slides)).more_than_can_be_met is more
 
 
 @pytest.mark.parametrize("slides", [False, True])

@@ -47,21 +47,6 @@ def test_poles_and_jumps_are_told_with_their_place(f, span, place):
     assert told == pytest.approx(place, abs=1e-4)
 
 
-@pytest.mark.parametrize(("f", "span"), [(np.sign, (-1, 1)), ("1/x", (-2, 1)), (lambda x: x + (x > 0), (-1, 1))])
-def test_a_jump_at_nought_is_told_as_one_there(f, span):
-    with pytest.raises(gk.DesignError):
-        wanted_function(f, span)
-
-
-@pytest.mark.parametrize(
-    ("f", "span"),
-    [("sqrt(x)", (0, 1)), ("sqrt(x)", (0, 1e6)), (np.cbrt, (-1, 2)), (lambda x: abs(x - 0.3), (0, 1)), ("exp(9*x)", (0, 1)),
-     (lambda x: x + 5e-4 * (x > 0.41), (0, 1)), ("tan(x)", (0, 1.5)), (lambda x: np.sqrt(1 - x * x), (0, 1)), ("sin(20*x)", (0, 1))],
-)  # fmt: skip
-def test_what_is_steep_or_has_a_corner_is_taken(f, span):
-    assert wanted_function(f, span).share(np.array([0.0, 1.0])).tolist() == [0, 1]
-
-
 @pytest.mark.parametrize(
     ("f", "span", "field"),
     [
