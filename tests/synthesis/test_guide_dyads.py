@@ -2,17 +2,21 @@
 
 import numpy as np
 import pytest
-from tests.synthesis.test_guide_search import body_of
 
 import geomkin as gk
 from geomkin.core.progress import Watch
 from geomkin.synthesis import body_guides, dyads_through
 from geomkin.synthesis.guidance import guide_groups as guide_dyads
 from geomkin.synthesis.guidance.guide_groups import GuideRequest, best_pairs, held_pins, inside_box
+from geomkin.synthesis.guidance.guide_search import Displacements
 from tests.synthesis.test_guidance import KNOWN, poses_of
 
 SLIDER = gk.SliderCrank(30, 80, 10, 20 + 15j, origin=3 + 4j, ground_angle_deg=30)
 FOUR = poses_of(KNOWN, np.array([0.4, 0.8, 1.2, 1.7]))
+
+
+def body_of(poses):
+    return Displacements(np.array([z for z, _ in poses]), np.exp(1j * np.array([t for _, t in poses])))
 
 
 def asked(poses, kinds=("four-bar",), **changed):
