@@ -77,7 +77,7 @@ def test_no_process_outlives_its_parent(call, end):
     process.stdout.close()
 
 
-@pytest.mark.parametrize("whole_group", [True, False])
+@pytest.mark.parametrize("whole_group", [True, pytest.param(False, marks=pytest.mark.campaign)])
 def test_an_interrupted_command_ends_with_its_processes(tmp_path, whole_group):
     """Ctrl-C in a terminal goes to the whole group; another program may send it to the command alone."""
     for k in range(40):

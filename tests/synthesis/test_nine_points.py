@@ -106,12 +106,12 @@ def test_cranks_and_branches_of_points_and_cognates_as_the_general_solver_has_th
 
 
 def test_random_starts_find_linkages_through_points_anywhere(monkeypatch):
-    for name, value in {"STARTS": 60, "AT_ONCE": 200, "IDLE": 3}.items():
+    for name, value in {"STARTS": 20, "AT_ONCE": 200, "IDLE": 2}.items():
         monkeypatch.setattr(f"geomkin.synthesis.path.nine_points.{name}", value)
     points, told = (NINE - NINE.mean()) / 0.8, []
     with shown(lambda share, what: told.append((share, what))):
         rows = through_nine(points, np.random.default_rng(0), Watch(60, "of nine"))
-    assert len(rows) > 20 and all(is_through(row, points) for row in rows)
+    assert len(rows) > 5 and all(is_through(row, points) for row in rows)
     pivots = [with_cognates(row, complex(points[0])) for row in rows]
     threes = {frozenset(complex(round(x[6], 4), round(x[7], 4)) for x in three) for three in pivots}
     assert len(threes) == len(rows)

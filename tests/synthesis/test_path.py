@@ -196,6 +196,7 @@ def test_slider_cranks():
     assert abs(found.linkage.offset) == pytest.approx(12, rel=1e-5)
 
 
+@pytest.mark.campaign
 def test_size_and_place_do_not_matter():
     plain = gk.path_generator(K18, 20.0 * np.arange(18))
     for size in (1e-6, 1e6):
