@@ -37,7 +37,7 @@ def test_faces_touch(name):
         assert np.real(np.conj(normal) * corners).max() < NEAR
 
 
-def test_the_pressure_angle_lies_between_force_and_way():
+def test_pressure_angle_is_drawn_between_force_and_velocity():
     for name in ("roller-cam", "rocker-cam", "flat-rocker-cam"):
         scene = recipe(name).scene
         (force,), (way,) = marks(scene, "vector", "force"), marks(scene, "line", "direction of motion")
@@ -45,7 +45,7 @@ def test_the_pressure_angle_lies_between_force_and_way():
         np.testing.assert_allclose(np.abs(np.degrees(np.angle(force.vector / way.vector))), told, atol=1e-3)
 
 
-def test_where_lift_is_lost_what_was_asked_for_is_drawn_beside_it():
+def test_programmed_follower_is_drawn_if_lift_is_lost():
     scene = recipe("undercut-cam").scene
     (wished,) = marks(scene, "circle")
     lost = scene.table["lost_lift"]

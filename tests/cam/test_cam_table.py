@@ -66,7 +66,7 @@ def test_rates_places_and_curvatures_follow_from_one_another(name):
 
 
 @pytest.mark.parametrize("name", ["flat", "roller on arm"])
-def test_lost_lift_is_told_where_some_is_lost(name):
+def test_lost_lift_is_a_column_if_some_is_lost(name):
     cam = UNDERCUT[name]
     cut, angle = gk.undercut(cam), np.radians(np.arange(0, 360, 5.0))
     found = columns(cam, angle)

@@ -83,7 +83,7 @@ def test_normal_velocities_of_cam_and_follower_agree(cam):
 
 
 @each_cam
-def test_pressure_angle_is_between_the_normal_and_the_way_of_the_follower(cam):
+def test_pressure_angle_is_between_normal_and_follower_velocity(cam):
     contact, h = cam.contact(DEGREES), 1e-6
     local, lift = cam.follower_pose(DEGREES).locate(contact.point), cam.program.motion(DEGREES).lift
     way = cam.follower.pose(lift + h, cam.base_radius).place(local)

@@ -150,7 +150,7 @@ def test_a_jerk_no_motion_keeps_is_refused_with_the_least_that_would_do():
         optimal_spline(40, 1.0, REST, REST, 31.0)
 
 
-def test_a_segment_takes_over_what_its_neighbours_do():
+def test_segment_starts_and_ends_with_the_rates_of_its_neighbours():
     program = Program(
         [
             gk.Dwell(end_deg=30),

@@ -89,7 +89,7 @@ def test_the_keyed_bore_is_a_circle_and_a_slot(cam):
 
 
 @each_cam
-def test_the_mark_points_to_the_first_contact_and_its_arrow_the_way_the_cam_turns(cam):
+def test_mark_points_to_the_first_contact_and_the_sense_of_rotation(cam):
     part = parts_of(cam)["cam"]
     line, arc, head = part.marks
     start, end = line.point(np.array([0.0, 1.0]))

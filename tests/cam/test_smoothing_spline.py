@@ -168,7 +168,7 @@ def test_a_table_may_end_as_far_from_its_start_as_the_band_is_wide():
 
 
 @pytest.mark.parametrize(("how", "room"), [({"within": 0.2}, 0.2), ({"decimals": 1}, 0.075), ({"decimals": 12}, 1e-7)])
-def test_a_table_may_start_as_far_from_what_was_before_as_its_band_is_wide(how, room):
+def test_table_may_start_within_its_band_of_the_segment_before(how, room):
     """Its lift at the start is then that of the segment before: nothing jumps."""
 
     def program(off):

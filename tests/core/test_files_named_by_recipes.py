@@ -22,7 +22,7 @@ def test_a_file_beside_or_below_is_read_with_or_without_a_mark_at_its_start(tmp_
         assert beside.read_text_file(tmp_path / "in/a.csv", None, "a CSV file") == "größe"
 
 
-def test_what_lies_elsewhere_is_no_recipe_s(tmp_path):
+def test_files_outside_the_recipe_folder_are_refused(tmp_path):
     (tmp_path / "in").mkdir()
     (tmp_path / "a.csv").write_text("1")
     (tmp_path / "in/link.csv").symlink_to(tmp_path / "a.csv")

@@ -48,7 +48,7 @@ def test_a_point_is_seen_where_it_is_and_nowhere_else(gone):
     assert coming[0, 0] == staying[0, 0] == 0 and coming[-1, 0] == staying[-1, 0] == 1
 
 
-def test_what_stays_on_a_body_goes_with_it_and_turns_with_it():
+def test_marks_fixed_to_a_body_move_with_it():
     """A block and a pin at places of a plate that turns and goes along, an arrow that turns on it, and one beside it."""
     share = np.arange(FRAMES) / (FRAMES - 1)
     origin, turn = 40 * share + 30j * share**2, np.exp(2j * share)

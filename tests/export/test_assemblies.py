@@ -28,7 +28,7 @@ def volume(part):
     return (gk.area(part.outline) - sum(gk.area(hole) for hole in part.holes)) * part.thickness
 
 
-def test_the_bill_lists_what_is_cut_and_what_is_bought(recipe, tmp_path):
+def test_bill_lists_parts_and_hardware(recipe, tmp_path):
     (path,) = gk.write(recipe, tmp_path / "four-bar-bom.csv")
     rows = list(csv.DictReader(path.read_text().splitlines()))
     cut = {row["item"]: row for row in rows if row["thickness_mm"]}

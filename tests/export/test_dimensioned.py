@@ -118,7 +118,7 @@ BORED = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n[files]\ncurves = "
         ),
     ],
 )
-def test_a_bores_callout_tells_what_is_cut_and_for_which_shaft(stock, callout, box, tmp_path):
+def test_callout_of_a_bore_has_its_cut_size_and_its_shaft(stock, callout, box, tmp_path):
     recipe = gk.load(BORED + stock)
     assert callouts(recipe, tmp_path) == [callout]
     gk.write(recipe, tmp_path / "a.dxf")

@@ -43,7 +43,7 @@ def made(folder, name, summary=None, *own):
     return folder / name
 
 
-def test_what_cannot_be_read_is_passed_by_or_reported(tmp_path, monkeypatch):
+def test_unreadable_entries_are_skipped_or_reported(tmp_path, monkeypatch):
     own = made(tmp_path, "a", None, "a.csv", "a.svg")
     (own / "a-assembly.svg").write_bytes(b"<svg/>")
     real_file, real_open = Path.is_file, Path.open

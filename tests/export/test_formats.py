@@ -78,7 +78,7 @@ def test_dxf_says_millimetres_has_clean_layers_and_the_right_area(arcs):
 
 @pytest.mark.parametrize("arcs", [False, True])
 @pytest.mark.parametrize("count", [1, 4])
-def test_dxf_extents_are_those_of_what_is_cut(arcs, count):
+def test_dxf_extents_are_those_of_the_parts(arcs, count):
     """Against every arc and line of it, in fine steps, as the library reads them."""
     hook = gk.Part(
         "hook", gk.plane.Polyline(np.array([0, 10 - 5j, 20 + 5j, 3j]), np.array([0.9, -0.3, 1.0, 0.2])), (), 1
@@ -162,7 +162,7 @@ def test_stl_is_closed_upright_and_of_the_right_volume(part):
 
 
 @pytest.mark.parametrize("arcs", [False, True])
-def test_svg_is_in_millimetres_and_draws_what_the_dxf_cuts(arcs):
+def test_svg_is_in_millimetres_and_equals_the_dxf(arcs):
     sheet = sheet_of(PARTS, arcs=arcs)
     root = ET.fromstring(svg(sheet, "a <b> & c"))
     assert root.get("width") == f"{sheet.width:g}mm" and root.get("viewBox") == f"0 0 {sheet.width:g} {sheet.height:g}"

@@ -93,7 +93,7 @@ def strange(made, tmp_path):
     return tmp_path
 
 
-def test_what_else_lies_in_the_folder_does_no_harm(strange):
+def test_other_files_in_the_folder_do_no_harm(strange):
     before = {p: p.stat().st_mtime_ns for p in strange.rglob("*.json") if p.is_file()}
     gk.index(strange)
     page = read(strange)

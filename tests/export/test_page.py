@@ -93,7 +93,7 @@ def nasty():
     )
 
 
-def test_no_text_of_a_recipe_is_markup_or_turns_what_stands_beside_it():
+def test_texts_of_a_recipe_are_escaped():
     text = page(nasty()).decode()
     elements = Elements(text)
     tags = [tag for tag, _ in elements.found]
@@ -108,7 +108,7 @@ def test_no_text_of_a_recipe_is_markup_or_turns_what_stands_beside_it():
 
 
 @pytest.mark.parametrize("make", [lambda: page(nasty()), lambda: page(job_of(turning()))])
-def test_the_policy_lets_run_what_stands_in_the_page_and_nothing_else(make):
+def test_policy_allows_only_the_scripts_of_the_page(make):
     elements = Elements(make().decode())
     policy = next(a["content"] for t, a in elements.found if a.get("http-equiv") == "Content-Security-Policy")
     rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
@@ -118,7 +118,7 @@ def test_the_policy_lets_run_what_stands_in_the_page_and_nothing_else(make):
         assert rules[rule] == f"'sha256-{digest}'"
 
 
-def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):
+def test_page_lists_checks_parts_and_the_recipe(tmp_path):
     recipe = gk.load(RECIPES / "walking-leg.toml")
     gk.write(recipe, tmp_path / "leg.html")
     text = (tmp_path / "leg.html").read_text()
@@ -130,7 +130,7 @@ def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):
     assert "geomkin run leg.toml" in text
 
 
-def test_paths_draw_what_they_are_made_of():
+def test_paths_equal_their_curves():
     square = gk.plane.Polyline(np.array([0, 10, 10 + 10j, 10j]))
     assert (
         path([square, gk.plane.Circle(5 + 5j, 2)], 0.01, 3) == "M0 0l10 0 0 10-10 0zM3 5a2 2 0 0 1 4 0a2 2 0 0 1-4 0z"

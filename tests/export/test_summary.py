@@ -21,7 +21,7 @@ files = { labels = false, kerf = 0.4, tolerance = 0.1, curves = "%s" }
 
 
 @pytest.mark.parametrize("curves", ["chords", "arcs"])
-def test_summary_tells_the_written_sizes_beside_the_exact_ones(tmp_path, curves):
+def test_summary_has_written_and_exact_sizes(tmp_path, curves):
     """At this tolerance chords lose 0.5 % of the area, which a reader of the files must be able to tell."""
     (tmp_path / "bars.toml").write_text(RECIPE % curves)
     gk.make(tmp_path / "bars.toml", tmp_path)
@@ -45,7 +45,7 @@ def test_summary_tells_the_written_sizes_beside_the_exact_ones(tmp_path, curves)
         assert part["written_area_mm2"] - part["area_mm2"] > 0.2 * around
 
 
-def test_parts_are_reported_with_their_exact_sizes_and_what_is_written_of_them():
+def test_parts_are_reported_with_exact_and_written_sizes():
     disc = gk.Part("scheibe ä", gk.plane.Circle(5j, 10.0), (gk.plane.Circle(5j, 2.0),), 2.5, count=3)
     bar = gk.Part("bar", gk.plane.Polyline(np.array([0, 20, 20 + 6j, 6j])), (), 4.0)
     job = Job("two", StaticSource((disc, bar), walls={"scheibe ä": 8.0}), 0.01, kerf=0.2)

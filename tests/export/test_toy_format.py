@@ -33,7 +33,7 @@ def toys(monkeypatch):
     monkeypatch.setitem(WRITERS, "lone", Writer("parts", lone))
 
 
-def test_a_recipe_may_ask_for_it_and_its_summary_tells_of_it(tmp_path):
+def test_recipe_writes_the_added_format_and_lists_it_in_the_summary(tmp_path):
     recipe = gk.load(GEAR % '"txt", "csv", "lone"').with_name("gear")
     made = gk.make(recipe, tmp_path)
     assert [path.name for path in made.files] == ["gear.csv", "gear.txt", "gear.lone", "summary.json"]

@@ -103,7 +103,7 @@ def test_more_triangles_than_programs_show_are_refused_with_sizes_that_work():
 
 @pytest.mark.parametrize("moves", ["outline", "holes"])
 @pytest.mark.parametrize(("turn", "shift"), [(-2.0, 0.0), (0.0, 7.0)])
-def test_the_room_of_a_part_that_leans_holds_every_corner_of_its_solid(turn, shift, moves):
+def test_extent_of_a_twisted_part_holds_every_corner_of_its_solid(turn, shift, moves):
     square = gk.plane.Polyline(np.array([-20 - 12j, 20 - 12j, 20 + 12j, -20 + 12j]))
     twist = gk.Twist(turn, shift, moves=moves)
     made = solid_cut(gk.Part("leaning", square, (gk.plane.Circle(0j, 3.0),), 5.0, twist=twist), 0.01)

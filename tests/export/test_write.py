@@ -62,7 +62,7 @@ def test_arcs_are_fewer_points_and_chords_keep_the_tolerance(tmp_path):
         assert tolerance / 4 < off.max() < 1.01 * tolerance
 
 
-def test_what_is_written_is_whole_or_as_it_was(tmp_path, monkeypatch):
+def test_files_are_written_whole_or_left_unchanged(tmp_path, monkeypatch):
     (tmp_path / "plate.stl").write_text("old")
     real, calls = os.fsync, []
 
@@ -82,7 +82,7 @@ ANOTHER = gk.Part("plate", gk.plane.Circle(0, 5.0), (), 2.0)
 CROSSED = gk.Part("bow", gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 2.0)
 
 
-def test_what_cannot_be_written_is_refused_by_name(tmp_path, monkeypatch):
+def test_invalid_things_to_write_are_refused_by_name(tmp_path, monkeypatch):
     for source, name, more, words in [
         (
             PLATE,

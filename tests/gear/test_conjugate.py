@@ -290,7 +290,7 @@ def test_contacts_obey_the_law_of_gearing():
 # Points that never touch
 
 
-def test_every_point_of_the_flank_either_touches_or_is_told():
+def test_every_flank_point_touches_or_is_reported():
     gear = StraightSidedGear(40, 2, 25, 1.0, 1.2)
     mate = mate_of(gear, 18, 2.0, 0.4)
     t = np.linspace(0.0005, 0.9995, 1000)

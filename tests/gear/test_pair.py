@@ -105,7 +105,7 @@ def test_the_backlash_is_the_play_of_the_finished_outlines(name):
         (lambda: gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, -0.6, addendum=1.4)), {"first root"}),
     ],
 )
-def test_what_interferes_is_named_and_overlaps(build, names):
+def test_interfering_teeth_are_named_and_overlap(build, names):
     pair = build()
     assert set(pair.interferences) >= names
     turns = np.linspace(0, 2 * np.pi / pair.first.teeth, 7)
@@ -140,7 +140,7 @@ def test_published_internal_pairs(z1, x2, angle, distance):
 
 
 @pytest.mark.parametrize("pair", PAIRS, indirect=True)
-def test_flanks_touch_on_the_line_of_action_and_slide_as_told(pair):
+def test_flanks_touch_on_the_line_of_action_at_the_reported_sliding(pair):
     """The two flanks' points that meet, followed by differences: their speeds along the common tangent."""
     start, end = pair.contact_lengths
     along = np.linspace(start, end, 7)[1:-1]

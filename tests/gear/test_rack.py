@@ -134,7 +134,7 @@ SLIDING = {
 
 
 @pytest.mark.parametrize("name", SLIDING)
-def test_contact_slides_by_what_it_moves_faster_along_one_flank_than_along_the_other(name):
+def test_sliding_is_the_difference_of_speeds_along_the_flanks(name):
     pair = SLIDING[name]()
     pinion, a = pair.pinion, pair.pinion.pressure_angle
     along = np.linspace(*pair.contact_lengths, 7)
@@ -154,7 +154,7 @@ def test_contact_slides_by_what_it_moves_faster_along_one_flank_than_along_the_o
     assert pair.travel == pytest.approx(2 * np.pi * pinion.pitch_radius)
 
 
-def test_what_hits_overlaps_and_what_does_not_is_clear():
+def test_reported_interference_overlaps_and_all_else_is_clear():
     """Pinions of many sizes over bars of many, near and far: outlines laid over each other through a pitch."""
     rng, seen = np.random.default_rng(3), {}
     while len(seen) < 4 or min(seen.values()) < 2:

@@ -166,7 +166,7 @@ def test_impossible_rings_are_refused_by_name(make, field):
     assert caught.value.field == field and caught.value.remedy
 
 
-def test_a_cutter_is_refused_just_when_its_tips_would_hit_the_teeth_on_their_way_out(monkeypatch):
+def test_cutter_is_refused_if_and_only_if_its_tips_hit_the_teeth(monkeypatch):
     monkeypatch.setattr("geomkin.gear.interference.InternalMesh.trochoid_gap", 1.0)
     hit = {}
     for teeth in (50, 51, 52, 53):

@@ -84,7 +84,7 @@ def test_an_output_folder_that_cannot_be_is_reported_in_one_line(run, recipe, he
 
 
 @pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo], ids=["folder", "pipe"])
-def test_what_is_no_file_is_not_replaced(run, recipe, here, make):
+def test_folders_and_pipes_are_not_replaced(run, recipe, here, make):
     (here / "out/r").mkdir(parents=True)
     make(here / "out/r/crank.stl")
     result = run(recipe("four-bar"))
@@ -101,7 +101,7 @@ def test_a_link_under_the_name_is_replaced_and_its_target_kept(run, recipe, here
     assert (here / "precious").read_text() == "precious" and not (here / "out/r/r.csv").is_symlink()
 
 
-def test_a_recipe_that_fails_leaves_what_an_earlier_one_made(run, recipe, here):
+def test_failing_recipe_leaves_earlier_files(run, recipe, here):
     assert run(recipe("four-bar")).exit_code == 0
     before = contents(here / "out/r")
     for spoilt in ({"linkage.ground": "1000"}, {"files.kerf": "5"}, {"stock.bar_width": "4"}):

@@ -87,7 +87,7 @@ def cam(here, geomkin):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes by name here")
-def test_links_out_of_the_folder_and_what_is_no_file_are_refused(cam, here):
+def test_links_out_of_the_folder_and_special_files_are_refused(cam, here):
     (here / "home").mkdir()
     (here / "home/link.csv").symlink_to(here / "outside.csv")
     (here / "home/way").symlink_to(here)

@@ -200,7 +200,7 @@ def test_a_change_point_is_followed(order):
     assert gk.driver_limits(linkage, "follow", (-50, 50)) == ((-50, 50),)
 
 
-def test_many_actuators_at_once_are_each_what_it_is_alone():
+def test_batch_of_actuators_equals_single_ones():
     rng = np.random.default_rng(5)
     still, bar, offset = rng.uniform(50, 100, 20), rng.uniform(30, 80, 20), rng.uniform(-30, 30, 20)
     q = np.linspace(20, 120, 50)

@@ -39,7 +39,7 @@ def test_the_tangent_is_that_of_the_motion():
 
 
 @given(st.lists(st.floats(0.2, 5), min_size=4, max_size=4), st.floats(0, 6.28), st.sampled_from([1, -1]))
-def test_both_ways_agree_with_the_motion_of_any_four_bar(lengths, angle, branch):
+def test_both_constructions_agree_with_the_motion_of_any_four_bar(lengths, angle, branch):
     longest = max(lengths)
     assume(longest < 0.99 * (sum(lengths) - longest))
     motion = gk.move(gk.FourBar(*lengths), [angle], branch)

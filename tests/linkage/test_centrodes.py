@@ -112,7 +112,7 @@ def test_open_frames_are_nan_and_break_the_curve():
 
 
 @pytest.mark.parametrize("moving", [False, True])
-def test_a_centrode_s_curve_goes_through_the_centres_at_the_rate_that_differences_tell(moving):
+def test_centrode_velocity_agrees_with_differences(moving):
     linkage, body = LINKAGES["crank-rocker"]
     curve = gk.linkage.CentrodeCurve(linkage, body, (0.4, 1.2), moving)
     drive = np.array([1.1, 0.5, 0.8])

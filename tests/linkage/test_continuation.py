@@ -154,7 +154,7 @@ def test_dead_centres_of_a_followed_branch_are_followed_from_the_start_of_the_sp
     assert len(wanted) == 2 and found == pytest.approx(wanted, abs=1e-9)
 
 
-def test_a_start_at_a_change_point_is_told_by_the_side_it_leaves_to():
+def test_start_at_a_change_point_takes_the_branch_it_leaves_on():
     linkage, _ = chain(1)
     start = np.pi - np.angle(15 + 5j)
     for turn in (1.0, -1.0):

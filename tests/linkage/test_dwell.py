@@ -55,7 +55,7 @@ def test_falling_drives_have_the_dwell_of_rising_ones() -> None:
         assert (found.low, found.high) == pytest.approx((rising.low, rising.high), abs=1e-9)
 
 
-def test_grashof_sums_against_what_turns() -> None:
+def test_grashof_sums_agree_with_the_links_that_turn_fully() -> None:
     rng = np.random.default_rng(5)
     for lengths in rng.uniform(20, 100, (200, 4)).tolist():
         if 2 * max(lengths) >= sum(lengths):

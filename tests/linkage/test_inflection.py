@@ -136,7 +136,7 @@ def test_parallel_cranks_make_it_a_straight_line_along_the_cranks():
             assert abs(chord) == pytest.approx(abs(bend), abs=1e-5)
 
 
-def test_nothing_jumps_on_the_way_through_infinity():
+def test_circle_is_continuous_through_infinity():
     steps = np.array([-1e-3, -1e-5, -1e-7, -1e-10, 0, 1e-10, 1e-7, 1e-5, 1e-3])
     motion = gk.move(PARALLEL_CRANKS, np.pi / 2 + steps)
     for circle in (inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*cranks(motion))):
@@ -147,7 +147,7 @@ def test_nothing_jumps_on_the_way_through_infinity():
         assert np.array_equal(np.isfinite(circle.pole), steps != 0)
 
 
-def test_a_pin_at_the_instant_centre_still_tells_the_circle():
+def test_circle_is_found_with_a_pin_at_the_instant_centre():
     """Rocker and coupler in line: the crank pin is at rest for a moment, and the tangent along the crank."""
     a, end = 30 * np.exp(1j * 0.9), 100 + 0j
     pin = a + (end - a) / abs(end - a) * 45  # coupler of 45 that points at the rocker's pivot

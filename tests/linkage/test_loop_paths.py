@@ -55,7 +55,7 @@ def test_frames_of_random_linkages_are_those_of_newton_s_method_frame_by_frame(s
 
 
 @pytest.mark.parametrize("name", [n for n in FEW if n != "loops"])
-def test_slopes_are_what_small_steps_of_the_unknowns_make(name):
+def test_slopes_agree_with_differences(name):
     linkage, drive, branch = ALL[name]
     loops = posed(linkage, gk.move(linkage, drive, branch))
     rng, told = np.random.default_rng(3), 0

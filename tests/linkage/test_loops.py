@@ -97,7 +97,7 @@ def test_limits_are_exact_whatever_the_start_and_the_span(seed):
             assert np.exp(1j * high) == pytest.approx(limit, abs=2e-14)
 
 
-def test_frames_are_what_they_are_alone_in_any_order():
+def test_frames_do_not_depend_on_their_order():
     linkage, drive = locked()
     row = np.linspace(drive[0], drive[0] + 0.5, 50)
     whole = gk.move(linkage, row).point("D").position

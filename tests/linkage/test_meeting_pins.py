@@ -33,7 +33,7 @@ def test_a_lift_table_that_folds_onto_itself_is_open(size, origin):
 
 @pytest.mark.parametrize("size", [1e-7])
 @pytest.mark.parametrize("side", [1, -1])
-def test_pins_that_nearly_meet_are_told_with_the_digits_that_are_left(size, side):
+def test_nearly_coincident_pins_keep_the_remaining_digits(size, side):
     """A lever through its crank's circle: by the angle at the circumference it leans by half the crank's angle."""
     lever = gk.InvertedSliderCrank(30 * size, 30 * size)
     near = side * 10.0 ** -np.arange(0, 14)
@@ -65,7 +65,7 @@ def test_places_far_out_round_as_they_are_large():
 
 
 @pytest.mark.parametrize("formulas", [True, False])
-def test_a_lever_on_a_moving_carrier_is_told_wherever_its_pins_are_apart(formulas, monkeypatch):
+def test_lever_on_a_moving_carrier_is_placed_unless_its_pins_meet(formulas, monkeypatch):
     """A slotted lever behind a crank-rocker at all angles: where its pins are apart by a billionth it has a direction."""
     monkeypatch.setattr(solution, "WORTH", 0 if formulas else 10**18)
     bodies = {

@@ -32,7 +32,7 @@ def test_a_shaper_whose_lever_would_turn_over_is_refused():
     assert gk.Shaper(90, 89.999, 180, 60, 85).crank == 89.999
 
 
-def test_many_four_bars_at_once_are_each_what_it_is_alone():
+def test_batch_of_four_bars_equals_single_ones():
     cranks = np.linspace(20, 40, 50)
     many = gk.move(gk.FourBar(ground=100, crank=cranks, coupler=90, rocker=70, coupler_point=40 + 25j), TURN, speed=2.0)
     least = gk.least_transmission_angle(many)
@@ -53,6 +53,6 @@ def test_a_root_is_found_with_its_path_and_residual():
     assert root.residual < 1e-14 and np.array_equal(root.path[0], [1, 1]) and np.array_equal(root.path[-1], root.value)
 
 
-def test_a_double_root_converges_slowly_and_is_told_when_steps_run_out():
+def test_double_root_converges_slowly_until_the_step_limit():
     few = gk.linkage.newton_raphson(lambda x: (x - 1) ** 2, lambda x: 2 * (x - 1), 2.0, steps=10)
     assert not few.converged and few.value[0] == pytest.approx(1, abs=2e-3)

@@ -94,7 +94,7 @@ def small(seed):
 
 
 @pytest.mark.parametrize("seed", range(0, 24, 5))
-def test_what_is_round_about_pins_meets_where_the_stack_says_so_and_nowhere_else(seed):
+def test_heads_and_rings_meet_only_in_reported_collisions(seed):
     linkage, stock = small(seed)
     motion = gk.move(linkage, TURN)
     try:

@@ -38,7 +38,7 @@ def width(hole):
 @pytest.mark.parametrize(
     ("name", "fastener"), [("slider-crank", "screw"), ("whitworth", "rod"), ("oldham-coupling", "screw")]
 )
-def test_the_ground_has_the_motor_s_holes_and_what_else_it_holds_is_clear_of_the_motor(tmp_path, name, fastener):
+def test_ground_has_the_motor_holes_and_keeps_other_pins_off_the_motor(tmp_path, name, fastener):
     """Boss and screws as makers draw them; other holes keep nuts and washers of 9 mm, or rods, off its square."""
     recipe = driven(name, fastener=fastener)
     plate, holes = read(tmp_path, recipe, "ground")

@@ -119,7 +119,7 @@ def test_discs_of_a_pile_fill_the_room_between_ground_and_bridge(name, thickness
         assert pin.length == pytest.approx(thickness * len(range(pin.first, pin.last + 1)))
 
 
-def test_what_cannot_be_built_says_what_meets_and_when():
+def test_collisions_name_the_pair_and_its_driver_range():
     linkage, branch = CROWDED, {"slide": -1, "ram_pin": 1}
     stack, model = built(linkage, branch)
     assert stack.collisions
@@ -136,7 +136,7 @@ def test_what_cannot_be_built_says_what_meets_and_when():
 
 
 @pytest.mark.parametrize("step_deg", [1.0, 15.0])
-def test_nothing_slips_through_between_frames(step_deg):
+def test_collisions_between_frames_are_found(step_deg):
     """Thin bars that pass a pin between two frames: at no frame itself is the crank near the pivot."""
     thin = LinkStock(bar_width=0.6, pin_diameter=0.3, clearance=0)
     drive = np.radians(np.arange(step_deg / 2, 360 + step_deg, step_deg))

@@ -75,7 +75,7 @@ def test_polynomials_that_the_weights_go_through_are_exact_up_to_the_ends(order)
 
 
 @pytest.mark.parametrize("step", [0.5])
-def test_the_error_told_is_what_is_missed_where_the_formula_that_judges_is_exact(step):
+def test_error_estimate_is_the_true_error_if_the_higher_formula_is_exact(step):
     """By polynomials of one degree more than a formula takes: their next derivative is the same everywhere."""
     t = np.arange(16) * step
     for order in (2, 4, 6):

@@ -18,7 +18,7 @@ def test_the_other_assembly_mode_is_shown_on_the_same_drive():
     assert np.all(side(scene) == -side(other))
 
 
-def test_what_moves_with_a_body_is_not_fixed():
+def test_marks_on_a_moving_body_are_not_fixed():
     scene = recipe("shaking-force").scene
     weight, crank = named(scene, "counterweight"), named(scene, "crank")
     assert not weight.fixed and np.array_equal(weight.direction, crank.direction)

@@ -85,7 +85,7 @@ def test_a_shaft_a_little_thicker_takes_the_next_key_and_all_keys_fit_their_two_
     assert key_of(6.0) == PARALLEL_KEYS[0] and key_of(5.99) is None and key_of(231.0) is None
 
 
-def test_a_pressed_bore_is_narrower_and_what_else_turns_on_the_shaft_is_not():
+def test_only_the_pressed_bore_is_narrower_than_the_shaft():
     stock = gk.gear.GearStock(bore=8, fit="press", clearance=0.3)
     pair = gk.gear.GearPairRecipe(
         first=gk.SpurGear(20, 2), second=gk.SpurGear(30, 2), first_stock=stock, second_stock=stock

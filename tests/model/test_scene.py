@@ -53,7 +53,7 @@ def test_everything_has_as_many_rows_as_there_are_frames():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_box_is_that_of_what_moves_and_of_the_origin(seed):
+def test_box_holds_moving_bodies_and_the_origin(seed):
     """Pins, slides, what leaves a trail, and bodies; no arrow's end, no circle, no point that leaves none."""
     numbers = np.random.default_rng(seed)
 

@@ -7,7 +7,7 @@ import geomkin as gk
 from geomkin.model.table import significant
 
 
-def test_what_cannot_be_is_left_out_of_both_coordinates(tmp_path):
+def test_unreachable_points_are_empty_in_both_coordinates(tmp_path):
     """Of places, velocities and accelerations at frames that a linkage does not reach; and so in the file."""
     linkage = gk.FourBar(100, 80, 60, 50, coupler_point=20 + 10j)
     motion = gk.move(linkage, np.radians(np.arange(0, 361, 15)))
@@ -31,7 +31,7 @@ def test_ten_digits_of_each_value_however_large_others_are():
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 1.0, 1e9])
-def test_rounding_noise_is_written_as_0_and_what_is_more_is_not(size):
+def test_rounding_noise_is_written_as_0(size):
     values = size * np.array([2e-16, -3e-15, 1.0, 1e-11, -1e-17])
     known = significant(values, size)
     assert known.tolist()[:2] == [0, 0] and known[4] == 0 and not np.signbit(known[[0, 1, 4]]).any()

@@ -156,7 +156,7 @@ stock = { bore = 10, web = { hub = 10.1, rim = 4 } }
     ],
     ids=["hole near an edge", "two holes", "bore of a cam", "opening near a bore"],
 )
-def test_what_would_break_out_fails_a_check(tmp_path, text, names, wall):
+def test_breaking_wall_fails_a_check(tmp_path, text, names, wall):
     (tmp_path / "thin.toml").write_text(text)
     walls = [c for c in check_recipe(tmp_path / "thin.toml").checks if c.name.startswith("thinnest wall")]
     failed = {c.name.removeprefix("thinnest wall of the "): c for c in walls if not c.passed}

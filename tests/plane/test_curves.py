@@ -59,7 +59,7 @@ def zigzag(start: complex) -> Polyline:
     return Polyline(start + np.array([0, 1 + 1j, 2, 3]), None, False)
 
 
-def test_path_at_a_break_inside_a_piece_answers_for_what_starts_there():
+def test_path_at_a_break_takes_the_piece_that_starts_there():
     """k + 1/3 is no binary number: the way back to the piece's own break must not lose it by rounding."""
     path = Path(tuple(zigzag(3.0 * k) for k in range(8)))
     edges = [p.velocity(p.breaks[:-1]) for p in path.pieces]

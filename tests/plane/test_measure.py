@@ -136,7 +136,7 @@ def dented():
 
 
 @pytest.mark.parametrize("curve", [dented(), Moved(dented(), Pose(1j, 1j))])
-def test_convexity_of_an_outline_is_positive_where_convex_either_way_round(curve):
+def test_convexity_does_not_depend_on_the_direction_of_an_outline(curve):
     middles = np.array([0.5, 1.5, 2.5, 3.5])
     there = measure.convexity(curve, middles)
     back = measure.convexity(Reversed(curve), -middles)
@@ -147,7 +147,7 @@ def test_convexity_of_an_outline_is_positive_where_convex_either_way_round(curve
     assert np.isclose(there[1], -1 / ((1 + 1 / 9) / (2 / 3)))
 
 
-def test_area_is_positive_and_curvature_left_positive_either_way_round():
+def test_area_is_positive_in_either_direction():
     dent, middles = dented(), np.array([0.5, 1.5, 2.5, 3.5])
     assert measure.area(Reversed(dent)) == measure.area(dent) == measure.signed_area(dent) > 0
     assert np.isclose(measure.signed_area(Reversed(dent)), -measure.area(dent), rtol=1e-12)

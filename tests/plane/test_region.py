@@ -245,7 +245,7 @@ def test_difference_and_selection_of_pieces():
 
 
 @pytest.mark.parametrize("tolerance", [0.05])
-def test_a_thinned_polygon_stays_near_what_it_leaves_out(tolerance):
+def test_thinned_polygon_stays_near_the_removed_points(tolerance):
     loop = disc(20.0, 1e-3)
     few = region.thinned(loop, tolerance)
     assert set(few.tolist()) <= set(loop.tolist()) and 3 < len(few) < len(loop) / 2

@@ -26,7 +26,7 @@ def changed(tmp_path, **tables):
     return file
 
 
-def test_the_table_tells_the_stroke_and_what_it_lifts(lift):
+def test_table_has_the_stroke_and_the_lifted_load(lift):
     columns = {column.header: column.values for column in lift.table.columns}
     place = columns["lift_place_mm"]
     assert next(iter(columns)) == "lift_place_mm" and place[[0, -1]] == pytest.approx([45, 120])

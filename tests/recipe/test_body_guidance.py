@@ -25,7 +25,7 @@ def recipe(wanted=THREE, rest=""):
         "poses = [[0, 0, 0], [-40, 25, -30], [-65, 50, -50], [-85, 70, -65], [-105, 85, -75]]",
     ],
 )
-def test_it_is_made_and_what_it_found_goes_through_the_poses(tmp_path, wanted):
+def test_found_linkage_goes_through_the_poses(tmp_path, wanted):
     goal = recipe(wanted)
     made = gk.make(goal, tmp_path)
     folder = tmp_path / "poses"
@@ -58,7 +58,7 @@ def ends(goal):
     return ((0, 0), (-1, -1)) if rising else ((0, -1), (-1, 0))
 
 
-def test_the_checks_say_what_is_missed_and_which_defects_there_are():
+def test_checks_report_pose_error_and_defects():
     by_name = {check.name: check for check in recipe().checks}
     assert by_name["largest distance from a pose"].passed and by_name["defects"].value == 0
     seven = "poses = [[0, 0, 0], [10, 4, 9], [22, 7, 15], [30, 16, 25], [41, 20, 28], [52, 39, 50], [60, 60, 80]]"

@@ -54,7 +54,7 @@ def numbers(table):
     "name",
     [name if k % 3 == 0 else pytest.param(name, marks=pytest.mark.campaign) for k, name in enumerate(GOALS)],
 )
-def test_found_recipes_have_short_numbers_that_are_within_a_millionth_of_what_was_found(name):
+def test_found_recipes_have_short_numbers_within_a_millionth(name):
     goal = goal_of(name)
     table = tomllib.loads(to_toml(goal.design))
     # A step of a stroke is a share of it.
@@ -68,7 +68,7 @@ def test_found_recipes_have_short_numbers_that_are_within_a_millionth_of_what_wa
     assert gk.load(to_toml(goal.design)) == goal.design
 
 
-def test_what_is_reported_of_the_rounded_linkage_is_what_it_does():
+def test_reported_errors_are_those_of_the_rounded_linkage():
     """Moved, and looked at in many frames, as the file has it."""
     for name, output in (("swing", "rocker"), ("swings", "rocker"), ("stroke", "slider")):
         goal = goal_of(name)

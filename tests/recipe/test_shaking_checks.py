@@ -31,7 +31,7 @@ def test_the_quotient_is_that_of_the_largest_forces(design_checks):
     assert check.value == pytest.approx(2 * 30 * (1 + 1 / 3) * 1e-3 / best, rel=1e-9)
 
 
-def test_a_table_that_starts_anywhere_tells_the_time_since_and_the_force_of_that_angle():
+def test_table_may_start_at_any_angle():
     def table(start, end):
         masses = {"slider": 2, "crank": 0.5, "crank_centre": [10, 3]}
         drive = {"start_deg": start, "end_deg": end, "step_deg": 30, "speed_rpm": 120}

@@ -24,7 +24,7 @@ def without_none(told):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, name):
+def test_text_table_file_and_class_give_the_same_recipe(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     text = template_of(name)
     Path("new.toml").write_text(text)
@@ -38,7 +38,7 @@ def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, na
     assert gk.load(without_none(adapter(type(recipe)).dump_python(recipe, mode="json"))) == recipe
 
 
-def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
+def test_recipe_is_named_after_its_file_its_given_name_or_its_kind(tmp_path):
     (tmp_path / "from-file.toml").write_text(GEAR)
     made = [
         gk.make(tmp_path / "from-file.toml", tmp_path),
@@ -51,7 +51,7 @@ def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
     assert all((tmp_path / m.name / f"{m.name}.csv") in m.files and m.checks for m in made)
 
 
-def test_what_is_known_of_a_recipe_is_worked_out_once_and_stays_when_it_is_renamed():
+def test_properties_are_computed_once_and_kept_when_renamed():
     recipe = gk.load(GEAR)
     for what in ("design", "table", "parts", "checks"):
         first = getattr(recipe, what)
@@ -75,7 +75,7 @@ def test_files_that_a_text_or_a_table_names_lie_in_the_working_folder(tmp_path, 
     assert gk.load(text) == gk.load(tomllib.loads(text))
 
 
-def test_what_a_table_cannot_hold_is_reported_by_its_key():
+def test_invalid_values_of_a_table_are_reported_by_key():
     for table, key in [
         ({}, "kind"),
         ({"kind": ["spur-gear"]}, "kind"),

@@ -143,7 +143,7 @@ def test_nothing_is_worked_out_that_no_format_asks_for(tmp_path, write, only, as
     assert sorted(ASKED) == sorted(asked)
 
 
-def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):
+def test_goal_passes_on_the_properties_of_its_found_recipe(tmp_path):
     goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n')
     found = goal.design
     assert found.table is goal.table and found.parts is goal.parts and found.scene is goal.scene

@@ -24,7 +24,7 @@ def at(recipe, key):
 
 
 @pytest.mark.parametrize(("name", "key", "which"), OFFERED)
-def test_what_is_asked_for_is_shown_and_passes_its_checks(tmp_path, name, key, which):
+def test_chosen_table_is_shown_and_passes_its_checks(tmp_path, name, key, which):
     text = template_of(name, [f"{key}={which}" if which else key])
     found = at(tomllib.loads(text), key)
     assert (

@@ -137,7 +137,7 @@ def test_a_point_runs_along_a_curve():
     ],
     ids=repr,
 )  # fmt: skip
-def test_what_stands_still_is_a_picture_that_it_fills(thing, filled, size):
+def test_still_things_are_shown_as_pictures(thing, filled, size):
     svg = ElementTree.fromstring(thing._repr_svg_())
     _, _, wide, high = map(float, svg.get("viewBox").split())
     assert (wide / high, high) == pytest.approx((1.5, size * 240 / 236), rel=0.01)

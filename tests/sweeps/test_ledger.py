@@ -68,7 +68,7 @@ def test_rows_of_something_else_are_begun_anew_and_a_file_without_a_title_is_jus
     assert Ledger(kept, TITLE, is_row).known == ROWS and kept.read_text().startswith(json.dumps(TITLE) + "\n")
 
 
-def test_what_is_no_plain_file_is_not_touched(kept):
+def test_special_files_are_left_alone(kept):
     other = kept.with_name("other")
     kept.rename(other)
     for made in (lambda: kept.symlink_to(other), lambda: kept.symlink_to(kept.with_name("gone")), kept.mkdir):

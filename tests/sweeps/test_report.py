@@ -38,7 +38,7 @@ def task(tmp_path):
     return lambda *names: Task(data, "bar\n.toml", str(tmp_path), names)
 
 
-def test_what_is_reported_is_what_the_table_and_the_notes_have(task):
+def test_reported_results_are_those_of_table_and_notes(task):
     names = ["transmission_angle_deg:least", "transmission_angle_deg:largest", "rocker_angle_deg:last", "nothing:least",
              "grashof_type", "nothing", "versions.nothing"]  # fmt: skip
     sizes = {"linkage.crank": 80, "linkage.coupler": 60, "linkage.rocker": 50, "drive.end_deg": 180}
@@ -64,7 +64,7 @@ def test_what_is_reported_is_what_the_table_and_the_notes_have(task):
     ],
     ids=repr,
 )
-def test_what_one_combination_does_ends_no_other(task, monkeypatch, fault, words):
+def test_failing_combination_stops_no_other(task, monkeypatch, fault, words):
     real = Task.opened
 
     def opened(self, changes):

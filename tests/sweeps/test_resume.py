@@ -60,7 +60,7 @@ class Failing(Executor):
         return future
 
 
-def test_what_was_found_is_handed_on_before_what_went_wrong_and_what_waits_is_called_off(here, monkeypatch):
+def test_results_are_kept_and_waiting_work_is_cancelled_on_failure(here, monkeypatch):
     monkeypatch.setattr(sweeping, "AHEAD", 4)
     failing = Failing()
     # Of the first four jobs one works, the second fails, the others wait without end.
@@ -71,7 +71,7 @@ def test_what_was_found_is_handed_on_before_what_went_wrong_and_what_waits_is_ca
     assert gk.sweep(TABLE, {"linkage.crank": [10, 11, 12, 13]}, (), "made").kept == 4
 
 
-def test_a_refusal_of_ours_in_an_executor_stays_what_it_is(here):
+def test_refusal_keeps_its_type_through_an_executor(here):
     class Refusing(Executor):
         def submit(self, *_):
             raise gk.DesignError("crank", "found 1", "give 2")

@@ -51,7 +51,7 @@ def bytes_of(sweep):
     return {path.name: path.read_bytes() for path in sweep.files}
 
 
-def test_rows_are_what_recipes_made_one_by_one_are(file, tmp_path):
+def test_rows_equal_recipes_made_one_by_one(file, tmp_path):
     sweep = swept(file, tmp_path)
     rows = rows_of(bytes_of(sweep)["bar.sweep.csv"])
     assert len(rows) == len(CRANKS) * len(ROCKERS)
@@ -150,7 +150,7 @@ def stopped(file, tmp_path):
 
 
 @pytest.mark.parametrize("half", ["", '{"key": "[{\\"linkage'])
-def test_what_was_stopped_goes_on_where_it_was(file, tmp_path, stopped, half, monkeypatch):
+def test_stopped_sweep_resumes(file, tmp_path, stopped, half, monkeypatch):
     kept = stopped / "bar/bar.sweep.jsonl"
     with kept.open("a") as lines:
         lines.write(half)
@@ -171,7 +171,7 @@ WORKED = sweeping.worked_out
 @pytest.mark.parametrize(
     "change", ["recipe", "file", *(pytest.param(one, marks=pytest.mark.campaign) for one in ("version", "results"))]
 )
-def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
+def test_changed_sweep_starts_again(tmp_path, change, monkeypatch):
     (tmp_path / "lift.csv").write_text(
         "cam_angle_deg,lift_mm\n" + "".join(f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10))
     )

@@ -32,7 +32,7 @@ def of_pins(w, pivot, pin, rest):
     return coefficients(w, 2 * w * pin, -2 * w * pivot, -2 * w * np.conj(pivot) * pin, rest)
 
 
-def test_the_coefficients_of_a_pin_tell_the_square_of_its_distance():
+def test_coefficients_of_a_pin_give_its_squared_distance():
     rng = np.random.default_rng(1)
     z, u, pivot, pin = places(rng, 50), turns(rng, 50), places(rng, 7), places(rng, 7)
     w = rng.uniform(-3, 3, 7)
@@ -41,7 +41,7 @@ def test_the_coefficients_of_a_pin_tell_the_square_of_its_distance():
     assert told == pytest.approx(w * np.abs(z[:, None] + u[:, None] * pin - pivot) ** 2, abs=1e-12)
 
 
-def test_coefficients_are_told_as_the_dyads_that_they_are():
+def test_coefficients_are_converted_to_their_dyads():
     rng = np.random.default_rng(3)
     w, pivot, pin, rest = rng.uniform(0.1, 3, 30), places(rng, 30), places(rng, 30), rng.normal(size=30)
     found, good = pairs_of(of_pins(w, pivot, pin, rest))
@@ -82,7 +82,7 @@ def test_dyads_of_slides_hold_the_poses_that_their_coefficients_are_met_by():
             assert found.fixed[0] == pytest.approx(pivot) and abs((found.moving[0] / way).imag) < 1e-12
 
 
-def test_what_a_dyad_misses_is_half_of_what_its_distance_varies_by():
+def test_error_of_a_dyad_is_half_the_variation_of_its_distance():
     rng = np.random.default_rng(5)
     z, u = 50 * places(rng, 6) + 300, turns(rng, 6)
     fixed, moving = 50 * places(rng, 12) + 300, 50 * places(rng, 12)
@@ -109,7 +109,7 @@ def test_what_a_dyad_misses_is_half_of_what_its_distance_varies_by():
 
 
 @pytest.mark.parametrize("size", [1e-6])
-def test_poses_leave_open_what_they_do_not_tell(size):
+def test_few_poses_leave_free_dimensions(size):
     rng = np.random.default_rng(6)
     z, u = size * places(rng, 8), turns(rng, 8)
     for count in range(1, 9):

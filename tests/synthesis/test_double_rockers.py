@@ -204,7 +204,7 @@ def test_invalid_requests_are_refused(wish, given, field):
     ("wish", "ratio"),
     [((10, 140, 120, 35), 3.0)],
 )
-def test_what_is_told_of_the_way_is_told_to_the_last_digits(wish, ratio):
+def test_reported_input_range_is_exact_to_rounding(wish, ratio):
     """Where crank and ground, and crank and coupler, are in line is met, and not only nearly: beside very fine steps."""
     found = double_rocker(*wish, largest_ratio=ratio)
     drive = np.radians(np.linspace(wish[0], wish[0] + wish[1], 200_001))

@@ -52,7 +52,7 @@ def test_ten_thousand_known_linkages_are_given_back():
     assert not missed(1, 10_000, 5)
 
 
-def test_the_slides_of_known_linkages_are_told_as_such():
+def test_slides_of_known_linkages_are_recognised():
     for known in known_linkages(np.random.default_rng(3), 50, 5):
         dyads = dyads_through(known.poses)
         assert np.isinf(dyads.fixed).sum() >= sum(known.fixed_far)
@@ -223,7 +223,7 @@ def test_poses_of_a_trammel_have_the_middle_of_the_rod_besides_its_slides():
         ("none", {}, "poses"),
     ],
 )
-def test_what_cannot_be_is_refused(poses, more, field):
+def test_invalid_poses_are_refused(poses, more, field):
     with pytest.raises(gk.DesignError) as refusal:
         dyads_through(poses, **more)
     assert refusal.value.field == field

@@ -28,7 +28,7 @@ output_mm = -40
 
 
 @pytest.mark.parametrize("text", [FOUR_BAR, SLIDER])
-def test_what_is_made(tmp_path, text):
+def test_found_function_generator_is_made(tmp_path, text):
     recipe = gk.load(text).with_name("wish")
     made = gk.make(recipe, tmp_path)
     unit = "mm" if "slider" in text else "deg"

@@ -82,7 +82,7 @@ def test_limits_are_kept_where_the_motion_keeps_them(task, way):
 
 
 @tasks
-def test_a_linkage_is_among_the_fits_of_what_it_does_itself(task):
+def test_linkage_is_among_the_fits_of_its_own_function(task):
     """Its starts are given: then the equation of the loop has one solution."""
     for side in (1, -1):
         p = next(row for row in some(task) if row[5] == side)

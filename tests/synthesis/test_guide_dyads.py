@@ -67,7 +67,7 @@ def joints_of(guide, poses):
 
 
 @pytest.mark.parametrize("drive", [[0.2, 0.8, 1.3, 2.0, 2.6]], ids=len)
-def test_a_region_leaves_out_what_is_not_in_it_and_nothing_else(drive):
+def test_region_excludes_exactly_the_linkages_outside_it(drive):
     poses = poses_of(SLIDER, np.array(drive))
     every = body_guides(poses)
     assert {guide.kind for guide in every} >= {"four-bar", "crank-slider", "slider-crank"}

@@ -57,7 +57,7 @@ def test_the_equations_hold_of_a_known_linkage_and_its_cognates_only():
     assert (np.abs(other).max(axis=1) > 1e-3).all() and np.abs(other).max() <= 1
 
 
-def test_what_starts_nearby_comes_to_the_linkage():
+def test_nearby_starts_converge_to_the_linkage():
     nine, rng = _Nine(POINTS), np.random.default_rng(2)
     starts = np.repeat(THREE, 5, axis=0) + 1e-2 * rng.normal(size=(15, 8))
     found = nine.solved(starts, 40, Watch(60, ""))
@@ -71,7 +71,7 @@ def test_what_starts_nearby_comes_to_the_linkage():
     assert len(nine.solved(np.vstack([THREE, rng.normal(size=(50, 8))]), 150, late)) == 3 and late.cut
 
 
-def test_cognates_are_one_and_what_is_no_linkage_is_none():
+def test_cognates_count_once_and_degenerate_solutions_not_at_all():
     nine, rng = _Nine(POINTS), np.random.default_rng(3)
     for order in ([0, 1, 2], [2, 0, 1], [1, 2, 0]):
         # Either of its two sides first.
@@ -110,7 +110,7 @@ def test_random_starts_find_linkages_through_points_anywhere(monkeypatch):
         monkeypatch.setattr(f"geomkin.synthesis.path.nine_points.{name}", value)
     points, told = (NINE - NINE.mean()) / 0.8, []
     with shown(lambda share, what: told.append((share, what))):
-        rows = through_nine(points, np.random.default_rng(0), Watch(60, "of nine"))
+        rows = through_nine(points, np.random.default_rng(0), Watch(600, "of nine"))
     assert len(rows) > 5 and all(is_through(row, points) for row in rows)
     pivots = [with_cognates(row, complex(points[0])) for row in rows]
     threes = {frozenset(complex(round(x[6], 4), round(x[7], 4)) for x in three) for three in pivots}

@@ -91,7 +91,7 @@ def test_five_timed_points_about_a_given_pivot():
     assert found.linkage.origin == pytest.approx(0, abs=1e-12) and found.linkage.ground_angle_deg == 0
 
 
-def test_a_bound_that_is_in_the_way_is_stood_upon():
+def test_active_bound_is_met_exactly():
     free = gk.path_generator(K18, 20.0 * np.arange(18))
     held = gk.path_generator(K18, 20.0 * np.arange(18), bounds={"crank": (0.1, 0.25)})
     assert free.linkage.crank > 0.3 and held.linkage.crank <= 0.25 * (1 + 1e-12)
@@ -204,7 +204,7 @@ def test_size_and_place_do_not_matter():
         assert other.square_error == pytest.approx(size**2 * plain.square_error, rel=1e-6)
 
 
-def test_the_same_seed_gives_the_same_answer_and_progress_is_told():
+def test_same_seed_gives_the_same_result_and_progress_is_reported():
     told = []
     with shown(lambda share, what: told.append((share, what))):
         one = gk.path_generator(K18, 20.0 * np.arange(18), seed=4)

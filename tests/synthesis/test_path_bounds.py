@@ -19,7 +19,7 @@ MIDDLE, SIZE = 30 - 70j, 4.0
 
 
 @pytest.mark.parametrize("slides", [False, True])
-def test_bounds_are_told_in_the_units_of_the_search(slides):
+def test_bounds_are_converted_to_the_units_of_the_search(slides):
     plain = np.array(bounds_of(None, slides, True, MIDDLE, SIZE))
     wide = [[-LONGEST, LONGEST]] * 10
     wide[0:4] = [[SHORTEST, LONGEST]] * 4
@@ -59,7 +59,7 @@ def found_of(linkage, branch=1):
     )  # fmt: skip
 
 
-def test_usable_is_what_has_no_defect_and_keeps_both_limits():
+def test_usable_linkages_have_no_defect_and_keep_both_limits():
     good = dataclasses.replace(found_of(gk.FourBar(90, 9, 80, 85, 40 + 45j)), transmission_angle_deg=30.0)
     assert good.ratio == pytest.approx(10) and good.is_usable and good.usable is good and good.coupler_point == 40 + 45j
     assert dataclasses.replace(good, transmission_angle_deg=30 - 2e-5).is_usable
@@ -80,7 +80,7 @@ def search_of(task, **changed):
 
 @pytest.mark.parametrize("slides", [False, True])
 @pytest.mark.parametrize("asked", ["open", "closed", "timed"])
-def test_what_is_made_of_a_row_is_that_linkage_in_mm(asked, slides):
+def test_row_of_the_search_is_converted_to_a_linkage_in_mm(asked, slides):
     x = CROSSING.copy()
     x[[0, 6, 7, 8, 9]] = 0.3 if slides else 3.0, 0.5, -2.0, 3.5, -7.0
     drive = np.linspace(0, 4.0, 6) - 7

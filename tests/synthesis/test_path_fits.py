@@ -31,7 +31,7 @@ def linkage_of(x, slides):
 
 @pytest.mark.parametrize("asked", ["open", "closed", "timed"])
 @pytest.mark.parametrize("slides", [False, True])
-def test_by_how_much_limits_are_passed_is_what_the_motion_shows(slides, asked):
+def test_limit_violation_agrees_with_the_motion(slides, asked):
     """Ways of random linkages, moved finely: whether they close, their least transmission angle, their lengths."""
     rng, seen = np.random.default_rng(3), []
     turns = np.array([0, 0.4, 2.0]) * rng.uniform(0.1, 3) if asked == "timed" else None

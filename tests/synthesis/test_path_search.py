@@ -30,7 +30,7 @@ def in_units(linkage, points, start=0.0):
     return np.array([*(np.array(lengths) / size), np.radians(linkage.ground_angle_deg), start])
 
 
-def test_defects_of_a_way():
+def test_defects_of_an_input_range():
     free = PathTask(POINTS[:4], None, False, False, 0.0, np.inf, np.zeros(10), np.zeros(10))
     sizes = in_units(KNOWN, SEEN)
     one, other = np.full(4, 1), np.array([1, 1, -1, 1])
@@ -65,7 +65,7 @@ def test_defects_of_a_way():
     assert way([0.2, 1.2, 2.2, 9.2], task=timed).drive.tolist() == [0.2, 1.2, 2.2, 9.2]
 
 
-def test_circuits_of_a_way_are_those_of_the_motion():
+def test_circuits_agree_with_those_of_the_motion():
     """Poses of random linkages, as the general rule tells them apart."""
     free = PathTask(POINTS[:2], None, False, False, 0.0, np.inf, np.zeros(10), np.zeros(10))
     rng, seen = np.random.default_rng(9), set()
@@ -111,7 +111,7 @@ def test_points_of_a_closed_curve_in_any_order_are_toured():
 
 @pytest.mark.parametrize("asked", ["free", "timed", "closed"])
 @pytest.mark.parametrize("known", [KNOWN, SLIDER])
-def test_what_passes_limits_counts_and_falls_as_its_derivatives_say(known, asked):
+def test_derivatives_of_limit_violations_agree_with_differences(known, asked):
     """All limits are passed, multipliers stand in them; central differences of every size and crank."""
     rng, slides = np.random.default_rng(12), known is SLIDER
     wanted, drive = traced(known, np.linspace(0.1, 4, 6)), np.linspace(0.1, 4, 6)

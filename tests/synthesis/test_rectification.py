@@ -101,7 +101,7 @@ def around(curves, z):
 
 
 @pytest.mark.parametrize("parallel", [0, 2, 3])
-def test_shaded_regions_hold_the_places_that_are_no_good_and_no_others(parallel):
+def test_shaded_regions_are_exactly_the_invalid_points(parallel):
     rng = np.random.default_rng(11 + parallel)
     shaded = np.zeros(2, dtype=int)
     for _ in range(8):

@@ -99,7 +99,7 @@ def test_at_half_a_turn_the_slide_line_goes_through_the_pivot():
     obeys(100, 180, few)
 
 
-def test_a_family_is_told_by_its_members_as_they_move():
+def test_reported_family_agrees_with_the_motion_of_its_members():
     best = slider_crank_stroke(50, 165)
     members = gk.move(best.family.linkage, np.radians(np.arange(0, 361, 1.0)))
     assert members.assembled.all()

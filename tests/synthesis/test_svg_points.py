@@ -31,7 +31,7 @@ def told(command, here, *places):
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_places_may_be_told_from_the_last_one_and_curves_in_other_words(seed):
+def test_relative_and_absolute_commands_give_the_same_points(seed):
     rng = np.random.default_rng(seed)
     place = lambda: complex(*np.round(rng.uniform(-50, 50, 2), 3))  # noqa: E731
     here = place()
@@ -98,7 +98,7 @@ ARCS = list(itertools.product((0, 1), (0, 1), (35.0,)))
 
 
 @pytest.mark.parametrize(("large", "sweep", "turn"), ARCS)
-def test_an_arc_is_the_one_of_four_that_its_flags_tell(large, sweep, turn):
+def test_flags_select_one_of_four_arcs(large, sweep, turn):
     """In the frame of its half axes it is an arc of the unit circle: from end to end, the flagged way about."""
     wide, high, start, end = 8.0, 5.0, 1 + 2j, 7 - 1j
     points, closed = points_of(f"M {pair(start)} A {wide} {high} {turn} {large} {sweep} {pair(end)}", 1000)

@@ -9,7 +9,7 @@ from geomkin.synthesis.function.wanted import wanted_function
 
 
 @pytest.mark.parametrize("span", [(1, 4), (-2, -0.5), (1e6, 1e6 + 1)])
-def test_shares_go_from_nought_to_one_and_in_proportion(span):
+def test_shares_go_from_0_to_1_in_proportion(span):
     for f in ("3 - 2*x", lambda x: 3 - 2 * x, lambda x: float(3 - 2 * x), [(span[0], 7), (span[1], 5)]):
         wanted = wanted_function(f, span)
         s = np.array([[0, 0.25], [0.5, 1]])
@@ -40,7 +40,7 @@ def test_rows_of_a_cubic_give_that_cubic_back_wherever_they_lie(scale):
         (lambda x: x + 0.02 * (x >= 1), (0, 1), 1), (lambda x: x - 0.02 * (x <= 0), (0, 1), 0), (lambda x: np.sign(x) + x, (-1, 2), 0),
     ],
 )  # fmt: skip
-def test_poles_and_jumps_are_told_with_their_place(f, span, place):
+def test_poles_and_jumps_are_reported_with_their_position(f, span, place):
     with pytest.raises(gk.DesignError) as refused:
         wanted_function(f, span)
     told = float(refused.value.problem.rpartition(" ")[2])

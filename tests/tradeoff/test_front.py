@@ -14,7 +14,7 @@ def beaten(k, seconds, errors):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_nothing_beats_is_the_front(seed):
+def test_front_is_the_set_of_undominated_points(seed):
     """Of whole numbers, so that points are equal in one or in both; some are unknown."""
     numbers = np.random.default_rng(seed)
     seconds, errors = numbers.integers(0, 8, (2, 30)).astype(float)

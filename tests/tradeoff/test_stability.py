@@ -24,7 +24,7 @@ def design_checks(cell, distances):
 
 
 @every_cell
-def test_the_library_does_at_each_place_what_the_table_says(cell):
+def test_library_agrees_with_the_stability_table(cell):
     found = design_checks(cell, (1e-1, 1e-7, 1e-15))
     # And the sizes are those of the kept table, to the rounding of its digits.
     (then,) = [[row[0], row[6], row[14]] for row in kept.study().results if row[0].cell is cell]
@@ -79,7 +79,7 @@ def test_a_loss_without_a_word_is_found():
     assert outcome(library=lambda *sizes: ()) == "nan"
 
 
-def test_small_and_large_modules_are_as_far_off_as_is_told():
+def test_error_of_small_and_large_modules_is_as_reported():
     far = {"module over 2 mm": lambda module: module / 2, "2 mm over the module": lambda module: 2 / module}
     cells = [cell for cell in CELLS if cell.distance in far and cell.result == "form radius"]
     assert {cell.distance for cell in cells} == set(far)
@@ -88,7 +88,7 @@ def test_small_and_large_modules_are_as_far_off_as_is_told():
             assert far[cell.distance](cell.sizes(x)[1]) == pytest.approx(x)
 
 
-def test_sizes_of_linkages_and_cams_are_as_far_off_as_is_told():
+def test_error_of_small_and_large_linkages_and_cams_is_as_reported():
     """By the first length beside that of the words; every length is as many times as large, and no angle."""
     told = {"sizes over 100 mm": 100, "100 mm over sizes": 100, "sizes over 20 mm": 20, "20 mm over sizes": 20}
     cells = [cell for cell in CELLS if cell.distance in told]
@@ -110,7 +110,7 @@ def test_the_textbook_s_centre_distance_is_the_library_s_where_it_has_one(shift)
         assert cell.formula(fp, *sizes) == pytest.approx(cell.library(*sizes), rel=1e-12)
 
 
-def test_cells_of_gears_stand_on_the_side_of_the_place_that_is_told():
+def test_cells_of_gears_are_on_the_reported_side():
     """Undercut that is about to end, tips that are about to be pointed, both the less the nearer."""
     under, tips = (
         next(c for c in CELLS if c.place == place)
