@@ -13,8 +13,9 @@ from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.reprs import clipped, moving, short
 from ..model.table import Column, Table, finite, xy_columns
-from ..plane.vec import Complex, Mask, Real, Whole, cross, dot
-from .linkage import Linkage, Slider
+from ..plane.vec import Array, Complex, Mask, Real, Whole, cross, dot
+from .linkage import AbstractLinkage, Linkage, Slider
+from .sensitivity import Sensitivities
 from .solve.formulas import LazyEvaluation, Timing, first_of, second_of
 from .solve.solution import LinkageSolution
 
@@ -225,6 +226,8 @@ class Motion:
         Speed and acceleration of the driver.
     solution : LinkageSolution
         The solved positions.
+    given : Linkage or any named linkage
+        The linkage as it was passed to `move`; `sensitivity` differentiates by its sizes.
 
     Examples
     --------
@@ -240,6 +243,7 @@ class Motion:
     drive: Real
     timing: Timing
     solution: LinkageSolution
+    given: AbstractLinkage = field(repr=False)
     # Cache of named points: a table, a scene and checks use the same ones.
     _points: dict[str, PointMotion] = field(init=False, repr=False, default_factory=dict)
 
@@ -323,7 +327,7 @@ class Motion:
         if name in self.bodies:
             return self.bodies[name]
         problem = f"found {shown(name)}, which is not the name of a body"
-        raise DesignError("name", problem, f"give one of {', '.join(self.bodies)}")
+        raise DesignError("name", problem, f"give one of {', '.join(self.bodies)}", "unknown-key")
 
     @checked
     def point(self, name: str) -> PointMotion:
@@ -351,7 +355,10 @@ class Motion:
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
         raise DesignError(
-            "name", f"found {shown(name)}, which is not the name of a point", f"give one of {', '.join(named)}"
+            "name",
+            f"found {shown(name)}, which is not the name of a point",
+            f"give one of {', '.join(named)}",
+            "unknown-key",
         )
 
     def slide(self, name: str) -> SlideMotion:
@@ -376,8 +383,58 @@ class Motion:
                 return _slide(self, slider)
         sliders = ", ".join(slider.name for slider in self.linkage.sliders)
         raise DesignError(
-            "name", f"found {shown(name)}, which is not the name of a slider", f"give one of {sliders or 'none'}"
+            "name",
+            f"found {shown(name)}, which is not the name of a slider",
+            f"give one of {sliders or 'none'}",
+            "unknown-key",
         )
+
+    @checked
+    def sensitivity(self, of: str, by: str) -> Array:
+        """Derivative of a quantity by a size of the linkage, exact to rounding, at a fixed position of the driver.
+
+        Parameters
+        ----------
+        of : str
+            A point's name, for its position as a complex number, or the id of a column of `motion_table`:
+            `coupler_point_x`, `coupler_point_velocity` (complex) or `coupler_point_velocity_x`, `rocker_angle`,
+            `rocker_omega`, `rocker_alpha`, `slide_displacement`, `slide_velocity`, `transmission_angle` ...
+        by : str
+            A size of the linkage as passed to `move`, such as `crank` or `ground_angle_deg`; of a point its coordinate,
+            such as `coupler_point.x`; of a part its own size, such as `four_bar.crank`. Or any point or slider of the
+            general linkage: `coupler.rocker_pin.y`, `slide.direction_deg`.
+
+        Returns
+        -------
+        array, shape of the motion
+            The quantity's unit per mm, or per rad if the size is an angle; angles are in rad. nan where the linkage is
+            open, at a limit of the driver and at a change point. The transmission angle of loops that are solved
+            together has no derivative here: nan.
+
+        Raises
+        ------
+        DesignError
+            If there is no such quantity or size; names the nearest.
+
+        Notes
+        -----
+        Implicit function theorem on the conditions of the joints. At the frame with the smallest or largest value the
+        result is also the derivative of that extreme value, since the extreme does not depend on the driver there.
+
+        Examples
+        --------
+        >>> import geomkin as gk
+        >>> motion = gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), [0.0, 1.0])
+        >>> motion.sensitivity("coupler_point", by="crank").round(4)
+        array([0.8825+0.0165j, 0.9456+0.6229j])
+        >>> motion.sensitivity("transmission_angle", by="ground").round(5)
+        array([0.01451, 0.01469])
+        """
+        return self._sensitivities.of(of, by)
+
+    @cached_property
+    def _sensitivities(self) -> Sensitivities:
+        return Sensitivities(self.solution, self.given)
 
     def to_columns(self) -> dict[str, Real]:
         """The columns of `motion_table` as arrays, for a data frame.
@@ -436,7 +493,9 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
     Derived here, from virtual work without friction.
     """
     if output not in motion.bodies or output == motion.linkage.ground:
-        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(motion.bodies)[1:])}")
+        raise DesignError(
+            "output", f"found {output!r}", f"give one of {', '.join(list(motion.bodies)[1:])}", "unknown-key"
+        )
     body = motion.bodies[output]
     ground_sliders = [s for s in motion.linkage.sliders if {s.body, s.along} == {output, motion.linkage.ground}]
     if ground_sliders:
@@ -490,7 +549,7 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
     """
     linkage = motion.linkage
     if linkage.is_batch:
-        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time", "wrong-type")
     ground, driver = linkage.ground, linkage.driver
     if linkage.driven_slider:
         drive = Column(f"{driver}_place", "mm", f"displacement of the {driver} along its line", motion.drive)

@@ -139,7 +139,7 @@ class Planner:
                 (start_1, rail_1), (start_2, rail_2) = (
                     (self.start(s, body, ()), self.rail(s, body)) for s in rails[:2]
                 )
-                self.placements.append(Crossed(body, (start_1, start_2), (rail_1, rail_2)))
+                self.placements.append(Crossed((rails[0], rails[1]), body, (start_1, start_2), (rail_1, rail_2)))
             else:
                 continue
             self.placed.add(body)
@@ -181,7 +181,8 @@ class Planner:
         ]
         second = self.anchor(pins[1])
         bases = self.anchor(pins[0]), Anchor(second.body, second.place, tuple((b, -z) for b, z in shift))
-        dyad = RRR(name, ends, (arms[0], arms[1]), bases)
+        lines = (pins[0], inner[0]), (pins[1], inner[1])
+        dyad = RRR(name, lines, ends, (arms[0], arms[1]), bases)
         if ends == (one, two):
             self.append(dyad)
         else:
@@ -209,7 +210,8 @@ class Planner:
         slider = self.rails_to_placed(slid)[0]
         start = self.start(slider, slid, ((slid, self.local(slid, far_pin)), *((b, -z) for b, z in shift)))
         arm = self.arm(bar, pin, near_pin) if end == bar else 1.0
-        dyad = RRP(name, end, arm, self.anchor(pin), start, self.rail(slider, slid))
+        lines = (pin, near_pin), slider
+        dyad = RRP(name, lines, end, arm, self.anchor(pin), start, self.rail(slider, slid))
         if end == bar:
             self.append(dyad)
         elif not self.append_actuated(dyad, 0, self.stroked(end, pin, bar, near_pin)):
@@ -232,7 +234,10 @@ class Planner:
         bases = self.anchor(outer[0][0]), self.anchor(outer[1][0])
         before = tuple(placement for placement in self.placements if isinstance(placement, Dyad))
         directions, offset = (rotations[0], rotations[1]), left[1] - left[0]
-        self.placements.append(RPR(slider.name, (one, two), directions, offset, bases, self.linkage.size, before))
+        lines = (outer[0][0], outer[1][0]), slider
+        self.placements.append(
+            RPR(slider.name, lines, (one, two), directions, offset, bases, self.linkage.size, before)
+        )
         for body, pins in zip((one, two), outer):
             self.placements.append(PinnedBody(body, self.local(body, pins[0]), self.anchor(pins[0])))
         self.placed |= {one, two}
@@ -244,7 +249,7 @@ class Planner:
         # From the origin of `one` over the inner pin to the point of `two` that runs on its rail.
         arms = ((one, -self.local(one, inner[0])), *((b, -z) for b, z in shift), (two, self.local(two, inner[1])))
         starts = self.start(rails[0], one, ()), self.start(rails[1], two, arms)
-        self.placements.append(Crossed(one, starts, (self.rail(rails[0], one), self.rail(rails[1], two))))
+        self.placements.append(Crossed(rails, one, starts, (self.rail(rails[0], one), self.rail(rails[1], two))))
         self.placed.add(one)
         return True
 
@@ -416,7 +421,7 @@ def move(
         )
     timing = Timing(_time("speed", speed, q, general), _time("acceleration", acceleration, q, general))
     spec = as_branch_spec(branch)
-    return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, spec), q, spec, timing))
+    return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, spec), q, spec, timing), linkage)
 
 
 def _time(name: str, rate: float | ArrayLike, drive: Real, linkage: Linkage) -> Real:

@@ -119,7 +119,7 @@ class Choice:
         _check_plots(self.plots, self.table)
         rows = len(self.table.columns[0].values)
         if not 0 <= self.chosen < rows:
-            raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}")
+            raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}", "out-of-range")
 
 
 def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
@@ -168,7 +168,7 @@ class Scene:
         for what, row in rows:
             if len(row) != frames:
                 problem = f"found {frames} rows, but {len(row)} frames of {what}"
-                raise DesignError("table", problem, "give as many of each")
+                raise DesignError("table", problem, "give as many of each", "conflict")
         _check_plots(self.plots, self.table)
 
     @property

@@ -14,7 +14,10 @@ from .scene_json import island
 from .sections import all_of, verdict
 
 # Of the player, in an order in which each may use those before it; the plot library stands first.
-SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "names.js", "drawing.js", "hands.js", "plots.js", "player.js")
+SCRIPTS = (
+    "uplot/uPlot.iife.min.js",
+    *("shapes.js", "names.js", "pictures.js", "drawing.js", "hands.js", "plots.js", "player.js"),
+)
 START = (
     'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 )

@@ -92,7 +92,7 @@ def _apart(found: Sequence[Column]) -> Iterator[Column]:
         yield column
 
 
-SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "plots.js", "rows.js")
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "pictures.js", "plots.js", "rows.js")
 START = 'mountRows(document.getElementById("plots"), JSON.parse(document.getElementById("scene").textContent));'
 # Most lines in a plot: as many as colours and dashes distinguish.
 MOST_LINES = 6

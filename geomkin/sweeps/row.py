@@ -50,7 +50,7 @@ def listed(key: str, given: object) -> tuple[Any, ...]:
     else:
         values = [_plain(key, value) for value in _row(key, given)]
     if not values:
-        raise DesignError(key, "found no value", "give one or more, such as 8,12 or 8:120:4")
+        raise DesignError(key, "found no value", "give one or more, such as 8,12 or 8:120:4", "missing-key")
     # 1 and 1.0 are one number, true is none.
     return tuple({(isinstance(v, bool), repr(v) if isinstance(v, list) else v): v for v in values}.values())
 
@@ -110,7 +110,9 @@ def _pieces(key: str, text: str) -> list[str]:
         else:
             parts[-1] += sign
     if any(not part.strip() for part in parts):
-        raise DesignError(key, f"found {shown(text)}, in which a value is missing", "give one between any two")
+        raise DesignError(
+            key, f"found {shown(text)}, in which a value is missing", "give one between any two", "wrong-type"
+        )
     return parts
 
 
@@ -129,7 +131,9 @@ def _range(key: str, text: str, start: Decimal, stop: Decimal, step: Decimal) ->
     """From start in steps as far as stop, worked out in decimals: 0.1 three times is 0.3."""
     ways = EXACT.divide(EXACT.subtract(stop, start), step)
     if not ways.is_finite() or ways < 0:
-        raise DesignError(key, f"found {shown(text.strip())}", "give start:stop:step, the step towards the stop")
+        raise DesignError(
+            key, f"found {shown(text.strip())}", "give start:stop:step, the step towards the stop", "wrong-type"
+        )
     if ways >= MOST:
         least = Context(3, ROUND_CEILING, traps=[]).divide(abs(EXACT.subtract(stop, start)), Decimal(MOST - 1))
         problem = f"found {shown(text.strip())}, which is more than {MOST:,} values"

@@ -86,9 +86,13 @@ class AbstractMovedRecipe(AbstractRecipe):
         """Refuse a stroke if the driver turns, and a missing one if it slides."""
         slides = self.linkage.linkage.driven_slider is not None
         if slides and self.stroke is None:
-            raise DesignError("stroke", "is missing although a slide drives", "give a table with start and end")
+            raise DesignError(
+                "stroke", "is missing although a slide drives", "give a table with start and end", "missing-key"
+            )
         if not slides and self.stroke is not None:
-            raise DesignError("stroke", "is given, but the driver turns", "omit it, or let the slider drive")
+            raise DesignError(
+                "stroke", "is given, but the driver turns", "omit it, or let the slider drive", "conflict"
+            )
 
     @property
     def design(self) -> AbstractLinkage:
@@ -239,6 +243,7 @@ class BodyList(AbstractLinkage):
                     f"corners[{k}]",
                     f"{corner.body} has no point {missing[0]}",
                     f"give it under bodies.{corner.body}",
+                    "unknown-key",
                 )
             bodies[corner.body][corner.point] = _corner(k, corner, *(bodies[corner.body][p] for p in corner.base))
         sliders = tuple(

@@ -201,6 +201,10 @@ def actuated_dyad(
         return None
     between = ends[1][0] - ends[0][0]
     if isinstance(dyad, RRR):
-        return ActuatedRRR(dyad.joint, follow, dyad, which, arm, between)
+        return ActuatedRRR(dyad.joint, dyad.joint_lines, follow, dyad, which, arm, between)
     rail = points.directions.get(dyad.rail.body)
-    return None if rail is None else ActuatedRRP(dyad.joint, follow, dyad, arm, between, rail[0] * dyad.rail.direction)
+    return (
+        None
+        if rail is None
+        else ActuatedRRP(dyad.joint, dyad.joint_lines, follow, dyad, arm, between, rail[0] * dyad.rail.direction)
+    )

@@ -14,8 +14,11 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot, unit
+from ..linkage import Slider
 from .placement import Anchor, Coefficients, Placement, Poses, SlideAxis, times
 
+# The two members between which a transmission angle lies: each the two points of a bar, or a slider.
+JointLines = tuple[tuple[str, str] | Slider, tuple[str, str] | Slider]
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
 # Distance of two pins, in sizes of the linkage, below which rounding alone decides the direction between them. After
@@ -29,6 +32,7 @@ class Dyad(Placement):
     """A placement that can close on two branches. joint: name of its inner joint; leader: a body that it turns."""
 
     joint: str
+    joint_lines: JointLines
 
     @property
     @abstractmethod
@@ -219,6 +223,7 @@ class RPR(Dyad):
 class Crossed(Placement):
     """A body of known direction whose origin lies on two lines: start_1 + x g1 = start_2 + y g2 = origin."""
 
+    joint_lines: JointLines
     body: str
     starts: tuple[Anchor, Anchor]
     rails: tuple[SlideAxis, SlideAxis]

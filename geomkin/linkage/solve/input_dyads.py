@@ -266,8 +266,8 @@ def driver_dyad(dyad: RRR | RRP, ground: str, placed: Sequence[Placement], follo
     if np.any(rotating == 0):
         return None
     if isinstance(dyad, RRP):
-        return DrivenRRP(dyad.joint, follow, constant, rotating, dyad)
-    return None if np.any(constant == 0) else DrivenRRR(dyad.joint, follow, constant, rotating, dyad)
+        return DrivenRRP(dyad.joint, dyad.joint_lines, follow, constant, rotating, dyad)
+    return None if np.any(constant == 0) else DrivenRRR(dyad.joint, dyad.joint_lines, follow, constant, rotating, dyad)
 
 
 # C and K of a point or direction C + K e^{iq} for the drive q: K = 0 if it is fixed, C = 0 if it turns with the driver.
