@@ -84,6 +84,38 @@ class SceneMark:
             object.__setattr__(self, "direction", as_unit(self.direction))
 
 
+@record(checked=True, eq=False)
+class SceneHandle:
+    """A point that an editor lets a user drag, and the keys of the recipe that are changed so that it follows.
+
+    Parameters
+    ----------
+    id : str
+        Unique among the handles of a recipe, such as `point:crank_pin`.
+    label : str
+        For people.
+    keys : tuple of str
+        Keys of fields that a drag may change.
+    at : complex array, shape (frames,) or (1,)
+        Positions at the frames of the recipe's scene, mm; a single one if it stays. nan if the mechanism cannot be
+        there. For a circle the centre; for a plot x and y in the units of the plot.
+    shape : {"point", "circle", "plot"}
+        The point follows the pointer; the circle goes through the pointer; a point of a plot follows the pointer.
+    radius : float
+        Radius of the circle, mm.
+    column : str
+        Id of the column whose plot has the handle.
+    """
+
+    id: str
+    label: str
+    keys: tuple[str, ...]
+    at: Complex
+    shape: Literal["point", "circle", "plot"] = "point"
+    radius: float = 0.0
+    column: str = ""
+
+
 @record
 class Limit:
     """A line across the plot of a column, such as the limit of a check. column: its id."""

@@ -18,9 +18,10 @@ from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
-from ..model.scene import Scene
+from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
+from ..plane.vec import Complex
 from .settings import Files
 
 # Tables of what is bought, cut from and written: a mechanism of another size has the same screws and sheets.
@@ -150,6 +151,15 @@ class AbstractRecipe(_Shared, ABC):
     def scene(self) -> Scene | None:
         """How it looks moving: None for a kind that shows nothing."""
         return None
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """What an editor lets a user drag. It needs no plates and no search, since a drag computes it repeatedly."""
+        return ()
+
+    def handle_position(self, id: str) -> Complex:
+        """Positions of the handle of this id at the frames, as `handles` has them."""
+        return next(handle.at for handle in self.handles if handle.id == id)
 
     @classmethod
     def has_scene(cls) -> bool:

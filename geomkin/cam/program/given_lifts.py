@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST
-from ...core.names import csv_cells, read_text_file
+from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...plane.vec import Real, Whole
 from .laws import Ends, Law, PiecewisePolynomial
@@ -34,7 +34,7 @@ MOTION = 3.0
 SAMPLES = 8
 
 
-def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, bool]:
+def read_rows(segment: Pointed, folder: Folder) -> tuple[str, Real, bool]:
     """The name of the field with rows, the rows (n, 2) of angles in deg and lifts, and whether lifts are in degrees."""
     offered = (
         {"rows": segment.rows, "rows_deg": segment.rows_deg, "file": segment.file}
@@ -70,7 +70,7 @@ def checked_rows(rows: object, field: str) -> Real:
     return points
 
 
-def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
+def _from_csv(name: object, folder: Folder) -> tuple[Real, bool]:
     if not isinstance(name, str | Path):
         raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file", "wrong-type")
     text = read_text_file(name, folder, "a CSV file")

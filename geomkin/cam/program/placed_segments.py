@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from ...core.errors import DesignError, shown
 from ...core.fields import check_quantities
+from ...core.names import Folder
 from ...core.records import record
 from ...plane.vec import Real
 from .given_lifts import MOST_ROWS, checked_rows, read_rows
@@ -59,7 +59,7 @@ def naming(place: str) -> Iterator[None]:
         raise DesignError(field, error.problem, error.remedy, error.id) from None
 
 
-def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> list[PlacedSegment]:
+def place_segments(segments: Sequence[Segment], folder: Folder) -> list[PlacedSegment]:
     """Limits of the segments from 0 to 360 deg. folder: of files of tables. Raises DesignError if they do not fit."""
     made: list[PlacedSegment] = []
     angle, lift, rows = 0.0, 0.0, 0
@@ -191,7 +191,7 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
 
 
 def _given(
-    place: str, segment: Pointed, before: float, lift: float | None, folder: str | Path | None, alone: bool
+    place: str, segment: Pointed, before: float, lift: float | None, folder: Folder, alone: bool
 ) -> PlacedSegment:
     """A segment with its own points. lift: of the segment before, None for the first."""
     field, points, oscillates = read_rows(segment, folder)

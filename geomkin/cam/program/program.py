@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, field, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
+from ...core.names import Folder
 from ...core.records import record
 from ...core.scaling import with_lengths
 from ...plane.vec import Real, Whole
@@ -214,7 +215,7 @@ class Program:
 
     segments: Sequence[Segment]
     # Not compared: the same recipe read from two folders is equal.
-    folder: str | Path | None = field(default=None, compare=False)
+    folder: Folder = field(default=None, compare=False)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
@@ -234,7 +235,7 @@ class Program:
             raise DesignError(
                 "segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell", "wrong-type"
             )
-        if not isinstance(self.folder, (str, Path, type(None))):
+        if not isinstance(self.folder, (str, Path, Mapping, type(None))):
             raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder", "wrong-type")
         # Raises for inconsistent segments.
         _ = self._stretches

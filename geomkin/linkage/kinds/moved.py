@@ -14,12 +14,14 @@ from ...core.errors import DesignError
 from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, check_sizes, entry, quantity
 from ...core.names import check_names
 from ...core.records import record
-from ...plane.vec import Real
+from ...model.scene import SceneHandle
+from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
 from ..motion import Motion
 from ..moving import move
+from ..scene_handles import handle_position, linkage_handles
 from ..solve.branch import BranchSpec, as_branch_spec
 
 # The branch of all dyads; the same with "follow"; the branches of single joints.
@@ -116,6 +118,14 @@ class AbstractMovedRecipe(AbstractRecipe):
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
         return self.moved(self.input_range.frames, self.signs)
+
+    @cached_property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The points, pivots and slides of the linkage."""
+        return tuple(linkage_handles(self.linkage, self.motion))
+
+    def handle_position(self, id: str) -> Complex:
+        return handle_position(self.motion, id)
 
     @cached_property
     def other(self) -> tuple[str, Motion] | None:

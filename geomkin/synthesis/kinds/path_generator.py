@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity
-from ...core.names import csv_cells, read_text_file
+from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
 from ...linkage.coupler_curve import CouplerCurve
@@ -43,7 +42,7 @@ class FileName:
 
     __slots__ = ("folder", "name")
 
-    def __init__(self, name: str, folder: str | Path | None = None):
+    def __init__(self, name: str, folder: Folder = None):
         self.name, self.folder = name, folder
 
     def __eq__(self, other: object) -> bool:
