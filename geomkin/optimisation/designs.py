@@ -1,4 +1,4 @@
-"""Designs that a search tries: a recipe with values for its keys, and what the objectives and constraints make of it."""
+"""Designs that a search tries: a recipe with values for its keys, and its objective and constraints."""
 
 from __future__ import annotations
 

@@ -223,7 +223,9 @@ def body_guides(
     if guides:
         return guides
     if watch.cut:
-        raise DesignError("time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more")
+        raise DesignError(
+            "time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more", "out-of-range"
+        )
     problem = f"found no {' or '.join(kinds)} through them that keeps the limits"
     # Chosen points for three poses, and dyads of more than four, are not limited by a default region.
     if region is not None or not (has_points or len(origins) > 4):

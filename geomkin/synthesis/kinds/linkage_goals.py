@@ -80,7 +80,10 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         """The chosen linkage with short decimal numbers as its sizes."""
         if self.choose > len(self.ranked):
             raise DesignError(
-                "choose", f"found {self.choose}", f"give at most {len(self.ranked)}, the number of linkages found"
+                "choose",
+                f"found {self.choose}",
+                f"give at most {len(self.ranked)}, the number of linkages found",
+                "out-of-range",
             )
         return self.shortened(self.ranked[self.choose - 1])
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity
-from ...core.names import csv_cells, read_text_file
+from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
 from ...linkage.coupler_curve import CouplerCurve
@@ -43,7 +42,7 @@ class FileName:
 
     __slots__ = ("folder", "name")
 
-    def __init__(self, name: str, folder: str | Path | None = None):
+    def __init__(self, name: str, folder: Folder = None):
         self.name, self.folder = name, folder
 
     def __eq__(self, other: object) -> bool:
@@ -102,11 +101,17 @@ def _rows(text: str, name: str) -> Complex:
                 continue
             problem = f"row {k} of {name} holds {printable(repr(','.join(line)), 30)}"
             raise DesignError(
-                "file", problem, "give two numbers in each row, x and y in mm, separated by a comma or a semicolon"
+                "file",
+                problem,
+                "give two numbers in each row, x and y in mm, separated by a comma or a semicolon",
+                "wrong-type",
             ) from None
         if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
             raise DesignError(
-                "file", f"row {k} of {name} holds {x:g}, {y:g}", f"give coordinates within {FARTHEST:g} of 0"
+                "file",
+                f"row {k} of {name} holds {x:g}, {y:g}",
+                f"give coordinates within {FARTHEST:g} of 0",
+                "out-of-range",
             )
         points.append(complex(x, y))
     return np.array(points, dtype=complex)
@@ -171,9 +176,9 @@ class WantedPath:
         given = [name for name in ("points", "file", "svg") if getattr(self, name) is not None]
         if len(given) != 1:
             found = " and ".join(given) or "none"
-            raise DesignError("points", f"of points, file and svg found {found}", "give one of them")
+            raise DesignError("points", f"of points, file and svg found {found}", "give one of them", "conflict")
         if self.drive_deg is not None and self.step_deg is not None:
-            raise DesignError("step_deg", "is given, and drive_deg too", "give one of them")
+            raise DesignError("step_deg", "is given, and drive_deg too", "give one of them", "conflict")
 
     @cached_property
     def places(self) -> Complex:
