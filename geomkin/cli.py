@@ -207,7 +207,7 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
     help="Range of a number: linkage.crank=20:40; once for each key. Whole numbers take every value of their range.",
 )  # fmt: skip
 @click.option(
-    "--minimise", "objectives", multiple=True, required=True, metavar="FORMULA",
+    "--minimise", "objective", required=True, metavar="FORMULA",
     help="What is to be least: max(rocker_omega), or -min(transmission_angle) for a maximum.",
 )  # fmt: skip
 @click.option(
@@ -221,7 +221,7 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 )
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the file.")
 def optimise_command(
-    recipe: Path, ranges: tuple[str, ...], objectives: tuple[str, ...], constraints: tuple[str, ...],
+    recipe: Path, ranges: tuple[str, ...], objective: str, constraints: tuple[str, ...],
     starts: int, seed: int, time_limit: float, out: Path,
 ) -> None:  # fmt: skip
     """Find values of a RECIPE's keys that make a result least, and write OUT/<recipe>/<recipe>.optimum.toml.
@@ -243,15 +243,13 @@ def optimise_command(
     watched = _is_terminal(sys.stderr)
     try:
         with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
-            best = optimise(recipe, vary, list(objectives), list(constraints), starts, seed, time_limit, out)
+            best = optimise(recipe, vary, objective, list(constraints), starts, seed, time_limit, out)
     except GeomkinError as error:
         click.secho(_refused(recipe, error).text, fg="red", err=True)
         sys.exit(1)
-    for design in best.front or (best,):
-        values = [f"{printable(key)} = {value:.8g}" for key, value in design.values.items()]
-        click.echo(
-            "; ".join([*(f"{printable(text)}: {value:.8g}" for text, value in design.objectives.items()), *values])
-        )
+    for key, value in best.values.items():
+        click.echo(f"{printable(key)} = {value:.8g}")
+    click.echo(f"{printable(objective.strip())} = {best.objective:.8g}")
     for check in best.constraints:
         click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
     note = ", ended before it was complete" if best.cut_short else ""

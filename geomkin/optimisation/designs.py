@@ -14,7 +14,7 @@ from ..core.records import record
 from ..plane.vec import Real
 from ..recipe.messages import nearest
 from ..recipe.recipe import AbstractRecipe
-from ..sweeps.row import Task
+from ..recipe.varied import VariedRecipe
 from .formulas import Condition, Formula
 
 # Violation of a constraint that counts as none, as a share of its terms.
@@ -29,25 +29,31 @@ class TriedDesign:
     ----------
     values : mapping of str to float
         By key.
-    objectives : array, shape (k,)
-        Values of the objectives.
-    excesses : array, shape (m,)
-        By how much each constraint is violated, as a share of its terms; 0 or less if it is met.
-    objective_rows, excess_rows : tuple of array
-        The values of which these are the largest; for the gradient search.
+    objective_rows : array
+        The objective is the largest of them.
+    excess_rows : tuple of array
+        By how much each constraint is violated, as a share of its terms: the largest of them, 0 or less if it is met.
     """
 
     values: Mapping[str, float]
-    objectives: Real
-    excesses: Real
-    objective_rows: tuple[Real, ...]
+    objective_rows: Real
     excess_rows: tuple[Real, ...]
 
     @property
-    def violation(self) -> float:
-        """The largest violation; 0 if all constraints are met."""
-        largest = float(self.excesses.max(initial=0.0))
-        return largest if largest > NO_VIOLATION else 0.0
+    def objective(self) -> float:
+        """The value of the objective."""
+        return float(self.objective_rows.max())
+
+    @property
+    def excesses(self) -> Real:
+        """The largest row of each constraint."""
+        return np.array([rows.max() for rows in self.excess_rows])
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """For sorting: designs that meet all constraints come first, and of nearly equal ones those that are exact."""
+        most = float(self.excesses.max(initial=0.0))
+        return most if most > NO_VIOLATION else 0.0, float(f"{self.objective:.6g}"), most, self.objective
 
 
 class Trials:
@@ -55,14 +61,16 @@ class Trials:
 
     Parameters
     ----------
-    task : Task
+    recipe : VariedRecipe
         The recipe that is varied.
-    objectives, conditions : sequence
-        What is minimised, and the constraints.
+    objective : Formula
+        The number to minimise.
+    conditions : sequence of Condition
+        The constraints.
     """
 
-    def __init__(self, task: Task, objectives: Sequence[Formula], conditions: Sequence[Condition]):
-        self.task, self.objectives, self.conditions = task, objectives, conditions
+    def __init__(self, recipe: VariedRecipe, objective: Formula, conditions: Sequence[Condition]):
+        self.recipe, self.objective, self.conditions = recipe, objective, conditions
         self.designs: list[TriedDesign] = []
         self.count = 0
         self.refusal = ""
@@ -74,34 +82,33 @@ class Trials:
         try:
             # A search reports its own progress, not that of each design.
             with progress_shown(lambda *_: None):
-                recipe = self.task.opened(values)
-                with errors_named_by_key(self.task.file, recipe):
+                recipe = self.recipe.opened(values)
+                with errors_named_by_key(self.recipe.file, recipe):
                     _ = recipe.table
         except GeomkinError as error:
             self.refusal = self.refusal or str(error).split("\n")[0]
             return None
-        objective_rows = tuple(formula.rows(_Results("minimise", recipe), "max") for formula in self.objectives)
-        excess_rows = [one.excess(_Results("subject_to", recipe)) for one in self.conditions]
-        if not all(np.isfinite(rows).all() for rows in (*objective_rows, *excess_rows)):
+        try:
+            objective_rows = self.objective.rows(_Results("minimise", recipe), "max")
+            sides = self.sides(recipe)
+            excess_rows = [one.excess(_Results("subject_to", recipe)) for one in self.conditions]
+        except DesignError as error:
+            # Some checks are made only if they matter; a wrong id is unknown from the first design.
+            if error.id != "unknown-key" or not self.designs:
+                raise
+            self.refusal = self.refusal or str(error)
+            return None
+        if not all(np.isfinite(rows).all() for rows in (objective_rows, *excess_rows)):
             self.refusal = self.refusal or "a result that the formulas name is undefined at some positions"
             return None
-        if not self._scales:
-            sides = [one.sides(_Results("subject_to", recipe)) for one in self.conditions]
-            self._scales = [max(abs(least), abs(most), 1e-12) for least, most in sides]
-        excess_rows = [rows / scale for rows, scale in zip(excess_rows, self._scales)]
-        design = TriedDesign(
-            dict(values),
-            np.array([rows.max() for rows in objective_rows]),
-            np.array([rows.max() for rows in excess_rows]),
-            objective_rows,
-            tuple(excess_rows),
-        )
+        self._scales = self._scales or [max(abs(least), abs(most)) or 1.0 for least, most in sides]
+        scaled = tuple(rows / scale for rows, scale in zip(excess_rows, self._scales))
+        design = TriedDesign(dict(values), objective_rows, scaled)
         self.designs.append(design)
         return design
 
-    def sides(self, values: Mapping[str, float]) -> list[tuple[float, float]]:
+    def sides(self, recipe: AbstractRecipe) -> list[tuple[float, float]]:
         """The values of both sides of each constraint."""
-        recipe = self.task.opened(values)
         return [one.sides(_Results("subject_to", recipe)) for one in self.conditions]
 
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..core.errors import DesignError, shown
+from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Complex, Real
-from ..synthesis.function.wanted import CONSTANTS, DEEPEST, FUNCTIONS, LONGEST, OPERATORS
+from ..synthesis.function.wanted import CONSTANTS, DEEPEST, FUNCTIONS, LARGEST, LONGEST, OPERATORS
 
 # Functions that make one number of a column.
 SUMMARIES: dict[str, Callable[[Real], Any]] = {
@@ -46,7 +46,7 @@ class Formula:
 
     def value(self, lookup: Lookup) -> float:
         """The number; nan if it is not defined."""
-        values = self._evaluated(self.node, lookup)
+        values = self._values(self.node, lookup)
         if np.ndim(values):
             raise DesignError(
                 self.field, f"{shown(self.text)} has a value at each frame", f"give one of {', '.join(SUMMARIES)} of it"
@@ -63,8 +63,17 @@ class Formula:
             sign, node, summary = -1.0, node.operand, "min" if summary == "max" else "max"
         match node:
             case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name == summary:
-                return sign * np.atleast_1d(np.asarray(self._evaluated(inner, lookup), dtype=float))
+                return sign * np.atleast_1d(np.asarray(self._values(inner, lookup), dtype=float))
         return np.array([self.value(lookup)])
+
+    def _values(self, node: ast.expr, lookup: Lookup) -> Any:
+        try:
+            return self._evaluated(node, lookup)
+        except ValueError as error:
+            # Columns and rows of points of different lengths, or the smallest of none.
+            if isinstance(error, GeomkinError):
+                raise
+            raise self._wrong(node, f"found {printable(error, 100)}") from None
 
     def _evaluated(self, node: ast.expr, lookup: Lookup, depth: int = 1) -> Any:
         if depth > DEEPEST:
@@ -72,7 +81,9 @@ class Formula:
         with np.errstate(all="ignore"):
             match node:
                 case ast.Constant(value=float() | int() as number) if not isinstance(number, bool):
-                    return float(number)
+                    if number < LARGEST:
+                        return float(number)
+                    raise self._wrong(node, "found a number too large")
                 case ast.Name(id=name):
                     return CONSTANTS[name] if name in CONSTANTS else lookup(name)
                 case ast.Call(func=ast.Name(id="distance"), args=[ast.Name(id=name), points], keywords=[]):
@@ -140,11 +151,8 @@ def condition(text: str) -> Condition:
     match _parsed("subject_to", text):
         case ast.Compare(left=left, ops=[ast.LtE() | ast.GtE() as sign], comparators=[right]):
             sides = [Formula("subject_to", text.strip(), node) for node in (left, right)]
-            return (
-                Condition(text.strip(), *sides, False)
-                if isinstance(sign, ast.LtE)
-                else Condition(text.strip(), *sides[::-1], True)
-            )
+            is_at_least = isinstance(sign, ast.GtE)
+            return Condition(text.strip(), sides[is_at_least], sides[not is_at_least], is_at_least)
     raise DesignError(
         "subject_to", f"found {shown(text)}", "give two formulas with >= or <= between them, as min(x) >= 40"
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -24,42 +24,6 @@ RANDOM_DESIGNS, RARE, APART = 10, 500, 0.1
 
 class TimeOverError(Exception):
     """The time limit, from within a gradient search."""
-
-
-@record(eq=False)
-class Goal:
-    """The number to minimise: the largest of (objective - offset) / scale over some of the objectives.
-
-    Parameters
-    ----------
-    which : tuple of int
-        The objectives.
-    offsets, scales : tuple of float
-        For each of them. With the least values and the ranges over weights this is the weighted Chebyshev problem,
-        whose solutions are the Pareto front (Miettinen, Nonlinear Multiobjective Optimization, 1999, section 3.4).
-    """
-
-    which: tuple[int, ...]
-    offsets: tuple[float, ...]
-    scales: tuple[float, ...]
-
-    def value(self, design: TriedDesign) -> float:
-        """The number, for a design."""
-        return float(self.rows(design).max())
-
-    def rank(self, design: TriedDesign) -> tuple[float, ...]:
-        """For sorting: designs that meet all constraints come first, and of nearly equal ones those that are exact."""
-        value = self.value(design)
-        return design.violation, float(f"{value:.6g}"), float(design.excesses.max(initial=0.0)), value
-
-    def rows(self, design: TriedDesign) -> Real:
-        """The values of which `value` is the largest."""
-        return np.concatenate(
-            [
-                (design.objective_rows[k] - offset) / scale
-                for k, offset, scale in zip(self.which, self.offsets, self.scales)
-            ]
-        )
 
 
 @record(eq=False)
@@ -93,52 +57,43 @@ class Box:
         return np.array([(values[key] - self.low[key]) / (self.high[key] - self.low[key]) for key in self.free])
 
 
-def minimise(
-    trials: Trials,
-    goal: Goal,
-    box: Box,
-    known: Sequence[TriedDesign],
-    own: Mapping[str, float],
-    starts: int,
-    seed: int,
-    watch: Watch,
-) -> list[TriedDesign]:
-    """Designs of a box, the best first: those already known and others.
-
-    Random designs and the recipe's own values are tried unless some are known; gradient searches start from the best
-    that lie apart.
-    """
+def search_box(trials: Trials, box: Box, own: Mapping[str, float], starts: int, seed: int, watch: Watch) -> None:
+    """Try the recipe's own values and random designs; gradient searches start from the best that lie apart."""
     before, free = len(trials.designs), len(box.free)
-    if not known:
-        rng = np.random.default_rng(seed)
-        random = list(rng.random((RANDOM_DESIGNS * free if starts > 1 else 0, free)))
-        # Designs that work may be rare.
-        reserve = rng.random((RARE * free, free))
-        for values in (own, *map(box.values, random)):
-            if not watch.over():
-                trials.tried(values)
-        for shares in reserve:
-            if watch.over() or len(trials.designs) - before >= starts:
-                break
-            trials.tried(box.values(shares))
-    if free:
-        chosen: list[Real] = []
-        for design in sorted([*known, *trials.designs[before:]], key=goal.rank):
-            shares = box.shares(design.values)
-            if len(chosen) < starts and all(np.abs(shares - other).max() > APART for other in chosen):
-                chosen.append(shares)
-        for shares in chosen:
-            if not watch.over():
-                gradient_search(trials, goal, box, shares, watch)
-    return sorted([*known, *trials.designs[before:]], key=goal.rank)
+    rng = np.random.default_rng(seed)
+    random = list(rng.random((RANDOM_DESIGNS * free if starts > 1 else 0, free)))
+    for values in (own, *map(box.values, random)):
+        if not watch.over():
+            trials.tried(values)
+    # Designs that work may be rare.
+    for shares in rng.random((RARE * free, free)):
+        if watch.over() or len(trials.designs) - before >= starts:
+            break
+        trials.tried(box.values(shares))
+    if not free:
+        return
+    chosen: list[Real] = []
+    for design in sorted(trials.designs[before:], key=lambda design: design.rank):
+        shares = box.shares(design.values)
+        if len(chosen) < starts and all(np.abs(shares - other).max() > APART for other in chosen):
+            chosen.append(shares)
+    for shares in chosen:
+        if not watch.over():
+            gradient_search(trials, box, shares, watch)
+    nearest = min(trials.designs[before:], key=lambda design: design.rank, default=None)
+    if nearest is not None and nearest.rank[0] > 0:
+        gradient_search(trials, box, box.shares(nearest.values), watch, of_violation=True)
+        nearest = min(trials.designs[before:], key=lambda design: design.rank)
+        if nearest.rank[0] == 0:
+            gradient_search(trials, box, box.shares(nearest.values), watch)
 
 
-def gradient_search(trials: Trials, goal: Goal, box: Box, start: Real, watch: Watch) -> None:
+def gradient_search(trials: Trials, box: Box, start: Real, watch: Watch, of_violation: bool = False) -> None:
     """Sequential quadratic programming from one design; the designs that it tries are added to `trials`.
 
     The largest of many values is minimised through one more variable that none of them exceeds, so that kinks are no
     obstacle. Gradients are difference quotients. Kraft, A software package for sequential quadratic programming, 1988,
-    as NLopt has it.
+    as NLopt has it. With `of_violation` the largest violation of a constraint is minimised instead of the objective.
     """
     import nlopt
 
@@ -146,26 +101,26 @@ def gradient_search(trials: Trials, goal: Goal, box: Box, start: Real, watch: Wa
     if reference is None:
         return
     count = len(start)
-    objective_rows, excess_rows = goal.rows(reference), _joined(reference.excess_rows)
+    objective_rows, excess_rows = _rows(reference, of_violation)
     scale = max(float(np.abs(objective_rows).max()), 1e-12)
     has_bound = len(objective_rows) > 1
     known: dict[bytes, tuple[Real, Real]] = {}
 
     def results(shares: Real) -> tuple[Real, Real]:
-        """Rows of the goal and of the constraints; far above all others where there is no design."""
+        """Rows of the objective and of the constraints; far above all others where there is no design."""
         if watch.over():
             raise TimeOverError
         key = shares.tobytes()
         if key not in known:
             design = trials.tried(box.values(shares))
-            known[key] = (
-                (np.full(len(objective_rows), 1e3), np.ones(len(excess_rows)))
-                if design is None
-                else (
-                    _resampled(goal.rows(design), len(objective_rows)) / scale,
-                    _resampled(_joined(design.excess_rows), len(excess_rows)) + MARGIN,
+            if design is None:
+                known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
+            else:
+                wanted, excess = _rows(design, of_violation)
+                known[key] = (
+                    _resampled(wanted, len(objective_rows)) / scale,
+                    _resampled(excess, len(excess_rows)) + MARGIN,
                 )
-            )
         return known[key]
 
     def slopes(shares: Real) -> tuple[Real, Real]:
@@ -187,16 +142,16 @@ def gradient_search(trials: Trials, goal: Goal, box: Box, start: Real, watch: Wa
         return float(results(x)[0][0])
 
     def constraints(values: Real, x: Real, gradient: Real) -> None:
-        goal_rows, excess = results(x[:count])
+        wanted_rows, excess = results(x[:count])
         if has_bound:
-            values[:] = np.concatenate([goal_rows - x[count], excess])
+            values[:] = np.concatenate([wanted_rows - x[count], excess])
         else:
             values[:] = excess
         if gradient.size:
-            by_goal, by_excess = slopes(x[:count])
+            by_objective, by_excess = slopes(x[:count])
             if has_bound:
-                gradient[:, :count] = np.concatenate([by_goal, by_excess])
-                gradient[:, count] = np.where(np.arange(len(values)) < len(goal_rows), -1.0, 0.0)
+                gradient[:, :count] = np.concatenate([by_objective, by_excess])
+                gradient[:, count] = np.where(np.arange(len(values)) < len(wanted_rows), -1.0, 0.0)
             else:
                 gradient[:] = by_excess
 
@@ -219,8 +174,10 @@ def gradient_search(trials: Trials, goal: Goal, box: Box, start: Real, watch: Wa
         pass
 
 
-def _joined(rows: Sequence[Real]) -> Real:
-    return np.concatenate([*rows, np.zeros(0)])
+def _rows(design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:
+    """The rows of which the largest is minimised, and those that have to be at most 0."""
+    excess = np.concatenate([*design.excess_rows, np.zeros(0)])
+    return (excess, np.zeros(0)) if of_violation else (design.objective_rows, excess)
 
 
 def _resampled(rows: Real, count: int) -> Real:
