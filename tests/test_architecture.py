@@ -22,7 +22,7 @@ ORDER = (
     ("linkage", "cam", "gear"),
     ("synthesis",),
     ("build",),
-    ("sweeps", "tradeoff", "studio"),
+    ("sweeps", "tradeoff", "optimisation", "studio"),
     ("cli",),
     ("__init__", "__main__"),
 )
@@ -39,6 +39,7 @@ ALONE = {
     "click": {"cli.py", "__main__.py"},
     "numba": {"linkage/solve/compiled.py"},
     "highspy": {"cam/program/optimise.py"},
+    "nlopt": {"optimisation/search.py"},
     "mpmath": {"tradeoff/cell.py"},
 }
 
@@ -127,7 +128,19 @@ def loaded_by(code, depth=1):
     return set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())
 
 
-HEAVY = {"highspy", "shapely", "trimesh", "ezdxf", "pydantic", "click", "scipy", "matplotlib", "numba", "pandas"}
+HEAVY = {
+    "highspy",
+    "shapely",
+    "trimesh",
+    "ezdxf",
+    "pydantic",
+    "click",
+    "scipy",
+    "matplotlib",
+    "numba",
+    "pandas",
+    "nlopt",
+}
 
 
 def test_importing_geomkin_loads_nothing_heavier_than_numpy():

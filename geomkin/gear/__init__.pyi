@@ -3,6 +3,7 @@ from .checks import conjugate_checks as conjugate_checks
 from .checks import gear_checks as gear_checks
 from .checks import mesh_checks as mesh_checks
 from .checks import planetary_checks as planetary_checks
+from .checks import strength_checks as strength_checks
 from .checks import touch_check as touch_check
 from .conjugate.conjugate import Conjugate as Conjugate
 from .conjugate.conjugate import Untouched as Untouched
@@ -54,3 +55,10 @@ from .scene import gear_scene as gear_scene
 from .scene_pairs import conjugate_scene as conjugate_scene
 from .scene_pairs import pair_scene as pair_scene
 from .scene_pairs import planetary_scene as planetary_scene
+from .strength import GearLoads as GearLoads
+from .strength import PairStrength as PairStrength
+from .strength import RootSection as RootSection
+from .strength import ToothForm as ToothForm
+from .strength import ToothStrength as ToothStrength
+from .strength import root_section as root_section
+from .strength import tooth_form as tooth_form

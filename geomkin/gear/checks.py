@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..core.arguments import PositiveFloat, checked
 from ..model.check import Check
 from .conjugate.conjugate import BEYOND, Conjugate
@@ -9,6 +11,7 @@ from .contract import AbstractGear
 from .pair import GearPair
 from .planetary import PlanetarySet
 from .rack import RackPair
+from .strength import LEAST_CONTACT_SAFETY, LEAST_ROOT_SAFETY, UNKNOWN, PairStrength
 
 # Modules. A thinner tip chips, and breaks off when it is hardened (Roloff/Matek, Maschinenelemente: 0.2, hardened 0.4).
 LEAST_TIP_THICKNESS = 0.2
@@ -100,6 +103,43 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
             f"{prefix}interferences", f"{before}interferences", len(pair.interferences), "at most", 0, "", meeting
         ),
     )  # fmt: skip
+
+
+@checked
+def strength_checks(loaded: PairStrength, name: str = "") -> tuple[Check, ...]:
+    """Check the teeth of two gears under a torque.
+
+    Parameters
+    ----------
+    loaded : PairStrength
+        The pair under its loads.
+    name : str
+        Name of the pair in the ids and names of the checks.
+
+    Returns
+    -------
+    tuple of Check
+        Safety of the roots of each gear, except of a ring, and of the flanks; failed if a strength is unknown.
+
+    Notes
+    -----
+    Limits are constants of `geomkin.gear.strength`. Stresses are nominal ones, with the given load factors.
+    """
+    before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
+    most = f"give at most {loaded.torque_limit:.4g} N mm, a wider face, a larger module or a stronger material"
+    unknown = "give strength, modulus and poisson_ratio of the material"
+    advice = most if np.isfinite(loaded.torque_limit) else unknown
+    roots = (
+        Check(
+            f"{prefix}{gear}_root_safety", f"{before}strength of the {gear} gear's roots over their stress",
+            teeth.root_safety, "at least", LEAST_ROOT_SAFETY, "", advice,
+        )
+        for gear, teeth in zip(loaded.pair.names, loaded.teeth)
+        if teeth is not UNKNOWN
+    )  # fmt: skip
+    words = f"{before}pressure at which the flanks yield over their pressure"
+    safety = loaded.contact_safety
+    return *roots, Check(f"{prefix}contact_safety", words, safety, "at least", LEAST_CONTACT_SAFETY, "", advice)
 
 
 @checked

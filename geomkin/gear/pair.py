@@ -148,7 +148,7 @@ class GearPair:
     @property
     def working_pressure_angle(self) -> float:
         """Working pressure angle: the angle of the line of action, rad."""
-        return float(np.arctan2(self._between(self.centre_distance), self._base_distance))
+        return float(np.arctan2(self.line_of_action, self._base_distance))
 
     @property
     def working_radii(self) -> tuple[float, float]:
@@ -185,7 +185,7 @@ class GearPair:
         """
         s1 = np.asarray(along, dtype=float)
         # Speeds along the flanks, divided by the angular velocity of the first gear.
-        between = self._between(self.centre_distance)
+        between = self.line_of_action
         across = s1 + between if self.is_internal else between - s1
         v1, v2 = s1, across * self.first.teeth / self.second.teeth
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -225,7 +225,7 @@ class GearPair:
         A negative value means involute interference: the first gear's roots are not deep enough.
         """
         tip = self.second.flank_lengths[0 if self.is_internal else 1]
-        return self._along(tip, self._between(self.centre_distance))
+        return self._along(tip, self.line_of_action)
 
     @property
     def trochoid_margin(self) -> float:
@@ -277,6 +277,11 @@ class GearPair:
         return Pose(np.zeros(t.shape, complex), np.exp(1j * t)), Pose(
             np.full(t.shape, side * self.centre_distance), second
         )
+
+    @property
+    def line_of_action(self) -> float:
+        """Length of the line of action between both base circles, mm."""
+        return self._between(self.centre_distance)
 
     @property
     def _teeth(self) -> int:

@@ -2,6 +2,7 @@
 from .check import Check as Check
 from .mass import Mass as Mass
 from .material import Material as Material
+from .material import hertz_pressure as hertz_pressure
 from .part import Bought as Bought
 from .part import HoleFit as HoleFit
 from .part import Part as Part

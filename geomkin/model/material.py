@@ -1,9 +1,19 @@
-"""A material: what parts weigh, and what stresses they carry."""
+"""A material: what parts weigh, what stresses they carry, and the pressure of two that touch."""
 
 from __future__ import annotations
 
+from math import nan
+
+import numpy as np
+
+from ..core.arguments import AnyFloat, PositiveFloat, checked
 from ..core.fields import entry, quantity
 from ..core.records import record
+from ..plane.vec import Real
+
+# Pressure of a line contact over the yield strength at which the material first yields, below the surface, by Tresca:
+# the greatest shear there is 0.3003 of the pressure (Johnson, Contact Mechanics, section 4.2).
+YIELDING = 0.5 / 0.3003
 
 
 @record(checked=True)
@@ -52,3 +62,44 @@ class Material:
     def carried_stress(self) -> float | None:
         """Stress at which a part yields, or breaks if its yield strength is not known, N/mm2; None if neither is."""
         return self.yield_strength or self.strength
+
+    @property
+    def yielding_pressure(self) -> float:
+        """Pressure of a line contact at which the material begins to yield, N/mm2; nan if its strength is unknown."""
+        return YIELDING * (self.carried_stress or nan)
+
+
+@checked
+def hertz_pressure(force: AnyFloat, length: PositiveFloat, curvature: AnyFloat, one: Material, other: Material) -> Real:
+    """Greatest pressure in the contact of two bodies along a line.
+
+    Parameters
+    ----------
+    force : float or array_like
+        Force that presses them together, N; no pressure if it is negative.
+    length : float
+        Length of the line, mm.
+    curvature : float or array_like
+        Sum of both curvatures across the line, 1/mm, negative for a concave body.
+    one, other : Material
+        Their materials.
+
+    Returns
+    -------
+    ndarray
+        N/mm2; nan if a modulus of elasticity is unknown.
+
+    Notes
+    -----
+    Johnson, Contact Mechanics, section 4.2.
+
+    Examples
+    --------
+    >>> steel = gk.Material("steel", 7850, modulus=206000)
+    >>> float(gk.model.hertz_pressure(500, 10, 1 / 40 + 1 / 10, steel, steel).round(4))
+    474.5293
+    """
+    compliance = sum((1 - body.poisson_ratio**2) / (body.modulus or nan) for body in (one, other))
+    load = np.maximum(np.asarray(force, dtype=float), 0) / length
+    pressure: Real = np.sqrt(load * np.maximum(np.asarray(curvature, dtype=float), 0) / (np.pi * compliance))
+    return pressure

@@ -244,10 +244,25 @@ GOOD = {
     "velocity_difference": {"samples": np.cos(DRIVE), "interval": 0.1, "inexact": 1e-6},
     "Method": {"name": "a", "about": "b", "make": lambda problem, setting: list, "setting": "step", "settings": (1.0, 0.5), "rationale": "", "caveat": "", "slow": False},
     "pareto_front": {"seconds": np.array([1.0, 2.0]), "errors": np.array([2.0, 1.0])},
+    "Force": {"body": "coupler", "point": 10 + 0j, "force": 5j, "frame": "body"},
+    "GasSpring": {"body": "rocker", "point": 10 + 0j, "to_body": "ground", "to_point": 5j, "force": 100.0, "extended": 200.0},
+    "Loads": {"gravity": -9.81j, "masses": {"crank": gk.Mass(0.5)}, "forces": (gk.Force("coupler", 1j, 5j),)},
+    "Mass": {"mass": 0.5, "centre": 10 + 0j, "inertia": 2e-4},
+    "Material": {"name": "a", "density": 1200.0, "modulus": 3.2, "poisson_ratio": 0.35, "strength": 70.0},
+    "PinFriction": {"pin": "crank_pin", "coefficient": 0.1, "radius": 4.0, "viscous": 0.0},
+    "SlideForce": {"slide": "slider", "force": -200.0},
+    "SlideFriction": {"slide": "slider", "coefficient": 0.1, "length": 30.0, "viscous": 0.0},
+    "Spring": {"body": "rocker", "point": 10 + 0j, "to_body": "ground", "to_point": 5j, "stiffness": 2.0, "free_length": 40.0, "preload": 0.0},
+    "Torque": {"body": "rocker", "torque": 2.0, "reaction_on": "ground"},
+    "TorsionSpring": {"body": "rocker", "to_body": "ground", "stiffness": 2.0, "free_angle_deg": 20.0, "preload": 0.0},
+    "area_moments": {"curve": CIRCLE, "accuracy": 1e-9},
+    "forces": {"motion": gk.move(FOUR_BAR, DRIVE, speed=10.0), "loads": gk.Loads(gravity=-9.81j, masses={"coupler": gk.Mass(0.5)}), "about": 0j},
+    "material": {"name": "brass"},
+    "optimise": {"recipe": {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}, "vary": {"gear.teeth": (12, 13)}, "minimise": "undercut", "subject_to": (), "starts": 1, "seed": 0, "time_limit": 5.0},
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell",
+    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "SlideForces", "MATERIALS", "masses",
     "index", "load", "make", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",

@@ -12,12 +12,13 @@ from ...core.fields import entry, quantity
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock, RackBaseStock
+from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene
 from ...model.table import Table
 from ...recipe.settings import Files
-from ..checks import gear_checks, mesh_checks
+from ..checks import gear_checks, mesh_checks, strength_checks
 from ..contract import AbstractInvoluteGear
 from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
@@ -28,6 +29,7 @@ from ..parts.gears import GearStock, base_plate, gear_parts
 from ..rack import GearRack, RackPair
 from ..scene_pairs import pair_scene
 from ..spur import SpurGear
+from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
     AbstractHelicalRecipe,
     backlash_notes,
@@ -35,9 +37,11 @@ from .helical import (
     check_tooth_points,
     gear_notes,
     helices_notes,
+    loaded_materials,
     mesh_notes,
     overlap_notes,
     shown,
+    strength_notes,
 )
 
 
@@ -57,6 +61,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
         Sheet and bore of each gear.
     base : BaseStock, optional
         Base plate under both gears; if omitted, a bar that holds their shafts.
+    loads : GearLoads, optional
+        Torque on the driving gear, for forces and strength; both stocks then name their material.
     helix_angle_deg, hand, herringbone, section : optional
         Direction of the teeth, and the section to which the sizes refer.
     files : Files, optional
@@ -78,6 +84,9 @@ class GearPairRecipe(AbstractHelicalRecipe):
     base: BaseStock | None = entry(
         "a base plate under both gears; if omitted, a bar that holds their shafts", default=None
     )
+    loads: GearLoads | None = entry(
+        "torque on the driving gear, for forces and strength; both stocks then name their material", default=None
+    )
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -87,6 +96,18 @@ class GearPairRecipe(AbstractHelicalRecipe):
             problem = "found a motor for the driven gear"
             raise DesignError("second_stock.motor", problem, "give first_stock.motor instead", "conflict")
         self.design  # noqa: B018  raises for gears that cannot mesh
+        self.strength  # noqa: B018  raises if the materials are missing
+
+    @cached_property
+    def strength(self) -> PairStrength | None:
+        """Forces and stresses under the loads; None without loads, or if the teeth are helical."""
+        if self.loads is None:
+            return None
+        materials = loaded_materials(first_stock=self.first_stock.material, second_stock=self.second_stock.material)
+        if self.helix_angle_deg:
+            return None
+        width = min(self.first_stock.thickness, self.second_stock.thickness)
+        return PairStrength(self.design, self.loads, width, materials)
 
     @cached_property
     def design(self) -> GearPair:
@@ -113,13 +134,16 @@ class GearPairRecipe(AbstractHelicalRecipe):
 
     @cached_property
     def table(self) -> Table:
-        return contact_table(self.design)
+        """Contact of one pair of flanks; under loads also its pressure."""
+        table = contact_table(self.design)
+        return table if self.strength is None else Table((*table.columns, pressure_column(self.strength, table)))
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
         gears = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
         boss = boss_checks("first", self.design.first.root_radius, self.first_stock.motor, self.base)
-        return (*mesh_checks(self.design), *gears, *boss)
+        loaded = () if self.strength is None else strength_checks(self.strength)
+        return (*mesh_checks(self.design), *gears, *boss, *loaded)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -163,8 +187,10 @@ class GearPairRecipe(AbstractHelicalRecipe):
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """Shafts, if a base is requested."""
-        return {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
+        """Shafts, if a base is requested; materials, if loads are."""
+        shafts = {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
+        steel = MATERIALS["steel-C45"]
+        return shafts | ({"first_stock.material": steel, "second_stock.material": steel} if "loads" in asked else {})
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -174,8 +200,16 @@ class GearPairRecipe(AbstractHelicalRecipe):
             "pair": mesh_notes(self.design, self.helix, width),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
+            **self._load_notes(),
             **self.assembly_summary,
         }
+
+    def _load_notes(self) -> Mapping[str, object]:
+        if self.loads is None:
+            return {}
+        if self.strength is None:
+            return {"loads": {"not_computed": "the formulas of root stress and pressure are those of straight teeth"}}
+        return {"loads": strength_notes(self.strength)}
 
 
 @record(kw_only=True)

@@ -12,8 +12,10 @@ from ...core.errors import DesignError
 from ...core.fields import WIDEST, entry
 from ...core.records import record
 from ...making.bases import BaseStock
+from ...making.materials import MATERIALS
 from ...making.motors import MOTORS, MotorName
 from ...model.check import Check
+from ...model.material import Material
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.joined import PolarArray
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from ..rack import GearRack, RackPair
     from ..ring import RingGear
     from ..spur import SpurGear
+    from ..strength import PairStrength
 
 
 G = TypeVar("G", "SpurGear", "RingGear", "GearRack", "PlanetarySet")
@@ -154,6 +157,45 @@ def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseSto
 def shown(value: float) -> float:
     """A number with the digits of a summary."""
     return float(f"{value:.9g}")
+
+
+def loaded_materials(**stocks: Material | None) -> tuple[Material, Material]:
+    """The materials of both gears, given by the keys of their stocks; DesignError for a missing one."""
+    for key, material in stocks.items():
+        if material is None:
+            problem = "is missing, and the strength under [loads] depends on it"
+            raise DesignError(
+                f"{key}.material", problem, f"give {' or '.join(MATERIALS)}, or omit loads", "missing-key"
+            )
+    first, second = (material for material in stocks.values() if material is not None)
+    return first, second
+
+
+def strength_notes(loaded: PairStrength) -> Mapping[str, object]:
+    """Forces and stresses of a pair under its loads."""
+    pair, loads = loaded.pair, loaded.loads
+    names = dict(zip(pair.names, zip(loaded.teeth, loaded.materials)))
+    factors = {"application": loads.application_factor, "dynamic": loads.dynamic_factor}
+    torques = (loads.torque_n_mm, loads.torque_n_mm * abs(pair.ratio))
+    return {
+        "torque_n_mm": {name: shown(torque) for name, torque in zip(pair.names, torques)},
+        "load_factors": factors | {"face_load": loads.face_load_factor},
+        "tangential_force_N": shown(loaded.tangential_force),
+        "radial_force_N": shown(loaded.radial_force),
+        "bearing_load_N": shown(loaded.normal_force),
+        "contact_pressure_n_per_mm2": shown(loaded.contact_pressure),
+        "contact_safety": shown(loaded.contact_safety),
+        "torque_limit_n_mm": shown(loaded.torque_limit),
+        "teeth": {
+            name: {
+                "material": material.name,
+                "root_stress_n_per_mm2": shown(teeth.root_stress),
+                "lewis_stress_n_per_mm2": shown(teeth.lewis_stress),
+                "root_safety": shown(teeth.root_safety),
+            }
+            for name, (teeth, material) in names.items()
+        },
+    }
 
 
 def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:
