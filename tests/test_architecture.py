@@ -158,7 +158,7 @@ UNLOADED = {"dxf": {"trimesh"}, "csv": {"trimesh", "ezdxf"}, "stl": {"ezdxf", "t
 
 
 @pytest.mark.parametrize("formats", UNLOADED)
-def test_a_recipe_loads_only_what_it_writes(tmp_path, formats):
+def test_recipe_loads_only_the_libraries_of_its_formats(tmp_path, formats):
     recipe = PACKAGE.parent / "recipes" / "spur-gear.toml"
     code = f"from geomkin.build import make\nmake({str(recipe)!r}, {str(tmp_path)!r}, [{formats!r}])"
     loaded = loaded_by(code, 2)
