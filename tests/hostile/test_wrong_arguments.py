@@ -259,10 +259,15 @@ GOOD = {
     "forces": {"motion": gk.move(FOUR_BAR, DRIVE, speed=10.0), "loads": gk.Loads(gravity=-9.81j, masses={"coupler": gk.Mass(0.5)}), "about": 0j},
     "material": {"name": "brass"},
     "optimise": {"recipe": {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}, "vary": {"gear.teeth": (12, 13)}, "minimise": "undercut", "subject_to": (), "starts": 1, "seed": 0, "time_limit": 5.0},
+    "GearLoads": {"torque_n_mm": 2000.0, "application_factor": 1.25, "dynamic_factor": 1.1, "face_load_factor": 1.2},
+    "PairStrength": {"pair": gk.GearPair(GEAR, GEAR), "loads": gk.gear.GearLoads(torque_n_mm=2000.0), "face_width": 10.0, "materials": (gk.making.material("brass"), gk.making.material("brass"))},
+    "root_section": {"gear": GEAR},
+    "tooth_form": {"gear": GEAR, "radius": 25.0},
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
     "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "SlideForces", "MATERIALS", "masses",
+    "RootSection", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
