@@ -68,6 +68,7 @@ from .model.part import Part as Part
 from .model.part import Twist as Twist
 from .model.table import Column as Column
 from .model.table import Table as Table
+from .optimisation.optimiser import optimise as optimise
 from .plane.arcs import to_arcs as to_arcs
 from .plane.curve import AbstractCurve as AbstractCurve
 from .plane.flatten import flatten as flatten

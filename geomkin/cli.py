@@ -1,4 +1,4 @@
-"""The commands: run, check, columns, sweep, studio, list, new, schema, chart."""
+"""The commands: run, check, columns, sweep, optimise, studio, list, new, schema, chart."""
 
 from __future__ import annotations
 
@@ -198,6 +198,62 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
     if len(refusals) == len(found.rows):
         click.secho(f"all are refused, the first for this: {harmless(refusals[0])}", fg="red", err=True)
         sys.exit(1)
+
+
+@cli.command("optimise")
+@click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--vary", "ranges", multiple=True, required=True, metavar="KEY=LOW:HIGH",
+    help="Range of a number: linkage.crank=20:40; once for each key. Whole numbers take every value of their range.",
+)  # fmt: skip
+@click.option(
+    "--minimise", "objective", required=True, metavar="FORMULA",
+    help="What is to be least: max(rocker_omega), or -min(transmission_angle) for a maximum.",
+)  # fmt: skip
+@click.option(
+    "--subject-to", "constraints", multiple=True, metavar="CONSTRAINT",
+    help="A constraint, such as 'min(transmission_angle) >= 40'.",
+)  # fmt: skip
+@click.option("--starts", default=6, show_default=True, help="Number of gradient searches.")
+@click.option("--seed", default=0, show_default=True, help="Seed of the random designs.")
+@click.option(
+    "--time-limit", default=60.0, show_default=True, help="Longest time, s; the best design by then is taken."
+)
+@click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the file.")
+def optimise_command(
+    recipe: Path, ranges: tuple[str, ...], objective: str, constraints: tuple[str, ...],
+    starts: int, seed: int, time_limit: float, out: Path,
+) -> None:  # fmt: skip
+    """Find values of a RECIPE's keys that make a result least, and write OUT/<recipe>/<recipe>.optimum.toml.
+
+    Ctrl-C ends the search; the best design so far is written.
+    """
+    from .core.errors import GeomkinError, harmless, printable
+    from .core.progress import shown
+    from .optimisation.optimiser import optimise
+
+    vary: dict[str, tuple[float, float]] = {}
+    for text in ranges:
+        key, _, pair = text.partition("=")
+        try:
+            low, high = map(float, pair.split(":"))
+        except ValueError:
+            raise click.BadParameter(f"{printable(text)} is not KEY=LOW:HIGH", param_hint="--vary") from None
+        vary[key.strip()] = (low, high)
+    watched = _is_terminal(sys.stderr)
+    try:
+        with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
+            best = optimise(recipe, vary, objective, list(constraints), starts, seed, time_limit, out)
+    except GeomkinError as error:
+        click.secho(_refused(recipe, error).text, fg="red", err=True)
+        sys.exit(1)
+    for key, value in best.values.items():
+        click.echo(f"{printable(key)} = {value:.8g}")
+    click.echo(f"{printable(objective.strip())} = {best.objective:.8g}")
+    for check in best.constraints:
+        click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
+    note = ", ended before it was complete" if best.cut_short else ""
+    click.echo(f"{', '.join(map(printable, best.files))}: {best.evaluations:,} designs tried{note}")
 
 
 def _overwrite(line: str) -> None:

@@ -1,7 +1,5 @@
 """What the commands print and write of recipes that pass, fail a check, or cannot be made; each recipe once."""
 
-import re
-
 import pytest
 from click.testing import CliRunner
 
@@ -41,21 +39,6 @@ def test_check_prints_every_check_with_its_verdict_and_writes_nothing(command, t
     assert code == 1 and told.splitlines() == expected and wrong.startswith("in/c.toml: gear.teeth: found 1; give ")
 
 
-def test_run_tells_where_what_how_large_and_how_many_checks_hold(command, tmp_path):
-    code, told, wrong = command("run", "in/a.toml", "in/b.toml", "--only", "csv,stl, svg")
-    assert code == 0 and not (tmp_path / "out/index.html").exists()
-    lines = told.splitlines()
-    for name, line in zip("ab", lines, strict=True):
-        folder = tmp_path / "out" / name
-        checks = gk.load(tmp_path / f"in/{name}.toml").checks
-        size = sum(path.stat().st_size for path in folder.iterdir()) / 1000
-        passed = sum(check.passed for check in checks)
-        endings = re.fullmatch(rf"out/{name}: ([a-z ]+), {size:,.0f} kB, checks {passed} of {len(checks)} passed", line)
-        assert endings and sorted(endings[1].split()) == sorted({path.suffix[1:] for path in folder.iterdir()})
-    failed = [check for check in gk.load(tmp_path / "in/b.toml").checks if not check.passed]
-    assert failed and wrong.splitlines() == [f"b: check failed: {check}" for check in failed]
-
-
 def test_a_recipe_that_is_named_twice_is_made_once_and_a_folder_has_a_page_over_all(command, tmp_path):
     code, told, wrong = command("run", "in/b.toml", "in", "in/a.toml", "--out", "made", "--only", "csv")
     # In the order in which they are named, those of a folder by name.
@@ -89,10 +72,3 @@ def test_invalid_options_are_refused_and_nothing_is_made(command, tmp_path, word
     code, printed, wrong = command(*words)
     assert code == 2 and printed == "" and wrong
     assert not (tmp_path / "out").exists()
-
-
-def test_a_new_recipe_is_ready_to_run(command, tmp_path):
-    code, told, _ = command("new", "spur-gear")
-    assert code == 0 and gk.load(told).kind == "spur-gear"
-    code, told, _ = command("new", "disk-cam", "--with", "follower=oscillating-roller")
-    assert code == 0 and gk.load(told).cam.follower.oscillates

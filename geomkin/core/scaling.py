@@ -113,8 +113,8 @@ def _resized(value: Any, hint: Any, scale: float) -> Any:
     if hint is complex:
         return np.multiply(value, scale) if np.ndim(value) else value * scale
     if origin in (Union, types.UnionType):
-        # A sign, or the position of a joint.
-        if int in inner and isinstance(value, int):
+        # A sign or the position of a joint; a name or the position of a point.
+        if type(value) in inner and isinstance(value, (int, str)):
             return value
         return _resized(value, complex if complex in inner else inner[0], scale)
     if isinstance(value, (tuple, list)) and inner:

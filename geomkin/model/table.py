@@ -65,7 +65,7 @@ class Column:
     @property
     def header(self) -> str:
         """Id with its unit, such as `omega_rad_per_s`: what files name the column."""
-        unit = self.unit.replace("/", "_per_")
+        unit = self.unit.replace("/", "_per_").replace(" ", "_")
         return f"{self.id}_{unit}" if unit else self.id
 
 

@@ -31,6 +31,8 @@ UNSUPPORTED = {
     "springs": "spring springs",
     "other units than mm and deg": "unit units inch inches",
 }
+# Words of keys that the table `loads` serves, in recipes that have it.
+SERVED_BY_LOADS = "friction damping force forces torque torques load gravity weight mass inertia spring springs"
 
 # pydantic's types of errors -> kinds of refusal; all others are of a wrong type.
 ID_OF: dict[str, ProblemId] = {
@@ -108,6 +110,9 @@ def _problem(e: Any, recipe: type, hinted: bool) -> Problem:
                 near = f"did you mean {RENAMED[name]}? " if RENAMED.get(name) in known else nearest(name, known)
                 if any(f.name == e["loc"][-1] for f in dataclasses.fields(recipe)):
                     near = "it belongs above the first [table], beside kind; "
+                is_load = bool(set(WORD.findall(name[:100].lower())) & set(SERVED_BY_LOADS.split()))
+                if is_load and not near and "loads" in hints_of(recipe):
+                    near = "it belongs under [loads]; "
                 remedy = (f"it belongs under {' or '.join(homes[:3])}; " if homes else near) + remedy
                 if not homes and not near and (topic := _unsupported(e["loc"][-1])):
                     problem = f"unknown key: recipes of this kind know nothing of {topic}"

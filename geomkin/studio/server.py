@@ -188,7 +188,7 @@ class Studio:
             raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file") from None
 
     def _picture(self, query: Mapping[str, str]) -> bytes:
-        """A small picture of a recipe of the folder, or of a kind; empty for one that takes a search."""
+        """A small picture of a recipe of the folder, or of a kind; empty if it takes a search or is wrong."""
         if "recipe" in query:
             name, text = query["recipe"], self.workspace.open(query["recipe"]).text
         else:
@@ -198,10 +198,11 @@ class Studio:
         return self._pictures[text]
 
     def _drawn(self, text: str, name: str) -> bytes:
-        recipe = parse(text, "recipe", str(self.workspace.folder)).with_name(name)
-        if recipe.scene is None:
-            return b""
-        return assembly(ExportJob(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
+        with suppress(GeomkinError):
+            recipe = parse(text, "recipe", str(self.workspace.folder)).with_name(name)
+            if recipe.scene is not None:
+                return assembly(ExportJob(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
+        return b""
 
     def _changed(self, query: Mapping[str, str]) -> dict[str, str]:
         """The mark of a recipe's file once it is another one, or after a while."""

@@ -20,10 +20,9 @@ from ..core.progress import shown as told_to
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
-from ..recipe.keys import with_values
-from ..recipe.load import from_table
 from ..recipe.messages import nearest
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.varied import VariedRecipe
 
 # Combinations of values at most: hours of slow kinds, and more rows than anybody compares.
 MOST = 10_000
@@ -147,17 +146,10 @@ LARGEST = 10_000_000
 
 
 @record
-class Task:
-    """What is the same for all combinations. recipe: its table as TOML gives it; folder: where files it names lie."""
+class Task(VariedRecipe):
+    """What is the same for all combinations: the recipe, and the results asked for."""
 
-    recipe: Mapping[str, Any]
-    file: str
-    folder: str
     results: tuple[str, ...]
-
-    def opened(self, changes: Mapping[str, Any]) -> AbstractRecipe:
-        """The recipe with these changes. Raises what `gk.load` does, and DesignError for a key that leads nowhere."""
-        return from_table(with_values(self.recipe, changes), self.file, self.folder)
 
 
 def worked_out(task: Task, several: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import field, replace
@@ -16,7 +15,7 @@ from typing import Annotated, Any
 
 from ..build import Readable, name_of
 from ..core.arguments import ArgumentType, checked
-from ..core.errors import DesignError, GeomkinError, RecipeError, printable
+from ..core.errors import DesignError, GeomkinError, printable
 from ..core.processes import each
 from ..core.progress import report as report_progress
 from ..core.records import record
@@ -25,8 +24,8 @@ from ..export.csv import csv
 from ..export.files import naming, write_whole
 from ..model.check import Check
 from ..model.table import Table
-from ..recipe.load import parsed, table_of, to_toml
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.varied import varied
 from .report import columns, report
 from .row import Task, check_tell, combinations, file_marks, is_row, listed, worked_out
 
@@ -215,14 +214,18 @@ def swept(
     by: Worker,
 ) -> Sweep:
     """The same, worked out by any worker."""
-    task, name = _task(recipe, tuple(dict.fromkeys(results)))
+    source, name = varied(recipe)
+    task, name = (
+        Task(source.recipe, source.file, source.folder, tuple(dict.fromkeys(results))),
+        name_of(source.file, name),
+    )
     keyed = {key: listed(key, given) for key, given in values.items()}
     if not keyed:
         raise DesignError(
             "values", "found none", 'give a key and its values, such as {"gear.teeth": [8, 12]}', "missing-key"
         )
     every = list(combinations(keyed))
-    _check_keys(task, keyed)
+    task.check_keys({key: row[0] for key, row in keyed.items()})
     _check_results(task, every)
     kept_in = None if out is None else Path(out) / name / f"{name}{ENDING}.jsonl"
     ledger = None if kept_in is None else Ledger(kept_in, _title(task), partial(is_row, task))
@@ -253,34 +256,6 @@ def swept(
     }
     write_whole(folder, contents)
     return replace(result, files={folder / file: len(content) for file, content in contents.items()})
-
-
-def _task(recipe: AbstractRecipe | Readable, results: tuple[str, ...]) -> tuple[Task, str]:
-    """What is worked out, read once, and the name of its files."""
-    if isinstance(recipe, AbstractRecipe):
-        data, file, name = tomllib.loads(to_toml(recipe)), recipe.name or recipe.kind, recipe.name
-    elif isinstance(recipe, Mapping):
-        data, file, name = dict(recipe), "recipe", ""
-    elif isinstance(recipe, str) and "\n" in recipe:
-        data, file, name = parsed(recipe), "recipe", ""
-    else:
-        path = Path(recipe)
-        data = table_of(path)
-        # Other processes may work in other folders.
-        return Task(data, str(path), str(path.absolute().parent), results), name_of(str(path), path.stem)
-    return Task(data, file, str(Path.cwd()), results), name_of(file, name or str(data.get("kind", "recipe")))
-
-
-def _check_keys(task: Task, values: Mapping[str, Sequence[Any]]) -> None:
-    """Refuse a key that no recipe of its kind knows, in the words in which a recipe that has it is refused."""
-    first = {key: row[0] for key, row in values.items()}
-    try:
-        task.opened(first)
-    except RecipeError as error:
-        for problem in error.problems:
-            asked = any(key.startswith(problem.key) and key[len(problem.key) :][:1] in ("", ".", "[") for key in values)
-            if problem.id == "unknown-key" and asked:
-                raise DesignError(problem.key, problem.problem, problem.remedy, problem.id) from None
 
 
 def _check_results(task: Task, every: Iterable[Mapping[str, Any]]) -> None:

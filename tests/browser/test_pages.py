@@ -179,7 +179,7 @@ def test_a_sweeps_page_opens_and_is_read_by_keys(folder, opened):
         assert number(line.inner_text()) == pytest.approx(row.checks[0].value, rel=1e-4)
 
 
-def test_what_stands_still_has_nothing_to_be_played(folder, opened):
+def test_still_scene_has_no_player(folder, opened):
     (folder / "parts.html").write_bytes(gk.show(gk.load(RECIPES / "crank-rocker.toml").parts).page)
     page = opened(folder / "parts.html").page
     for control in ('button[aria-label="Play"]', 'button[aria-label="One step on"]', ".speed", ".drive"):
@@ -189,7 +189,7 @@ def test_what_stands_still_has_nothing_to_be_played(folder, opened):
     assert page.is_visible('button[aria-label="Zoom in"]') and page.is_visible("svg.drawing")
 
 
-def test_what_it_was_chosen_from_is_plotted_with_a_line_at_the_one_that_is_made(folder, opened):
+def test_family_is_plotted_with_a_line_at_the_chosen_member(folder, opened):
     recipe, file = page_of("wiper", folder)
     choice = recipe.scene.choice
     for width, plots in ((320, 1), (1400, 2)):
@@ -227,7 +227,7 @@ def test_plots_follow_and_lead(folder, opened):
     assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
 
 
-def test_switches_show_what_is_off_at_first(folder, opened):
+def test_switches_show_layers_that_are_hidden_at_first(folder, opened):
     _, file = page_of("crank-rocker", folder)
     page = opened(file).page
     for role in ("velocity", "acceleration", "centre"):

@@ -127,13 +127,6 @@ def test_least_base_radius_of_a_flat_face_has_its_closed_form():
     assert flat_face_base_radius(LIFTS, tilt_deg=25) == pytest.approx(-least * cosine, abs=1e-11)
 
 
-def test_where_nothing_limits_the_base_circle_it_says_so():
-    found = least_base_circle(TranslatingFlat(), HARMONIC)
-    assert (found.radius, found.limit) == (0, "nothing") and np.isnan(found.cam_angle)
-    found = least_base_circle(TranslatingRoller(5, 30), gk.Program([gk.Dwell(end_deg=360)]), pressure_angle_deg=90)
-    assert (found.radius, found.limit) == (25, "reach")
-
-
 def test_an_arm_that_would_lean_too_much_on_any_cam_is_refused():
     with pytest.raises(gk.DesignError) as caught:
         least_base_circle(OscillatingRoller(10, 100, 80), programme(40, True), pressure_angle_deg=10)
@@ -154,18 +147,6 @@ def test_a_velocity_that_jumps_down_undercuts_a_cam_of_any_size():
     assert least_base_circle(TranslatingRoller(0), programme(10, laws=("uniform", "cycloidal"))).radius > 0
 
 
-@pytest.mark.parametrize(
-    ("sizes", "field"),
-    [({"pressure_angle_deg": 0}, "pressure_angle_deg"), ({"pressure_angle_deg": 91}, "pressure_angle_deg"),
-     ({"least_radius": -1}, "least_radius"), ({"least_radius": np.inf}, "least_radius"),
-     ({"program": SWINGS}, "program"), ({"direction": "left"}, "direction")],
-)  # fmt: skip
-def test_limits_that_are_none_are_refused(sizes, field):
-    with pytest.raises(gk.DesignError) as caught:
-        least_base_circle(**({"follower": TranslatingRoller(10), "program": LIFTS} | sizes))
-    assert caught.value.field == field
-
-
 def test_where_flanks_cross_the_radius_found_is_the_least_without_undercut():
     """A corner that only a very large cam has room for: at the radius nothing is cut away, just below it something."""
     program = gk.Program([gk.Rise("harmonic", rise=10, end_deg=22), gk.Dwell(end_deg=42),
@@ -176,14 +157,6 @@ def test_where_flanks_cross_the_radius_found_is_the_least_without_undercut():
     assert not undercut(gk.Cam(follower, program, found.radius)).found
     smaller = undercut(gk.Cam(follower, program, found.radius * (1 - 1e-6)))
     assert smaller.found and found.cam_angle == pytest.approx(smaller.worst[1], abs=1e-3)
-
-
-@pytest.mark.parametrize("degrees", [60, 89.5])
-def test_a_hill_between_samples_limits_the_least_base_radius_too(degrees):
-    """A knife edge on half a cosine of amplitude A, whose steepest place sin(alpha) = A / (R + A) ever nears the foot."""
-    program = gk.Program((gk.Rise("harmonic", rise=20, end_deg=180), gk.Return("harmonic", end_deg=360)))
-    found = least_base_circle(TranslatingRoller(0.0), program, pressure_angle_deg=degrees)
-    assert found.radius == pytest.approx(10 / np.sin(np.radians(degrees)) - 10, rel=1e-8)
 
 
 @pytest.mark.parametrize("tried", [121])

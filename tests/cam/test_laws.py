@@ -108,20 +108,6 @@ def test_any_law_of_sine_constant_cosine_has_the_acceleration_that_its_shares_dr
     assert np.abs(jerk - np.gradient(acceleration, x))[inside].max() < 1e-4 * (1 + np.abs(jerk).max())
 
 
-@pytest.mark.parametrize(
-    ("law", "before", "after"),
-    [("parabolic", (4, 0), (-4, 0)), ("modified-trapezoid", (4.888123762813258, 61.42597481), (4.888123762813258, 0))],
-)
-def test_at_a_jump_the_piece_that_starts_there_answers(law, before, after):
-    joint = breaks_of(LAWS[law])[1]
-    values = LAWS[law](np.array([np.nextafter(joint, 0), joint]))
-    if law == "parabolic":
-        assert values[2:, 0] == pytest.approx(before) and values[2:, 1] == pytest.approx(after)
-    else:
-        # The quarter sine is level where it meets the constant, so nothing jumps there but the next derivative.
-        assert values[2, 0] == pytest.approx(before[0]) and values[2:, 1] == pytest.approx(after, abs=1e-12)
-
-
 class Kinked:
     """Half the way at speed 1.5, the rest at 0.5, with the joint kept quiet or not."""
 
@@ -132,12 +118,6 @@ class Kinked:
 
 class WithBreaks(Kinked):
     breaks = (0, 0.5, 1)
-
-
-def test_a_law_of_ones_own_may_jump_where_it_says_so():
-    assert isinstance(law_of(WithBreaks()), WithBreaks)
-    with pytest.raises(gk.DesignError):
-        law_of(Kinked())
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Peak factors of laws and infinite jerk, against the handbooks' numbers and a fine walk over the motion."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -62,12 +60,6 @@ def test_peaks_are_those_of_a_fine_walk(segment):
         assert getattr(peaks, name) == pytest.approx(np.abs(getattr(motion, name)).max(), rel=1e-7)
 
 
-def test_a_segment_that_ends_where_it_starts_has_peaks_but_no_factors():
-    points = tuple((float(k), 5 - 5 * np.cos(np.radians(k))) for k in range(0, 361, 30))
-    peaks = gk.Program([gk.cam.LiftSpline(points=points)]).peaks[0]
-    assert peaks.velocity == pytest.approx(5, rel=1e-3) and np.isnan(peaks.factors).all()
-
-
 def steps_of(program, swings=False):
     follower = gk.OscillatingFlat(110) if swings else gk.TranslatingRoller(6)
     return {c.name: c for c in gk.cam.cam_checks(gk.Cam(follower, program, 60)) if c.name.startswith("jump in")}
@@ -94,21 +86,3 @@ def test_the_table_has_infinite_rates_at_joints_with_a_step_and_nowhere_else():
     assert degrees[np.isinf(table["jerk"])].tolist() == [0, 40.5, 110, 360]
     assert degrees[np.isinf(table["acceleration"])].tolist() == [0, 110, 360]
     assert np.isfinite(table["velocity"]).all()
-
-
-RECIPE = {"kind": "disk-cam", "cam": {"base_radius": 45, "follower": {"kind": "translating-roller", "roller_radius": 8},
-          "program": [{"kind": "dwell", "end_deg": 60}, {"kind": "rise", "law": "3-4-5", "rise": 12, "end_deg": 150},
-                      {"kind": "dwell", "end_deg": 200}, {"kind": "return", "law": "cycloidal", "end_deg": 360}]},
-          "files": {"write": ["csv"]}}  # fmt: skip
-
-
-def test_numbers_that_json_has_not_leave_the_summary_json(tmp_path):
-    RECIPE["cam"]["program"][1]["law"] = "harmonic"
-    gk.make(RECIPE, tmp_path)
-    RECIPE["cam"]["program"][1]["law"] = "3-4-5"
-
-    def none(name):
-        raise AssertionError(name)
-
-    told = json.loads((tmp_path / "disk-cam/summary.json").read_text(), parse_constant=none)
-    assert float(told["peaks"]["segment_2"]["Cj"]) == inf

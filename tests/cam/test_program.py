@@ -113,24 +113,6 @@ def test_nothing_jumps_but_at_breaks_and_as_much_as_said(program):
     assert (program.jumps.lift == 0).all()
 
 
-@each_program
-def test_any_shape_and_any_turn_may_be_asked_for(program):
-    angle = np.linspace(0.1, 6.2, 12).reshape(3, 4)
-    assert orders_of(program.motion(angle)).shape == (4, 3, 4)
-    assert orders_of(program.motion(0.7)).shape == (4,)
-    for turns in (-2, 3):
-        assert program.motion(angle + turns * 2 * np.pi).lift == pytest.approx(program.motion(angle).lift, abs=1e-9)
-
-
-def test_jumps():
-    program = Program([gk.Rise("uniform", rise=np.pi, end_deg=180), gk.Return("harmonic", end_deg=360)])
-    assert program.jumps.velocity == pytest.approx([1, -1])
-    assert program.jumps.acceleration == pytest.approx([-np.pi / 2, -np.pi / 2])
-    assert (CYCLOIDS.jumps.velocity == 0).all() and (CYCLOIDS.jumps.acceleration == 0).all()
-    jerk = 20 * 4 * np.pi**2 / (np.pi / 2) ** 3
-    assert CYCLOIDS.jumps.jerk == pytest.approx([jerk, jerk, -jerk, -jerk])
-
-
 def test_an_arm_moves_in_radians_by_the_same_laws():
     by_angle = Program([gk.Rise("3-4-5", rise_deg=30, end_deg=90), gk.Return("cycloidal", end_deg=360)])
     by_mm = Program([gk.Rise("3-4-5", rise=np.radians(30), end_deg=90), gk.Return("cycloidal", end_deg=360)])
@@ -315,16 +297,6 @@ def test_a_table_comes_from_a_file_beside_the_recipe_with_other_columns_and_with
     assert arm.oscillates and arm.motion(np.pi).lift == pytest.approx(np.radians(10))
 
 
-@pytest.mark.parametrize("point", [".", ","])
-def test_a_table_of_a_spreadsheet_with_semicolons_is_the_same_motion(tmp_path, point):
-    lines = ["cam_angle_deg;Zeit, s;lift_mm"] + [f"{a:g};{a / 7:g};{lift}" for a, lift in rounded(CYCLOIDS, 4)]
-    (tmp_path / "lift.csv").write_text("\n".join([lines[0], *(line.replace(".", point) for line in lines[1:])]))
-    from_file = Program([LiftTable(4, file="lift.csv")], folder=str(tmp_path))
-    inline = Program([LiftTable(4, rows=(*rounded(CYCLOIDS, 4), (360.0, 0.0)))])
-    angle = np.linspace(0, 7, 99)
-    assert (orders_of(from_file.motion(angle)) == orders_of(inline.motion(angle))).all()
-
-
 BACK = gk.Return("cycloidal", end_deg=360)
 UP = {"rise": 3, "end_deg": 100}
 
@@ -410,13 +382,3 @@ def test_the_largest_roller_is_where_the_profile_starts_to_cross_itself():
 
     assert not crosses(0.99 * least)
     assert least > 39 or crosses(1.02 * least)
-
-
-@given(st.floats(1, 40), st.floats(1, 359))
-def test_two_of_start_end_and_duration_are_enough(rise, middle):
-    by_end = gk.Program([gk.Rise("3-4-5", rise=rise, end_deg=middle), gk.Return("3-4-5", end_deg=360)])
-    by_duration = gk.Program(
-        [gk.Rise("3-4-5", end_lift=rise, duration_deg=middle), gk.Return("3-4-5", duration_deg=360 - middle)]
-    )
-    angles = np.linspace(0, 6.28, 50)
-    assert by_end.motion(angles).lift == pytest.approx(by_duration.motion(angles).lift, abs=1e-9)

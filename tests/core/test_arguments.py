@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import Annotated, Any, Literal, Protocol, TypeVar
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
@@ -18,10 +18,6 @@ from geomkin.model.check import AnyNumber
 
 class Plain:
     pass
-
-
-class Able(Protocol):
-    def do(self): ...
 
 
 NAN, INF = np.nan, np.inf
@@ -119,21 +115,6 @@ def test_an_annotation_takes_and_refuses_values(hint, words, good, bad):
             assert caught.value.field in ("value", "other") and expected.allowed in caught.value.remedy
 
 
-def test_what_says_nothing_is_left_to_the_code():
-    for hint in [
-        Any,
-        Able,
-        TypeVar("T"),
-        tuple,
-        tuple[Any, ...],
-        Sequence[Any],
-        Mapping[str, Any],
-        Mapping[Any, float],
-        float | Any,
-    ]:
-        assert (argument_type(hint) is None) is (hint is not tuple)
-
-
 def test_one_wrong_number_is_seen_in_any_shape():
     for wrong, shape, unit in [(NAN, (3,), 1.0), (INF, (2, 3), 1j), (2e60, (3, 8192), 1.0), (-2e60, (30_000,), 1j)]:
         for at in (0, -1):
@@ -155,23 +136,6 @@ def test_single_precision_has_the_same_limits_and_no_warning(kind):
     bar = gk.FourBar(*np.array([100, 30, 90, 70], np.float32))
     angles = gk.move(bar, np.linspace(0, 6, 9, dtype=np.float32)), gk.move(bar, np.linspace(0, 6, 9))
     assert np.ptp([gk.least_transmission_angle(motion) for motion in angles]) < 1e-5
-
-
-def test_a_place_that_may_be_missing():
-    for value in (NAN, complex(NAN, 0), complex(0, NAN), 1, 2.5, 1j, np.array([1j, NAN]), np.array(NAN)):
-        assert MAY_BE_MISSING(value)
-        assert of.is_place(value) is not np.isnan(value).any()
-    for value in (INF, complex(0, -INF), "1", None, True, np.array([1j, INF])):
-        assert not MAY_BE_MISSING(value)
-
-
-def test_bounds_are_reported_and_are_allowed_themselves():
-    for expected, _words, good, bad in [
-        (of.between(-1.5, 2), "a number from -1.5 to 2", [-1.5, 0, 2, 1.99], [-1.51, 2.01, NAN, True, "1", None]),
-        (of.between(0, 10, "mm"), "a number from 0 to 10, in mm", [0, 10], [-1e-9, 10.1]),
-        (of.whole_between(2, 4), "a whole number from 2 to 4", [2, 3, 4], [1, 5, 3.0, True, None]),
-    ]:
-        assert all(map(expected.fits, good)) and not any(map(expected.fits, bad))
 
 
 @dataclasses.dataclass
@@ -198,19 +162,3 @@ def test_fields_are_held_to_their_annotations_but_for_sizes():
         with pytest.raises(gk.DesignError) as caught:
             Held(**values)
         assert caught.value.field == name and len(caught.value.problem) < 100
-
-
-def test_arguments_are_named_in_their_order_however_they_are_given():
-    @checked
-    def call(first: int, *, last: str = "", **others: Any) -> None:
-        return None
-
-    assert call(1, last="x", more=3) is None
-    for given, named, name in (
-        ((1.0,), {}, "first"),
-        ((1,), {"last": 3}, "last"),
-        ((), {"last": 3, "first": "x"}, "last"),
-    ):
-        with pytest.raises(gk.DesignError) as caught:
-            call(*given, **named)
-        assert caught.value.field == name

@@ -3,8 +3,6 @@
 import ast
 import copy
 import pickle
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import get_args
 
@@ -32,23 +30,6 @@ def test_errors_survive_pickling_and_copying(error):
     for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
         assert told(pickle.loads(pickle.dumps(error, protocol))) == told(error)
     assert told(copy.deepcopy(error)) == told(error)
-
-
-def test_notes_and_other_additions_survive_too():
-    error = gk.DesignError("crank", "found -1", "give a number above 0")
-    error.add_note("while drawing")
-    assert pickle.loads(pickle.dumps(error)).__notes__ == ["while drawing"]
-
-
-def test_every_error_there_is_was_tried():
-    kinds = {kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, Exception)}
-    assert kinds == {type(error) for error in ERRORS}
-
-
-def test_a_refusal_in_another_process_arrives_whole():
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        refusal = pool.submit(gk.plane.Circle, 0j, -1.0).exception(timeout=60)
-    assert isinstance(refusal, gk.DesignError) and refusal.field == "radius" and "above 0" in refusal.remedy
 
 
 def test_whatever_a_value_is_it_is_shown_on_one_line():

@@ -9,7 +9,6 @@ import pytest
 import geomkin as gk
 from geomkin.core.fields import (
     SMALLEST,
-    PointXY,
     allowed,
     check_quantities,
     entry,
@@ -18,7 +17,6 @@ from geomkin.core.fields import (
     rounded_down,
     rounded_up,
 )
-from geomkin.model.part import Twist
 from geomkin.model.table import xy_columns
 
 LIMITS = [
@@ -63,15 +61,6 @@ def test_a_size_is_held_to_its_limits(limits, words, good, bad, many):
             check_quantities(kind(np.append(rows, value)), many)
 
 
-def test_what_may_be_left_out_and_what_is_shown():
-    check_quantities(made({"above": 0, "unit": "mm"}, default=None)(None))
-    field = lambda made: made.metadata["examples"]  # noqa: E731
-    assert field(quantity("a", default=3.0)) == [3.0] and field(quantity("a", default=3.0, example=0)) == [0]
-    assert field(entry("a", default="x")) == ["x"] and field(entry("a", default="x", example="y")) == ["y"]
-    assert field(entry("a", default_factory=dict)) == [{}]
-    assert entry("a", default=True).metadata["strict"] and "strict" not in entry("a", default=1).metadata
-
-
 def test_of_rows_of_several_lengths_the_other_one_is_named():
     kind = dataclasses.make_dataclass("Made", [(name, float, quantity(name, default=1.0)) for name in "abcd"])
     check_quantities(kind(np.ones(3), 2.0, np.ones(1), np.ones(3)), True)
@@ -102,24 +91,6 @@ def test_the_last_size_that_fits_does_and_no_nearer_one(good, bad, edge):
     assert fits(found) and found == pytest.approx(edge, rel=1e-9)
 
 
-def test_places_are_one_each_within_reach_unless_they_are_many():
-    for many in (False, True):
-        place = PointXY(many)
-        assert all(map(place.fits, [1j, 0, 1e9, complex(-1e9, 1e9)]))
-        assert not any(map(place.fits, [1.1e9, -1.1e9j, 1.1e9j, np.nan, [1j], "1", None, np.array([1j, 2e9])]))
-        assert place.fits(np.array([1j, 2])) is many
-
-
-@pytest.mark.parametrize("herringbone", [False, True])
-def test_a_twisted_section_is_where_its_height_puts_it(herringbone):
-    twist = Twist(turn=0.8, shift=6.0, herringbone=herringbone)
-    share = np.array([[0, 0.25, 0.5], [0.75, 1, np.nan]])
-    way = np.array([[0, 0.5, 1], [0.5, 0, np.nan]]) if herringbone else share
-    pose = twist.at(share)
-    assert pose.origin.real == pytest.approx(6 * way, nan_ok=True)
-    assert np.angle(pose.direction) == pytest.approx(0.8 * way, nan_ok=True)
-
-
 def test_columns_of_a_place_share_their_size_and_tables_their_length():
     x, y = xy_columns("pin", "mm", "where it is", np.array([3 + 4j, complex(np.nan, np.nan), 1j]))
     assert (x.header, y.header) == ("pin_x_mm", "pin_y_mm")
@@ -137,15 +108,6 @@ def test_columns_of_a_place_share_their_size_and_tables_their_length():
                 gk.Column("a_mm", "", "", np.ones(3)),
             )
         )
-
-
-def test_fits_are_no_more_than_holes():
-    disc, hole = gk.plane.Circle(0j, 9.0), gk.plane.Circle(0j, 2.0)
-    fit = gk.HoleFit(3.8, 0.2)
-    for fits in ((), (None,), (fit,)):
-        assert gk.Part("disc", disc, (hole,), 3.0, fits=fits).fits == fits
-    with pytest.raises(gk.DesignError, match="fits:"):
-        gk.Part("disc", disc, (hole,), 3.0, fits=(fit, None))
 
 
 def test_an_entry_is_left_out_as_its_field_says_and_shows_an_example():

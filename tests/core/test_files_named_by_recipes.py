@@ -4,9 +4,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.core import names as beside
-from geomkin.core.names import file_name_flaw
-
-WHAT = "give a CSV file"
 
 
 def refused(name, folder):
@@ -25,7 +22,7 @@ def test_a_file_beside_or_below_is_read_with_or_without_a_mark_at_its_start(tmp_
         assert beside.read_text_file(tmp_path / "in/a.csv", None, "a CSV file") == "größe"
 
 
-def test_what_lies_elsewhere_is_no_recipe_s(tmp_path):
+def test_files_outside_the_recipe_folder_are_refused(tmp_path):
     (tmp_path / "in").mkdir()
     (tmp_path / "a.csv").write_text("1")
     (tmp_path / "in/link.csv").symlink_to(tmp_path / "a.csv")
@@ -45,28 +42,6 @@ def test_a_file_is_text_of_bearable_size(tmp_path, monkeypatch, content, reason)
         assert beside.read_text_file("a.csv", tmp_path, "a CSV file") == content.decode()
         return
     assert reason in refused("a.csv", tmp_path).problem
-
-
-def test_what_is_no_file_is_reported(tmp_path):
-    (tmp_path / "folder").mkdir()
-    (tmp_path / "loop").symlink_to(tmp_path / "loop")
-    for name in ("folder", "gone.csv", "a\0b", "loop"):
-        refused(name, tmp_path)
-
-
-def test_the_sign_that_makes_no_name_is_the_one_that_is_reported():
-    for name, flaw in [
-        (".a", "'.'"),
-        ("-a.", "'-'"),
-        (" a", "' '"),
-        ("a.", "'.'"),
-        ("a ", "' '"),
-        ("a-c.", "'.'"),
-        (".b c ", "'.'"),
-        ("b.-", None),
-        ("a b.c", None),
-    ]:
-        assert file_name_flaw(name) == (f"it begins or ends with {flaw}" if flaw else "")
 
 
 @pytest.mark.parametrize(("separator", "point"), [(",", "."), (";", "."), (";", ",")])

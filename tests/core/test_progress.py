@@ -2,8 +2,6 @@
 
 import threading
 
-import pytest
-
 from geomkin.core import progress
 from geomkin.core.progress import Watch, report, shown
 
@@ -23,15 +21,6 @@ def test_shares_are_reported_from_0_to_1_to_the_innermost_listener():
         other.join()
     report(0.5, "nobody listens any more")
     assert outer == [(0.0, "a"), (1, "c")] and inner == [(0.25, "b"), (1.0, "b")]
-
-
-def test_a_listener_that_fails_listens_no_longer_than_it_was_to():
-    def failing(share, what):
-        raise ValueError(what)
-
-    with pytest.raises(ValueError, match="here"), shown(failing):
-        report(0.5, "here")
-    report(0.5, "nobody")
 
 
 def test_a_watch_is_over_when_its_time_is_and_says_so_from_then_on(monkeypatch):

@@ -31,7 +31,7 @@ def moving(root, name):
     return motions(root)[group.get("class").split()[1]], inner
 
 
-def test_the_foot_is_where_the_table_has_it_all_the_way(tmp_path):
+def test_foot_in_the_animation_agrees_with_the_table(tmp_path):
     recipe, root = picture("walking-leg", tmp_path)
     gk.write(recipe.table, tmp_path / "leg.csv")
     rows = list(csv.DictReader((tmp_path / "leg.csv").read_text().splitlines()))

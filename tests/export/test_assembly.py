@@ -87,30 +87,3 @@ def test_arcs_are_kept_and_nothing_is_scaled(tmp_path):
     area = gk.area(next(part for part in recipe.parts if part.name == "rocker").outline)
     points = np.array([complex(v.x, v.y) for v in ezdxf.path.make_path(rocker).flattening(1e-4)])
     assert 0.5 * np.imag(np.conj(points) * np.roll(points, -1)).sum() == pytest.approx(area, rel=1e-4)
-
-
-def test_names_are_data(tmp_path):
-    scene = gk.load(RECIPES / "crank-rocker.toml").scene
-    nasty = '</text><script>x</script>&"\u202e%%d'
-    bodies = tuple(dataclasses.replace(b, name=nasty if b.name == "coupler" else b.name) for b in scene.bodies)
-    job = gk.export.Job("a", Holding(dataclasses.replace(scene, bodies=bodies)), 0.01)
-    for name in ("assembly-svg", "animation"):
-        (content,) = gk.export.WRITERS[name].write(job).values()
-        root = root_of(content)
-        assert not list(root.iter(f"{SPACE}script")) and b"\xe2\x80\xae" not in content
-        assert any(element.text == nasty.replace("\u202e", "?") for element in root.iter())
-    (content,) = gk.export.WRITERS["assembly-dxf"].write(job).values()
-    space = ezdxf.read(io.StringIO(content.decode())).modelspace()
-    assert any("script" in entity.dxf.text for entity in space.query("TEXT"))
-    assert not any("%%" in entity.dxf.text for entity in space.query("TEXT"))
-
-
-@dataclasses.dataclass
-class Holding:
-    """What is written, of a scene alone."""
-
-    scene: object
-    parts = ()
-    table = None
-    checks = ()
-    notes: dict = dataclasses.field(default_factory=dict)

@@ -104,7 +104,7 @@ def test_helical_teeth_mesh_at_every_height(text, at, meshes, tmp_path):
             assert first.distance(second) < 0.11
 
 
-def test_leaning_racks_lie_flat_apart_and_on_the_plate(tmp_path):
+def test_helical_racks_lie_flat_and_apart_on_the_plate(tmp_path):
     stock = "[stock]\nthickness = 60\n"
     (path,) = gk.write(gk.load(RACK + stock + FILES + "0"), tmp_path / "a.3mf")
     model = ET.fromstring(zipfile.ZipFile(path).read("3D/3dmodel.model"))

@@ -29,7 +29,7 @@ def moved(curve, grow):
 
 @pytest.mark.parametrize("kerf", [0.0, 0.1, 3.0])
 @pytest.mark.parametrize(("name", "arcs"), [("sharp", False), ("bent", True)])
-def test_a_part_is_the_same_whichever_way_its_curves_run(name, kerf, arcs):
+def test_cut_does_not_depend_on_the_direction_of_curves(name, kerf, arcs):
     outline, hole, tolerance = OUTLINES[name], Polyline(HOLE), 1e-2
     expected = moved(outline, kerf / 2), moved(hole, -kerf / 2)
     boxes = []

@@ -1,6 +1,5 @@
 """The drawing with sizes: its numbers against distances in the DXF that is cut; no text on another or on a line."""
 
-import io
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
@@ -17,7 +16,6 @@ from ezdxf.lldxf.encoding import decode_dxf_unicode
 import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.dimensioned import drawing, scale_of, scale_text
-from geomkin.export.dxf import sheet as sheet_dxf
 from geomkin.export.job import Job, StaticSource
 from geomkin.plane.primitives import Circle
 
@@ -120,7 +118,7 @@ BORED = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n[files]\ncurves = "
         ),
     ],
 )
-def test_a_bores_callout_tells_what_is_cut_and_for_which_shaft(stock, callout, box, tmp_path):
+def test_callout_of_a_bore_has_its_cut_size_and_its_shaft(stock, callout, box, tmp_path):
     recipe = gk.load(BORED + stock)
     assert callouts(recipe, tmp_path) == [callout]
     gk.write(recipe, tmp_path / "a.dxf")
@@ -163,25 +161,6 @@ def test_all_holes_of_a_recipe_are_as_wide_and_as_long_as_their_callouts(name, t
     assert wanted and not wanted - cut and sum((cut - wanted).values()) <= 1
 
 
-def test_nothing_lies_on_a_layer_that_is_cut():
-    document = ezdxf.read(io.StringIO(sheet_dxf(job_of("gear-pair")).decode()))
-    assert not document.audit().errors
-    assert {e.dxf.layer for e in document.modelspace()} == {"PART", "DIM", "TEXT"}
-    assert not {"CUT", "HOLE", "ENGRAVE"} & {layer.dxf.name for layer in document.layers}
-
-
-def test_a_gears_table_has_what_the_library_measures(tmp_path):
-    recipe = gk.load(RECIPES / "spur-gear.toml")
-    (path,) = gk.write(recipe, tmp_path / "gear-sheet.svg")
-    texts = [e.text for e in ET.fromstring(path.read_bytes()).iter("{http://www.w3.org/2000/svg}text")]
-    gear = recipe.design
-    over, pins = gk.gear.span(gear), gk.gear.over_pins(gear)
-    assert f"teeth {gear.teeth}, module {gear.module:g}, pressure angle 20 deg" in texts
-    assert f"tip dia {2 * gear.tip_radius:.5g}" in texts and f"root dia {2 * gear.root_radius:.5g}" in texts
-    assert f"span over {over.teeth} teeth {over.length:.5g}" in texts
-    assert f"over pins of dia {pins.pin:.5g}: {pins.diameter:.5g}" in texts
-
-
 @pytest.mark.parametrize("material", ["日本の鋼 S45C", "Łódź"])
 def test_a_material_in_any_script_comes_back_from_both_formats(material, tmp_path):
     title = {"material": material}
@@ -192,13 +171,6 @@ def test_a_material_in_any_script_comes_back_from_both_formats(material, tmp_pat
     in_dxf = [decode_dxf_unicode(t.dxf.text) for t in read(drawn).query("TEXT")]
     in_svg = [e.text for e in ET.fromstring(svg.read_bytes()).iter("{http://www.w3.org/2000/svg}text")]
     assert f"material: {material}" in in_dxf and f"material: {material}" in in_svg
-
-
-def test_a_title_that_no_drawing_can_show_is_refused():
-    for text in ["a\\U+0041", "^J", "50%%d", "a\nb", "\u202e", "\u0308", "日\u3164本", "50 €", " a", "a" * 61]:
-        recipe = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "files": {"title": {"material": text}}}
-        with pytest.raises(gk.RecipeError, match="files.title.material:"):
-            gk.load(recipe)
 
 
 @pytest.mark.parametrize(("size", "scale"), [(3, "20:1"), (250, "1:1"), (251, "1:2")])
@@ -218,13 +190,6 @@ def test_the_scale_is_round_and_the_drawing_has_it(size, scale):
             cut(gk.Part(name, gk.plane.Polyline(z), (), 3.0), 1e-3) for name, z in (("a", corners), ("b", corners / 9))
         ]
         assert scale_of(cuts) == scale_of(cuts[::-1]) == pytest.approx(paper / part)
-
-
-def test_it_is_written_where_it_is_asked_for(tmp_path):
-    text = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n[files]\nwrite = ["dxf", "sheet-dxf", "sheet-svg"]\n'
-    made = {path.name for path in gk.make(gk.load(text), tmp_path).files}
-    assert made == {"spur-gear.dxf", "spur-gear-sheet.dxf", "spur-gear-sheet.svg", "summary.json"}
-    assert not any("-sheet" in path.name for path in gk.make(gk.load(text.partition("[files]")[0]), tmp_path).files)
 
 
 @pytest.mark.parametrize("size", [0.2, 1.0, 7.0])

@@ -69,28 +69,6 @@ def test_verdicts_on_random_holes_are_those_of_every_pair(size):
     assert {("inside", True), ("inside", False), ("meets", True)} <= seen
 
 
-def test_the_first_wrong_hole_is_named(size=0.5):
-    told = set()
-    for seed in range(12):
-        outer, holes = random_plate(seed, size, count=6)
-        part = gk.Part("plate", gk.plane.Polyline(outer), tuple(gk.plane.Polyline(h) for h in holes), 3.0)
-        expected = ""
-        for k, hole in enumerate(holes):
-            if crossing(outer, hole) or not winds(outer, hole[0]) or away(outer, hole) < 0.01:
-                expected = f"hole {k + 1} "
-            elif any(meet(hole, other) for other in holes[:k]):
-                expected = "two holes meet"
-            if expected:
-                break
-        told.add(expected[:3])
-        if expected:
-            with pytest.raises(gk.DesignError, match=expected):
-                cut(part, 0.01)
-        else:
-            cut(part, 0.01)
-    assert len(told) >= 2
-
-
 def test_holes_that_share_a_side_or_an_area_overlap_and_those_that_meet_at_a_corner_do_not():
     square = np.array([0, 1, 1 + 1j, 1j])
     assert sorted(region.overlapping([square, square + 1, square + 1 + 1j]).tolist()) == [[0, 1], [1, 2]]

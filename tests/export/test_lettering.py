@@ -48,12 +48,6 @@ def test_each_hole_has_its_letter_next_to_it():
     assert all(abs(line - 60j).max() < 10 for line in letters[count:])
 
 
-def test_a_part_too_small_for_its_name_gets_its_number():
-    small = gk.Part("a_long_name", gk.plane.Circle(0, 5), (), 3.0)
-    assert lettered(small, 7)[0] == "7"
-    assert lettered(gk.Part("tiny", gk.plane.Circle(0, 1), (), 3.0), 7) == ("", ())
-
-
 def test_lettering_keeps_off_engravings():
     cross = gk.plane.Segment(-30 + 0j, 30 + 0j)
     _, strokes = lettered(gk.Part("name", gk.plane.Circle(0, 40), (), 3.0, marks=(cross,)), 1)
@@ -74,15 +68,6 @@ def test_the_drawing_has_them_on_their_own_layer_and_a_key_leaves_them_out(tmp_p
     strokes = sum(len(strokes_of(word)) for word in words)
     assert counts["true"].pop("LABEL") > strokes
     assert counts["true"] == counts["false"]
-
-
-def test_letters_agree_from_plate_to_plate():
-    recipe = gk.load("recipes/walking-leg.toml")
-    stack, parts = recipe.stack, {part.name: part for part in recipe.parts}
-    for pin in stack.pins:
-        letter = stack.letters[pin.name]
-        for plate in (*pin.holes, *pin.slots):
-            assert sum(letter in names for names in parts[plate].hole_names) == 1
 
 
 @pytest.mark.parametrize(("size", "longer", "along"), [(20.0, 1.015, False), (400.0, 1.03, True)])

@@ -13,7 +13,6 @@ import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
-from geomkin.export.stl import stl
 from geomkin.export.svg import svg
 
 TOLERANCE = 0.005
@@ -63,17 +62,6 @@ def test_a_mark_is_in_the_dxf_where_it_was_asked_for(name, how):
         assert entity.closed == curve.closed
 
 
-def test_a_mark_changes_nothing_but_itself():
-    plain, marked = (dxf(sheet(*marks)).decode() for marks in ((), MARKS.values()))
-    cuts = [
-        [(e.dxftype(), e.dxf.layer) for e in ezdxf.read(io.StringIO(text)).modelspace() if e.dxf.layer != "ENGRAVE"]
-        for text in (plain, marked)
-    ]
-    assert cuts[0] == cuts[1]
-    assert len(engraved(marked.encode())) == len(MARKS)
-    assert stl(cut(part(), TOLERANCE)) == stl(cut(part(*MARKS.values()), TOLERANCE))
-
-
 def test_marks_in_the_svg_are_open_where_their_curves_are():
     made = sheet(*MARKS.values())
     root = ET.fromstring(svg(made, "marks"))
@@ -88,29 +76,3 @@ def test_marks_in_the_svg_are_open_where_their_curves_are():
         z = (np.array(places) - 1j * made.height).conj() - made.placed[0].shift
         assert max(line_of(curve).distance(shapely.Point(p.real, p.imag)) for p in z) < TOLERANCE / 5
         assert curve.closed or abs(z[-1] - curve.point(curve.breaks[-1])) < 1e-6
-
-
-def test_an_open_mark_may_follow_a_bent_plate():
-    """The chord from its end to its start would leave the plate; the mark itself does not."""
-    ring = gk.plane.Polyline(np.array([0, 60, 60 + 10j, 10 + 10j, 10 + 50j, 60 + 50j, 60 + 60j, 60j]))
-    mark = gk.plane.Polyline(np.array([55 + 5j, 5 + 5j, 5 + 55j, 55 + 55j]), is_closed=False)
-    made = cut(gk.Part("c", ring, (), 3, marks=(mark,)), TOLERANCE)
-    assert len(made.marks[0].points) == 4
-    across = gk.plane.Segment(55 + 5j, 55 + 55j)
-    with pytest.raises(gk.DesignError, match="mark 2"):
-        cut(gk.Part("c", ring, (), 3, marks=(mark, across)), TOLERANCE)
-
-
-def test_a_mark_that_leaves_its_plate_or_cannot_be_seen_is_refused():
-    for mark in [
-        gk.plane.Circle(90, 13),
-        gk.plane.Segment(0, 200),
-        gk.plane.Circle(300, 5),
-        gk.plane.Circle(40, 500),
-        gk.plane.Circle(40, 1e-9),
-        gk.plane.Segment(40, 40 + 1e-10j),
-    ]:
-        for kerf in (0.0, 4.0):
-            with pytest.raises(gk.DesignError) as caught:
-                cut(part(mark), TOLERANCE, kerf=kerf)
-            assert caught.value.field == "plate" and caught.value.remedy

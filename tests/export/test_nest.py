@@ -10,7 +10,6 @@ import shapely
 from ezdxf import path as dxf_path
 
 import geomkin as gk
-from geomkin.export import layout
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import GAP, lay_out, lay_out_on, least_turn
@@ -158,24 +157,3 @@ def test_each_thickness_has_its_own_sheets_and_each_sheet_its_own_file(tmp_path)
     assert min(outlines) > 0 and sum(outlines) == sum(p.count for p in gk.load(text).parts)
     gk.make(gk.load(text + "[files]\nwrite = ['dxf', 'svg']").with_name("bars"), tmp_path)
     assert not (tmp_path / "bars" / "bars-2.dxf").exists()
-
-
-def test_a_sheet_too_small_is_refused_by_its_key(tmp_path):
-    text = 'kind = "four-bar"\nlinkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }\n'
-    for sheet, problem in (("[60, 60]", "files.sheet: found 60 x 60 mm, and the ground"), ("[5, 60]", "files.sheet")):
-        with pytest.raises(gk.RecipeError, match=problem):
-            gk.make(gk.load(text + f"[files]\nsheet = {sheet}"), tmp_path)
-
-
-def test_what_lies_in_the_hole_of_a_turned_part_is_cut_first_and_the_innermost_before_all():
-    """A hole far from the plate's middle, which goes round with it, and in it a ring with a coin in its own hole."""
-    bar = gk.plane.Polyline(np.array([-20 - 20j, 100 - 20j, 100 + 20j, -20 + 20j]))
-    plate = cut(gk.Part("plate", bar, (gk.plane.Circle(80 + 0j, 15.0),), 3.0), 0.01)
-    ring = cut(gk.Part("ring", gk.plane.Circle(0j, 12.0), (gk.plane.Circle(0j, 8.0),), 3.0), 0.01)
-    coin = cut(gk.Part("coin", gk.plane.Circle(0j, 5.0), (), 3.0), 0.01)
-    for turn in (1, 1j, -1, -1j):
-        away = layout.Placed(coin, 1000 + 1000j)
-        inside = [layout.Placed(part, 300 + 300j + 80 * turn) for part in (ring, coin)]
-        placed = [layout.Placed(plate, 300 + 300j, turn), *inside, away]
-        order = [placed.index(one) for one in layout._in_order(placed)]
-        assert order[:2] == [2, 1] and sorted(order[2:]) == [0, 3], turn

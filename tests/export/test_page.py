@@ -20,7 +20,6 @@ from geomkin.export.svg_path import path
 from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from geomkin.page.page import page
 from geomkin.page.scene_json import scene_json
-from geomkin.recipe import Files
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NASTY = '</script><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'
@@ -94,7 +93,7 @@ def nasty():
     )
 
 
-def test_no_text_of_a_recipe_is_markup_or_turns_what_stands_beside_it():
+def test_texts_of_a_recipe_are_escaped():
     text = page(nasty()).decode()
     elements = Elements(text)
     tags = [tag for tag, _ in elements.found]
@@ -109,7 +108,7 @@ def test_no_text_of_a_recipe_is_markup_or_turns_what_stands_beside_it():
 
 
 @pytest.mark.parametrize("make", [lambda: page(nasty()), lambda: page(job_of(turning()))])
-def test_the_policy_lets_run_what_stands_in_the_page_and_nothing_else(make):
+def test_policy_allows_only_the_scripts_of_the_page(make):
     elements = Elements(make().decode())
     policy = next(a["content"] for t, a in elements.found if a.get("http-equiv") == "Content-Security-Policy")
     rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
@@ -119,28 +118,7 @@ def test_the_policy_lets_run_what_stands_in_the_page_and_nothing_else(make):
         assert rules[rule] == f"'sha256-{digest}'"
 
 
-def test_nothing_is_fetched_and_the_page_says_what_it_is():
-    text = page(job_of(turning(), about="A plate that turns.")).decode()
-    assert not re.findall(r'(?:src|href)="(?!data:)', text) and "@import" not in text and "url(#" in text
-    assert text.startswith('<!doctype html>\n<html lang="en">') and "<title>page</title>" in text
-    assert text.count("<h1>") == 1 and "A plate that turns." in text
-
-
-def test_a_recipe_s_page_is_a_format_like_any_other(tmp_path):
-    recipe = gk.load(RECIPES / "crank-rocker.toml")
-    made = gk.make(recipe, tmp_path)
-    file = tmp_path / "crank-rocker" / "crank-rocker.html"
-    assert file in made.files and "crank-rocker.html" in json.loads(file.with_name("summary.json").read_text())["files"]
-    (again,) = gk.write(recipe, tmp_path / "mine.html")
-    assert again.name == "mine.html" and b"<title>mine</title>" in again.read_bytes()
-    only = gk.make(recipe, tmp_path / "only", ["page"])
-    assert {path.name for path in only.files} == {"crank-rocker.html", "summary.json"}
-    # Told in the summary, and so removed where the recipe asks for it no more.
-    gk.make(dataclasses.replace(recipe, files=Files(write=("csv",))).with_name("crank-rocker"), tmp_path)
-    assert not file.exists()
-
-
-def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):
+def test_page_lists_checks_parts_and_the_recipe(tmp_path):
     recipe = gk.load(RECIPES / "walking-leg.toml")
     gk.write(recipe, tmp_path / "leg.html")
     text = (tmp_path / "leg.html").read_text()
@@ -152,7 +130,7 @@ def test_the_page_tells_checks_parts_and_the_recipe(tmp_path):
     assert "geomkin run leg.toml" in text
 
 
-def test_paths_draw_what_they_are_made_of():
+def test_paths_equal_their_curves():
     square = gk.plane.Polyline(np.array([0, 10, 10 + 10j, 10j]))
     assert (
         path([square, gk.plane.Circle(5 + 5j, 2)], 0.01, 3) == "M0 0l10 0 0 10-10 0zM3 5a2 2 0 0 1 4 0a2 2 0 0 1-4 0z"

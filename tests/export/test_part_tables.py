@@ -1,11 +1,8 @@
 """Tables of a page read back: verdicts with what to do, parts with their sizes, sheets, notes of every form."""
 
-import shlex
-from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
-import pytest
 
 import geomkin as gk
 from geomkin.export.job import Job, StaticSource
@@ -72,14 +69,3 @@ def test_parts_are_reported_with_their_sizes_wherever_they_lie():
     bare = sections.parts(job_of([one]))
     assert "Thinnest wall" not in bare and "more" not in bare
     assert sections.parts(job_of()) == ""
-
-
-@pytest.mark.parametrize("name", ["four-bar", "a.b", "my cam", "it's; rm", "$HOME", "ä車"])
-def test_the_command_that_makes_it_again_is_one_word_of_a_shell(name):
-    job = replace(job_of(), name=name, recipe=lambda: 'kind = "four-bar"\n')
-    told = sections.recipe(job)
-    command = told.split("<pre><code>")[1].split("</code>")[0]
-    for sign, code in (("'", "&#x27;"), ('"', "&quot;"), ("&", "&amp;")):
-        command = command.replace(code, sign)
-    assert shlex.split(command) == ["geomkin", "run", f"{name}.toml"]
-    assert ("'" in command) == (name not in ("four-bar", "a.b", "ä車"))

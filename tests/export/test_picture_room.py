@@ -36,7 +36,7 @@ FAR = {
 }  # fmt: skip
 
 
-def test_a_picture_has_room_for_all_that_it_shows_and_follows_what_runs_off_so_far():
+def test_picture_has_room_for_all_it_shows():
     square = gk.Part("square", gk.plane.Polyline(50 * np.array([-1 - 1j, 1 - 1j, 1 + 1j, -1 + 1j])), (), 3.0)
     for what, (held, (left, low, right, high)) in FAR.items():
         curves, marks = tuple(held.get("curves", ())), held.get("marks", ())

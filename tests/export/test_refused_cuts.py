@@ -23,30 +23,6 @@ def refusal(*given, **more):
     return str(caught.value)
 
 
-def test_a_kerf_that_closes_a_gap_is_reported_as_it_was_given():
-    notch = np.array([0, 40, 40 + 40j, 22 + 40j, 22 + 10j, 18 + 10j, 18 + 40j, 40j])
-    part = gk.Part("fork", gk.plane.Polyline(notch), (), 3.0)
-    assert cut(part, 0.01, kerf=3.8).area > gk.area(part.outline)
-    assert refusal(part, 0.01, kerf=4.5).startswith("kerf: found 4.5 mm")
-    slot = gk.Part("eye", gk.plane.Circle(20, 40.0), (gk.plane.Polyline(notch[::-1]),), 3.0)
-    assert cut(gk.Part("eye", gk.plane.Circle(20 + 20j, 60.0), slot.holes, 3.0), 0.01, kerf=3.0).area > 0
-    wide = gk.Part("eye", gk.plane.Circle(20 + 20j, 60.0), slot.holes, 3.0)
-    assert refusal(wide, 0.01, kerf=19.0).startswith("kerf: found 19 mm")
-    assert refusal(square(20, (10 + 10j, 1.0)), 0.01, kerf=2.5).startswith("kerf: found 2.5 mm")
-
-
-def test_parts_of_sizes_that_no_file_tells_are_refused_with_those_that_it_does():
-    for tolerance in (0.01, 0.1):
-        told = refusal(square(4 * tolerance), tolerance)
-        size, low, high = map(float, re.findall(r"(\S+) mm", told))
-        assert (low, high) == pytest.approx((10 * tolerance, 1e5)) and 4 * tolerance <= size <= 8 * tolerance
-        assert cut(square(1.01 * low), tolerance)
-    assert cut(square(0.6 * high), 1.0)
-    assert refusal(square(1.01 * high), 1.0).startswith("plate: ")
-    assert cut(square(10, at=0.9e5 + 0j), 0.1)
-    assert "1.2e+05 mm" in refusal(square(10, at=1.2e5j), 0.1)
-
-
 @pytest.mark.parametrize("side", [300.0, 20_000.0])
 def test_a_tolerance_too_fine_for_the_part_is_refused_with_one_that_is_not(side):
     told = refusal(square(side), 1e-9 * side)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.errors import DesignError
 from geomkin.export.cut import cut
 from geomkin.export.step import step
 
@@ -144,15 +143,3 @@ def test_a_closed_shell_of_the_exact_volume(part):
                 by_walls += radius[0] * height * (flux[1] - flux[0])
     assert by_lids == pytest.approx(ready.area * part.thickness, rel=1e-9)
     assert by_walls == pytest.approx(ready.area * part.thickness, rel=1e-9)
-
-
-def test_letters_of_any_script_in_a_name():
-    part = gk.Part("Rad é 車", gk.plane.Circle(0, 5), (), 1.0)
-    content = step(cut(part, 0.005, arcs=True)).decode("ascii")
-    assert "MANIFOLD_SOLID_BREP('Rad \\X4\\000000E9\\X0\\ \\X4\\00008ECA\\X0\\'" in content
-
-
-def test_more_edges_than_programs_read_are_refused():
-    z = 1000 * np.exp(2j * np.pi * np.arange(60_000) / 60_000)
-    with pytest.raises(DesignError, match="60,000"):
-        step(cut(gk.Part("many", gk.plane.Polyline(z), (), 1.0), 0.005, arcs=True))

@@ -16,7 +16,7 @@ def plate(wide, high, *holes, at=0j):
     return gk.Part("plate", gk.plane.Polyline(corners), holes, 3.0)
 
 
-def test_a_picture_of_many_frames_has_room_for_what_moves_at_each_and_shows_what_comes_and_goes():
+def test_picture_has_room_for_all_frames():
     coming = 30j + ALONG.astype(complex)
     coming[[0, 1, 2]] = np.nan
     bodies = [
@@ -41,7 +41,7 @@ def test_a_picture_of_many_frames_has_room_for_what_moves_at_each_and_shows_what
 
 
 @pytest.mark.parametrize("way", [1, 1j, -1, -1j])
-def test_what_runs_off_is_followed_by_a_share_of_the_picture_on_its_own_side_alone(way):
+def test_picture_is_extended_on_the_side_of_a_distant_body(way):
     """Three tenths of the width to the sides, of the height up and down: 60 and 12 of 200 by 40."""
     curve = SceneCurve(gk.plane.Segment(100 + 20j, 100 + 20j + 5000 * way), "centrode")
     still = Still(scene_of(bodies=[SceneBody("a", (plate(200, 40),), 0 * ONE, ONE)], curves=(curve,)), np.array([0]))

@@ -12,8 +12,6 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.export import WRITERS, Job, Writer
-from geomkin.export.formats import DEFAULT_FORMATS
-from tests.texts import parse, schema_of_all
 
 GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = [%s] }\n'
 
@@ -35,7 +33,7 @@ def toys(monkeypatch):
     monkeypatch.setitem(WRITERS, "lone", Writer("parts", lone))
 
 
-def test_a_recipe_may_ask_for_it_and_its_summary_tells_of_it(tmp_path):
+def test_recipe_writes_the_added_format_and_lists_it_in_the_summary(tmp_path):
     recipe = gk.load(GEAR % '"txt", "csv", "lone"').with_name("gear")
     made = gk.make(recipe, tmp_path)
     assert [path.name for path in made.files] == ["gear.csv", "gear.txt", "gear.lone", "summary.json"]
@@ -54,12 +52,6 @@ def test_a_recipe_may_ask_for_it_and_its_summary_tells_of_it(tmp_path):
     assert list(told["versions"].items())[1:] == named
 
 
-def test_what_it_wrote_is_removed_with_it(tmp_path):
-    for formats in ('"txt", "csv", "lone"', '"csv"'):
-        gk.make(gk.load(GEAR % formats), tmp_path)
-    assert sorted(p.name for p in (tmp_path / "spur-gear").iterdir()) == ["spur-gear.csv", "summary.json"]
-
-
 def test_the_command_knows_it(tmp_path):
     (tmp_path / "gear.toml").write_text(GEAR % '"txt", "csv"')
     call = ["run", str(tmp_path / "gear.toml"), "--out", str(tmp_path), "--only", "txt"]
@@ -67,27 +59,3 @@ def test_the_command_knows_it(tmp_path):
     assert result.exit_code == 0
     assert sorted(p.name for p in (tmp_path / "gear").iterdir()) == ["gear.txt", "summary.json"]
     assert CliRunner().invoke(cli, [*call[:-1], "text"]).exit_code == 2
-
-
-def test_schema_and_messages_list_it():
-    files = schema_of_all()["$defs"]["Files"]["properties"]["write"]
-    assert files["items"]["enum"] == [*WRITERS]
-    # It is written where it is asked for.
-    assert files["default"] == [*DEFAULT_FORMATS]
-    with pytest.raises(gk.RecipeError) as refusal:
-        parse(GEAR % '"txd"')
-    (problem,) = refusal.value.problems
-    assert problem.key == "files.write[0]" and "txt" in problem.remedy
-
-
-@pytest.mark.parametrize("wrong", ["3", '["dxf"]', "{ a = 1 }", "true"])
-def test_what_is_no_text_is_no_format(wrong):
-    with pytest.raises(gk.RecipeError, match="files.write.0.:"):
-        parse(GEAR % wrong)
-
-
-def test_parts_may_be_written_so(tmp_path):
-    recipe = gk.load(GEAR % '"csv"')
-    assert list(gk.write(recipe.parts, tmp_path / "a.txt")) == [tmp_path / "a.txt"]
-    two = [gk.Part(name, gk.plane.Circle(0, 5.0), (), 2.0) for name in ("one", "two")]
-    assert list(gk.write(two, tmp_path / "a.lone")) == [tmp_path / "one.lone", tmp_path / "two.lone"]

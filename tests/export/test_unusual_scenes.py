@@ -1,41 +1,11 @@
 """Drawings of assemblies and parts whose names, sizes or places are odd."""
 
-import io
-
-import ezdxf
 import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.assembly_dxf import assembly
 from geomkin.export.cut import cut, decimals
-from geomkin.export.job import Job, StaticSource
-from geomkin.model.scene import SceneBody
 from geomkin.model.walls import thinnest_walls
-from tests.export.test_animated_marks import FRAMES, scene_of
-
-STILL = np.ones(FRAMES, dtype=complex)
-
-
-def plate(at, name="plate"):
-    return gk.Part(name, gk.plane.Circle(at, 5.0), (), 3.0)
-
-
-def drawing_of(scene, parts=()):
-    content = assembly(Job("odd", StaticSource(tuple(parts), scene.table, scene), 0.001, assembly_at=0.0))
-    document = ezdxf.read(io.StringIO(content.decode()))
-    assert not document.audit().errors
-    return document
-
-
-def test_bodies_whose_layers_would_be_one_have_layers_of_their_own():
-    names = ["Arm", "arm", "a/b", "a*b", "a:b", "a_b 2", "?"]
-    bodies = [SceneBody(name, (plate(30.0 * k),), 0 * STILL, STILL) for k, name in enumerate(names)]
-    document = drawing_of(scene_of(bodies=bodies))
-    circles = document.modelspace().query("CIRCLE")
-    layers = [circle.dxf.layer for circle in sorted(circles, key=lambda circle: circle.dxf.center.x)]
-    assert layers == ["BODY Arm", "BODY arm 2", "BODY a_b", "BODY a_b 2", "BODY a_b 3", "BODY a_b 2 2", "BODY _"]
-    assert len({layer.casefold() for layer in layers}) == len(names)
 
 
 def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_reported_is_cut():
@@ -46,15 +16,6 @@ def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_reported_is_cut()
         assert len(made.loops) == 2
         with pytest.raises(gk.DesignError, match=f"bar: .* {1.98 * least:.3g} mm"):
             cut(gk.Part("bar", bar, (gk.plane.Circle(20 + 20j, 0.99 * least),), 3.0), tolerance)
-
-
-def test_solids_by_one_name_are_refused_before_one_is_written_over_the_other(tmp_path):
-    job = Job("twins", StaticSource((plate(0j), plate(3j))), 0.01)
-    from geomkin.export.step import write_step as write
-
-    with pytest.raises(gk.DesignError, match="plate"):
-        write(job)
-    assert len(write(Job("two", StaticSource((plate(0j), plate(3j, "other"))), 0.01))) == 2
 
 
 def test_a_twisted_part_is_as_thin_as_the_necks_of_its_own_outline():

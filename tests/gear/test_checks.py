@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import numpy as np
 import pytest
 
 import geomkin as gk
@@ -47,26 +46,6 @@ def test_larger_all_over_is_judged_alike(made):
         assert [c.value for c in one] == pytest.approx([c.value for c in other], rel=1e-6, abs=1e-7)
     # It is no table of zeros that is compared.
     assert any(c.value and c.unit == "modules" for found in small for c in found) or made in (pair, rack)
-
-
-def test_a_rim_is_told_where_it_is_and_a_ring_by_itself_has_none():
-    solid, thin = gear(2.0)
-    assert {c.name: c.value for c in thin}["rim under the teeth"] == pytest.approx(0.7)
-    assert "pinion rim under the teeth" in {c.name for c in solid} or gk.SpurGear(8, 2.0).solid_rim is None
-    alone, held = ring(2.0)
-    assert not any("rim" in c.name for c in alone)
-    assert {c.name: c.value for c in held}["ring rim outside the teeth"] == pytest.approx(1.5)
-
-
-def test_beside_a_lone_planet_there_is_nothing_to_check():
-    *some, alone = planets(2.0)
-    rooms = [found[-1] for found in some]
-    assert [c.name for c in rooms] == ["room between planets"] * 2 and rooms[0].value > rooms[1].value
-    assert [c.name for c in alone] == [c.name for c in some[0][:-1]]
-    # Tip circles of neighbours on the carrier's circle: the chord less two tip radii.
-    for check, count in zip(rooms, (2, 3)):
-        chord = 2 * 18 * np.sin(np.pi / count)
-        assert check.value == pytest.approx(chord - 2 * gk.SpurGear(24, 1).tip_radius)
 
 
 def test_the_flank_that_cannot_touch_is_that_of_the_driving_side_which_the_mate_reaches():

@@ -105,7 +105,7 @@ GALLERY = {
 @pytest.mark.parametrize("name", GALLERY)
 def test_teeth_of_the_gallery_never_overlap(name):
     scene = recipe(name).scene
-    for frame in frames(scene, 5):
+    for frame in frames(scene, 3):
         for one, two in GALLERY[name]:
             first, second = seen(named(scene, one), frame), seen(named(scene, two), frame)
             assert first.intersection(second).area < 2 * SLIVER and first.distance(second) < 0.1

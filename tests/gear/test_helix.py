@@ -25,16 +25,6 @@ def test_a_published_pair_has_its_sizes():
     assert np.degrees(pair.working_pressure_angle) == pytest.approx(23.1126, abs=1e-4)
 
 
-@pytest.mark.parametrize("angle", [5, 20, 45])
-def test_the_base_helix_follows_from_the_normal_section(angle):
-    """sin of the base helix angle is sin of the helix angle times cos of the normal pressure angle."""
-    helix = gk.gear.Helix(angle, "left")
-    normal = helix.normal_pressure_angle(WHEEL)
-    assert np.sin(helix.base_angle(WHEEL)) == pytest.approx(np.sin(np.radians(angle)) * np.cos(normal))
-    # On any cylinder a tooth gets as far along the axis in a turn.
-    assert 2 * np.pi * WHEEL.base_radius / np.tan(helix.base_angle(WHEEL)) == pytest.approx(helix.lead(WHEEL))
-
-
 @pytest.mark.parametrize("herringbone", [False, True])
 def test_total_contact_ratio_counts_all_sections_of_a_pair_of_teeth(herringbone):
     """A pair of teeth is in contact while any of its sections is: the lower ones of a right hand come later."""
@@ -45,13 +35,6 @@ def test_total_contact_ratio_counts_all_sections_of_a_pair_of_teeth(herringbone)
     start, end = np.array(pair.contact_lengths) / PINION.base_radius
     total = (end - turned.min() - (start - turned.max())) / (2 * np.pi / PINION.teeth)
     assert pair.contact_ratio + helix.overlap_ratio(MODULE, width) == pytest.approx(total)
-
-
-def test_hands_fit():
-    assert HELIX.mate.hand == "left" and HELIX.mate.mate == HELIX
-    assert gk.gear.Helix(0).lead(PINION) == np.inf
-    with pytest.raises(gk.DesignError):
-        gk.gear.Helix(0, "right", True)
 
 
 BETA = 30.0
@@ -112,23 +95,6 @@ RECIPES = {
         }
     },
 }
-
-
-@pytest.mark.parametrize("kind", RECIPES)
-def test_every_kind_takes_the_normal_section(kind):
-    recipe = gk.load({"kind": kind, "section": "normal", "helix_angle_deg": BETA, **RECIPES[kind]})
-    gear = {"rack-and-pinion": "pinion", "planetary": "sun"}.get(kind)
-    design = getattr(recipe.design, gear) if gear else recipe.design
-    assert design.module == pytest.approx(2 / np.cos(np.radians(BETA)))
-    # Heights stay as they are in mm.
-    depth = 0.8 * 2 if kind == "ring-gear" else 4.5
-    tip = design.pitch_radius - design.tip_radius if kind == "ring-gear" else design.tip_radius - design.root_radius
-    assert tip == pytest.approx(depth)
-    helix = recipe.notes["helix"]
-    helix = helix if "normal_module_mm" in helix else next(iter(helix.values()))
-    assert helix["normal_module_mm"] == pytest.approx(2)
-    assert helix["normal_pressure_angle_deg"] == pytest.approx(20)
-    assert recipe.parts
 
 
 INCHES = {

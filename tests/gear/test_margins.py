@@ -45,7 +45,7 @@ def nearest(pair, one, other, poses):
 
 
 @pytest.mark.parametrize("name", PAIRS)
-def test_tips_come_as_near_as_told(name):
+def test_tips_come_as_near_as_reported(name):
     pair = PAIRS[name]
     poses = pair.poses(np.linspace(-2.5, 2.5, 8_001) * 2 * np.pi / pair.first.teeth)
     found = nearest(pair, pair.second, pair.first, poses[::-1]), nearest(pair, pair.first, pair.second, poses)
@@ -75,7 +75,7 @@ def test_the_involute_ends_where_the_line_of_action_touches_its_base_circle(name
 @pytest.mark.parametrize(
     ("teeth", "ring_teeth", "closer"), [(20, 60, 0.0), (45, 60, 0.2), (52, 60, 0.0), (54, 60, 0.2), (30, 50, 0.2)]
 )
-def test_tips_of_an_internal_pair_pass_each_other_by_as_much_as_told(teeth, ring_teeth, closer):
+def test_tips_of_an_internal_pair_pass_at_the_reported_distance(teeth, ring_teeth, closer):
     """Where a pinion's corner comes through the ring's tip circle, how far the ring's own corner is on: in the mesh,
     and on the pinion's way out along a radius, from each place that it may have. Flanks touch on that side.
     """

@@ -105,7 +105,7 @@ def test_the_backlash_is_the_play_of_the_finished_outlines(name):
         (lambda: gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, -0.6, addendum=1.4)), {"first root"}),
     ],
 )
-def test_what_interferes_is_named_and_overlaps(build, names):
+def test_interfering_teeth_are_named_and_overlap(build, names):
     pair = build()
     assert set(pair.interferences) >= names
     turns = np.linspace(0, 2 * np.pi / pair.first.teeth, 7)
@@ -116,15 +116,6 @@ def test_what_interferes_is_named_and_overlaps(build, names):
 def test_contact_ratio_of_standard_pairs_is_the_published_one(teeth, ratio):
     pair = gk.GearPair(gk.SpurGear(teeth[0], 2), gk.SpurGear(teeth[1], 2))
     assert pair.contact_ratio == pytest.approx(ratio, abs=6e-5)
-
-
-def test_undercut_costs_contact():
-    """The formula that knows only tip circles says 1.5111 for 12 and 24 teeth."""
-    pair = gk.GearPair(gk.SpurGear(12, 2), gk.SpurGear(24, 2))
-    start = np.sqrt(pair.first.form_radius**2 - pair.first.base_radius**2)
-    end = np.sqrt(pair.first.tip_radius**2 - pair.first.base_radius**2)
-    assert pair.contact_ratio == pytest.approx((end - start) / (np.pi * 2 * np.cos(np.radians(20))), rel=1e-12)
-    assert pair.contact_ratio < 1.3
 
 
 def test_the_published_shifted_pair():
@@ -149,7 +140,7 @@ def test_published_internal_pairs(z1, x2, angle, distance):
 
 
 @pytest.mark.parametrize("pair", PAIRS, indirect=True)
-def test_flanks_touch_on_the_line_of_action_and_slide_as_told(pair):
+def test_flanks_touch_on_the_line_of_action_at_the_reported_sliding(pair):
     """The two flanks' points that meet, followed by differences: their speeds along the common tangent."""
     start, end = pair.contact_lengths
     along = np.linspace(start, end, 7)[1:-1]
@@ -165,13 +156,6 @@ def test_flanks_touch_on_the_line_of_action_and_slide_as_told(pair):
     assert second == pytest.approx((way2 - way1) / way2, rel=1e-6, abs=1e-6)
     pitch_point = np.sqrt(r1**2 - rb1**2)
     assert np.abs(pair.sliding(pitch_point)).max() < 1e-9
-
-
-def test_standard_internal_pairs_need_ten_teeth_between_them():
-    """Trochoid interference by the textbook rule, z2 - z1 > 9, for full teeth of 20 deg."""
-    ring = gk.RingGear(80, 2)
-    margins = [gk.GearPair(gk.SpurGear(80 - d, 2), ring).trochoid_margin for d in (6, 7, 10, 12)]
-    assert margins[0] < 0 < margins[2] < margins[3]
 
 
 @pytest.mark.parametrize(
@@ -199,17 +183,3 @@ def test_pairs_that_cannot_mesh_are_refused_by_name(make, field):
     with pytest.raises(gk.DesignError) as caught:
         make()
     assert caught.value.field == field and caught.value.remedy
-
-
-@pytest.mark.parametrize("far", [1e9])
-def test_a_distance_at_which_no_flanks_meet_is_refused_at_once_with_the_nearest(far, monkeypatch):
-    """Each distance looked at must not look for one in its turn: sixty to the power of thirty."""
-    made = []
-    settle = gk.GearPair.__post_init__
-    monkeypatch.setattr(gk.GearPair, "__post_init__", lambda pair: (made.append(pair), settle(pair)))
-    with pytest.raises(gk.DesignError) as caught:
-        gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(24, 2), far)
-    assert len(made) == 1
-    most = float(caught.value.remedy.split("at most ")[1].split()[0])
-    pair = gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(24, 2), most)
-    assert pair.contact_ratio == pytest.approx(1, abs=1e-5) and pair.contact_ratio >= 1

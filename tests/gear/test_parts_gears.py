@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.parts.bases import carrier
-from geomkin.gear.parts.gears import GearStock, RingStock, Web, base_plate, gear_parts, openings
+from geomkin.gear.parts.gears import Web, base_plate, openings
 from geomkin.plane import region
 
 
@@ -45,21 +45,6 @@ def test_holes_fill_the_room_between_hub_and_rim():
         )
 
 
-def test_a_keyed_and_spoked_gear_has_its_openings_apart():
-    stock = GearStock(bore=10, keyway_width=3, keyway_depth=1.5, web=Web(hub=20, rim=4))
-    (part,) = gear_parts(gk.SpurGear(40, 2), stock)
-    outline, holes = polygon(part.outline), [polygon(h) for h in part.holes]
-    assert len(holes) == 6 and region.apart_inside(outline, holes, 0).all()
-    assert all(region.overlap([a], [b]) == 0 for k, a in enumerate(holes) for b in holes[:k])
-
-
-def test_a_ring_is_its_rim_about_its_teeth():
-    ring = gk.RingGear(60, 2)
-    (part,) = gear_parts(ring, RingStock(rim=7))
-    assert part.outline.radius == pytest.approx(ring.root_radius + 7)
-    assert region.gap(polygon(part.outline), polygon(part.holes[0])) == pytest.approx(7, abs=1e-3)
-
-
 def test_shafts_stand_at_the_centre_distance():
     part = base_plate("base", [0j, 56.5 + 0j], [8, 10], 10, 6)
     assert abs(part.holes[1].centre - part.holes[0].centre) == 56.5
@@ -68,17 +53,3 @@ def test_shafts_stand_at_the_centre_distance():
     centres = np.array([h.centre for h in plate.holes])
     assert np.abs(centres[1:]) == pytest.approx(42) and centres[0] == 0
     assert region.apart_inside(polygon(plate.outline), [polygon(h) for h in plate.holes], 0).all()
-
-
-def test_what_leaves_no_gear_is_refused_by_the_key_of_the_recipe():
-    for stock, field in [
-        (GearStock(bore=100), "stock.bore"),
-        (GearStock(bore=10, keyway_width=3), "stock.keyway_depth"),
-        (GearStock(bore=10, web=Web(hub=9, rim=3)), "stock.web.hub"),
-        (GearStock(bore=10, web=Web(hub=20, rim=30)), "stock.web.rim"),
-        (GearStock(bore=10, web=Web(hub=20, rim=3, spoke_width=20)), "stock.web.spoke_width"),
-        (GearStock(bore=10, web=Web(hub=20, rim=3, form="holes", count=20)), "stock.web.count"),
-    ]:
-        with pytest.raises(gk.DesignError) as caught:
-            gear_parts(gk.SpurGear(40, 2), stock)
-        assert caught.value.field == field and caught.value.remedy

@@ -108,7 +108,7 @@ MATES = {
 
 
 @pytest.mark.parametrize("name", MATES)
-def test_turned_as_each_row_tells_the_two_teeth_touch_there_and_slide(name):
+def test_teeth_rotated_to_each_row_touch_and_slide_as_reported(name):
     side, mate, table = MATES[name]()
     found = columns(table)
     tooth, contact, other = (found[f"{w}_x"] + 1j * found[f"{w}_y"] for w in ("tooth", "contact", "mate_tooth"))

@@ -35,11 +35,6 @@ def test_the_tolerance_and_the_teeth_named_in_a_refusal_can_be_drawn(tolerance):
     check_tooth_points(files, fewer)
 
 
-def test_a_gear_of_ten_thousand_teeth_can_be_drawn_and_without_drawing_any_number_can():
-    check_tooth_points(Files(), [gk.SpurGear(10_000, 2).outline])
-    check_tooth_points(Files(write=("csv",)), [gk.SpurGear(10_000, 5).outline] * 9)
-
-
 @pytest.mark.parametrize(
     "name",
     ["spur-gear", "ring-gear", "gear-pair", "rack-and-pinion", "planetary", "straight-sided", "point-tooth", "lantern"],

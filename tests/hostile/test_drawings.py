@@ -201,7 +201,7 @@ def test_a_drawing_shows_its_first_path(name, tmp_path):
     assert points == pytest.approx(np.interp(np.linspace(0, length[-1], 201), length, corners), abs=1e-6)
 
 
-def test_what_is_not_understood_is_refused_by_name(tmp_path):
+def test_unsupported_drawings_are_refused_by_name(tmp_path):
     for name in REFUSED:
         text, named = REFUSED[name]
         with pytest.raises(gk.DesignError, match=rf"^file: a\.svg: .*({named})") as refused:

@@ -1,13 +1,10 @@
 """Legal sizes at their ends: sound files, or one line that says what to change."""
 
 import subprocess
-import sys
 
 import ezdxf
 import pytest
 from shapely.geometry import Polygon
-
-from tests.texts import template_of
 
 DWELL = '{kind = "dwell", end_deg = 360}'
 KNIFE = '{kind = "translating-roller", roller_radius = 0}'
@@ -17,26 +14,6 @@ WAVES = [
     f'{{kind = "return", law = "3-4-5", end_deg = {3.6 * k + 3.6 if k < 99 else 360}}}'
     for k in range(100)
 ]
-
-
-@pytest.mark.parametrize("kind", ["four-bar-atlas", "centrodes"])
-def test_a_drawing_too_far_away_for_its_digits_is_refused_and_nearer_ones_are_sound(run, refused, sound, kind):
-    text = template_of(kind).replace("# origin = [0, 0]", "origin = [1e9, -1e9]")
-    refused(run(text), "linkage", "100000")
-    assert run(text.replace("1e9, -1e9", "6e4, -7e4")).exit_code == 0 and sound("out")
-
-
-@pytest.mark.parametrize("distance", ["100", "1e9"])
-def test_axes_too_far_apart_are_refused_with_a_distance_that_works(run, refused, distance):
-    text = template_of("gear-pair")
-    refused(run(text.replace("# centre_distance =", f"centre_distance = {distance}")), "centre_distance", "57.9")
-    assert run(text.replace("# centre_distance =", "centre_distance = 57.92052")).exit_code == 0
-
-
-def test_a_chamfer_lost_in_rounding_is_refused_before_its_offset_takes_the_memory(run, refused, recipe):
-    changes = {"files.kerf": "1", "files.write": '["svg"]'}
-    refused(run(recipe("spur-gear", changes | {"gear.tip_chamfer": "1e-12"})), "gear.tip_chamfer", "1e-06")
-    assert run(recipe("spur-gear", changes | {"gear.tip_chamfer": "1e-6"})).exit_code == 0
 
 
 ENDS = [
@@ -116,18 +93,10 @@ def test_the_part_that_falls_out_of_the_cut_is_the_part_asked_for(run, recipe, h
     ],
     ids=["10000 teeth", "table of a giant", "200 segments"],
 )
-def test_what_is_asked_for_comes_or_is_refused_while_a_person_waits(command, here, recipe, kind, changes):
+def test_large_recipes_are_made_or_refused_in_30_seconds(command, here, recipe, kind, changes):
     (here / "r.toml").write_text(recipe(kind, changes))
     try:
         done = command("run", "r.toml", timeout=30)
     except subprocess.TimeoutExpired:
         pytest.fail("nothing after 30 s")
     assert done.returncode == 0 or (done.returncode == 1 and done.stderr.startswith("r.toml: ")), done.stderr
-
-
-def test_without_assertions_nothing_is_taken_that_was_refused(here, recipe):
-    # `python -O` drops assert statements, so no check may live in one.
-    (here / "r.toml").write_text(recipe("four-bar", {"linkage.ground": "1000", "files.kerf": "-1"}))
-    done = subprocess.run([sys.executable, "-O", "-m", "geomkin", "run", "r.toml"], capture_output=True, text=True)
-    assert done.returncode == 1 and not (here / "out").exists()
-    assert {line.split(": ")[1] for line in done.stderr.splitlines()} == {"linkage.ground", "files.kerf"}

@@ -94,9 +94,3 @@ def test_a_point_at_a_pin_has_no_three_cognates(point):
         with pytest.raises(gk.DesignError) as caught:
             build(gk.FourBar(100, 30, 90, 70, point))
         assert caught.value.field == "coupler_point" and caught.value.remedy
-
-
-def test_roberts_figure_needs_a_start_that_assembles():
-    with pytest.raises(gk.DesignError) as caught:
-        roberts_linkage(LINKAGES["double-rocker"], np.pi)
-    assert caught.value.field == "start"

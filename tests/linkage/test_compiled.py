@@ -33,7 +33,7 @@ def test_angles_have_their_digits_all_around(angles):
     assert (np.array(off) <= 3 * np.spacing(np.abs(found))).all()
 
 
-def test_angles_of_what_is_none_or_out_of_all_bounds_are_those_of_python(angles):
+def test_angles_of_nan_and_huge_values_equal_python(angles):
     signed = [*ODD, *(-one for one in ODD)]
     y, x = np.array(list(itertools.product(signed, signed))).T
     found, theirs = angles(y, x), np.array(list(map(math.atan2, y, x)))

@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.linkage.instant.curvature import PathCurvature, euler_savary, path_curvature
+from geomkin.linkage.instant.curvature import euler_savary, path_curvature
 from tests.linkage.examples import ALL, FEW
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
@@ -98,18 +98,6 @@ def test_where_a_floating_bar_turns_back_its_curvature_is_unknown():
     assert bend[1] == pytest.approx(bend[0], rel=1e-3) and bend[5] == pytest.approx(-bend[1], rel=1e-4)
 
 
-def test_sliders_run_straight():
-    motion = gk.move(gk.SliderCrank(30, 90, 10, **PLACED), TURN)
-    for body, local in [("slider", 5 + 5j), ("coupler", 90)]:
-        path = path_curvature(motion, body, local)
-        assert np.all(path.curvature == 0) and np.all(path.radius == np.inf) and np.isnan(path.centre).all()
-        ahead = np.sign(np.real(np.conj(motion.ground.direction) * motion.slider.origin.first))
-        assert np.abs(path.tangent - ahead * motion.ground.direction).max() < 1e-13
-    pin = motion.point("slider_pin").position
-    drawn = PathCurvature(pin, motion.ground.direction, 0.0)
-    assert np.isnan(drawn.centre).all() and np.all(drawn.radius == np.inf)
-
-
 def test_a_point_at_the_instant_centre_has_a_cusp_and_is_its_own_centre():
     """The trammel's centre stands over the end on the slide and level with the other."""
     motion = gk.move(TRAMMEL, [0.5])
@@ -169,21 +157,6 @@ def test_infinite_and_vanishing_distances(known, answer):
     for base in (0.0, 3.0):
         found = euler_savary(instant_centre=base, **{name: place + base for name, place in known.items()})
         assert found - base == pytest.approx(answer, nan_ok=True)
-
-
-def test_an_unknown_instant_centre_has_two_answers_or_none():
-    assert euler_savary(point=10.0, centre=6.0, inflection=1.0).tolist() == [16.0, 4.0]
-    assert np.isnan(euler_savary(point=10.0, centre=12.0, inflection=1.0)).all()
-    assert euler_savary(point=np.inf, centre=6.0, inflection=2.0).tolist() == [np.inf, 4.0]
-    assert np.isinf(euler_savary(point=10.0, centre=6.0, inflection=np.inf)).all()
-
-
-def test_euler_savary_takes_arrays_and_exactly_three():
-    found = euler_savary(instant_centre=0.0, point=np.array([[1.0], [2.0]]), inflection=np.array([4.0, 5.0, np.inf]))
-    assert found.shape == (2, 3) and np.allclose(found, [[4 / 3, 5 / 4, 1], [4, 10 / 3, 2]])
-    for known in [{}, {"point": 1.0}, dict.fromkeys(("instant_centre", "point", "centre", "inflection"), 1.0)]:
-        with pytest.raises(gk.DesignError):
-            euler_savary(**known)
 
 
 @pytest.mark.parametrize("name", FEW)

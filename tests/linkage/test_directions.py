@@ -15,7 +15,6 @@ from geomkin.linkage import (
     instant_centre,
     path_curvature,
 )
-from geomkin.plane import Pose
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70)
 # It opens over part of the turn.
@@ -54,12 +53,6 @@ def test_bobillier_path_takes_a_tangent_line_of_any_length() -> None:
     for tangent in (np.exp(0.7j), 1j * np.exp(1e-6j)):
         curvatures = [bobillier_path(crank, foot, length * tangent, 60 + 40j).curvature for length in (1e-9, 1.0, 1e9)]
         np.testing.assert_allclose(curvatures, curvatures[1], rtol=1e-9)
-
-
-def test_a_pose_keeps_distances() -> None:
-    pose = Pose(1 + 2j, 3 + 4j)
-    assert abs(pose.place(5.0) - pose.place(0.0)) == pytest.approx(5.0, rel=1e-15)
-    assert pose.locate(pose.place(2 - 7j)) == pytest.approx(2 - 7j, rel=1e-14)
 
 
 @pytest.mark.parametrize("frames", [10])

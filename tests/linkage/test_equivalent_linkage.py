@@ -125,14 +125,6 @@ def test_a_straight_flank_lifts_a_roller():
     assert contact.sliding == pytest.approx(-on_line - 12 * (first - 1), abs=1e-8)
 
 
-def test_a_hollow_driver_has_a_negative_radius():
-    """A roller of 10 inside a ring of 60 whose middle turns 15 off the axis: crank 15, coupler 50."""
-    slider = gk.move(SliderCrank(15, 50), ANGLES, branch=-1).point("slider_pin")
-    outward = (slider.position - 15 * np.exp(1j * ANGLES)) / 50
-    contact = DirectContact(slider.position + 10 * outward, -outward, -60, 10, follower_direction=1)
-    assert contact.first == pytest.approx(slider.first.real) and contact.second == pytest.approx(slider.second.real)
-
-
 CASES = {
     "four-bar": {"driver_radius": 40.0, "follower_radius": 15.0, "follower_pivot": 95 - 12j},
     "four-bar, hollow follower": {"driver_radius": 40.0, "follower_radius": -90.0, "follower_pivot": 95 - 12j},
@@ -163,32 +155,3 @@ def test_equivalent_linkage_moves_as_the_contact(case, point, normal):
     for name, centre in (("driver_centre", contact.driver_centre), ("follower_centre", contact.follower_centre)):
         if np.isfinite(centre):
             assert motion.point(name).position[0] == pytest.approx(complex(centre))
-
-
-@pytest.mark.parametrize("case", ["Scotch yoke", "double slider"])
-@pytest.mark.parametrize("normal", [1 + 2j, -3 + 0.4j])
-def test_first_of_two_equal_branches_is_chosen(case, normal):
-    contact = DirectContact(20 - 50j, normal, driver_pivot=3 + 1j, **CASES[case])
-    one, two = (gk.move(contact.linkage, [0.0], branch).follower.origin for branch in (1, -1))
-    assert one.position[0] == two.position[0] and contact.branch == 1
-
-
-def test_a_follower_that_cannot_give_way_has_no_finite_velocity():
-    contact = DirectContact(10j, 1, 20.0, 5.0, follower_direction=1j)
-    with np.errstate(all="raise"):
-        assert not np.isfinite(contact.first) and not np.isfinite(contact.second)
-
-
-@pytest.mark.parametrize(
-    ("field", "change"),
-    [
-        ("follower_pivot", {"follower_direction": 1j}),
-        ("follower_pivot", {"follower_pivot": None}),
-        ("follower_radius", {"driver_radius": np.inf, "follower_radius": np.array([1.0, np.inf])}),
-    ],
-)
-def test_invalid_contacts_are_refused(field, change):
-    given = {"point": 10j, "normal": 1j, "driver_radius": 5, "follower_radius": 5, "follower_pivot": 50} | change
-    with pytest.raises(gk.DesignError) as caught:
-        DirectContact(**given)
-    assert caught.value.field == field

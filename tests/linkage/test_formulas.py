@@ -1,6 +1,5 @@
 """Motions by formulas that were written down against the placements themselves, and against 60 digits, on each engine."""
 
-import pickle
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -112,21 +111,6 @@ def test_a_change_point_is_passed_by_formulas(formulas):
     assert np.abs(motion.coupler.direction - 1).max() < 1e-12
 
 
-def test_the_compiled_loop_takes_rows_longer_than_a_block_and_what_may_not_be_written(monkeypatch):
-    compiled = pytest.importorskip("geomkin.linkage.solve.compiled", exc_type=ImportError)
-    rng, frames = np.random.default_rng(3), 2 * compiled.WIDTH + 5
-    many = gk.FourBar(*(v + 5 * rng.random(frames) for v in (100.0, 30.0, 90.0, 70.0)))
-    drives = np.linspace(0, 6, frames), np.linspace(0, 6, 4)
-    for linkage, drive in zip((gk.FourBar(100, 30, 90, 70), many), drives):
-        drive.setflags(write=False)
-        found = []
-        for least in (NEVER, 0):
-            monkeypatch.setattr(solution, "WORTH", 0)
-            monkeypatch.setattr(worked, "WORTH_LOADED", least)
-            found.append(results_of(fresh(linkage), drive, speed=2.0)[1])
-        same(*found)
-
-
 def test_results_do_not_depend_on_order_or_threads():
     """Groups in any order, motions of other drives and points between, threads at once: each result is its own."""
     linkage, rng = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), np.random.default_rng(4)
@@ -159,26 +143,3 @@ def test_results_do_not_depend_on_order_or_threads():
         for found in threads.map(some, rng.integers(1000, size=6)):
             for k, name, value in found:
                 np.testing.assert_allclose(value, alone[k][name], rtol=1e-12, atol=1e-12 * np.abs(value).max())
-
-
-def test_branches_told_by_places_keep_their_own_formulas(monkeypatch):
-    """One linkage moved by turns on both branches, each results_of by where a pin is, again and again."""
-    monkeypatch.setattr(solution, "WORTH", 0)
-    turn = np.linspace(0, 2 * np.pi, 25)
-    bar = gk.FourBar(100, 30, 90, 70)
-    pins = {side: complex(gk.move(bar, turn[:1], side).point("rocker_pin").position[0]) for side in (1, -1)}
-    linkage = bar.linkage
-    for side in (1, -1, 1, -1):
-        moved = gk.move(linkage, turn, {"rocker_pin": pins[side]})
-        wanted = gk.move(gk.FourBar(100, 30, 90, 70), turn, side)
-        for body in ("coupler", "rocker"):
-            assert moved.bodies[body].direction == pytest.approx(wanted.bodies[body].direction, abs=1e-12)
-            assert moved.bodies[body].first == pytest.approx(wanted.bodies[body].first, abs=1e-12)
-
-
-def test_motion_by_formulas_can_be_pickled():
-    motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 6, 20_000))
-    assert motion.assembled.all()
-    copy = pickle.loads(pickle.dumps(motion))
-    assert np.array_equal(copy.rocker.alpha, motion.rocker.alpha)
-    assert np.array_equal(copy.point("rocker_pin").acceleration, motion.coupler.point(90).acceleration)

@@ -47,7 +47,7 @@ def test_coincident_circles_have_no_single_answer():
         ((3, 2, 2.5, 4), "triple-rocker"),
     ],
 )
-def test_grashof_type_agrees_with_what_turns(lengths, kind):
+def test_grashof_type_agrees_with_the_links_that_turn_fully(lengths, kind):
     linkage = gk.FourBar(*lengths)
     assert gk.linkage.grashof_type(linkage) == kind
     turns_fully = bool(gk.move(linkage, TURN + 1e-3).assembled.all())
@@ -71,7 +71,7 @@ def test_impossible_lengths_are_refused_by_name(lengths, field):
 
 
 @pytest.mark.parametrize("size", [1e-7, 0.7 / 3])
-def test_a_change_point_is_told_to_rounding_and_no_farther_at_any_size(size):
+def test_change_point_is_recognised_within_rounding_at_any_size(size):
     for lengths in ((7, 3, 3, 7), (5, 2, 5, 2), (4, 1, 3, 6), (6, 3, 1, 4)):
         assert gk.linkage.grashof_type(gk.FourBar(*(size * n for n in lengths))) == "change-point"
         for k in range(4):

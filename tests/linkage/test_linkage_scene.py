@@ -24,7 +24,7 @@ def crossing(a, b, c, d):
     return a + one * np.imag(np.conj(two) * (c - a)) / np.imag(np.conj(two) * one)
 
 
-def test_centres_that_are_no_joints_are_where_links_cross_as_far_as_anybody_looks():
+def test_visible_instant_centres_lie_where_links_cross():
     motion, scene = scene_of(gk.FourBar(100, 60, 95, 75))
     found = {mark.label: mark.place for mark in marks(scene, "point", "instant centre of")}
     at = {name: motion.point(name).position for name in motion.linkage.pins}
@@ -89,7 +89,7 @@ def test_time_passes_as_the_driver_does_or_in_two_seconds(drive, more, time, cyc
     assert scene.time == pytest.approx(time) and scene.cyclic == cyclic
 
 
-def test_the_block_of_a_leaning_slide_lies_along_it():
+def test_block_lies_along_its_inclined_slide():
     motion = gk.move(gk.SliderCrank(30, 100, ground_angle_deg=40), np.linspace(0, 6, 7))
     shown = linkage_scene(motion, gk.linkage.motion_table(motion))
     (mark,) = marks(shown, "slide")

@@ -30,25 +30,6 @@ def polygon(curve):
     return shapely.Polygon(gk.plane.xy(gk.flatten(curve, 1e-4)))
 
 
-def extents(hole):
-    """Width and height."""
-    x0, y0, x1, y1 = polygon(hole).bounds
-    return x1 - x0, y1 - y0
-
-
-def test_a_four_bar_is_its_four_bars():
-    linkage = gk.FourBar(100, 30, 90, 70, 40 + 25j)
-    parts = parts_of(linkage)
-    pins = {"ground": [0, 100], "crank": [0, 30], "coupler": [0, 90, 40 + 25j], "rocker": [0, 70]}
-    assert list(parts) == list(pins)
-    for name, places in pins.items():
-        part = parts[name]
-        assert [hole.centre for hole in part.holes] == places
-        assert {hole.radius for hole in part.holes} == {2.1} and part.thickness == 3
-        round_pins = shapely.MultiPoint([(z.real, z.imag) for z in map(complex, places)]).convex_hull
-        assert polygon(part.outline).symmetric_difference(round_pins.buffer(7, quad_segs=500)).area < 0.1
-
-
 def test_a_point_on_a_pin_is_one_hole_and_one_beside_it_is_refused():
     on = parts_of(gk.FourBar(100, 30, 90, 70, 0j))["coupler"]
     assert [hole.centre for hole in on.holes] == [0, 90]
@@ -146,36 +127,3 @@ def test_a_slot_that_meets_a_hole_is_refused_by_name():
     with pytest.raises(gk.DesignError, match="slot of slider_pin") as caught:
         parts_of(gk.SliderCrank(30, 31))
     assert caught.value.field == "ground"
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1e3])
-def test_plates_grow_with_the_linkage(scale):
-    plain = parts_of(gk.SliderCrank(30, 90))
-    stock = LinkStock(bar_width=14 * scale, pin_diameter=4 * scale, clearance=0.2 * scale)
-    scaled = parts_of(gk.SliderCrank(30 * scale, 90 * scale), stock=stock)
-    for name in plain:
-        assert gk.area(scaled[name].outline) == pytest.approx(gk.area(plain[name].outline) * scale**2)
-        for one, two in zip(plain[name].holes, scaled[name].holes):
-            assert extents(two) == pytest.approx(np.multiply(extents(one), scale), rel=1e-3 / min(scale, 1))
-
-
-def test_plates_and_stack_of_a_motion_are_plain_calls():
-    motion = gk.move(gk.FourBar(100, 30, 90, 70), TURN)
-    assert [part.name for part in gk.linkage.link_parts(motion)] == ["ground", "crank", "coupler", "rocker"]
-    linkage, branch, *_ = next(row for row in BUILDABLE.values() if row[-1])
-    bridged, stock = gk.move(linkage, TURN, branch), gk.linkage.LinkStock(bar_width=12)
-    stack = gk.linkage.stack_links(bridged, stock)
-    parts = {part.name: part for part in gk.linkage.link_parts(bridged, stock, stack)}
-    assert parts["spacer"].count == stack.spacers > 0 and "bridge" in parts
-    assert {*parts} - {"spacer"} == {*stack.layers}
-
-
-@pytest.mark.parametrize("call", [gk.linkage.link_parts, gk.linkage.stack_links])
-def test_what_is_no_motion_of_one_linkage_is_refused(call):
-    many = gk.move(gk.FourBar(100, np.array([30.0, 31.0]), 90, 70), TURN)
-    for motion in (many, gk.FourBar(100, 30, 90, 70)):
-        with pytest.raises(gk.DesignError) as caught:
-            call(motion)
-        assert caught.value.field == "motion"
-    with pytest.raises(gk.DesignError, match="a LinkStock"):
-        call(gk.move(gk.FourBar(100, 30, 90, 70), TURN), 3.0)

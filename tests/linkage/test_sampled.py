@@ -75,7 +75,7 @@ def test_polynomials_that_the_weights_go_through_are_exact_up_to_the_ends(order)
 
 
 @pytest.mark.parametrize("step", [0.5])
-def test_the_error_told_is_what_is_missed_where_the_formula_that_judges_is_exact(step):
+def test_error_estimate_is_the_true_error_if_the_higher_formula_is_exact(step):
     """By polynomials of one degree more than a formula takes: their next derivative is the same everywhere."""
     t = np.arange(16) * step
     for order in (2, 4, 6):
@@ -117,46 +117,3 @@ def test_error_bounds_noise():
         assert (np.abs(found.values - point.acceleration) <= found.error).all()
         told.append(found.error.max())
     assert told[1] > 100 * told[0]
-
-
-def test_missing_sample_affects_only_its_neighbours():
-    samples = np.sin(np.arange(40) * 0.1)
-    samples[20] = np.nan
-    found = gk.linkage.central_difference(samples, 0.1, 1, 2)
-    assert np.flatnonzero(np.isnan(found.values)).tolist() == [19, 20, 21]
-    assert np.isfinite(found.error[:17]).all()
-
-
-def test_too_few_samples_are_refused_with_the_number_needed():
-    for call, least in (
-        (lambda: gk.linkage.central_difference(np.zeros(12), 0.1, 1, 8), "13"),
-        (lambda: gk.linkage.velocity_difference([1.0, 2.0], 0.1), "4"),
-    ):
-        with pytest.raises(gk.DesignError) as caught:
-            call()
-        assert least in caught.value.remedy
-
-
-@pytest.mark.parametrize(("rates", "start"), [(1.0, 2j), (1j, 2.0), (1 + 1j, 3 - 1j), (2.0, 3.0)])
-def test_integral_starts_at_the_given_place(rates, start):
-    found = gk.linkage.mid_ordinate_integral(np.full(4, rates), 0.5, start)
-    assert found.values == pytest.approx(start + rates * 0.5 * np.arange(5), rel=1e-14)
-    assert np.iscomplexobj(found.values) == isinstance(rates + start, complex)
-
-
-@pytest.mark.parametrize("derivative", [1, 2])
-@pytest.mark.parametrize("order", [2, 6])
-def test_samples_read_backwards_have_the_same_rates_and_errors_backwards(order, derivative):
-    """At both ends alike, where one-sided differences make more of what samples are off."""
-    samples = np.random.default_rng(order).normal(size=25)
-    for inexact in (0.0, 0.3):
-        forth, back = (
-            gk.linkage.central_difference(z, 0.5, derivative, order, inexact=inexact) for z in (samples, samples[::-1])
-        )
-        assert back.values[::-1] == pytest.approx((-1) ** derivative * forth.values, rel=1e-9, abs=1e-9)
-        assert back.error[::-1] == pytest.approx(forth.error, rel=1e-9, abs=1e-9)
-    plain = gk.linkage.central_difference(samples, 0.5, derivative, order).error
-    # What comes of 0.3 is the most that samples so much off change the rates by, each of them by itself.
-    alone = [gk.linkage.central_difference(0.3 * one, 0.5, derivative, order).values for one in np.eye(25)]
-    assert forth.error - plain == pytest.approx(np.abs(alone).sum(axis=0), rel=1e-9)
-    assert (forth.error - plain)[0] > 1.2 * (forth.error - plain)[12]

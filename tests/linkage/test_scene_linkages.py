@@ -26,7 +26,7 @@ def test_copies_stand_open_where_any_of_them_does_and_each_is_where_its_own_cran
     assert [body.name for body in scene.bodies if body.named] == [body.name for body in alone.scene.bodies]
 
 
-def test_what_is_known_somewhere_is_plotted_and_what_is_known_nowhere_is_not():
+def test_only_columns_with_a_known_value_are_plotted():
     scene = gk.load(LIMITED).scene
     assert not scene.assembled.all()
     plotted = {column for plot in scene.plots for column in plot.columns}

@@ -8,7 +8,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.moving import plan
-from geomkin.linkage.solve import formulas as worked
 from geomkin.linkage.solve.loops import Loops
 from tests.linkage.examples import ALL, FEW, FOUR_BAR, TURN, crossed_slots, locked
 
@@ -89,26 +88,6 @@ def test_loops_by_iteration_agree_with_dyads():
     assert motion.crank.first == pytest.approx(1 / by_dyads.bodies["out"].first, rel=1e-9)
 
 
-def test_many_linkages_at_once_are_each_what_it_is_alone():
-    rng = np.random.default_rng(5)
-    lengths = rng.uniform(0.5, 2.0, (4, 30))
-    many = gk.move(gk.FourBar(*lengths, coupler_point=0.3 + 0.2j), TURN, speed=2.0)
-    assert many.assembled.shape == (len(TURN), 30)
-    for k in range(30):
-        try:
-            alone = gk.move(gk.FourBar(*lengths[:, k], coupler_point=0.3 + 0.2j), TURN, speed=2.0)
-        except gk.DesignError:
-            assert not many.assembled[:, k].any()
-            continue
-        assert np.array_equal(many.assembled[:, k], alone.assembled)
-        one, other = many.point("coupler_point").acceleration[:, k], alone.point("coupler_point").acceleration
-        assert one[alone.assembled] == pytest.approx(other[alone.assembled], rel=1e-12)
-    six_bars = gk.SliderCrank(np.array([20.0, 30.0]), np.array([80.0, 90.0]), 5.0)
-    assert gk.move(six_bars, TURN).slider.origin.position[:, 1] == pytest.approx(
-        gk.move(gk.SliderCrank(30, 90, 5), TURN).slider.origin.position, rel=1e-15
-    )
-
-
 MANY = {
     "slider-crank": (lambda k: gk.SliderCrank(30 + k, 90 - k, 5 * k, 10 + k * 1j), TURN, 1),
     "slider-crank by coupler": (lambda k: gk.SliderCrank(90 + k, 30 + k, 2 * k, driver="coupler"), TURN, -1),
@@ -168,19 +147,6 @@ def test_a_pin_in_two_turning_slots_stands_where_they_cross():
     assert (np.sin(motion.transmission_angle) <= between + 1e-12).all()
 
 
-def test_long_rows_are_the_same_as_short_ones(monkeypatch):
-    # By one engine: the last bits of two differ.
-    monkeypatch.setattr(worked, "WORTH_LOADED", worked.WORTH_LOADING)
-    drive = np.linspace(0, 20, 40001)
-    whole = gk.move(FOUR_BAR, drive, speed=2.0)
-    for start in (0, 16000, 39000):
-        part = gk.move(FOUR_BAR, drive[start : start + 1000], speed=2.0)
-        for name in ("coupler", "rocker"):
-            assert np.array_equal(whole.bodies[name].alpha[start : start + 1000], part.bodies[name].alpha[:1000])
-        one, two = whole.point("coupler_point"), part.point("coupler_point")
-        assert np.array_equal(one.acceleration[start : start + 1000], two.acceleration)
-
-
 def test_an_open_frame_is_nan_in_everything():
     motion = gk.move(gk.StephensonSixBar(FOUR_BAR, 20, 60, 60 + 120j), TURN, speed=2.0)
     away = ~motion.assembled
@@ -190,22 +156,6 @@ def test_an_open_frame_is_nan_in_everything():
             assert np.isnan(body.direction[away]).all() and np.isnan(body.omega[away]).all(), name
             assert np.isnan(body.point(1.0).acceleration[away]).all(), name
     assert np.isnan(motion.transmission_angle[away]).all()
-
-
-def test_parallel_slides_place_nothing():
-    parallel = gk.Linkage(
-        {"ground": {"O": 0, "C": 6}, "in": {"O": 0}, "disc": {}, "out": {"C": 0}},
-        "in",
-        (gk.Slider("a", "disc", "in"), gk.Slider("b", "disc", "out")),
-    )
-    assert not gk.move(parallel, TURN).assembled.any()
-
-
-def test_branches_are_asked_for_by_joint():
-    six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
-    both = [gk.move(six_bar, TURN, {"output_pin": side}) for side in (1, -1)]
-    assert both[0].point("output_pin").position != pytest.approx(both[1].point("output_pin").position)
-    assert [set(m.branches["output_pin"]) for m in both] == [{1}, {-1}]
 
 
 class Shifted:

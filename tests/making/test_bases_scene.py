@@ -41,7 +41,7 @@ LAYERS = {
 
 
 @pytest.mark.parametrize(("name", "based"), list(zip(LAYERS, (True, False, True, False))))
-def test_what_carries_a_roller_is_beside_it_and_over_a_base_if_there_is_one(name, based):
+def test_roller_arm_is_next_to_its_roller_and_above_the_base(name, based):
     """A face touches the cam itself, and so lies in its plane."""
     own = recipe(name)
     bodies = [*LAYERS[name], *["ground"] * based]

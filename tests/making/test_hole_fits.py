@@ -44,7 +44,7 @@ def width(z, towards):
 
 
 @pytest.mark.parametrize("name", list(MADE)[::3])
-def test_every_hole_is_as_wide_as_what_goes_through_it_and_its_play(name):
+def test_every_hole_is_as_wide_as_its_pin_and_clearance(name):
     seen, directions = 0, np.exp(1j * np.radians(np.arange(0, 180, 1.0)))
     for part in MADE[name]().parts:
         for hole, fit in zip(part.holes, part.fits):

@@ -3,7 +3,6 @@
 from geomkin.making.bores import LENGTHS as KEY_LENGTHS
 from geomkin.making.bores import PARALLEL_KEYS
 from geomkin.making.fasteners import LENGTHS, SIZES
-from geomkin.making.fits import MOTOR_FLATS
 
 # DIN 6885-1: shaft up to, width, height, depth in the shaft, in the hub, lengths from and to.
 KEYS = """
@@ -62,7 +61,3 @@ def test_screws_nuts_and_washers_are_those_of_the_standards():
     assert [list(LENGTHS)] == rows(OF_SCREWS)
     assert {s.screw.split()[-1] for d, s in SIZES.items() if d < 3} == {"4762"}
     assert {s.nut.split()[-1] for d, s in SIZES.items() if d >= 3} == {"7040"}
-
-
-def test_flats_of_motors_shafts_leave_half_a_millimetre_and_more():
-    assert MOTOR_FLATS == {3: 2.5, 4: 3.5, 5: 4.5, 6: 5.5, 8: 7.5}

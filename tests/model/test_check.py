@@ -54,10 +54,3 @@ def test_an_expected_failure_is_still_one_and_is_marked(tmp_path):
     assert expected == {failed.id: (False, "it lies in line")}
     (row,) = re.findall(r'<tr class="fails">.*?</tr>', (tmp_path / "four-bar" / "four-bar.html").read_text())
     assert "it lies in line" in row and "expected" in row
-
-
-@pytest.mark.parametrize("given", ["true", "[1]", "{ transmission_angle = 3 }"])
-def test_other_than_a_table_of_reasons_is_refused_by_its_key(given):
-    with pytest.raises(gk.RecipeError) as refusal:
-        gk.load(f'expected_failures = {given}\nkind = "spur-gear"\ngear = {{ teeth = 20, module = 2 }}\n')
-    assert all(problem.key.startswith("expected_failures") for problem in refusal.value.problems)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.errors import Problem, ProblemId
 from geomkin.model.roles import ROLES, Role
 from geomkin.model.scene import Limit, Plot
 from geomkin.page.scene_json import scene_json
@@ -60,17 +59,6 @@ def test_neither_two_ids_nor_two_headers_of_a_table_agree(unit, twin):
     assert refusal.value.id == "conflict"
 
 
-def test_gears_of_a_pair_have_a_prefix(recipes):
-    ids = {check.id for check in recipes["gear-pair"].checks}
-    assert ids >= {"contact_ratio", "first_tip_thickness", "second_tip_thickness", "first_undercut", "wall_first"}
-    assert "tip_thickness" in {check.id for check in recipes["spur-gear"].checks}
-    assert {check.id for check in recipes["planetary"].checks} >= {
-        "sun_contact_ratio",
-        "ring_contact_ratio",
-        "ring_rim",
-    }
-
-
 @pytest.mark.parametrize("name", MOVING)
 def test_a_check_names_a_column_and_is_worst_within_the_driver_s_range(recipes, name):
     recipe = recipes[name]
@@ -118,25 +106,6 @@ def test_the_largest_output_error_is_at_its_peak():
     check = next(check for check in recipe.checks if check.id == "output_error")
     frame = worst_frame(check, recipe.scene)
     assert check.column == "error" and abs(recipe.table["error"][frame]) == pytest.approx(check.value, rel=0.02)
-
-
-def test_an_expected_failure_of_no_check_is_reported_with_the_nearest(tmp_path):
-    text = (RECIPES / "spur-gear.toml").read_text() + '\n[expected_failures]\ntip_thicknes = "it is thin"\n'
-    recipe = gk.load(text)
-    (remark,) = recipe.unknown_expectations
-    assert "expected_failures.tip_thicknes" in remark and "did you mean tip_thickness?" in remark
-    assert remark in gk.make(recipe, tmp_path, ["csv"]).remarks
-
-
-def test_the_summary_states_the_ids_of_checks(tmp_path, recipes):
-    gk.make(recipes["crank-rocker"], tmp_path, ["csv"])
-    entries = json.loads((tmp_path / "crank-rocker" / "summary.json").read_text())["checks"]
-    checks = {check.id: check for check in recipes["crank-rocker"].checks}
-    assert [entry["id"] for entry in entries] == list(checks)
-    entry = next(entry for entry in entries if entry["id"] == "transmission_angle")
-    assert entry["column"] == "transmission_angle"
-    assert entry["at"] == pytest.approx(checks["transmission_angle"].at)
-    assert all("at" not in entry for entry in entries if entry["id"].startswith("wall_"))
 
 
 def test_plots_and_limits_refer_to_columns_of_the_table(recipes):
@@ -199,18 +168,3 @@ def test_a_refused_argument_has_the_id_of_its_kind(call, id):
     with pytest.raises(gk.DesignError) as refusal:
         call()
     assert refusal.value.id == id
-
-
-def test_a_file_s_refusal_says_whether_it_is_of_reading_or_of_writing(tmp_path):
-    with pytest.raises(gk.FileError) as refusal:
-        gk.load(tmp_path / "gone.toml")
-    assert refusal.value.id == "file-unreadable"
-    (tmp_path / "spur-gear").write_text("")
-    with pytest.raises(gk.FileError) as refusal:
-        gk.make(gk.load(RECIPES / "spur-gear.toml"), tmp_path, ["csv"])
-    assert refusal.value.id == "file-unwritable"
-
-
-def test_a_refusal_has_an_id_unless_told_otherwise():
-    assert gk.DesignError("a", "b", "c").id == Problem("a", "b", "c").id
-    assert gk.DesignError("a", "b", "c").id in get_args(ProblemId)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.model.scene import Choice, Plot, Scene, SceneBody, SceneMark
+from geomkin.model.scene import Scene, SceneBody, SceneMark
 from geomkin.model.table import Column, Table
 
 FRAMES = 4
@@ -52,24 +52,8 @@ def test_everything_has_as_many_rows_as_there_are_frames():
             assert refusal.value.field == "table" and what.split()[-1] in refusal.value.problem
 
 
-def test_plots_are_of_columns_there_are():
-    good, bad = Plot("good", ("a", "t")), Plot("bad", ("a", "b"))
-    assert scene(plots=(good,)).plots == (good,) and Choice(table(), 0, (good,)).plots == (good,)
-    for made in (lambda: scene(plots=(good, bad)), lambda: Choice(table(), 0, (good, bad))):
-        with pytest.raises(gk.DesignError) as refusal:
-            made()
-        assert (refusal.value.field, refusal.value.id) == ("plots", "unknown-key") and " b," in refusal.value.problem
-
-
-@pytest.mark.parametrize("chosen", [-1, FRAMES])
-def test_what_was_chosen_is_a_row_of_what_there_was(chosen):
-    assert [Choice(table(), k, ()).chosen for k in (0, FRAMES - 1)] == [0, FRAMES - 1]
-    with pytest.raises(gk.DesignError, match=f"chosen: found {chosen} of 4 rows; give 0 to 3"):
-        Choice(table(), chosen, ())
-
-
 @pytest.mark.parametrize("seed", range(3))
-def test_the_box_is_that_of_what_moves_and_of_the_origin(seed):
+def test_box_holds_moving_bodies_and_the_origin(seed):
     """Pins, slides, what leaves a trail, and bodies; no arrow's end, no circle, no point that leaves none."""
     numbers = np.random.default_rng(seed)
 

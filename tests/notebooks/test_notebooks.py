@@ -49,7 +49,7 @@ def run(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_notebook_is_kept_without_what_a_run_leaves(name):
+def test_notebook_is_kept_without_outputs(name):
     assert sorted(file.stem for file in NOTEBOOKS.glob("*")) == NAMES
     told = json.loads((NOTEBOOKS / f"{name}.ipynb").read_text("utf-8"))
     assert (told["nbformat"], told["nbformat_minor"]) == (4, 5) and told["metadata"]["kernelspec"]["name"] == "python3"

@@ -9,8 +9,7 @@ from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
 from geomkin.plane.arcs import to_arcs
 from geomkin.plane.curve import Moved, Offset, Reversed
-from geomkin.plane.joined import PolarArray
-from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
+from geomkin.plane.primitives import Arc, Circle, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy
 
 from .curves import Bezier, cam_profile, edges, examples, flank, off_arcs, off_chord, size
@@ -96,12 +95,6 @@ def test_arcs_of_any_cubic_keep_the_tolerance(control, power):
     assert np.abs(edges(line)[2]).max() <= 1 + 1e-7
 
 
-def test_opposed_tangents_give_no_warning():
-    """Somewhere on the way to few arcs, the ends of an interval ask for a biarc that does not exist."""
-    curve, tolerance = Bezier((1 + 0j, 4 + 0j, 2j, 5 - 2j)), 4.2053185485452324e-2
-    assert strays(curve, to_arcs(curve, tolerance)) <= tolerance * (1 + 1e-2)
-
-
 @pytest.mark.parametrize("tolerance", [1e-2])
 def test_circles_and_straight_pieces_come_back_exactly(tolerance):
     disc = to_arcs(Circle(1 + 1j, 3.0), tolerance)
@@ -120,14 +113,6 @@ def test_circles_and_straight_pieces_come_back_exactly(tolerance):
     assert np.allclose(np.abs(along_arcs(three_quarters)), 2)
 
 
-def test_polyline_is_kept_except_for_arcs_over_half_a_turn():
-    line = to_arcs(Polyline(np.array([0, 4, 4 + 3j]), np.array([0.0, 1.0, -0.3])), 1e-3)
-    assert np.array_equal(line.vertices, [0, 4, 4 + 3j]) and np.array_equal(line.bulges, [0, 1, -0.3])
-    pear = Polyline(np.array([0, 2 + 0j]), np.array([2.0, 0.0]))
-    halves = to_arcs(pear, 1e-3)
-    assert len(halves.bulges) == 3 and np.isclose(measure.signed_area(halves), measure.signed_area(pear))
-
-
 def test_ring_of_copies_has_copies_of_arcs():
     gear = SpurGear(13, 2).outline
     line, one = to_arcs(gear, 1e-3), to_arcs(gear.piece, 1e-3)
@@ -140,10 +125,3 @@ def test_ring_of_copies_has_copies_of_arcs():
     # From copy to copy the bottom land goes on smoothly.
     turn, _ = kinks(line)
     assert np.abs(turn.reshape(13, -1)[:, 0]).max() < 1e-6
-
-
-def test_arcs_of_neighbouring_copies_are_not_merged_at_a_corner():
-    """Of the same radius: only the corner tells them apart."""
-    piece = Polyline(np.array([3, 2.5 + 1j, 1 + 2.5j, 3j]), np.array([0.2, 0.0, 0.2]), False)
-    line = to_arcs(PolarArray(piece, 4), 1e-3)
-    assert len(line.vertices) == 12 and np.isclose(measure.signed_area(line), measure.signed_area(PolarArray(piece, 4)))

@@ -55,29 +55,11 @@ def test_values_at_a_break_are_those_of_the_piece_that_starts(curve):
     assert np.abs(here - beyond)[finite].max() < 1e-5 * (np.abs(here[finite]).max() + 1 / size(curve))
 
 
-def test_results_have_the_shape_of_the_parameter():
-    for curve in CURVES.values():
-        t = np.linspace(curve.breaks[0], curve.breaks[-1], 6).reshape(2, 3)
-        for f in (curve.point, curve.velocity, curve.curvature):
-            table, one = f(t), f(float(t[1, 1]))
-            assert table.shape == (2, 3) and np.shape(f(np.empty((0, 2)))) == (0, 2)
-            assert np.shape(one) == () and abs(one - table[1, 1]) <= 1e-12 * (1 + abs(one))
-
-
-def test_a_curve_scales_with_its_sizes():
-    """No size is built in: a thousandth of every length gives a thousandth of every answer."""
-    for name, large in examples(1.0).items():
-        small, (t, _) = examples(1e-3)[name], inside(large)
-        assert np.allclose(small.point(t), 1e-3 * large.point(t), rtol=0, atol=1e-14), name
-        assert np.allclose(small.velocity(t), 1e-3 * large.velocity(t), rtol=0, atol=1e-13), name
-        assert np.allclose(small.curvature(t), 1e3 * large.curvature(t), rtol=1e-8, atol=1e-8), name
-
-
 def zigzag(start: complex) -> Polyline:
     return Polyline(start + np.array([0, 1 + 1j, 2, 3]), None, False)
 
 
-def test_path_at_a_break_inside_a_piece_answers_for_what_starts_there():
+def test_path_at_a_break_takes_the_piece_that_starts_there():
     """k + 1/3 is no binary number: the way back to the piece's own break must not lose it by rounding."""
     path = Path(tuple(zigzag(3.0 * k) for k in range(8)))
     edges = [p.velocity(p.breaks[:-1]) for p in path.pieces]

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
 from geomkin.plane.joined import Path, PolarArray
-from geomkin.plane.primitives import Arc, Circle, Segment
+from geomkin.plane.primitives import Arc, Segment
 from geomkin.plane.roulettes import Involute
-from geomkin.plane.vec import Pose, direction_deg, xy
+from geomkin.plane.vec import Pose, xy
 
 from .curves import Bezier, Flower
 
@@ -49,11 +48,6 @@ def test_offset_lies_square_to_the_curve_on_its_right(distance):
     assert np.allclose(away, abs(distance), rtol=1e-12) and np.allclose(foot, T[1:-1], atol=1e-6)
     left = np.imag(np.conj(ZIGZAG.velocity(T[1:-1])) * (z - ZIGZAG.point(T[1:-1])))
     assert (np.sign(left) == -np.sign(distance)).all()
-
-
-def test_offset_of_an_outline_grows_outward():
-    assert np.isclose(measure.signed_area(Offset(Circle(1j, 3.0), 0.5)), np.pi * 3.5**2)
-    assert np.isclose(measure.signed_area(Offset(Reversed(Circle(1j, 3.0)), 0.5)), -np.pi * 2.5**2)
 
 
 def test_offset_of_an_involute_is_the_string_cut_shorter():
@@ -99,25 +93,3 @@ def test_ring_is_its_copies_turned():
     ring = PolarArray(piece, count)
     assert ring.closed and np.allclose(ring.point(np.arange(count)), heptagon)
     assert np.isclose(measure.signed_area(ring), 0.5 * count * 4 * np.sin(2 * np.pi / count))
-
-
-@pytest.mark.parametrize(
-    "closed", [Path((Circle(-1 + 0j, 1.0),)), PolarArray(Circle(0j, 1.0), 1)], ids=["path", "ring"]
-)
-def test_one_closed_piece_makes_a_closed_curve(closed):
-    """Also where the piece starts at the origin, so that no share of its distance from there is a measure."""
-    assert closed.closed and np.isclose(measure.signed_area(closed), np.pi)
-
-
-def test_pieces_that_do_not_meet_are_refused():
-    with pytest.raises(DesignError, match=r"0\.1"):
-        Path((Segment(0j, 1 + 0j), Segment(1 + 0j, 2 + 0j), Segment(2.1 + 0j, 3 + 0j)))
-    with pytest.raises(DesignError) as refusal:
-        PolarArray(Segment(2 + 0j, 2j), 5)
-    assert refusal.value.field == "piece"
-
-
-def test_directions_are_exact_at_quarter_turns():
-    assert np.array_equal(direction_deg([-90, 0, 90, 180, 270, 360, 720]), [-1j, 1, 1j, -1, -1j, 1, 1])
-    angle = np.linspace(-400, 400, 37)
-    assert np.allclose(direction_deg(angle), np.cos(np.radians(angle)) + 1j * np.sin(np.radians(angle)))

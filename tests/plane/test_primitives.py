@@ -6,11 +6,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.flatten import flatten
-from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, moved, rounded_hull, slot
-from geomkin.plane.vec import Pose, first_largest, xy
+from geomkin.plane.primitives import Arc, Polyline, rounded_hull
+from geomkin.plane.vec import first_largest, xy
 
 grid = st.integers(-20, 20)
 places = st.builds(complex, grid, grid)
@@ -47,14 +46,6 @@ def test_bulge_is_the_rise_over_half_the_chord(a, b, bulge):
     assert np.allclose(steps, steps[0]), "equal steps of t are equal steps of arc"
 
 
-def test_polyline_without_bulges_has_straight_edges():
-    z = np.array([0, 4, 4 + 3j])
-    plain, zero = Polyline(z), Polyline(z, np.zeros(3))
-    t = np.linspace(0, 3, 31)
-    assert np.allclose(plain.point(t), zero.point(t)) and np.allclose(plain.point(2.5), 2 + 1.5j)
-    assert (plain.curvature(t) == 0).all()
-
-
 @settings(deadline=None, max_examples=20)
 @given(st.lists(places, min_size=1, max_size=9), st.floats(0.5, 5))
 def test_rounded_hull_agrees_with_shapely(centres, radius):
@@ -69,12 +60,6 @@ def test_rounded_hull_agrees_with_shapely(centres, radius):
     assert np.allclose(shapely.distance(hull, points), radius, rtol=1e-9)
 
 
-def test_hull_of_one_is_a_circle_and_repeats_add_nothing():
-    assert isinstance(rounded_hull([2 + 1j], 3), Circle)
-    assert isinstance(rounded_hull([2 + 1j, 2 + 1j, 2 + 1j], 3), Circle)
-    assert len(rounded_hull([0, 4, 4, 2, 0, 1], 1).breaks) == len(slot(0, 4, 1).breaks)
-
-
 @pytest.mark.parametrize("centres", [[0, 1, 2, 3], [0, 3, 1j, 3 + 1j, 1 + 0.5j, 1.5, 3 + 0.2j]])
 def test_points_inside_the_hull_or_on_its_rim_add_no_corner(centres):
     corners = 2 if np.isreal(centres).all() else 4
@@ -86,32 +71,6 @@ def test_centres_that_differ_by_rounding_give_no_edge_shorter_than_rounding():
     for centres in ([0.3, 0.1 * 3], [0, 0.3, 0.1 * 3 + 1e-17j]):
         points = flatten(rounded_hull(centres, 5.0), 0.01)
         assert np.abs(points - np.roll(points, 1)).min() > 1e-9
-
-
-def test_a_moved_circle_stays_a_circle():
-    pose = Pose(3 + 1j, np.exp(0.7j))
-    disc = moved(Circle(2 + 0j, 1.5), pose)
-    assert isinstance(disc, Circle) and disc.radius == 1.5
-    assert np.isclose(disc.centre, complex(3 + 2 * np.cos(0.7), 1 + 2 * np.sin(0.7)))
-    assert not isinstance(moved(Segment(0, 1), pose), Circle)
-
-
-@pytest.mark.parametrize(
-    "make, field",
-    [
-        (lambda: Circle(0j, 0.0), "radius"),
-        (lambda: Circle(0j, -1.0), "radius"),
-        (lambda: Circle(0j, np.nan), "radius"),
-        (lambda: Circle(complex(np.nan, 0), 1.0), "centre"),
-        (lambda: Circle(0j, np.inf), "radius"),
-        (lambda: Polyline(np.array([1 + 1j])), "vertices"),
-        (lambda: Polyline(np.array([0, 1, np.nan])), "vertices"),
-    ],
-)
-def test_invalid_sizes_are_refused(make, field):
-    with pytest.raises(DesignError) as refusal:
-        make()
-    assert refusal.value.field == field and refusal.value.remedy
 
 
 @pytest.mark.parametrize("size", [1e-7, 1e7])

@@ -72,12 +72,3 @@ def test_trochoid_is_the_edge_of_all_that_the_corner_sweeps(radius, depth, round
         nearest = np.take_along_axis(roll, away(roll).argmin(axis=1)[:, None], 1)
         width /= 50
     assert np.abs(away(nearest)[:, 0] - rounding).max() < 1e-10 * radius
-
-
-def test_trochoid_without_depth_is_the_corner_itself():
-    """A corner on the rolling line is cut in one instant; a depth of a millionth of a micrometre changes nothing."""
-    expected = 12 - 0.5 * np.exp(1j * LEANS)
-    for depth in (0.0, 1e-9, -1e-9):
-        curve = Trochoid(12.0, depth, 0.5, -1.3, 1.3)
-        assert np.allclose(curve.point(LEANS), expected, rtol=0, atol=1e-8)
-        assert np.allclose(curve.curvature(LEANS), 2.0, rtol=1e-7)

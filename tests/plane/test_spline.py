@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from geomkin.core.errors import DesignError
-from geomkin.plane.roulettes import Cycloid
 from geomkin.plane.spline import Spline
 
 POINTS = np.array([0, 1 + 2j, 3 + 2.5j, 4 + 1j, 7 - 1j, 7.5 + 0.2j])
@@ -50,23 +48,3 @@ def test_error_falls_with_the_fourth_power_of_the_spacing():
     circle = [Spline(np.exp(1j * np.linspace(0, 2, n + 1))) for n in (8, 16, 32)]
     off = [np.abs(np.abs(c.point(np.linspace(0, c.breaks[-1], 1001))) - 1).max() for c in circle]
     assert off[0] / off[1] > 12 and off[1] / off[2] > 12 and off[2] < 1e-6
-
-
-@pytest.mark.parametrize("points", [[1j], [0, 1, 1, 2], [0, np.nan, 2], [[0, 1], [2, 3]]])
-def test_points_that_make_no_curve_are_refused(points):
-    with pytest.raises(DesignError) as caught:
-        Spline(np.array(points, dtype=complex))
-    assert caught.value.field == "points" and caught.value.remedy
-
-
-@pytest.mark.parametrize(("radius", "rolling"), [(10, 3), (10, -3)])
-def test_a_cycloid_is_the_path_of_a_rim_point(radius, rolling):
-    """Rolled step by step: the circle's centre goes round, the circle turns by the arc over its radius."""
-    curve = Cycloid(radius, rolling, -0.8, 1.5)
-    t = np.linspace(-0.8, 1.5, 24)
-    spoke = -rolling * np.exp(1j * (t + t * radius / rolling))
-    assert np.abs(curve.point(t) - ((radius + rolling) * np.exp(1j * t) + spoke)).max() < 1e-13
-    h, t = 1e-5, t[np.abs(t) > 0.1]
-    assert np.abs((curve.point(t + h) - curve.point(t - h)) / (2 * h) - curve.velocity(t)).max() < 1e-7
-    turn = np.angle(curve.velocity(t + h) / curve.velocity(t - h)) / (2 * h)
-    assert turn / np.abs(curve.velocity(t)) == pytest.approx(curve.curvature(t), rel=1e-5, abs=1e-9)

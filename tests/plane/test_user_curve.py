@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
-from geomkin.plane.joined import Path, PolarArray
-from geomkin.plane.parallel import parallel
-from geomkin.plane.primitives import Segment
-from geomkin.plane.vec import Pose
+from geomkin.plane.curve import Reversed
 
 
 class Heart(gk.AbstractCurve):
@@ -65,12 +61,6 @@ def test_measures_agree_with_closed_forms():
     assert gk.length(Parabola()) == pytest.approx(np.sqrt(17) + np.arcsinh(4) / 4, rel=1e-12)
 
 
-def test_nearest_point():
-    t, distance = gk.nearest(HEART, [-20 + 0j, 0j])
-    assert distance == pytest.approx([8, 0], abs=1e-9) and t[0] == pytest.approx(np.pi)
-    assert gk.nearest(Parabola(), 1 + 1j)[1] == pytest.approx(0, abs=1e-12)
-
-
 @pytest.mark.parametrize("tolerance", [0.1, 1e-3])
 @pytest.mark.parametrize("curve", [HEART, Parabola()], ids=["heart", "parabola"])
 def test_chords_and_arcs_keep_the_tolerance(curve, tolerance):
@@ -81,26 +71,3 @@ def test_chords_and_arcs_keep_the_tolerance(curve, tolerance):
         assert off.max() <= tolerance * (1 + 1e-6)
     # The cusp is a corner: it is a point of its own.
     assert not curve.closed or np.abs(z).min() < 1e-12
-
-
-def test_it_can_be_moved_mirrored_offset_and_joined():
-    t = np.linspace(1, 5, 9)
-    assert Moved(HEART, Pose(1j, 1j)).point(t) == pytest.approx(1j + 1j * HEART.point(t))
-    assert Mirrored(HEART).curvature(t) == pytest.approx(-HEART.curvature(t))
-    assert np.abs(Offset(HEART, 0.5).point(t) - HEART.point(t)) == pytest.approx(0.5)
-    assert isinstance(parallel(HEART, -0.5), gk.AbstractCurve)
-    path = Path((Parabola(), Segment(2 + 4j, 4j), Segment(4j, 0j)))
-    assert path.closed and gk.area(path) == pytest.approx(8 - 8 / 3)
-    # Turned so that its chord of 20^0.5 is the side of a square about the origin.
-    side = Moved(Parabola(), Pose(np.sqrt(10) + 0j, np.sqrt(10) * (1j - 1) / (2 + 4j)))
-    ring = PolarArray(side, 4)
-    assert gk.area(ring) == pytest.approx(20 + 4 * 4 / 3) and gk.length(ring) == pytest.approx(
-        4 * gk.length(Parabola())
-    )
-
-
-@pytest.mark.parametrize("left_out", ["point", "velocity", "breaks", "closed"])
-def test_incomplete_curve_class_is_refused(left_out):
-    said = {name: vars(Heart)[name] for name in ("point", "velocity", "breaks", "closed") if name != left_out}
-    with pytest.raises(TypeError):
-        type("Part", (gk.AbstractCurve,), said)()

@@ -26,7 +26,7 @@ def changed(tmp_path, **tables):
     return file
 
 
-def test_the_table_tells_the_stroke_and_what_it_lifts(lift):
+def test_table_has_the_stroke_and_the_lifted_load(lift):
     columns = {column.header: column.values for column in lift.table.columns}
     place = columns["lift_place_mm"]
     assert next(iter(columns)) == "lift_place_mm" and place[[0, -1]] == pytest.approx([45, 120])
@@ -62,15 +62,3 @@ def test_rod_and_cylinder_are_plates_and_the_slot_is_as_long_as_the_stroke(lift)
         seen = seen * np.conj(motion.cylinder.direction)
         assert np.abs(seen.imag).max() < 1e-11
         assert min(slot) - 1e-9 < seen.real.min() and seen.real.max() < max(slot) + 1e-9
-
-
-def test_a_stroke_is_asked_for_and_a_turn_is_not(tmp_path):
-    lacking = changed(tmp_path, stroke=("[stroke]\nstart = 45\nend = 120\nspeed = 20\n", ""))
-    with pytest.raises(gk.RecipeError, match="stroke"):
-        gk.load(lacking)
-    turning = changed(tmp_path, driver=('driver = "lift"', 'driver = "arm"'))
-    with pytest.raises(gk.RecipeError, match="stroke|driver"):
-        gk.load(turning)
-    rod = changed(tmp_path, driver=('driver = "lift"', 'driver = "rod"'))
-    with pytest.raises(gk.RecipeError, match="give lift, the slider"):
-        gk.load(rod)

@@ -47,7 +47,7 @@ def test_polygons_take_the_same_table():
         assert np.sign(recipe.motion.point("B").position[0].imag) == sign
 
 
-def test_what_is_no_branch_is_refused_by_its_key():
+def test_invalid_branch_is_refused_by_its_key():
     for branches, key, found in [
         ("{} = 2", "branches.B", "found 2"),
         ("{} = true", "branches.B", "found True"),
@@ -62,7 +62,7 @@ def test_what_is_no_branch_is_refused_by_its_key():
         assert problem.key == key and found in problem.problem and "[x, y]" in problem.remedy
 
 
-def test_a_drive_that_closes_nowhere_is_refused_with_what_opens_and_where_it_closes(tmp_path):
+def test_input_range_that_assembles_nowhere_is_refused_with_one_that_does(tmp_path):
     file = tmp_path / "open.toml"
     text = 'kind = "four-bar"\n[linkage]\nground = 40\ncrank = 30\ncoupler = 20\nrocker = 25\n'
     text += "[stock]\nbar_width = 4\npin_diameter = 2\n"
@@ -80,7 +80,7 @@ def test_a_drive_that_closes_nowhere_is_refused_with_what_opens_and_where_it_clo
     assert checks["share of the crank's turn reached"].passed
 
 
-def test_an_open_part_of_the_way_is_reported_and_the_rest_is_judged():
+def test_unreachable_part_of_the_range_is_reported_and_the_rest_is_checked():
     recipe = parse(
         'kind = "four-bar"\n[linkage]\nground = 40\ncrank = 30\ncoupler = 20\nrocker = 25\n[drive]\nend_deg = 180\n'
     )

@@ -63,21 +63,3 @@ def test_poles_and_slides_are_reported(tmp_path):
     on_body = np.array([(pivot - x - 1j * y) * np.exp(-1j * np.radians(a)) for x, y, a in POSES])
     way = np.exp(-1j * np.radians(summary["slides"]["pivot_that_is_slid_over"]["direction_deg"]))
     assert np.ptp((on_body * way).imag) < 1e-6
-
-
-def test_invalid_values_are_refused():
-    for poses, more, key in [
-        (POSES[:3], {}, "poses"),
-        ([*POSES, [1, 2, 3]], {}, "poses"),
-        ([*POSES[:3], POSES[0]], {}, "poses"),
-        ([*POSES[:3], [0, 0, 360]], {}, "poses"),
-        ([*POSES[:3], [0, 0]], {}, "poses"),
-        ([*POSES[:3], [0, 0, "1"]], {}, "poses"),
-        ([[0, 0, k] for k in (0, 20, 50, 70)], {}, "reach"),
-        ([[0, 0, k] for k in (0, 20, 50, 70)], {"wanted": {"reach": 50.0}}, "poses"),
-        ([[1, 0, 5], [0, 1, 5], [-1, 0, 5], [0, -1, 5]], {}, "poses"),
-        (POSES, {"wanted": {"reach": 1e-3}}, "reach"),
-        (POSES, {"rows": 1}, "rows"),
-    ]:
-        with pytest.raises(gk.GeomkinError, match=key):
-            assert recipe(poses, **more).parts

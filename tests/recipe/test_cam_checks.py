@@ -61,7 +61,7 @@ def design_checks(follower, *segments, base=40):
     return {c.name: c for c in gk.cam.cam_checks(gk.Cam(follower, gk.Program(segments), base))}
 
 
-def test_a_level_face_leans_by_nothing_and_of_a_cam_at_rest_nothing_is_said():
+def test_level_face_has_no_pressure_angle_and_a_cam_at_rest_has_no_check_of_it():
     way = gk.Dwell(end_deg=90), gk.Rise("cycloidal", rise=5, end_deg=180), gk.Return("cycloidal", end_deg=360)
     level = design_checks(gk.TranslatingFlat(), *way)
     assert [level[f"pressure angle on the {name}"].value for name in ("rise", "return")] == [0, 0]

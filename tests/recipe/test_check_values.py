@@ -1,23 +1,13 @@
 """What recipes' checks say, held against what they are about."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
-import geomkin as gk
 from tests.texts import parse, template_of
 
 
 def checks(recipe):
     return {check.name: check for check in recipe.design_checks}
-
-
-@pytest.mark.parametrize(("teeth", "undercut"), [(8, True), (14, True), (18, False), (40, False)])
-def test_any_involute_lost_to_undercut_fails(teeth, undercut):
-    recipe = parse(f'kind = "spur-gear"\n[gear]\nteeth = {teeth}\nmodule = 10\n')
-    found = checks(recipe)["involute lost to undercut"]
-    assert found.passed is not undercut and (found.value > 0) is undercut
 
 
 def test_the_largest_forces_of_the_table_are_compared():
@@ -53,18 +43,3 @@ program = [{kind = "dwell", end_deg = 60}, {kind = "rise", law = "3-4-5", rise_d
     most = np.degrees(recipe.cut.lost_lift(np.linspace(0, 2 * np.pi, 20001)).max())
     found = checks(recipe)["lift lost to undercut"]
     assert found.unit == "deg" and found.value == pytest.approx(most, rel=1e-4) and most > 0.1
-
-
-def test_checks_of_a_linkage_are_those_of_a_plain_call_on_its_motion():
-    recipe = parse(template_of("four-bar"))
-    motion, stock = gk.move(recipe.design, recipe.drive.frames), recipe.stock
-    stack = gk.linkage.stack_links(gk.move(recipe.design, recipe.drive.fine), stock)
-    assert recipe.design_checks == (
-        *gk.linkage.linkage_checks(motion),
-        gk.linkage.hole_check(stock.hole_diameter, stock.thickness),
-        dataclasses.replace(gk.linkage.collision_check(len(stack.collisions)), advice=recipe.design_checks[-1].advice),
-    )
-    for wrong in (recipe.design, gk.move(gk.FourBar(100, np.array([30.0, 31.0]), 90, 70), [1.0])):
-        with pytest.raises(gk.DesignError) as caught:
-            gk.linkage.linkage_checks(wrong)
-        assert caught.value.field == "motion"

@@ -75,7 +75,7 @@ def table(text):
     [("roller_radius = 5", "pitch_curvature", "least pitch radius to roller radius", 7.5, ""),
      ("roller_radius = 0", "profile_curvature", "least convex radius of the profile", 1, "mm")],
 )  # fmt: skip
-def test_sharp_cams_are_judged_as_the_table_tells_them(sizes, column, name, limit, unit):
+def test_checks_of_sharp_cams_agree_with_the_table(sizes, column, name, limit, unit):
     seen = set()
     for radius in (0.6, 2, 5):
         text = CAM.format(radius, STRAIGHT, sizes, "rise", 2, "return")
@@ -90,7 +90,7 @@ def test_sharp_cams_are_judged_as_the_table_tells_them(sizes, column, name, limi
 
 
 @pytest.mark.parametrize("of", ["turn", "stroke"])
-def test_a_way_that_is_not_reached_is_reported_by_its_share(of):
+def test_unreached_input_range_is_reported_as_a_share(of):
     """A crank of 80 on a ground of 100 before links of 60 and 60; a slide as far as crank and rod reach."""
     if of == "turn":
         text = FOUR_BAR.format(100).replace("30", "80").replace("90", "60").replace("70", "60")

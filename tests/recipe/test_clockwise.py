@@ -89,7 +89,7 @@ SAME_PARTS = ("slider-crank-by-slider", "walker", "parallelogram", "sieve", "cen
 
 
 @pytest.mark.parametrize("name", SAME_PARTS)
-def test_what_is_cut_does_not_depend_on_the_sense_of_the_driver(name):
+def test_parts_do_not_depend_on_the_sense_of_the_driver(name):
     data = tomllib.loads((RECIPES / f"{name}.toml").read_text())
     turned = tomllib.loads((RECIPES / f"{name}.toml").read_text())
     if stroke := turned.get("stroke"):

@@ -78,12 +78,6 @@ def test_an_atlas_is_drawn_in_dashes_with_its_points_on_the_linkage(told):
     assert len(trails) >= len(curves) and {"r1c1", "r2c2"} <= set(trails)
 
 
-@pytest.mark.parametrize("chosen", [[0, 1], [1, 0], [3, 1], [1, 4]])
-def test_a_point_that_the_grid_has_not_cannot_be_chosen(chosen):
-    with pytest.raises(gk.RecipeError, match="chosen:"):
-        gk.load({**ATLAS, "grid": {**ATLAS["grid"], "chosen": [chosen]}})
-
-
 def test_the_tables_of_cognates_are_those_of_three_linkages_that_run_beside_each_other():
     recipe = gk.load({
         "kind": "cognates", "branch": -1, "drive": {"step_deg": 30},

@@ -37,7 +37,7 @@ def found(goal):
         ("path", "largest_distance", 0, "largest distance of a point from the path", np.hypot(30, 5) / 20),
     ],
 )
-def test_what_is_missed_is_reported_in_its_own_unit_and_fails_beyond_the_limit(goal, size, wanted, name, most):
+def test_missed_goal_fails_beyond_its_limit_in_its_own_unit(goal, size, wanted, name, most):
     met = found(goal)
     assert all(check.passed for check in met.met)
     for missed in (0.5 * most, 2 * most, 0.3):

@@ -23,23 +23,6 @@ def names(folder):
     return {path.name for path in folder.iterdir()}
 
 
-def test_some_formats_leave_the_rest_alone_and_all_take_away_what_is_no_more(tmp_path):
-    gk.make(BARS, tmp_path)
-    folder = tmp_path / "four-bar"
-    every, before = names(folder), (folder / "four-bar.svg").read_bytes()
-    solids = {name for name in every if name.endswith(".stl")}
-    assert len(solids) > 3 and {"four-bar.csv", "four-bar.svg", "summary.json"} < every
-    (folder / "mine.stl").write_text("mine")
-    larger = BARS.replace("ground = 100", "ground = 101")
-    made = gk.make(larger, tmp_path, ["csv"])
-    assert {path.name for path in made.files} == {"four-bar.csv", "summary.json"}
-    assert names(folder) == {*every, "mine.stl"} and (folder / "four-bar.svg").read_bytes() == before
-    # All that is asked for, and no more of what an earlier run made.
-    gk.make(BARS, tmp_path)
-    gk.make(BARS.replace(', "stl"', ""), tmp_path)
-    assert names(folder) == {*(every - solids), "mine.stl"}
-
-
 def test_only_those_of_the_asked_for_are_written_or_of_all_where_none_is_named(tmp_path):
     plain = BARS.partition("[files]")[0]
     assert {p.name for p in gk.make(plain, tmp_path, ["page"]).files} == {"four-bar.html", "summary.json"}

@@ -33,7 +33,7 @@ def places():
 
 
 @pytest.mark.parametrize("written", [repr, lambda value: True], ids=["text", "true"])
-def test_a_number_is_no_text_and_no_truth(written):
+def test_texts_and_truth_values_are_not_numbers(written):
     tried = 0
     for table, path, value in places():
         changed = copy.deepcopy(table)

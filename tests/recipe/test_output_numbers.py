@@ -59,11 +59,3 @@ def test_a_slide_dwells_in_mm() -> None:
     with pytest.raises(gk.RecipeError) as caught:
         parse(text.replace("band_mm = 0.5", 'band_deg = 0.5\noutput = "rocker"'))
     assert [problem.key for problem in caught.value.problems] == ["dwell.output"]
-
-
-def test_check_and_make_refuse_the_same_band(tmp_path) -> None:
-    recipe = parse('kind = "elliptic-trammel"\n[dwell]\nband_deg = 0.5\n[linkage]\nrod = 60\nrod_point = [100, 0]')
-    for call in (gk.build.check_recipe, lambda thing: gk.make(thing, tmp_path)):
-        with pytest.raises(gk.RecipeError) as caught:
-            call(recipe)
-        assert [problem.key for problem in caught.value.problems] == ["dwell.band_mm"]

@@ -20,7 +20,7 @@ origin_y = [0, 0]
 SVG = '<svg xmlns="http://www.w3.org/2000/svg"><g><path id="a" d="M 0 0 L 40 0 L 40 30 Z"/><path d="M 1 1"/></g></svg>'
 
 
-def test_it_is_made_and_what_it_found_runs_by_itself(tmp_path):
+def test_goal_is_made_and_its_found_recipe_runs(tmp_path):
     made = gk.make(gk.load(FIVE).with_name("five"), tmp_path)
     folder = tmp_path / "five"
     assert {"five.dxf", "five.csv", "five.svg", "path.stl", "crank.stl", "five.found.toml"} <= {
@@ -78,21 +78,6 @@ def test_invalid_values_are_refused_by_key(tmp_path):
         (tmp_path / "empty.svg").write_text("<svg/>")
         (tmp_path / "a.toml").write_text(f'kind = "path-generator"\nwanted = {{ {wanted} }}\n')
         with pytest.raises(gk.RecipeError, match=message):
-            check_recipe(gk.load(tmp_path / "a.toml"))
-
-
-def test_rows_that_are_no_points_are_refused(tmp_path):
-    for text, message in [
-        ("0,0\n" * 1002, "rows.csv .*1,002"),
-        (f"0,{'0' * 200_000}\n", "rows.csv"),
-        ("x,y\n0,0\n5,-2e9\n", "row 3 of rows.csv .*-2e.09"),
-        ("0,0\n2e9,5\n", "row 2 of rows.csv .*2e.09"),
-        ("0,0\nnan,5\n", "row 2 of rows.csv .*nan"),
-        ("0,0\n1,2,3\n", "row 2 of rows.csv"),
-    ]:
-        (tmp_path / "rows.csv").write_text(text)
-        (tmp_path / "a.toml").write_text('kind = "path-generator"\nwanted = { file = "rows.csv" }\n')
-        with pytest.raises(gk.RecipeError, match=f"wanted.file: {message}"):
             check_recipe(gk.load(tmp_path / "a.toml"))
 
 

@@ -29,7 +29,7 @@ def changed(recipe, **wanted):
 
 
 @pytest.mark.parametrize(("name", "links"), [("pump-stroke", 4), pytest.param("wiper", 5, marks=pytest.mark.campaign)])
-def test_the_gallery_is_made_and_what_was_found_runs_by_itself(tmp_path, name, links):
+def test_gallery_goal_is_made_and_its_found_recipe_runs(tmp_path, name, links):
     goal = gk.load(RECIPES / f"{name}.toml")
     made = gk.make(goal, tmp_path)
     assert all(check.passed for check in made.checks)
@@ -68,7 +68,7 @@ def test_a_branch_defect_is_a_check_that_fails_and_is_reported():
     assert recipe.notes["found"]["defects"] == ["circuit"]
 
 
-def test_what_is_refused_is_reported_by_its_key(tmp_path):
+def test_invalid_goals_are_refused_by_key(tmp_path):
     for recipe, text in [
         (
             changed(SWING, swing_deg=45, crank_turn_deg=100),

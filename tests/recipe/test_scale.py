@@ -1,6 +1,5 @@
 """The key `scale` and `gk.scaled`: every length of a mechanism and of a goal's wishes, and nothing else."""
 
-import dataclasses
 import tomllib
 from pathlib import Path
 
@@ -84,7 +83,7 @@ def lengths_of(thing, path=""):
 PLAIN = (
     "deg", "rpm", "rad", "branch", "choose", "seed", "time_limit", "ratio", "rows", "columns", "chosen", "degree", "decimals",
     "count", "masses.crank", "masses.coupler", "masses.slider", "density", "coefficients", "x_start", "x_end", "points",
-    "intervals", "jerk_limit",
+    "intervals", "jerk_limit", "gravity",
 )  # fmt: skip
 
 
@@ -120,19 +119,6 @@ def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
                 assert after[key] == value, key
 
 
-@pytest.mark.parametrize("name", ["poses-by-slider", pytest.param("square-root-slide", marks=pytest.mark.campaign)])
-def test_a_goal_finds_the_similar_linkage(name):
-    data = gallery(name)
-    one, big = gk.load(data), gk.load(data | {"scale": BIG})
-    for field in dataclasses.fields(one.design.linkage):
-        before, after = (getattr(recipe.design.linkage, field.name) for recipe in (one, big))
-        if isinstance(before, (float, complex)):
-            factor = 1 if field.name.endswith("_deg") else BIG
-            assert after == pytest.approx(factor * before, rel=1e-4, abs=1e-4), field.name
-    written = tomllib.loads(gk.recipe.to_toml(big.design))
-    assert "scale" not in written
-
-
 def test_points_and_lifts_of_files_are_multiplied(tmp_path):
     (tmp_path / "path.csv").write_text("x,y\n0,0\n10,5\n20,0\n15,-8\n")
     wanted = 'kind = "path-generator"\nscale = 3\n[wanted]\nfile = "path.csv"\n'
@@ -157,21 +143,3 @@ def test_points_and_lifts_of_files_are_multiplied(tmp_path):
     table = big.cam.program.segments[1]
     assert table.file is None and table.within == pytest.approx(2 * 0.75e-3)
     assert parse(gk.recipe.to_toml(big)) == big
-
-
-@pytest.mark.parametrize("scale", [0, 1e7, float("nan"), "2"])
-def test_a_scale_that_is_none_is_refused(scale):
-    with pytest.raises(gk.RecipeError) as caught:
-        gk.load({"kind": "four-bar", "linkage": BAR, "scale": scale})
-    (problem,) = caught.value.problems
-    assert problem.key == "scale"
-
-
-def test_what_leaves_its_range_and_what_is_no_linkage_or_cam_is_refused():
-    with pytest.raises(gk.RecipeError) as caught:
-        gk.load({"kind": "four-bar", "linkage": BAR | {"ground": 1e6, "coupler": 1e6}, "scale": 1e5})
-    assert caught.value.problems[0].key == "scale"
-    for thing in (gk.SpurGear(20, 2), gk.FourBar, 3, gk.load(gallery("gear-pair"))):
-        with pytest.raises(gk.DesignError) as refused:
-            gk.scaled(thing, 2)
-        assert refused.value.field == "thing"

@@ -7,7 +7,7 @@ import geomkin as gk
 from geomkin.recipe.settings import Stroke, Turn
 
 
-def test_what_looks_like_radians():
+def test_ranges_that_look_like_radians_fail_a_check():
     for start, end, meant in [
         (0, 6.283, 360),
         (0, 6.28, 360),

@@ -23,15 +23,6 @@ def design_checks(tmp_path):
     return make
 
 
-@pytest.mark.parametrize("speed", [60])
-def test_a_crank_alone_is_balanced_wholly_by_its_own_product(design_checks, speed):
-    crank = "crank = 0.5, crank_centre = [10, 0]"
-    assert design_checks(crank, 5, speed).passed
-    for given in (4.9999, 5.0001, -5):
-        check = design_checks(crank, given, speed)
-        assert not check.passed
-
-
 def test_the_quotient_is_that_of_the_largest_forces(design_checks):
     """Of a slider alone, by its acceleration at the dead centres: r w^2 (1 + r / l) there, r w^2 (1 - r / l) here."""
     check = design_checks("slider = 2", 0)
@@ -40,7 +31,7 @@ def test_the_quotient_is_that_of_the_largest_forces(design_checks):
     assert check.value == pytest.approx(2 * 30 * (1 + 1 / 3) * 1e-3 / best, rel=1e-9)
 
 
-def test_a_table_that_starts_anywhere_tells_the_time_since_and_the_force_of_that_angle():
+def test_table_may_start_at_any_angle():
     def table(start, end):
         masses = {"slider": 2, "crank": 0.5, "crank_centre": [10, 3]}
         drive = {"start_deg": start, "end_deg": end, "step_deg": 30, "speed_rpm": 120}

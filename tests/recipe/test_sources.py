@@ -8,18 +8,12 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.build import check_recipe
 from geomkin.recipe.kinds import KINDS, recipe_class
 from geomkin.recipe.load import adapter
 from tests.texts import template_of
 
 GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write = ["csv"] }\n'
 TABLE = tomllib.loads(GEAR)
-
-
-def contents(folder):
-    """Name -> bytes of all files."""
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 def without_none(told):
@@ -30,7 +24,7 @@ def without_none(told):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, name):
+def test_text_table_file_and_class_give_the_same_recipe(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     text = template_of(name)
     Path("new.toml").write_text(text)
@@ -44,7 +38,7 @@ def test_a_recipe_is_the_same_by_whichever_way_it_came(tmp_path, monkeypatch, na
     assert gk.load(without_none(adapter(type(recipe)).dump_python(recipe, mode="json"))) == recipe
 
 
-def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
+def test_recipe_is_named_after_its_file_its_given_name_or_its_kind(tmp_path):
     (tmp_path / "from-file.toml").write_text(GEAR)
     made = [
         gk.make(tmp_path / "from-file.toml", tmp_path),
@@ -57,15 +51,7 @@ def test_it_is_named_after_its_file_what_it_is_called_or_its_kind(tmp_path):
     assert all((tmp_path / m.name / f"{m.name}.csv") in m.files and m.checks for m in made)
 
 
-def test_another_recipe_of_the_same_name_replaces_the_first_ones_files(tmp_path):
-    bars = gk.linkage.FourBarRecipe(linkage=gk.FourBar(100, 30, 90, 70)).with_name("same")
-    gk.make(bars, tmp_path)
-    (tmp_path / "same" / "mine.txt").write_text("kept")
-    gk.make(gk.load(GEAR).with_name("same"), tmp_path)
-    assert sorted(contents(tmp_path / "same")) == ["mine.txt", "same.csv", "summary.json"]
-
-
-def test_what_is_known_of_a_recipe_is_worked_out_once_and_stays_when_it_is_renamed():
+def test_properties_are_computed_once_and_kept_when_renamed():
     recipe = gk.load(GEAR)
     for what in ("design", "table", "parts", "checks"):
         first = getattr(recipe, what)
@@ -89,7 +75,7 @@ def test_files_that_a_text_or_a_table_names_lie_in_the_working_folder(tmp_path, 
     assert gk.load(text) == gk.load(tomllib.loads(text))
 
 
-def test_what_a_table_cannot_hold_is_reported_by_its_key():
+def test_invalid_values_of_a_table_are_reported_by_key():
     for table, key in [
         ({}, "kind"),
         ({"kind": ["spur-gear"]}, "kind"),
@@ -105,61 +91,3 @@ def test_what_a_table_cannot_hold_is_reported_by_its_key():
         with pytest.raises(gk.RecipeError) as caught:
             gk.load(table)
         assert [p.key for p in caught.value.problems] == [key] and str(caught.value).isprintable()
-
-
-NEITHER = [
-    None,
-    3,
-    2.5,
-    True,
-    b"kind = 3\n",
-    ["a.toml"],
-    object(),
-    gk.FourBar,
-    gk.SpurGear(24, 2),
-    gk.gear.SpurGearRecipe,
-]
-
-
-def test_invalid_recipe_is_refused_by_name(tmp_path):
-    for wrong in NEITHER:
-        with pytest.raises(gk.DesignError, match="^source:"):
-            gk.load(wrong)
-        for verb, more in ((gk.make, {"out": tmp_path}), (check_recipe, {})):
-            with pytest.raises(gk.DesignError, match="^recipe:"):
-                verb(wrong, **more)
-        assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("path", ["absent.toml", "", ".", "a\0b", "x" * 5000, Path("absent\x1b.toml")])
-def test_a_file_that_cannot_be_read_is_reported(tmp_path, monkeypatch, path):
-    monkeypatch.chdir(tmp_path)
-    for verb in (gk.load, gk.make, check_recipe):
-        with pytest.raises(gk.FileError) as caught:
-            verb(path)
-        assert str(caught.value).isprintable()
-
-
-def test_only_is_a_row_of_formats(tmp_path):
-    for only in ["csv", ["pdf"], ["csv", "pdf"], [3], {"csv": 1}, 3, [["csv"]], ["CSV"]]:
-        with pytest.raises(gk.DesignError, match="^only:"):
-            gk.make(GEAR, tmp_path, only)
-        assert not list(tmp_path.iterdir())
-
-
-def test_a_name_that_makes_no_plain_files_is_refused(tmp_path):
-    for name in ["..", "a/b", "con", " a", "\ud800", "x" * 300, "a\nb", "/etc/passwd"]:
-        recipe = gk.load(GEAR).with_name(name)
-        for verb, more in ((gk.make, {"out": tmp_path}), (check_recipe, {})):
-            with pytest.raises(gk.RecipeError, match="its name") as caught:
-                verb(recipe, **more)
-            assert str(caught.value).isprintable()
-        assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("place", ["taken", "taken/deeper", "no\0file"])
-def test_a_place_that_takes_no_files_is_reported(tmp_path, place):
-    (tmp_path / "taken").write_text("in the way")
-    with pytest.raises(gk.FileError):
-        gk.make(GEAR, tmp_path / place)
-    assert (tmp_path / "taken").read_text() == "in the way"

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.build import check_recipe
 from geomkin.core.fields import check_sizes, entry, quantity
 from geomkin.export import WRITERS, Job, Writer
 from geomkin.model.scene import Scene, SceneBody
@@ -127,24 +126,6 @@ def toys(monkeypatch):
     ASKED.clear()
 
 
-def test_a_kind_from_outside_is_read_checked_and_made(tmp_path):
-    text = 'kind = "washer"\nwasher = { radius = 20 }\n'
-    recipe = gk.load(text)
-    assert recipe == WasherRecipe(washer=Washer(20)) == gk.load({"kind": "washer", "washer": {"radius": 20}})
-    made = gk.make(recipe, tmp_path)
-    assert {p.name for p in made.files} == {
-        *(f"washer.{ending}" for ending in ("dxf", "stl", "svg", "csv", "html")),
-        "washer-assembly.svg",
-        "washer-bom.csv",
-        "summary.json",
-    }
-    assert [c.name for c in made.checks] == ["washer's radius", "thinnest wall of the washer"]
-    with pytest.raises(gk.RecipeError, match="recipe:"):
-        gk.load(text.replace("20", "20, hole = 50"))
-    with pytest.raises(gk.RecipeError, match="recipe:"):
-        gk.load(text.replace("20", "20, radios = 50"))
-
-
 @pytest.mark.parametrize(
     ("write", "only", "asked"),
     [
@@ -162,18 +143,7 @@ def test_nothing_is_worked_out_that_no_format_asks_for(tmp_path, write, only, as
     assert sorted(ASKED) == sorted(asked)
 
 
-def test_a_scene_is_a_property_that_a_format_may_need(tmp_path):
-    recipe = WasherRecipe(washer=Washer(20), files=Files(write=("show",)))
-    gk.make(recipe, tmp_path)
-    assert json.loads((tmp_path / "washer" / "washer.show").read_text()) == {"bodies": ["washer"], "frames": 5}
-    assert gk.write(recipe, tmp_path / "a.show")
-    still = StillRecipe(washer=Washer(20), files=Files(write=("show",)))
-    for verb in (gk.make, check_recipe):
-        with pytest.raises(gk.RecipeError, match="still:"):
-            verb(still)
-
-
-def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):
+def test_goal_passes_on_the_properties_of_its_found_recipe(tmp_path):
     goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n')
     found = goal.design
     assert found.table is goal.table and found.parts is goal.parts and found.scene is goal.scene
@@ -189,22 +159,3 @@ def test_a_goal_finds_a_recipe_and_hands_on_what_is_known_of_it(tmp_path):
     assert {"rocker-swing.csv", "crank.stl"} <= {p.name for p in made.files}
     assert parse(template_of("rocker-swing")) == goal
     assert repr(goal).startswith("RockerSwingRecipe(") and "swing_deg=40" in repr(goal)
-
-
-def test_the_recipe_that_a_goal_found_is_written_and_runs_by_itself(tmp_path):
-    goal = gk.load('kind = "rocker-swing"\nswing_deg = 40\n').with_name("swing")
-    made = gk.make(goal, tmp_path)
-    found = tmp_path / "swing" / "swing.found.toml"
-    assert (
-        found in made.files
-        and "swing.found.toml" in json.loads((tmp_path / "swing" / "summary.json").read_text())["files"]
-    )
-    # Every digit: the recipe that is read is the one that was found.
-    assert gk.load(found) == goal.design
-    again = gk.make(found, tmp_path)
-    assert {c.name for c in again.checks} < {c.name for c in made.checks}
-    for file in (tmp_path / "swing").glob("*.stl"):
-        assert file.read_bytes() == (tmp_path / "swing.found" / file.name).read_bytes()
-    # Made again as no goal, it is gone.
-    gk.make(goal.design.with_name("swing"), tmp_path)
-    assert not found.exists()

@@ -159,12 +159,11 @@ PURE = """
 import sys
 from pathlib import Path
 from geomkin.studio.edit import answer
-text = Path("recipes/{0}.toml").read_text()
-files = {{path.name: path.read_text() for path in Path("recipes").glob("*.csv")}}
+text, files = Path("recipes/table-cam.toml").read_text(), {"table-cam-lift.csv": Path("recipes/table-cam-lift.csv").read_text()}
+bar = Path("recipes/crank-rocker.toml").read_text()
+drag = {"drag": {"handle": "point:crank_pin", "to": [31, 7], "frame": 3}}
 def work():
-    first = answer(text, files, {{}})
-    drags = [{{"drag": {{"handle": h["id"], "to": [31, 7], "frame": 3}}}} for h in first["handles"]]
-    return [answer(text, files, request) for request in (*drags[:2], {{"lane": "checks"}}, {{"set": {{"files.kerf": 0.1}}}})]
+    return answer(text, files, {"set": {"files.kerf": 0.1}, "lane": "checks"}), answer(bar, {}, drag)
 before = work()
 events = []
 sys.addaudithook(lambda name, args: events.append(name))
@@ -173,9 +172,8 @@ print(*sorted(set(events)))
 """
 
 
-@pytest.mark.parametrize("recipe", ["crank-rocker", "table-cam"])
-def test_it_opens_no_file_socket_or_thread(recipe):
-    run = subprocess.run([sys.executable, "-c", PURE.format(recipe)], capture_output=True, text=True, check=True)
+def test_it_opens_no_file_socket_or_thread():
+    run = subprocess.run([sys.executable, "-c", PURE], capture_output=True, text=True, check=True)
     forbidden = ("open", "os.", "socket.", "_thread", "subprocess", "import", "shutil", "tempfile")
     assert not [event for event in run.stdout.split() if event.startswith(forbidden)]
 

@@ -90,16 +90,6 @@ def test_a_linkage_goes_its_full_turn_or_as_far_as_its_sides_allow():
     assert drive[[0, -1]] == pytest.approx([60 - reach, 60 + reach], abs=0.005 * reach)
 
 
-def test_a_motion_is_shown_as_it_is():
-    motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(1, 2, 7), -1)
-    data, drive = scene_of(motion)
-    assert drive == pytest.approx(np.degrees(motion.drive), abs=1e-3) and data["frames"] == 7
-    assert scene_of(gk.move(gk.FourBar(100, 30, 90, 70), [0.5]))[0]["frames"] == 1
-    # Where it cannot be put together the page says so.
-    data, _ = scene_of(gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(0, np.pi, 9)))
-    assert data["scenes"][0]["open"]
-
-
 @pytest.mark.parametrize(
     ("thing", "bodies"),
     [
@@ -138,23 +128,6 @@ def test_a_point_runs_along_a_curve():
     assert not scene_of(gk.plane.Segment(0j, 1j))[0]["cyclic"]
 
 
-def test_a_thing_without_a_picture_is_refused():
-    for thing in [
-        3,
-        (),
-        [3],
-        gk.FourBar,
-        gk.FourBar(100, np.linspace(20, 40, 3), 90, 70),
-        gk.move(gk.FourBar(100, 30, 90, 70), []),
-        FREE,
-        gk.Part("a", gk.plane.Polyline(np.array([0, 10 + 10j, 10, 10j])), (), 3.0),
-    ]:
-        with pytest.raises(gk.DesignError):
-            gk.show(thing)
-        with pytest.raises(gk.FileError):
-            gk.show("no such file")
-
-
 @pytest.mark.parametrize(
     ("thing", "filled", "size"),
     [
@@ -164,7 +137,7 @@ def test_a_thing_without_a_picture_is_refused():
     ],
     ids=repr,
 )  # fmt: skip
-def test_what_stands_still_is_a_picture_that_it_fills(thing, filled, size):
+def test_still_things_are_shown_as_pictures(thing, filled, size):
     svg = ElementTree.fromstring(thing._repr_svg_())
     _, _, wide, high = map(float, svg.get("viewBox").split())
     assert (wide / high, high) == pytest.approx((1.5, size * 240 / 236), rel=0.01)

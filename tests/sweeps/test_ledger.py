@@ -24,14 +24,6 @@ def kept(tmp_path):
     return path
 
 
-def test_rows_stand_line_by_line_under_the_title(kept):
-    lines = kept.read_text().split("\n")
-    told = [{"key": key, "row": row} for key, row in ROWS.items()]
-    assert lines.pop() == "" and [json.loads(line) for line in lines] == [TITLE, *told]
-    again = Ledger(kept, TITLE, is_row)
-    assert again.known == ROWS and not again.anew
-
-
 def test_a_larger_file_than_any_sweep_s_is_left_as_it_is(kept, monkeypatch):
     size = kept.stat().st_size
     monkeypatch.setattr(ledger, "LARGEST", size)
@@ -56,11 +48,6 @@ def test_with_a_damaged_line_it_begins_anew(kept, line):
     assert again.known == {} and not again.anew
 
 
-def test_of_two_rows_of_one_key_the_later_counts(kept):
-    Ledger(kept, TITLE, is_row).add({"x": {"b": 2}})
-    assert Ledger(kept, TITLE, is_row).known == ROWS | {"x": {"b": 2}}
-
-
 @pytest.mark.parametrize("half", ["{", '{"key": "z", "row": {"b": 3}}', "\xff\xfe"])
 def test_a_line_without_an_end_is_taken_away(kept, half):
     """Even a whole one: whether it is, nobody knows."""
@@ -81,7 +68,7 @@ def test_rows_of_something_else_are_begun_anew_and_a_file_without_a_title_is_jus
     assert Ledger(kept, TITLE, is_row).known == ROWS and kept.read_text().startswith(json.dumps(TITLE) + "\n")
 
 
-def test_what_is_no_plain_file_is_not_touched(kept):
+def test_special_files_are_left_alone(kept):
     other = kept.with_name("other")
     kept.rename(other)
     for made in (lambda: kept.symlink_to(other), lambda: kept.symlink_to(kept.with_name("gone")), kept.mkdir):

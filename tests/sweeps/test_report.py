@@ -1,7 +1,5 @@
 """A sweep's table and page, from rows made by hand: what is a number, a text, a line, a limit, and how much is shown."""
 
-import itertools
-import json
 import math
 
 import numpy as np
@@ -9,25 +7,12 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.processes import each
-from geomkin.model.check import Check
 from geomkin.sweeps import row as of_one
 from geomkin.sweeps import sweep as sweeping
-from geomkin.sweeps.report import columns, report
+from geomkin.sweeps.report import columns
 from geomkin.sweeps.row import Task, file_marks, worked_out
 from geomkin.sweeps.sweep import SweepRow
-from tests.sweeps.test_sweep import BAR, Texts
-
-
-def rows_of(values, checks=lambda changes: (), results=lambda changes: {}, refused=lambda changes: ""):
-    """A row for each combination, the last key's values running fastest."""
-    every = [dict(zip(values, row)) for row in itertools.product(*values.values())]
-    return [SweepRow(one, refused(one), tuple(checks(one)), results(one)) for one in every]
-
-
-def page_of(values, rows):
-    page = report("name", values, rows).decode()
-    found = Texts(page)
-    return page, found, json.loads(found.data)
+from tests.sweeps.test_sweep import BAR
 
 
 def test_numbers_stay_numbers_and_all_else_is_text():
@@ -45,21 +30,6 @@ def test_numbers_stay_numbers_and_all_else_is_text():
     assert {column.values.dtype.kind for column in made if column.id in ("whole", "key")} == {"i"}
 
 
-def test_names_on_plots_are_harmless():
-    values = {"a.k": ["p\x1b", "q"], "x": [1, 2]}
-    rows = rows_of(
-        values,
-        lambda one: [Check("ch_u202eeck", "ch\u202eeck", 1.0, "at most", 2.0, "m\x07m")],
-        lambda one: {"to\x1bld": 1},
-    )
-    page, _, data = page_of(values, rows)
-    assert [plot["title"] for plot in data["plots"]] == ["Ch?eck", "To?ld"]
-    assert [column["name"] for column in data["columns"][1:3]] == ["k p?", "k q"] and data["columns"][1][
-        "unit"
-    ] == "m?m"
-    assert all(sign not in page for sign in "\x1b\u202e\x07")
-
-
 @pytest.fixture
 def task(tmp_path):
     """task(*names): of a four-bar, with these results."""
@@ -68,7 +38,7 @@ def task(tmp_path):
     return lambda *names: Task(data, "bar\n.toml", str(tmp_path), names)
 
 
-def test_what_is_reported_is_what_the_table_and_the_notes_have(task):
+def test_reported_results_are_those_of_table_and_notes(task):
     names = ["transmission_angle_deg:least", "transmission_angle_deg:largest", "rocker_angle_deg:last", "nothing:least",
              "grashof_type", "nothing", "versions.nothing"]  # fmt: skip
     sizes = {"linkage.crank": 80, "linkage.coupler": 60, "linkage.rocker": 50, "drive.end_deg": 180}
@@ -94,7 +64,7 @@ def test_what_is_reported_is_what_the_table_and_the_notes_have(task):
     ],
     ids=repr,
 )
-def test_what_one_combination_does_ends_no_other(task, monkeypatch, fault, words):
+def test_failing_combination_stops_no_other(task, monkeypatch, fault, words):
     real = Task.opened
 
     def opened(self, changes):

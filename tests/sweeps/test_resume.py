@@ -42,17 +42,6 @@ def test_a_sweep_is_called_as_its_recipe_is(here, source, name):
     assert gk.sweep(source(), ONE, (), "made").kept == 1 and gk.sweep(source(), ONE).files == {}
 
 
-def test_a_recipe_whose_tables_stand_in_another_order_is_the_same(here):
-    gk.sweep(TABLE, ONE, (), "made")
-    turned = {"drive": {"step_deg": 90}, "linkage": dict(reversed(SIZES.items())), "kind": "four-bar"}
-    again = gk.sweep(turned, ONE, (), "made")
-    assert (again.kept, again.anew) == (1, False)
-    other = gk.sweep(TABLE | {"drive": {"step_deg": 45}}, ONE, (), "made")
-    assert (other.kept, other.anew) == (0, True)
-    # A name that is given twice counts once.
-    assert gk.sweep(TABLE, ONE, ["grashof_type", "grashof_type"]).rows[0].results == {"grashof_type": "crank-rocker"}
-
-
 class Failing(Executor):
     """Works its first job at once, fails at the second, and leaves later ones undone."""
 
@@ -71,7 +60,7 @@ class Failing(Executor):
         return future
 
 
-def test_what_was_found_is_handed_on_before_what_went_wrong_and_what_waits_is_called_off(here, monkeypatch):
+def test_results_are_kept_and_waiting_work_is_cancelled_on_failure(here, monkeypatch):
     monkeypatch.setattr(sweeping, "AHEAD", 4)
     failing = Failing()
     # Of the first four jobs one works, the second fails, the others wait without end.
@@ -82,29 +71,13 @@ def test_what_was_found_is_handed_on_before_what_went_wrong_and_what_waits_is_ca
     assert gk.sweep(TABLE, {"linkage.crank": [10, 11, 12, 13]}, (), "made").kept == 4
 
 
-def test_a_refusal_of_ours_in_an_executor_stays_what_it_is(here):
+def test_refusal_keeps_its_type_through_an_executor(here):
     class Refusing(Executor):
         def submit(self, *_):
             raise gk.DesignError("crank", "found 1", "give 2")
 
     with pytest.raises(gk.DesignError, match="^crank:"):
         gk.sweep(TABLE, ONE, (), None, Refusing())
-
-
-@pytest.mark.parametrize(
-    "source",
-    [
-        lambda: gk.load(BAR).with_name("con"),
-        lambda: {"kind": "con"},
-        lambda: 'kind = "a/b"\n',
-        lambda: "in/aux.toml",
-    ],
-)
-def test_what_cannot_name_files_is_refused_under_what_it_came_from(here, source):
-    (here / "in/aux.toml").write_text(BAR)
-    with pytest.raises(gk.RecipeError) as refusal:
-        gk.sweep(source(), ONE)
-    assert [(problem.key, problem.id) for problem in refusal.value.problems] == [("", "out-of-range")]
 
 
 def test_a_slip_in_one_of_several_keys_is_reported_at_once_and_the_recipe_s_own_in_its_rows(here):

@@ -16,7 +16,6 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.sweeps import sweep as sweeping
-from geomkin.sweeps.row import MOST, combinations, listed
 
 BAR = """kind = "four-bar"
 [linkage]
@@ -52,7 +51,7 @@ def bytes_of(sweep):
     return {path.name: path.read_bytes() for path in sweep.files}
 
 
-def test_rows_are_what_recipes_made_one_by_one_are(file, tmp_path):
+def test_rows_equal_recipes_made_one_by_one(file, tmp_path):
     sweep = swept(file, tmp_path)
     rows = rows_of(bytes_of(sweep)["bar.sweep.csv"])
     assert len(rows) == len(CRANKS) * len(ROCKERS)
@@ -151,7 +150,7 @@ def stopped(file, tmp_path):
 
 
 @pytest.mark.parametrize("half", ["", '{"key": "[{\\"linkage'])
-def test_what_was_stopped_goes_on_where_it_was(file, tmp_path, stopped, half, monkeypatch):
+def test_stopped_sweep_resumes(file, tmp_path, stopped, half, monkeypatch):
     kept = stopped / "bar/bar.sweep.jsonl"
     with kept.open("a") as lines:
         lines.write(half)
@@ -172,7 +171,7 @@ WORKED = sweeping.worked_out
 @pytest.mark.parametrize(
     "change", ["recipe", "file", *(pytest.param(one, marks=pytest.mark.campaign) for one in ("version", "results"))]
 )
-def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
+def test_changed_sweep_starts_again(tmp_path, change, monkeypatch):
     (tmp_path / "lift.csv").write_text(
         "cam_angle_deg,lift_mm\n" + "".join(f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10))
     )
@@ -195,24 +194,6 @@ def test_what_has_changed_is_begun_anew(tmp_path, change, monkeypatch):
     elif change == "file":
         (tmp_path / "lift.csv").write_text((tmp_path / "lift.csv").read_text().replace("\n180,20.000", "\n180,20.001"))
     assert run(["lift_mm:largest"] if change == "results" else ()) == (0, True)
-
-
-def test_a_refusal_names_what_works():
-    with pytest.raises(gk.DesignError, match="give a step of at least (.*)$") as refusal:
-        listed("key", "0:7:1e-6")
-    step = str(refusal.value).rpartition(" ")[2]
-    assert 0.9 * MOST < len(listed("key", f"0:7:{step}")) <= MOST
-    rows = {"a": listed("a", "1:500:1"), "b": listed("b", "1:30:1")}
-    with pytest.raises(gk.DesignError, match="333"):
-        combinations(rows)
-    assert len(list(combinations(rows | {"a": rows["a"][:333]}))) == 9990
-    assert len(list(combinations({"a": range(MOST // 4), "b": range(4)}))) == MOST
-
-
-def test_a_text_that_is_no_key_is_refused():
-    for key in ("", "gear..teeth", "../teeth", "gear.", "a[-1]", "a[9999999]", "__class__", 3, "a\nb"):
-        with pytest.raises(gk.DesignError, match="values"):
-            listed(key, [1])
 
 
 def test_invalid_options_are_refused_before_any_work(file, tmp_path):
@@ -257,22 +238,6 @@ class Texts(HTMLParser):
         self.within = None
 
 
-@pytest.mark.parametrize("kind", ["../../evil", ".hidden", "x" * 300])
-def test_a_name_leads_nowhere_else(tmp_path, kind):
-    with pytest.raises(gk.GeomkinError):
-        gk.sweep({"kind": kind}, {"linkage.crank": [1]}, [], tmp_path / "out")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_no_other_file_is_written_over(file, tmp_path):
-    (tmp_path / "bar").mkdir()
-    (tmp_path / "mine").write_text("mine")
-    (tmp_path / "bar/bar.sweep.jsonl").symlink_to(tmp_path / "mine")
-    with pytest.raises(gk.FileError):
-        swept(file, tmp_path)
-    assert (tmp_path / "mine").read_text() == "mine"
-
-
 def test_the_command_sweeps_resumes_and_says_so(file, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
@@ -299,11 +264,3 @@ def test_the_command_sweeps_resumes_and_says_so(file, tmp_path, monkeypatch):
     ):
         code, _, told = run(*arguments)
         assert code == status and told
-
-
-def test_what_is_made_of_a_recipe_leaves_its_sweep_alone(file, tmp_path):
-    sweep = swept(file, tmp_path, values={"linkage.crank": [20, 30]})
-    before = bytes_of(sweep)
-    gk.make(file, tmp_path, ["csv"])
-    gk.make(file, tmp_path)
-    assert bytes_of(sweep) == before

@@ -39,16 +39,6 @@ def test_invalid_values_are_refused():
         assert words in str(refusal.value)
 
 
-def test_as_many_values_as_there_may_be():
-    assert len(listed("key", f"1:{MOST}:1")) == len(listed("key", ["x", *range(MOST - 1)])) == MOST
-    assert len(listed("key", [list(range(MOST))])[0]) == MOST
-
-
-def test_keys_may_have_letters_digits_and_numbers_of_rows():
-    for key in ("a", "a b-c", "größe", "a[0]", "a[0][12].b", "a.b.c[999999]", "2a"):
-        assert listed(key, [1]) == (1,)
-
-
 @pytest.mark.parametrize("counts", [(2, 7000, 3), (10, 10, 10, 11)])
 def test_of_too_many_combinations_as_many_as_it_says_can_be_had(counts):
     values = {f"k{k}": tuple(range(count)) for k, count in enumerate(counts)}
@@ -61,12 +51,6 @@ def test_of_too_many_combinations_as_many_as_it_says_can_be_had(counts):
     one_more = values | {name: values[name][: len(fewer[name]) + 1]}
     with pytest.raises(gk.DesignError):
         combinations(one_more)
-
-
-def test_the_last_key_runs_fastest():
-    assert list(combinations({"a": (1, 2), "b": "xy"})) == [
-        {"a": 1, "b": "x"}, {"a": 1, "b": "y"}, {"a": 2, "b": "x"}, {"a": 2, "b": "y"},
-    ]  # fmt: skip
 
 
 def test_values_are_put_where_keys_lead_and_nowhere_else():

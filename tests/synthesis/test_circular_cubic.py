@@ -104,7 +104,7 @@ def test_rates_are_those_of_the_places(terms):
     assert seen > 20
 
 
-def test_the_place_at_which_a_loop_has_a_direction_is_told():
+def test_point_of_a_loop_with_a_given_direction_is_found():
     seen = set()
     for terms in CUBICS:
         cubic, _, loops = traced(terms, 3)

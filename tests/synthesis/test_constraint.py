@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from geomkin.synthesis.guidance.constraint import (
-    SIDE,
     Pairs,
     common_points,
     joined,
@@ -33,7 +32,7 @@ def of_pins(w, pivot, pin, rest):
     return coefficients(w, 2 * w * pin, -2 * w * pivot, -2 * w * np.conj(pivot) * pin, rest)
 
 
-def test_the_coefficients_of_a_pin_tell_the_square_of_its_distance():
+def test_coefficients_of_a_pin_give_its_squared_distance():
     rng = np.random.default_rng(1)
     z, u, pivot, pin = places(rng, 50), turns(rng, 50), places(rng, 7), places(rng, 7)
     w = rng.uniform(-3, 3, 7)
@@ -42,17 +41,7 @@ def test_the_coefficients_of_a_pin_tell_the_square_of_its_distance():
     assert told == pytest.approx(w * np.abs(z[:, None] + u[:, None] * pin - pivot) ** 2, abs=1e-12)
 
 
-def test_the_two_side_conditions_are_those_of_the_coefficients():
-    rng = np.random.default_rng(2)
-    w, d, (a, b, c) = rng.normal(size=40), rng.normal(size=40), places(rng, 3, 40)
-    told = coefficients(w, a, b, c, d)
-    values = np.einsum("ni,kij,nj->kn", told, SIDE, told)
-    wanted = 2 * w * c - a * np.conj(b)
-    assert values[0] + 1j * values[1] == pytest.approx(wanted, abs=1e-12)
-    assert (SIDE == SIDE.swapaxes(1, 2)).all()
-
-
-def test_coefficients_are_told_as_the_dyads_that_they_are():
+def test_coefficients_are_converted_to_their_dyads():
     rng = np.random.default_rng(3)
     w, pivot, pin, rest = rng.uniform(0.1, 3, 30), places(rng, 30), places(rng, 30), rng.normal(size=30)
     found, good = pairs_of(of_pins(w, pivot, pin, rest))
@@ -93,7 +82,7 @@ def test_dyads_of_slides_hold_the_poses_that_their_coefficients_are_met_by():
             assert found.fixed[0] == pytest.approx(pivot) and abs((found.moving[0] / way).imag) < 1e-12
 
 
-def test_what_a_dyad_misses_is_half_of_what_its_distance_varies_by():
+def test_error_of_a_dyad_is_half_the_variation_of_its_distance():
     rng = np.random.default_rng(5)
     z, u = 50 * places(rng, 6) + 300, turns(rng, 6)
     fixed, moving = 50 * places(rng, 12) + 300, 50 * places(rng, 12)
@@ -120,7 +109,7 @@ def test_what_a_dyad_misses_is_half_of_what_its_distance_varies_by():
 
 
 @pytest.mark.parametrize("size", [1e-6])
-def test_poses_leave_open_what_they_do_not_tell(size):
+def test_few_poses_leave_free_dimensions(size):
     rng = np.random.default_rng(6)
     z, u = size * places(rng, 8), turns(rng, 8)
     for count in range(1, 9):
@@ -131,20 +120,6 @@ def test_poses_leave_open_what_they_do_not_tell(size):
     assert middle[0] + extent[0] * scaled == pytest.approx(z + 7 * size)
     assert np.abs(scaled).max() == pytest.approx(1) and abs(scaled.mean()) < 1e-12
     assert normalised(np.full(3, 5 + 1j))[2].tolist() == [1.0]
-
-
-def test_circles_that_do_not_meet_have_no_points_and_those_that_do_have_two():
-    def circle(x, y, radius):
-        return np.array([[1.0, 0, -x], [0, 1.0, -y], [-x, -y, x * x + y * y - radius**2]])
-
-    for x, meets in ((1.5, True), (3.5, False), (0.5, False)):
-        radius = 1.0 if x > 1 else 2.0
-        points, there = common_points(np.array([[circle(0, 0, 1), circle(x, 0.2, radius)]]))
-        apart = np.hypot(x, 0.2)
-        assert (abs(1 - radius) < apart < 1 + radius) == meets and there.sum() == 2 * meets
-        for point in points[there]:
-            at = point[:2] / point[2]
-            assert np.hypot(*at) == pytest.approx(1) and np.hypot(at[0] - x, at[1] - 0.2) == pytest.approx(radius)
 
 
 def pairs(rng, count, apart):

@@ -157,7 +157,7 @@ def test_the_rule_agrees_in_every_one_of_many_cases(kind):
 
 
 @pytest.mark.parametrize("lengths", [(100, 30, 120, 50 + 1e-4), (100, 30, 60, 70 + 1e-4)], ids=["folded", "stretched"])
-def test_how_near_a_border_is_is_told_of_either_limit(lengths):
+def test_distance_to_either_limit_is_reported(lengths):
     """A ten-thousandth of a millimetre from a change point, folded or stretched, and far from the other one."""
     ground, crank, coupler, rocker = lengths
     motion = gk.move(gk.FourBar(*lengths), np.radians([40.0, 60, 80]))
@@ -175,7 +175,7 @@ def test_how_near_a_border_is_is_told_of_either_limit(lengths):
         ((30, 42 + 1e-4, 12), "crank"),
     ],
 )
-def test_how_near_a_border_is_is_told_of_slides_too(lengths, driver):
+def test_distance_to_the_limit_of_a_slide_is_reported(lengths, driver):
     """A ten-thousandth of a millimetre from where the ways of a slider, or of a crank, meet."""
     crank, coupler, offset = lengths
     known = gk.SliderCrank(crank, coupler, offset)

@@ -65,7 +65,7 @@ def test_circles_through_three_points_and_nearest_to_more(size):
         assert (squares(found + step) > squares(found)).all()
 
 
-def test_lines_are_told_by_their_direction_and_what_fits_many_circles_by_none():
+def test_lines_have_a_direction_and_coincident_points_have_none():
     rng = np.random.default_rng(4)
     way = np.exp(1j * rng.uniform(-3, 3, 10))
     for count in (3, 5):

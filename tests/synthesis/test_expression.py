@@ -47,7 +47,7 @@ def test_powers_of_powers_are_worked_out_at_once_in_floating_point():
     assert Expression("(((" * 60 + "x" + ")))" * 60)(2.0) == 2
 
 
-def test_a_long_text_and_what_is_no_text_are_refused():
+def test_long_expressions_and_other_types_are_refused():
     with pytest.raises(gk.DesignError):
         Expression("x+" * 300 + "x")
     with pytest.raises(gk.DesignError):

@@ -90,7 +90,7 @@ def test_the_best_known_linkages_are_found(function, span, swings, aim):
 @pytest.mark.parametrize(
     ("function", "span", "swings", "starts", "three_points", "minimax"),
     [
-        ("log10(x)", (1, 2), (60, 90), (45, 0), 2.364, 0.642),
+        pytest.param("log10(x)", (1, 2), (60, 90), (45, 0), 2.364, 0.642, marks=pytest.mark.campaign),
         ("x**1.5", (1, 3), (90, 90), (210, 240), 0.581, 0.320),
     ],
 )
@@ -122,6 +122,7 @@ def test_others_are_found_as_well_with_whatever_signs(function, span, swings):
     proven(slides)
 
 
+@pytest.mark.campaign
 def test_a_mirrored_wish_has_the_mirrored_linkage():
     one = gk.function_generator("exp(x)", (0, 1), 60, 90)
     other = gk.function_generator("exp(x)", (0, 1), -60, -90)
@@ -167,22 +168,17 @@ def test_precision_points_are_met():
     """Three by Freudenstein's equation for given starts, four and five by what is left free."""
     x = chebyshev_points((1, 3), 3)
     assert x == pytest.approx([1.134, 2, 2.866], abs=5e-4)
-    worst = []
-    for points in (3, 5):
-        found = gk.function_generator("x**1.5", (1, 3), 90, 90, method="points", points=points)
-        held(found)
-        assert np.abs(found.error(chebyshev_points((1, 3), points))).max() < 1e-7
-        worst.append(found.largest_error_deg)
-    # None is better than the minimax.
-    assert 0.01013 < min(worst) and max(worst) < 0.02
+    found = gk.function_generator("x**1.5", (1, 3), 90, 90, method="points", points=5)
+    held(found)
+    assert np.abs(found.error(chebyshev_points((1, 3), 5))).max() < 1e-7
+    # It is not better than the minimax.
+    assert 0.01013 < found.largest_error_deg < 0.02
     given = gk.function_generator("x**1.5", (1, 3), 90, 90, 170, -150, method="points", points=[1.2, 2, 2.9])
     assert np.abs(given.error([1.2, 2, 2.9])).max() < 1e-7 and given.starts_deg == (170, -150)
     # By hand: three equations, linear in the ratios.
     phi, psi = given.input_at([1.2, 2, 2.9]), np.radians(given.wanted_at([1.2, 2, 2.9]))
     k = np.linalg.solve(np.stack([np.cos(psi), -np.cos(phi), np.ones(3)], axis=1), np.cos(phi - psi))
     assert [100 / given.linkage.crank, 100 / given.linkage.rocker] == pytest.approx(k[:2], rel=1e-8)
-    slides = slider_function_generator("x**1.5", (1, 3), 90, 40, method="points", points=5)
-    assert held(slides) < 0.02 and np.abs(slides.error(chebyshev_points((1, 3), 5))).max() < 1e-7
 
 
 @pytest.mark.campaign
@@ -271,27 +267,6 @@ def test_invalid_requests_are_refused(wrong, field):
     with pytest.raises(gk.DesignError) as refusal:
         gk.function_generator(**WISH | wrong)
     assert refusal.value.field.startswith(field) and refusal.value.remedy
-
-
-@pytest.mark.campaign
-def test_what_a_refusal_advises_works():
-    asked = {"method": "points", "points": 4, "input_start_deg": 100}
-    with pytest.raises(gk.DesignError) as refusal:
-        gk.function_generator(**WISH, **asked)
-    most = float(refusal.value.remedy.split("give at most ")[1].split(",")[0])
-    held(gk.function_generator(**WISH, **asked, least_transmission_angle_deg=most), most)
-
-
-def test_a_callable_is_taken_by_the_array_or_by_the_number():
-    calls = []
-
-    def single(x):
-        calls.append(x)
-        return math.log10(x)
-
-    one, other = gk.function_generator(single, (1, 2)), logarithm(method="minimax")
-    assert one.largest_error_deg == pytest.approx(other.largest_error_deg, rel=1e-6)
-    assert one.linkage.crank == pytest.approx(other.linkage.crank, rel=1e-8) and sum(map(np.ndim, calls)) <= 2
 
 
 def test_linear_programmes_are_solved():

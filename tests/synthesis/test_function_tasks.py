@@ -9,7 +9,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis.function.generators import FourBarGenerator, SliderGenerator
-from geomkin.synthesis.function.minimax import certified
 
 S = np.linspace(0, 1, 41)
 
@@ -83,23 +82,7 @@ def test_limits_are_kept_where_the_motion_keeps_them(task, way):
 
 
 @tasks
-def test_starts_lie_within_the_limits_and_their_largest_errors_are_alike(task):
-    p = task.spread(500)
-    assert (task.bounds(p)[0] <= 1e-9).all() and (np.diff([(p[:, 5] == side).sum() for side in (1, -1)]) < len(p)).all()
-    centred = task.centred(p, S)
-    error = task.error(centred, S[None])
-    error = np.unwrap(error, axis=1) if isinstance(task, FourBarGenerator) else error
-    assert error.max(axis=1) == pytest.approx(-error.min(axis=1))
-    assert (centred[:, [0, 1, 2, 3, 5]] == p[:, [0, 1, 2, 3, 5]]).all()
-    for k in (0, 1):
-        given = tuple(0.3 if j == k else np.nan for j in (0, 1))
-        held = dataclasses.replace(task, starts=given)
-        assert (held.centred(held.spread(300), S)[:, 3 + k] == 0.3).all()
-        assert held.free.tolist() == [True] * 3 + [k != 0, k != 1, False]
-
-
-@tasks
-def test_a_linkage_is_among_the_fits_of_what_it_does_itself(task):
+def test_linkage_is_among_the_fits_of_its_own_function(task):
     """Its starts are given: then the equation of the loop has one solution."""
     for side in (1, -1):
         p = next(row for row in some(task) if row[5] == side)
@@ -118,41 +101,3 @@ def test_a_linkage_is_among_the_fits_of_what_it_does_itself(task):
         near = found[found[:, 5] == side][0]
         assert near[:3] == pytest.approx(p[:3], rel=1e-5, abs=1e-5)
         assert np.abs(own.error(near[None], S[None])).max() < 1e-6
-
-
-class Lines:
-    """A task whose errors and limits are straight lines of two unknowns."""
-
-    free = np.array([True, True])
-
-    def __init__(self, slopes, bounds):
-        self.rows, self.bounds = slopes, bounds
-
-    def slopes(self, p, s):
-        return self.rows[None]
-
-    def limits(self, p):
-        return np.array([[0.0 if near else -1.0 for _, near in self.bounds]]), np.array(
-            [[row for row, _ in self.bounds]]
-        )
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_multipliers_are_those_of_any_peaks_and_limits_that_balance(seed):
-    """Of random peaks of one height: none is below nothing, they sum to 1, and what is left is the nearest to nothing."""
-    rng = np.random.default_rng(seed)
-    errors = np.array([1.0, -1.0, 1.0, -1.0, 0.9])
-    slopes = rng.normal(size=(5, 2))
-    bounds = [(rng.normal(size=2), True), (rng.normal(size=2), False)]
-    found = certified(Lines(slopes, bounds), np.zeros(2), np.linspace(0, 1, 5), errors)
-    assert (found.peaks >= 0).all() and (found.limits >= 0).all() and found.peaks[4] == found.limits[1] == 0
-    columns = np.vstack([np.sign(errors)[:, None] * slopes, [row for row, _ in bounds]])
-    rest = found.peaks @ columns[:5] + found.limits @ columns[5:]
-    size = np.linalg.norm(np.append(rest, found.peaks.sum() - 1))
-    # Every way to share one among the four highest, and some of the limit: on a grid, nothing comes much nearer.
-    shares = np.array([row for row in np.ndindex(13, 13, 13) if sum(row) <= 12]) / 12
-    shares = np.column_stack([shares, 1 - shares.sum(axis=1)])
-    least = min(np.abs((shares @ columns[:4] + limit * columns[5]) @ [1, 1j]).min() for limit in np.linspace(0, 4, 41))
-    assert size <= least + 1e-9
-    weight = np.linalg.norm(columns, axis=1) @ np.concatenate([found.peaks, found.limits])
-    assert found.left == pytest.approx(size / max(weight, 1), abs=1e-12)

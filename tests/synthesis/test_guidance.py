@@ -68,13 +68,6 @@ def test_every_linkage_through_three_poses_goes_through_them(kind):
     assert sound >= (1 if kind == "elliptic-trammel" else 3)
 
 
-def test_a_rod_drives_a_trammel_where_it_is_asked_to():
-    found = body_guides(THREE, "elliptic-trammel", trammel_driver="rod")
-    assert found[0].linkage.driver == "rod" and found[0].transmission_angle_deg > 80
-    for guide in found:
-        check(guide, THREE)
-
-
 KNOWN = gk.FourBar(100, 35, 90, 70, coupler_point=40 + 30j, origin=10 + 5j, ground_angle_deg=20)
 
 

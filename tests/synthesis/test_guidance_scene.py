@@ -57,7 +57,7 @@ def test_pins_lie_where_the_regions_allow_them():
         ("poses-by-crank", "slider_pin", "crank_pin"),
     ],
 )
-def test_what_is_shaded_holds_no_pin_that_was_found(name, driven, driving):
+def test_shaded_regions_hold_no_found_pin(name, driven, driving):
     pins, regions = first_places(name), {region.role: region for region in recipe(name).scene.regions}
     assert set(regions) == {"driven", "driving"}
     for role, pin in (("driven", driven), ("driving", driving)):

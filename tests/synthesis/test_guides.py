@@ -61,7 +61,7 @@ def test_a_linkage_comes_back_from_its_pins_with_its_drive_and_its_angle(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_usable_has_all_its_joints_in_the_box(kind):
+def test_usable_linkages_have_all_joints_in_the_box(kind):
     guides, _ = held(kind)
     places = np.concatenate([guides.joints, guides.first, guides.second])[:, 0]
     assert abs(places - PLACE["origin"]).min() < 1e-9
@@ -76,7 +76,7 @@ def test_what_is_usable_has_all_its_joints_in_the_box(kind):
 
 
 @pytest.mark.parametrize("kind", ["rod", "shuttle"])
-def test_the_slots_of_a_trammel_may_be_told_either_way(kind):
+def test_slots_of_a_trammel_may_be_given_in_either_order(kind):
     plain, _ = held(kind)
     for sides in ((-1, 1), (1, -1), (-1, -1)):
         guides, motion = held(kind, sides)

@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.synthesis.path import search
-from geomkin.synthesis.path.coupler_paths import FREE, LONGEST, SHORTEST, bound_all_links, bounds_of
+from geomkin.synthesis.path.coupler_paths import FREE, LONGEST, SHORTEST, bounds_of
 from geomkin.synthesis.path.search import PathFound, crank_motion
 from tests.synthesis.test_path_fits import CROSSING, at, task_of
 
@@ -19,7 +19,7 @@ MIDDLE, SIZE = 30 - 70j, 4.0
 
 
 @pytest.mark.parametrize("slides", [False, True])
-def test_bounds_are_told_in_the_units_of_the_search(slides):
+def test_bounds_are_converted_to_the_units_of_the_search(slides):
     plain = np.array(bounds_of(None, slides, True, MIDDLE, SIZE))
     wide = [[-LONGEST, LONGEST]] * 10
     wide[0:4] = [[SHORTEST, LONGEST]] * 4
@@ -52,15 +52,6 @@ def test_bounds_are_told_in_the_units_of_the_search(slides):
             bounds_of({name: (1e-9, 1e-7)}, slides, False, MIDDLE, SIZE)
 
 
-def test_links_are_bounded_when_each_is():
-    four, two = dict.fromkeys(LINKS, (1, 2)), dict.fromkeys(("crank", "coupler"), (1, 2))
-    assert bound_all_links(four, False) and bound_all_links(two, True)
-    assert not bound_all_links(two, False) and not bound_all_links(None, True) and not bound_all_links({}, False)
-    for name in LINKS:
-        assert not bound_all_links({n: pair for n, pair in four.items() if n != name}, False)
-    assert not bound_all_links({"offset": (0, 0), "crank": (1, 2)}, True)
-
-
 def found_of(linkage, branch=1):
     return PathFound(
         linkage=linkage, branch=branch, drive=np.zeros(3), transmission_angle_deg=40.0, defects=(),
@@ -68,7 +59,7 @@ def found_of(linkage, branch=1):
     )  # fmt: skip
 
 
-def test_usable_is_what_has_no_defect_and_keeps_both_limits():
+def test_usable_linkages_have_no_defect_and_keep_both_limits():
     good = dataclasses.replace(found_of(gk.FourBar(90, 9, 80, 85, 40 + 45j)), transmission_angle_deg=30.0)
     assert good.ratio == pytest.approx(10) and good.is_usable and good.usable is good and good.coupler_point == 40 + 45j
     assert dataclasses.replace(good, transmission_angle_deg=30 - 2e-5).is_usable
@@ -87,18 +78,9 @@ def search_of(task, **changed):
     return search.PathSearch(**asked | {"all_nine": False, "seed": 0, "time_limit": 60.0} | changed)
 
 
-@pytest.mark.parametrize(
-    ("slides", "timed", "most"), [(False, False, 9), (False, True, 5), (True, False, 8), (True, True, 4)]
-)
-def test_as_many_points_can_be_met_as_a_linkage_has_numbers(slides, timed, most):
-    for count, more in ((most, False), (most + 1, True)):
-        turns = np.linspace(0, 2, count) if timed else None
-        assert search_of(task_of(np.ones(count), turns=turns, slides=slides)).more_than_can_be_met is more
-
-
 @pytest.mark.parametrize("slides", [False, True])
 @pytest.mark.parametrize("asked", ["open", "closed", "timed"])
-def test_what_is_made_of_a_row_is_that_linkage_in_mm(asked, slides):
+def test_row_of_the_search_is_converted_to_a_linkage_in_mm(asked, slides):
     x = CROSSING.copy()
     x[[0, 6, 7, 8, 9]] = 0.3 if slides else 3.0, 0.5, -2.0, 3.5, -7.0
     drive = np.linspace(0, 4.0, 6) - 7

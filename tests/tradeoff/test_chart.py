@@ -8,7 +8,6 @@ import xml.etree.ElementTree as ElementTree
 from base64 import b64encode
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,10 +19,8 @@ from geomkin.cli import cli
 from geomkin.core.progress import shown
 from geomkin.tradeoff import results as measurement
 from geomkin.tradeoff.families import FAMILIES
-from geomkin.tradeoff.picture import picture
-from tests.tradeoff.toy import CHART, FAMILY, POINTS, point
+from tests.tradeoff.toy import CHART, FAMILY, POINTS
 
-KEPT = Path(__file__).parent.parent.parent / "tests" / "speed" / "chart"
 SVG = "{http://www.w3.org/2000/svg}"
 # What a tick's label says, in the axis's unit.
 SECONDS = {"ps": 1e-12, "ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0, "ks": 1e3, "": 1.0}
@@ -121,72 +118,6 @@ def test_axes_match_points(decades, weighed):
     assert 3 <= len(ticks) <= 7
 
 
-def test_marks_of_different_methods_differ_in_form_and_the_front_goes_through_its_points():
-    root = ElementTree.fromstring(gk.tradeoff.chart_files(CHART)["toy-sum.svg"])
-    marks = [m for m in root.iter(f"{SVG}path") if m.get("class") == "point"]
-    assert len({m.get("d") for m in marks}) == 3 == len({m.get("stroke") for m in marks})
-    (front,) = [p.get("d") for p in root.iter(f"{SVG}path") if p.get("class") == "front"]
-    steps = re.findall(r"H([\d.]+)V([\d.]+)", front)
-    on = sorted(place(m) for m, shown in zip(marks, FRONT) if shown)
-    assert [[float(x), float(y)] for x, y in steps] == on
-
-
-@pytest.mark.parametrize(("least", "most"), [(3e-15, 2e-11), (0.2, 4e6)])
-def test_axis_labels(least, most):
-    """Thousandths and thousands of a second by their prefixes; errors by powers of ten far from 1, plain near it."""
-    points = tuple(point("some", float(k), value, value) for k, value in enumerate((least, most)))
-    one = gk.tradeoff.FamilyChart(replace(FAMILY, floor=1e-20, weighed="bytes", weigh=len), points)
-    heavy = tuple(replace(p, weight=max(1.0, p.seconds * 1e3)) for p in points)
-    for family, weighed in ((one, False), (replace(one, points=heavy), True)):
-        root = ElementTree.fromstring(picture(family, weighed))
-        labels = [
-            t
-            for t in root.iter(f"{SVG}text")
-            if re.match(r"[\d,.]+(e\+\d+)?( [pnµmk]?s|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?$", t.text or "")
-        ]
-        across = {t.text: float(t.get("x")) for t in labels if t.get("text-anchor") == "middle"}
-        upwards = {t.text: float(t.get("y")) for t in labels if t.get("text-anchor") == "end"}
-        for told in (across, upwards):
-            # Evenly by powers of ten, at most as many as fit.
-            values, places = [value(one) for one in told], list(told.values())
-            steps = np.diff(np.log10(values))
-            assert 2 <= len(told) <= 11 and steps == pytest.approx(np.full(len(steps), np.round(steps[0])), abs=1e-9)
-            assert np.diff(places) == pytest.approx(np.full(len(steps), places[1] - places[0]), abs=0.11)
-        if weighed:
-            assert all(one == (f"{v:,.0f}" if (v := value(one)) >= 1 else f"{v:g}") for one in across)
-        else:
-            assert all(1 <= float(one.split()[0]) < 1000 for one in across if one[-2:] not in ("ps", "ks"))
-        assert all(POWERS.keys().isdisjoint(map(ord, one)) == (5e-4 < value(one) < 5e3) for one in upwards)
-
-
-def value(label):
-    """What a label says, in seconds where it is a time."""
-    power = re.fullmatch(r"10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", label)
-    number, _, unit = label.partition(" ")
-    return 10.0 ** int(power[1].translate(POWERS)) if power else float(number.replace(",", "")) * SECONDS[unit]
-
-
-@pytest.mark.parametrize("many", [1, 15])
-def test_legend_stays_within_picture(many):
-    """Row below row, none on another, the last of its words above the lower edge, beside the axes."""
-    methods = tuple(replace(FAMILY.methods[1], name=f"way {k}") for k in range(many))
-    points = tuple(point(m.name, setting, 0.5, 1e-6) for m in methods for setting in m.settings)
-    one = gk.tradeoff.FamilyChart(replace(FAMILY, methods=methods), points)
-    root = ElementTree.fromstring(gk.tradeoff.chart_files(replace(CHART, families=(one,)))["toy-sum.svg"])
-    width, height = map(float, root.get("viewBox").split()[2:])
-    (frame,) = [p.get("d") for p in root.iter(f"{SVG}path") if re.fullmatch(r"M\d+ \d+V\d+H\d+", p.get("d"))]
-    _, top, bottom, right = map(int, re.findall(r"\d+", frame))
-    told = [t for t in root.iter(f"{SVG}text") if t.get("dy") == "4" and float(t.get("x")) > right]
-    rows = [float(t.get("y")) for t in told]
-    assert len(rows) == many + 3 and min(np.diff(rows)) >= 19 and top < rows[0] and rows[-1] < height - 20
-    assert 20 < height - bottom < 80 and right < width - 200
-    # Words of the axis stand below its numbers, and within.
-    below = sorted(
-        {float(t.get("y")) for t in root.iter(f"{SVG}text") if t.get("text-anchor") == "middle" and t.get("y")}
-    )
-    assert len(below) == 2 and bottom + 12 < below[0] < below[1] - 12 < height - 16
-
-
 class Outline(HTMLParser):
     """Tags and words of a page."""
 
@@ -214,17 +145,6 @@ def test_page_runs_no_script_and_escapes_names():
     assert " ".join(page.words).count("10 calls") == len(POINTS)
 
 
-def test_front_goes_by_six_digits():
-    """The front goes by six digits, and so does what a default off it is beaten by."""
-    one = replace(FAMILY, methods=(FAMILY.methods[1], replace(FAMILY.methods[0], caveat="It is safe.")))
-    for beats, default in (
-        (point("some", 1.0, 1e-5 * (1 + 1e-9), 2e-6), point("all <terms>", np.nan, 1e-5, 4e-6)),
-        (point("some", 1.0, 1e-5, 4e-6 * (1 + 1e-9)), point("all <terms>", np.nan, 2e-5, 4e-6)),
-    ):
-        family = gk.tradeoff.FamilyChart(one, (beats, default))
-        assert family.on_front.tolist() == [True, False]
-
-
 def test_quick_measurement(monkeypatch):
     monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
     monkeypatch.setattr("geomkin.tradeoff.results.QUICK", 0.02)
@@ -237,66 +157,6 @@ def test_quick_measurement(monkeypatch):
     assert [p.rms for p in one.points] == pytest.approx([p.largest / 2**0.5 for p in one.points])
     assert [p.largest for p in one.points] == pytest.approx([0.0, 0.5, 0.5**5, 0.5**10], abs=1e-15)
     assert all(p.seconds > 0 and p.batches >= 3 and p.calls >= 1 and p.results == 1 for p in one.points)
-
-
-@pytest.mark.parametrize("quick", [False, True])
-def test_batches_last_their_time(quick, monkeypatch):
-    """By a clock that only the methods move: seconds, calls and batches are then known."""
-    now, costs, order = [0.0], {1.0: 1e-6, 2.0: 3e-4, 5.0: 0.05, 10.0: 0.4}, []
-    monkeypatch.setattr(measurement, "time", SimpleNamespace(process_time=lambda: now[0]))
-
-    def make(problem, setting):
-        def call():
-            now[0] += costs[setting]
-            if not order or order[-1] != setting:
-                order.append(setting)
-            return 0.25 if setting < 10 else float("nan")
-
-        return call
-
-    method = gk.tradeoff.Method("moves", "Takes its time.", make, "terms", tuple(costs))
-    family = replace(
-        FAMILY,
-        methods=(method, replace(method, name="slow", slow=True)),
-        count=lambda problem, found: 4,
-        error=lambda problem, found: np.array([found - 1, 0.75, np.inf, 0.0]) * [-1, 1, 1, 1] + 0 * found,
-        weighed="bytes",
-        weigh=lambda problem, found: 8 * found,
-    )
-    shares = []
-    found = measurement.measured(family, quick, shares.append)
-    settings = [1.0, 5.0, 10.0] if quick else list(costs)
-    assert [p.method for p in found] == ["moves"] * len(settings) + ["slow"] * len(settings) * (not quick)
-    assert [p.setting for p in found[: len(settings)]] == settings
-    # Each is made, then timed once, then in rounds: no step looks as if nothing went on.
-    made, timed = np.linspace(0, 0.3, len(found) + 1)[1:], np.linspace(0.3, 0.5, len(found) + 1)[1:]
-    assert shares[: 2 * len(found)] == pytest.approx([*made, *timed]) and shares == sorted(shares) and shares[-1] == 1
-    rounds = np.array(shares[2 * len(found) :])
-    assert len(rounds) > 3 and rounds.min() > 0.5 and np.diff(rounds).max() < 0.3
-    for p in found:
-        cost, budget = costs[p.setting], measurement.QUICK / len(found) if quick else measurement.FULL
-        assert p.seconds == pytest.approx(cost / 4) and p.results == 4 and p.spread == pytest.approx(0, abs=1e-6)
-        assert p.weight == pytest.approx(2.0 if p.setting < 10 else np.nan, nan_ok=True)
-        assert p.missed == (0.25 if p.setting < 10 else 1)
-        known = (0.75, np.sqrt(0.375)) if p.setting < 10 else (np.nan, np.nan)
-        assert (p.largest, p.rms) == pytest.approx(known, nan_ok=True)
-        # A batch can be timed, and no point has more of them than its time, or three, take.
-        spent, batch = p.calls * cost * p.batches, p.calls * cost
-        assert batch >= measurement.BATCH or cost > measurement.LONG
-        assert p.calls == 1 or batch < 2.1 * measurement.BATCH
-        if quick and cost > measurement.LONG:
-            assert p.batches == p.calls == 1
-        else:
-            assert p.batches >= 3 and spent > budget - 1e-9 and (p.batches == 3 or spent < budget + 1.001 * batch)
-    # All are gone round, not one after the other.
-    assert len(order) > 3 * len(settings)
-
-
-def test_unknown_family_is_refused(tmp_path):
-    result = CliRunner().invoke(cli, ["chart", "four-bars", "--out", str(tmp_path / "made")])
-    assert result.exit_code == 2 and all(name in result.stderr for name in FAMILIES) and not list(tmp_path.iterdir())
-    with pytest.raises(gk.DesignError):
-        gk.tradeoff.chart(["four-bars"])
 
 
 def test_the_command_writes_the_files(tmp_path, monkeypatch):
@@ -313,30 +173,6 @@ def test_the_quick_chart_of_everything(tmp_path):
     assert CliRunner().invoke(cli, ["chart", "--quick", "--out", str(tmp_path)]).exit_code == 0
     told = rows((tmp_path / "chart" / "chart.csv").read_bytes())
     assert {row["family"] for row in told} == set(FAMILIES)
-
-
-def test_kept_chart_defaults_are_on_front_or_justified():
-    told = rows((KEPT / "chart.csv").read_bytes())
-    assert {row["family"] for row in told} == set(FAMILIES), "make it anew: geomkin chart --out ."
-    for name, family in FAMILIES.items():
-        points = [row for row in told if row["family"] == name]
-        methods = {method.name: method for method in family.methods}
-        assert {row["method"] for row in points} == set(methods)
-        defaults = [row for row in points if row["default"] == "1"]
-        assert defaults and {row["method"] for row in defaults} == {n for n, m in methods.items() if m.is_default}
-        for row in defaults:
-            assert row["on_front"] == "1" or methods[row["method"]].caveat, row
-        # What the file says of the front is what its numbers say.
-        errors = [max(float(row["largest_error"] or "nan"), family.floor) for row in points]
-        errors = [np.nan if float(row["missed_share"]) else error for row, error in zip(points, errors)]
-        front = gk.tradeoff.pareto_front([float(row["seconds_per_result"]) for row in points], errors)
-        assert [row["on_front"] == "1" for row in points] == front.tolist()
-
-
-def test_single_results_are_counted_as_one():
-    single = {"file", "profile", "curve", "space", "side of a tooth"}
-    found = {family.per: family.count(None, None) for family in FAMILIES.values() if family.per in single}
-    assert found == dict.fromkeys(single, 1)
 
 
 def test_time_is_least_of_batches_and_spread_the_median(monkeypatch):
@@ -357,46 +193,3 @@ def test_time_is_least_of_batches_and_spread_the_median(monkeypatch):
     # 0.31, 0.2, 0.5, 0.25, 0.8: as many as take 1.5 s together.
     assert one.batches == 5 and one.calls == 1 and len(calls) == 6
     assert one.seconds == pytest.approx(0.02) and one.spread == pytest.approx(0.55)
-
-
-@pytest.fixture
-def three(monkeypatch):
-    """Three families, and what becomes of each without a clock."""
-    families = {name: replace(FAMILY, name=name) for name in ("a", "b", "c")}
-
-    def measured(family, quick, tell):
-        tell(0.5)
-        tell(1.0)
-        return (replace(point("some", 1.0, 0.5, 1e-6), family=family.name),)
-
-    monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", families)
-    monkeypatch.setattr("geomkin.tradeoff.results.measured", measured)
-    return families
-
-
-@pytest.mark.parametrize(("named", "found"), [((), "abc"), (("b",), "b"), (("c", "a", "c"), "ca")])
-def test_order_of_families(three, named, found):
-    heard = []
-    with shown(lambda share, what: heard.append((round(share * 2 * len(found)), what))):
-        chart = gk.tradeoff.chart(named)
-    assert [one.family.name for one in chart.families] == list(found) and not chart.quick
-    assert heard == [(2 * k + half, f"measuring {name}") for k, name in enumerate(found) for half in (1, 2)]
-    assert chart.versions["geomkin"] == gk.__version__ and chart.versions["numpy"] == np.__version__
-
-
-def test_stability_study_belongs_to_full_chart(three, monkeypatch, tmp_path):
-    class Study:
-        def csv(self):
-            return b"study"
-
-        def section(self):
-            return "<p>study</p>"
-
-    monkeypatch.setattr("geomkin.tradeoff.study.stability", Study)
-    for named, mpmath, has in (([], True, True), (["a"], True, False), ([], None, False)):
-        monkeypatch.setattr("importlib.util.find_spec", lambda name, there=mpmath: there)
-        folder = tmp_path / f"{len(named)}{mpmath}"
-        result = CliRunner().invoke(cli, ["chart", *named, "--out", str(folder)])
-        assert result.exit_code == 0 and (folder / "chart/stability.csv").exists() == has
-        page = (folder / "chart/chart.html").read_text()
-        assert ("<p>study</p>" in page) == ('href="#stability"' in page) == has

@@ -151,7 +151,7 @@ def test_a_tools_polygons_are_the_tool():
 
 
 @pytest.mark.parametrize("method", ["law of gearing", "cut by booleans", "sampled distances"])
-def test_what_is_found_of_a_conjugate_tooth_is_its_whole_space_on_the_side_of_minus_y(method):
+def test_conjugate_methods_find_the_whole_tooth_space(method):
     tooth, count = problem("conjugate-tooth"), np.nan if method == "law of gearing" else 160.0
     z = found("conjugate-tooth", method, count)
     turned, half = np.angle(z / -1j), np.pi / tooth.mate_teeth
@@ -167,7 +167,7 @@ def test_what_is_found_of_a_conjugate_tooth_is_its_whole_space_on_the_side_of_mi
     ("method", "setting"),
     [("exact curves", np.nan), ("polylines trimmed", 80), ("cut by booleans", 80), ("arcs", 1e-3), ("one arc", np.nan)],
 )
-def test_what_is_found_of_a_root_goes_from_the_bottom_land_to_the_tip(method, setting):
+def test_root_methods_go_from_the_bottom_land_to_the_tip(method, setting):
     gear, z = problem("gear-root").gear(), found("gear-root", method, setting).vertices
     turned = np.angle(1j / z)
     assert turned.min() > 0 and turned.max() < np.pi / gear.teeth * (1 + 1e-9)
@@ -176,7 +176,7 @@ def test_what_is_found_of_a_root_goes_from_the_bottom_land_to_the_tip(method, se
     assert (np.diff(np.abs(z)) > -1e-9).all() and len(z) > 8
 
 
-def test_no_way_of_flattening_takes_fewer_vertices_than_the_greedy_one():
+def test_greedy_flattening_has_the_fewest_vertices():
     curve = problem("cam-flattening").curve()
     fewest = len(greedy(curve, 0.1))
     equal = len(gk.flatten(curve, 0.1))
@@ -275,7 +275,7 @@ def test_errors_of_a_file_are_those_of_its_worst_place():
     assert len(errors) == 4 * len(outline.vertices)
 
 
-def test_what_was_not_found_is_nan():
+def test_missing_results_are_nan():
     # Of so few points the polylines of root and flank miss each other.
     assert found("gear-root", "polylines trimmed", 8) is None
     assert np.isnan(FAMILIES["gear-root"].error(problem("gear-root"), None)).all()

@@ -34,7 +34,7 @@ def test_four_bar_and_slider_crank_agree_with_the_loop_equations_in_decimals(ang
 
 
 @pytest.mark.parametrize("angle", ANGLES)
-def test_a_carried_point_moves_as_its_places_tell(angle):
+def test_rates_of_a_coupler_point_agree_with_differences(angle):
     """By central differences of a step so small that what they miss is far below a float's digits."""
 
     def at(t):

@@ -32,7 +32,7 @@ def test_a_cam_s_profile_goes_once_all_round(method, setting):
 
 
 @pytest.mark.parametrize(("method", "count"), [("law of gearing", np.nan), ("sampled distances", 80.0)])
-def test_a_conjugate_space_is_told_from_end_to_end(method, count):
+def test_conjugate_space_is_sampled_from_end_to_end(method, count):
     """Of each height between root and tip there is some, not some ends alone."""
     tooth, z = problem("conjugate-tooth"), found("conjugate-tooth", method, count)
     sides = [z[np.angle(z / -1j) > 0]] + [z[np.angle(z / -1j) < 0]] * (method == "law of gearing")
@@ -46,7 +46,7 @@ def test_a_conjugate_space_is_told_from_end_to_end(method, count):
         assert abs(np.angle(side[at] / -1j)) * tooth.mate_radius == pytest.approx(np.pi * tooth.module / 4, abs=0.1)
 
 
-def test_a_root_and_its_flank_are_told_by_as_many_points_each():
+def test_root_and_flank_have_equally_many_points():
     z = found("gear-root", "exact curves", np.nan).vertices
     gear = problem("gear-root").gear()
     assert len(z) == 100
@@ -82,7 +82,7 @@ def test_solids_of_a_gear_are_closed_and_stand_on_the_ground(method, setting):
     assert (low[2], high[2]) == (0, files.THICKNESS) and high[0] - low[0] == pytest.approx(28, abs=0.5)
 
 
-def test_files_weigh_what_they_hold():
+def test_size_of_files_is_that_of_their_contents():
     """A row of a table, a whole drawing, a whole solid."""
     assert {name for name, family in FAMILIES.items() if family.weighed == "bytes"} == {
         "csv-writing", "dxf-writing", "stl-writing",

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arguments import ArgumentType, are_points, are_reals, is_complex
 from ...core.errors import DesignError, shown
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, PointXY, entry, quantity
 from ...core.records import record
 from ...model.mass import Mass
 from ...plane.vec import Array, Real
@@ -63,11 +63,31 @@ def _is_load(value: Any) -> bool:
 
 
 Varying = Annotated[Any, ArgumentType(_is_load, "a finite number, an array of one for each frame, or a DriveTable")]
-# A point by its name or by its position in the body's frame.
-AnyPoint = Annotated[
-    Any,
-    ArgumentType(lambda value: isinstance(value, str) or is_complex(value), "a point's name, or its position x + yj"),
-]
+
+
+class NameOrPosition(ArgumentType):
+    """Marks a point of a body: its name, or its position in the body's frame, mm; in a recipe a name or `[x, y]`."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            lambda value: isinstance(value, str) or is_complex(value), "a point's name, or its position x + yj"
+        )
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        position = PointXY().__get_pydantic_core_schema__(complex, handler)
+        return core_schema.union_schema(
+            [core_schema.str_schema(), position],
+            custom_error_type="point",
+            custom_error_message="the name of a point, or [x, y]",
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: value if isinstance(value, str) else [value.real, value.imag]
+            ),
+        )
+
+
+PlaceOnBody = Annotated[str | complex, NameOrPosition()]
 
 
 def _over_frames(motion: Motion, load: Any, field: str) -> Array:
@@ -80,6 +100,10 @@ def _over_frames(motion: Motion, load: Any, field: str) -> Array:
         return values.reshape(-1, *(1,) * (len(shape) - 1))
     problem = f"found an array of shape {values.shape}, but the motion has the shape {shape}"
     raise DesignError(field, problem, f"give a number or an array of shape {(frames,)}", "conflict")
+
+
+# Share of the linkage's size up to which a length counts as rounding: the ends are then joined by a pin.
+NO_LENGTH = 1e-9
 
 
 class AbstractLoad(ABC):
@@ -107,7 +131,7 @@ class Force(AbstractLoad):
     """
 
     body: str
-    point: AnyPoint = 0j
+    point: PlaceOnBody = 0j
     force: Varying = 0j
     frame: Literal["ground", "body"] = "ground"
 
@@ -190,9 +214,9 @@ class _TwoPoints(AbstractLoad):
     """
 
     body: str = entry("body at one end", example="rocker")
-    point: AnyPoint = entry("point of that body, by name or [x, y]", example="rocker_pin")
+    point: PlaceOnBody = entry("point of that body, by name or [x, y]", example="rocker_pin")
     to_body: str = entry("body at the other end", example="ground")
-    to_point: AnyPoint = entry("point of that body, by name or [x, y]", example=0j)
+    to_point: PlaceOnBody = entry("point of that body, by name or [x, y]", example=0j)
 
     @abstractmethod
     def tension(self, length: Real) -> Real:
@@ -206,7 +230,7 @@ class _TwoPoints(AbstractLoad):
             raise DesignError("springs.to_body", f"both ends are on {one}", "give another body", "conflict")
         apart = wrenches.position(two, there) - wrenches.position(one, here)
         length = np.abs(apart)
-        if np.any(length == 0):
+        if np.any(length <= NO_LENGTH * linkage.size):
             raise DesignError(
                 "springs", f"the spring from {one} to {two} has no length at a frame, so no direction", "move an end"
             )

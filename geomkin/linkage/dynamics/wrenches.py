@@ -35,7 +35,7 @@ def known_place(linkage: Linkage, body: str, point: str | complex | Array, prefi
         return point
     if point not in points:
         problem = f"found {shown(point)}, which is not a point of {body}"
-        remedy = f"give one of {', '.join(points) or 'none'}, or x + yj"
+        remedy = f"give one of {', '.join(points) or 'none'}, or a position in mm"
         raise DesignError(f"{prefix}point", problem, remedy, "unknown-key")
     return points[point]
 

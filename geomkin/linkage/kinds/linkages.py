@@ -12,6 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
+from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Bought, Part
@@ -20,6 +21,7 @@ from ...model.table import Table
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
 from ..measures import driver_limits, grashof, least_transmission_angle
 from ..motion import Motion, motion_table
@@ -40,6 +42,7 @@ from ..scene import linkage_scene, motion_plots
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
 from .dwell_bands import DwellBand
+from .loads import LoadsTable, force_columns, force_marks, force_plots, force_summary, loads_entry, number_of_columns
 from .moved import (
     WITH_SLIDER,
     AbstractMovedRecipe,
@@ -62,6 +65,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     both_modes: bool = False
     dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
+    loads: LoadsTable | None = None
 
     def __post_init__(self) -> None:
         self.check_stroke()
@@ -75,12 +79,22 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         joints = len(linkage.pins)
         columns_each = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
         columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
-        self.input_range.check_rows(columns * (2 if self.both_modes else 1))
+        columns = columns * (2 if self.both_modes else 1) + (number_of_columns(linkage) if self.loads else 0)
+        self.input_range.check_rows(columns)
         if self.dwell:
             self.dwell.body(linkage)
         if self.both_modes and self.other is None:
             problem = "found true, but there is no other mode: it cannot be assembled, or there are more than two dyads"
             raise DesignError("both_modes", problem, "omit it", "conflict")
+        if self.loads:
+            self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
+
+    @cached_property
+    def force_analysis(self) -> ForceAnalysis | None:
+        """Driver effort and joint forces of one linkage under the loads; None without loads."""
+        if self.loads is None:
+            return None
+        return self.loads.forces_of(self.motion, self.body_masses if self.stock.material else {})
 
     @cached_property
     def fine_motion(self) -> Motion:
@@ -113,6 +127,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def table(self) -> Table:
         table = motion_table(self.motion, self.coefficients)
+        if self.force_analysis:
+            table = Table((*table.columns, *force_columns(self.force_analysis)))
         if not (self.both_modes and self.other):
             return table
         # Both modes have the same columns of driver and time.
@@ -127,7 +143,11 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         least = LEAST_TRANSMISSION_ANGLE_DEG
         limit = Limit("transmission_angle", least, f"at least {least:g} deg")
         plots = motion_plots(self.motion, self.table, [limit])
+        if self.force_analysis:
+            plots = (*force_plots(self.force_analysis), *plots)
         scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, plots, self._others())
+        if self.force_analysis:
+            scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
         if not self.copies:
             return scene
         copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
@@ -176,6 +196,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """Summary: range of the driver, links that turn fully, and the stack of plates."""
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
+        loads = {"loads": force_summary(self.force_analysis)} if self.force_analysis else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
         return {
@@ -183,6 +204,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             **self.turning,
             **self._other_mode(),
             **dwell,
+            **loads,
             **self.mass_summary,
             "stack": stack,
         }
@@ -203,7 +225,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return {"copies": (Copy(180.0),)} if "copies" in asked else {}
+        copies = {"copies": (Copy(180.0),)} if "copies" in asked else {}
+        return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in asked else {})}
 
     @property
     def turning(self) -> Mapping[str, object]:
@@ -227,6 +250,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
+    loads: LoadsTable | None = loads_entry()
     copies: tuple[Copy, ...] = copies_entry()
     stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -246,6 +270,7 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
+    loads: LoadsTable | None = loads_entry()
     stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
@@ -256,7 +281,8 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         # A sliding driver has no shaft that copies could share.
         none = {"copies": ()} if "copies" in asked else {}
-        return {**none, **cls.sliding} if "stroke" in asked else super().example_values(asked)
+        values = super().example_values(asked)
+        return {**values, **none, **cls.sliding} if "stroke" in asked else values
 
 
 @record(kw_only=True)
@@ -359,4 +385,4 @@ class LinkageRecipe(SlidingLinkageRecipe):
     @classmethod
     def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
         values = super().example_values(asked)
-        return {"linkage": WITH_SLIDER, **values} if set(asked) - {"copies"} else values
+        return {"linkage": WITH_SLIDER, **values} if set(asked) - {"copies", "loads"} else values

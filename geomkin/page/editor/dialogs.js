@@ -4,12 +4,37 @@ import { get } from "./server.js";
 
 const at = (id) => document.getElementById(id);
 
+// Loads the pictures in view, one after the other: drawing them keeps the server busy.
+function loader(root) {
+  const waiting = new Set();
+  let busy = false;
+  const next = () => {
+    const [image] = waiting;
+    if (busy || !image) return;
+    busy = true;
+    waiting.delete(image);
+    observer.unobserve(image);
+    image.src = image.dataset.address;
+  };
+  const observer = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) waiting[isIntersecting ? "add" : "delete"](target);
+    next();
+  }, { root });
+  const done = () => { busy = false; next(); };
+  return (image) => {
+    image.addEventListener("load", done);
+    // A kind that searches has no picture.
+    image.addEventListener("error", () => { image.remove(); done(); });
+    observer.observe(image);
+  };
+}
+
 // editor: open(recipe), startNew(kind).
 export async function showGallery(editor) {
-  const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery");
+  const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
   const card = (list, picture, name, about, act) => {
     const button = make(make(list, "li"), "button", { type: "button", class: "card" });
-    make(button, "img", { src: picture, alt: "", loading: "lazy" }).addEventListener("error", (event) => event.target.remove());
+    load(make(button, "img", { alt: "", "data-address": picture }));
     make(button, "b", {}, name);
     if (about) make(button, "span", {}, about);
     button.addEventListener("click", () => { dialog.close(); act().catch((error) => editor.announce(error.message)); });

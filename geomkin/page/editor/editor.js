@@ -115,12 +115,6 @@ class Editor {
   // Where a handle is going whose movement is not answered yet.
   pending({ id }) { return this.target?.id === id ? this.target.to : null; }
 
-  choose(row) {
-    this.history.begin(this.text);
-    this.ask({ choose: row });
-    this.whenIdle(() => this.history.end(this.text));
-  }
-
   relock() { this.ask({}); }
 
   travel(direction) {
@@ -215,7 +209,7 @@ class Editor {
     this.showState();
   }
 
-  showScene({ scene, handles, choosable }) {
+  showScene({ scene, handles }) {
     const copy = this.text === this.savedText || this.fresh ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
@@ -230,7 +224,7 @@ class Editor {
     if (this.fresh) this.showHandlesOfPlots(handles);
     this.fresh = false;
     this.ghost.load(this.isDirty ? this.savedScene : null);
-    this.showChoice(scene.choice, choosable);
+    this.showChoice(scene.choice);
   }
 
   // The first plot is one that can be edited, if there is one.
@@ -242,15 +236,11 @@ class Editor {
     plots.build(card);
   }
 
-  showChoice(choice, choosable) {
+  showChoice(choice) {
     const root = at("choice");
     root.hidden = !choice;
     root.replaceChildren(root.firstElementChild);
-    if (!choice) return;
-    const plots = mountRows(root, read(choice));
-    if (!choosable) return;
-    const button = make(root, "button", { type: "button", class: "choose" }, "Use the candidate at the line");
-    button.addEventListener("click", () => this.choose(plots.frame));
+    if (choice) mountRows(root, read(choice));
   }
 
   showProblems(problems) {
@@ -278,11 +268,10 @@ class Editor {
     const failed = checks.filter(({ state }) => state === "fail").length;
     at("checks-title").textContent = !checks.length ? "No checks" : failed ? `Checks: ${failed} of ${checks.length} fail` : `Checks: all ${checks.length} pass`;
     at("checks").replaceChildren();
-    for (const { text, state, key } of checks) {
+    for (const { text, state } of checks) {
       const item = make(at("checks"), "li", { class: state });
       make(item, "b", {}, { pass: "pass", fail: "fail", expected: "fails as expected" }[state]);
       make(item, "span", {}, ` ${text}`);
-      if (key) make(item, "button", { type: "button" }, key).addEventListener("click", () => this.form.focus(key));
     }
     document.body.dataset.checked = this.player?.scenes ?? 0;
   }

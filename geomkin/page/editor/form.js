@@ -103,7 +103,7 @@ export class Form {
     if (field.type === "table") return;
     entry.row = make(part, "div", { class: "field" });
     const name = field.label ?? key.split(".").at(-1);
-    make(entry.row, "label", { for: entry.id }, name.replaceAll("_", " ").replace(/ (deg|rpm)$/, ""));
+    make(entry.row, "label", { for: entry.id }, name.replaceAll("_", " ").replace(/ (deg|rpm|rad per s2?)$/, ""));
     entry.slots = make(entry.row, "div", { class: "slots" });
     this.addInputs(entry);
     make(entry.row, "span", { class: "unit" }, unitOf(field.unit ?? ""));
@@ -226,13 +226,6 @@ export class Form {
       for (const input of entry?.inputs ?? []) if (key === entry.key || input.name === key) input.setAttribute("aria-invalid", "true");
       return false;
     });
-  }
-
-  focus(key) {
-    const entry = [...this.fields.values()].find((field) => key === field.key || key.startsWith(`${field.key}[`));
-    const part = entry?.row.closest("details");
-    if (part) part.open = true;
-    entry?.inputs[0].focus();
   }
 }
 

@@ -87,7 +87,7 @@ export class Handles {
   describe({ root, handle }) {
     const { id, keys, label, locked } = handle, text = `${label}: ${keys.join(", ")}${locked ? " (locked)" : ""}`;
     if (root.dataset.handle === id && root.getAttribute("aria-label") === text) return;
-    Object.assign(root.dataset, { handle: id, keys: keys.join(" ") });
+    Object.assign(root.dataset, { handle: id, keys: keys.join("|") });
     root.setAttribute("aria-label", text);
     root.setAttribute("aria-disabled", locked);
     root.querySelector("title").textContent = `${text}. Drag it, or use the arrow keys; Shift snaps.`;
@@ -96,6 +96,8 @@ export class Handles {
   followPointer(element) {
     const { root } = element;
     let off = [0, 0];
+    // Without this, Chromium pans the page under the finger, also with `touch-action: none`, and the drag ends.
+    root.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
     root.addEventListener("pointerdown", (event) => {
       event.stopPropagation();
       event.preventDefault();

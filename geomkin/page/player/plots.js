@@ -14,7 +14,8 @@ export function read(data) {
   data.rows = data.series.map((row) => unpack(row, data.frames));
   for (const column of data.columns) {
     column.row = data.rows[column.row];
-    column.header = column.unit ? `${column.name}_${column.unit.replaceAll("/", "_per_")}` : column.name;
+    const unit = column.unit.replaceAll("/", "_per_").replaceAll(" ", "_");
+    column.header = unit ? `${column.name}_${unit}` : column.name;
     column.id = column.name;
     column.name = spaced(column.name);
   }

@@ -1,0 +1,254 @@
+"""Loads in a recipe of a linkage: their table, and the columns, plots and summary of the forces that result."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
+from ...core.records import record
+from ...model.mass import Mass
+from ...model.scene import Plot, SceneMark
+from ...model.table import Column, xy_columns
+from ...plane.vec import Real, first_largest
+from ..checks import driver_at
+from ..dynamics.friction import PinFriction, SlideFriction
+from ..dynamics.inverse import ForceAnalysis, forces
+from ..dynamics.loads import Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
+from ..dynamics.wrenches import Wrenches, known_body
+from ..linkage import Linkage
+from ..motion import Motion
+from ..scene import vector_marks
+
+# Largest component of gravity, m/s2: more is a number in mm/s2.
+MOST_GRAVITY = 100.0
+
+
+@dataclass(frozen=True)
+class PairWithin:
+    """Marks two numbers `[x, y]` of a recipe, each from -most to most."""
+
+    most: float
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
+        return core_schema.tuple_schema([number, number])
+
+
+@record(checked=True)
+class BodyMass:
+    """Mass of a body in a recipe."""
+
+    mass_kg: float = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
+    centre: ComplexPoint = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)
+    inertia_kg_mm2: float = quantity(
+        "moment of inertia about the centre", "kg mm2", default=0.0, at_least=0, at_most=FARTHEST**2, example=100
+    )
+
+
+@record(checked=True)
+class PointForce:
+    """A constant force at a point of a body, in a recipe."""
+
+    body: str = entry("the body it acts on", example="rocker")
+    point: PlaceOnBody = entry("point of that body, by name or [x, y]", example="rocker_pin")
+    force_n: Annotated[tuple[float, float], PairWithin(FARTHEST)] = entry(
+        "force on the ground, [x, y] in N", example=(0.0, -50.0), units=("N", "N")
+    )
+
+
+@record(checked=True)
+class BodyTorque:
+    """A constant torque on a body, in a recipe; the ground bears the opposite one."""
+
+    body: str = entry("the body it acts on", example="rocker")
+    torque_n_mm: float = quantity(
+        "torque, counterclockwise positive", "N mm", at_least=-FARTHEST, at_most=FARTHEST, example=-500
+    )
+
+
+@record(checked=True)
+class CylinderForce:
+    """A constant force along a slide, in a recipe; its guide bears the opposite one."""
+
+    slide: str = entry("name of the slider", example="slide")
+    force_n: float = quantity(
+        "force on the sliding body, positive along the line", "N", at_least=-FARTHEST, at_most=FARTHEST, example=-100
+    )
+
+
+@record(checked=True)
+class LoadsTable:
+    """What acts on a linkage besides its driver, in a recipe.
+
+    A body without an entry in `masses` has the mass of its parts, if the stock names a material.
+    """
+
+    gravity_m_per_s2: Annotated[tuple[float, float], PairWithin(MOST_GRAVITY)] = entry(
+        "acceleration of a falling body, [x, y] in m/s2; [0, 0] if it is not considered",
+        default=(0.0, -9.81),
+        units=("m/s2", "m/s2"),
+    )
+    masses: dict[str, BodyMass] = entry(
+        "masses of bodies by name, each with mass_kg, centre and inertia_kg_mm2", default_factory=dict
+    )
+    forces: tuple[PointForce, ...] = entry("forces, each with body, point and force_n", default=())
+    torques: tuple[BodyTorque, ...] = entry("torques, each with body and torque_n_mm", default=())
+    slide_forces: tuple[CylinderForce, ...] = entry(
+        "forces along slides, such as those of cylinders, each with slide and force_n", default=()
+    )
+    springs: tuple[Spring, ...] = entry(
+        "springs between two points, each with body, point, to_body, to_point, stiffness, free_length and preload",
+        default=(),
+    )
+    gas_springs: tuple[GasSpring, ...] = entry(
+        "gas springs, each with body, point, to_body, to_point, force, extended and gas_length", default=()
+    )
+    torsion_springs: tuple[TorsionSpring, ...] = entry(
+        "torsion springs between two bodies, each with body, to_body, stiffness, free_angle_deg and preload", default=()
+    )
+    pin_friction: tuple[PinFriction, ...] = entry(
+        "friction of pins, each with pin, coefficient, radius and viscous", default=()
+    )
+    slide_friction: tuple[SlideFriction, ...] = entry(
+        "friction of slides, each with slide, coefficient, length and viscous", default=()
+    )
+
+    @property
+    def by_key(self) -> dict[str, tuple[Any, ...]]:
+        """The loads as the library has them, by the keys of this table."""
+        return {
+            "forces": tuple(Force(force.body, force.point, complex(*force.force_n)) for force in self.forces),
+            "torques": tuple(Torque(torque.body, torque.torque_n_mm) for torque in self.torques),
+            "slide_forces": tuple(SlideForce(force.slide, force.force_n) for force in self.slide_forces),
+            "springs": self.springs,
+            "gas_springs": self.gas_springs,
+            "torsion_springs": self.torsion_springs,
+            "pin_friction": self.pin_friction,
+            "slide_friction": self.slide_friction,
+        }
+
+    def check(self, motion: Motion) -> None:
+        """DesignError with the key of the first load that the linkage cannot have in this motion."""
+        wrenches = Wrenches(motion)
+        for key, loads in self.by_key.items():
+            for k, load in enumerate(loads):
+                try:
+                    load.apply(wrenches)
+                except DesignError as error:
+                    name = error.field.partition(".")[2]
+                    field = f"loads.{key}[{k}]{f'.{name}' if name else ''}"
+                    raise DesignError(field, error.problem, error.remedy, error.id) from None
+        for body in self.masses:
+            known_body(motion.linkage, body, "loads.masses")
+
+    def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass]) -> ForceAnalysis:
+        """Driver effort and joint forces. part_masses: of the parts, for bodies without an entry in `masses`."""
+        self.check(motion)
+        given = {body: Mass(mass.mass_kg, mass.centre, mass.inertia_kg_mm2) for body, mass in self.masses.items()}
+        loads = self.by_key
+        friction = (*loads.pop("pin_friction"), *loads.pop("slide_friction"))
+        loads["springs"] = (*loads["springs"], *loads.pop("gas_springs"), *loads.pop("torsion_springs"))
+        masses = {**part_masses, **given}
+        if not masses and not any(loads.values()):
+            problem = "no body has a mass, and nothing else acts"
+            raise DesignError("loads", problem, 'give material = "steel-S235" in [stock], or masses', "missing-key")
+        return forces(motion, Loads(1000 * complex(*self.gravity_m_per_s2), masses, friction=friction, **loads))
+
+
+def loads_entry() -> Any:
+    """Field for the loads."""
+    return entry(
+        "masses, gravity, forces, springs and friction; the table then has the driver effort and the joint forces",
+        default=None,
+    )
+
+
+def number_of_columns(linkage: Linkage) -> int:
+    """Number of columns that loads add to a table."""
+    return 1 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
+
+
+def force_columns(analysis: ForceAnalysis) -> Iterator[Column]:
+    """Driver effort and joint forces."""
+    linkage = analysis.motion.linkage
+    if linkage.driven_slider is None:
+        yield Column("driver_torque", "N mm", "torque of the driver, counterclockwise positive", analysis.driver)
+    else:
+        yield Column("driver_force", "N", "force of the driver along its line", analysis.driver)
+    for pin, bodies in linkage.pins.items():
+        for body in bodies[1:]:
+            force, id = analysis.pin(pin, body), f"{pin}_force_on_{body}"
+            meaning = f"force at {pin} on {body}"
+            yield from xy_columns(id, "N", meaning, force)
+            yield Column(id, "N", f"{meaning}, its size", np.abs(force))
+    for slider in linkage.sliders:
+        name, slide = slider.name, analysis.slide(slider.name)
+        meaning = f"on {slider.body}, along the left normal of {name}"
+        yield Column(f"{name}_normal_force", "N", f"force of {slider.along} {meaning}", slide.normal)
+        yield Column(f"{name}_moment", "N mm", f"moment of {slider.along} on {slider.body}", slide.moment)
+
+
+def force_plots(analysis: ForceAnalysis) -> tuple[Plot, ...]:
+    """Plots of the columns of `force_columns`."""
+    linkage = analysis.motion.linkage
+    effort = "torque" if linkage.driven_slider is None else "force"
+    pins = [f"{pin}_force_on_{body}" for pin, bodies in linkage.pins.items() for body in bodies[1:]]
+    plots = [
+        Plot(f"driver {effort}", (f"driver_{effort}",)),
+        Plot("pin forces", tuple(pins)),
+        Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
+        Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
+    ]
+    return tuple(plot for plot in plots if plot.columns)
+
+
+def force_marks(analysis: ForceAnalysis) -> Iterator[SceneMark]:
+    """An arrow at each pin for the force on each body but the first, all at one scale."""
+    motion, arrows = analysis.motion, {}
+    for pin, bodies in motion.linkage.pins.items():
+        for body in bodies[1:]:
+            force = analysis.pin(pin, body)
+            if np.isfinite(force).any():
+                arrows[f"{pin} on {body}"] = motion.point(pin).position, force
+    yield from vector_marks(motion, arrows, "force", "N")
+
+
+def force_summary(analysis: ForceAnalysis) -> Mapping[str, object]:
+    """Peak and rms driver effort and largest pin forces, as entries of the summary; without those that are unknown."""
+    motion = analysis.motion
+    effort, unit = ("driver_force_N", "mm") if motion.linkage.driven_slider else ("driver_torque_N_mm", "deg")
+    known = np.isfinite(analysis.driver)
+    result: dict[str, object] = {}
+    if known.any():
+        peak = first_largest(np.abs(analysis.driver))
+        result[effort] = {
+            "peak": _nine_digits(analysis.driver[peak]),
+            f"peak_at_{unit}": _nine_digits(driver_at(motion, peak)),
+            "rms": _nine_digits(_rms(analysis.driver[known], motion.drive[known])),
+        }
+    sizes = {
+        pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
+        for pin, bodies in motion.linkage.pins.items()
+    }
+    result["largest_pin_force_N"] = {
+        pin: _nine_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
+    }
+    return {**result, "undetermined": list(analysis.undetermined)}
+
+
+def _rms(effort: Real, drive: Real) -> float:
+    """Root mean square over the drive, which at a constant speed is that over time."""
+    extent = drive[-1] - drive[0]
+    mean = np.trapezoid(effort**2, drive) / extent if extent else np.mean(effort**2)
+    return float(np.sqrt(mean))
+
+
+def _nine_digits(value: float | np.floating[Any]) -> float:
+    return float(f"{value:.9g}") + 0.0

@@ -1,0 +1,135 @@
+"""Designs that a search tries: a recipe with values for its keys, and its objective and constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..build import errors_named_by_key
+from ..core.errors import DesignError, GeomkinError, printable, shown
+from ..core.progress import shown as progress_shown
+from ..core.records import record
+from ..plane.vec import Real
+from ..recipe.messages import nearest
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.varied import VariedRecipe
+from .formulas import Condition, Formula
+
+# Violation of a constraint that counts as none, as a share of its terms.
+NO_VIOLATION = 1e-8
+
+
+@record(eq=False)
+class TriedDesign:
+    """One design.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        By key.
+    objective_rows : array
+        The objective is the largest of them.
+    excess_rows : tuple of array
+        By how much each constraint is violated, as a share of its terms: the largest of them, 0 or less if it is met.
+    """
+
+    values: Mapping[str, float]
+    objective_rows: Real
+    excess_rows: tuple[Real, ...]
+
+    @property
+    def objective(self) -> float:
+        """The value of the objective."""
+        return float(self.objective_rows.max())
+
+    @property
+    def excesses(self) -> Real:
+        """The largest row of each constraint."""
+        return np.array([rows.max() for rows in self.excess_rows])
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """For sorting: designs that meet all constraints come first, and of nearly equal ones those that are exact."""
+        most = float(self.excesses.max(initial=0.0))
+        return most if most > NO_VIOLATION else 0.0, float(f"{self.objective:.6g}"), most, self.objective
+
+
+class Trials:
+    """All designs that a search has tried.
+
+    Parameters
+    ----------
+    recipe : VariedRecipe
+        The recipe that is varied.
+    objective : Formula
+        The number to minimise.
+    conditions : sequence of Condition
+        The constraints.
+    """
+
+    def __init__(self, recipe: VariedRecipe, objective: Formula, conditions: Sequence[Condition]):
+        self.recipe, self.objective, self.conditions = recipe, objective, conditions
+        self.designs: list[TriedDesign] = []
+        self.count = 0
+        self.refusal = ""
+        self._scales: list[float] = []
+
+    def tried(self, values: Mapping[str, float]) -> TriedDesign | None:
+        """The design with these values; None if there is none, or a result is undefined for it."""
+        self.count += 1
+        try:
+            # A search reports its own progress, not that of each design.
+            with progress_shown(lambda *_: None):
+                recipe = self.recipe.opened(values)
+                with errors_named_by_key(self.recipe.file, recipe):
+                    _ = recipe.table
+        except GeomkinError as error:
+            self.refusal = self.refusal or str(error).split("\n")[0]
+            return None
+        try:
+            objective_rows = self.objective.rows(_Results("minimise", recipe), "max")
+            sides = self.sides(recipe)
+            excess_rows = [one.excess(_Results("subject_to", recipe)) for one in self.conditions]
+        except DesignError as error:
+            # Some checks are made only if they matter; a wrong id is unknown from the first design.
+            if error.id != "unknown-key" or not self.designs:
+                raise
+            self.refusal = self.refusal or str(error)
+            return None
+        if not all(np.isfinite(rows).all() for rows in (objective_rows, *excess_rows)):
+            self.refusal = self.refusal or "a result that the formulas name is undefined at some positions"
+            return None
+        self._scales = self._scales or [max(abs(least), abs(most)) or 1.0 for least, most in sides]
+        scaled = tuple(rows / scale for rows, scale in zip(excess_rows, self._scales))
+        design = TriedDesign(dict(values), objective_rows, scaled)
+        self.designs.append(design)
+        return design
+
+    def sides(self, recipe: AbstractRecipe) -> list[tuple[float, float]]:
+        """The values of both sides of each constraint."""
+        return [one.sides(_Results("subject_to", recipe)) for one in self.conditions]
+
+
+class _Results:
+    """Values of a recipe's columns and checks by id, for formulas."""
+
+    def __init__(self, field: str, recipe: AbstractRecipe):
+        self.field, self.recipe = field, recipe
+
+    def __call__(self, name: str) -> Any:
+        columns = [c for c in self.recipe.table.columns if c.values.dtype.kind in "fiub"]
+        for column in columns:
+            if name in (column.id, column.header):
+                return column.values
+        checks = {check.id: check.value for check in self.recipe.checks}
+        if name in checks:
+            return checks[name]
+        known = [*(column.id for column in columns), *checks]
+        raise DesignError(
+            self.field,
+            f"found {shown(name)}",
+            f"{nearest(name, known)}give a column or a check: {printable(', '.join(known), 2000)}",
+            "unknown-key",
+        )

@@ -1,0 +1,263 @@
+"""Optimisation of a recipe: the values of some of its keys that make an objective least within constraints."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import field, replace
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import numpy as np
+
+from ..build import Readable, name_of
+from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
+from ..core.dotted_keys import key_parts, numbers_in
+from ..core.errors import DesignError, printable, shown
+from ..core.progress import Watch
+from ..core.records import record
+from ..export.files import write_whole
+from ..model.check import Check
+from ..recipe.load import to_toml
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.varied import VariedRecipe, varied
+from .designs import Trials, TriedDesign
+from .formulas import condition, objective
+from .search import Box, search_box
+
+# Largest number of combinations of whole numbers, each of which is searched.
+MOST_COMBINATIONS = 10_000
+# End of the name of the written recipe.
+ENDING = ".optimum.toml"
+
+Ranges = Annotated[
+    Mapping[str, tuple[float, float]],
+    ArgumentType(
+        lambda given: (
+            isinstance(given, Mapping)
+            and all(isinstance(key, str) for key in given)
+            and all(
+                isinstance(pair, (tuple, list)) and len(pair) == 2 and all(map(is_real, pair))
+                for pair in given.values()
+            )
+        ),
+        "a table of keys, each with its least and greatest value",
+    ),
+]
+Texts = Annotated[
+    str | Sequence[str],
+    ArgumentType(
+        lambda given: (
+            isinstance(given, str) or (isinstance(given, (list, tuple)) and all(isinstance(n, str) for n in given))
+        ),
+        "a text or a row of texts",
+    ),
+]
+
+
+@record(eq=False)
+class OptimisedDesign:
+    """The best design that an optimisation found.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe
+        The recipe with the best values; `gk.make` makes it, `gk.recipe.to_toml` writes it.
+    values : mapping of str to float or int
+        The best value of each key.
+    objective : float
+        Value of the objective.
+    constraints : tuple of Check
+        Each constraint with its value and limit.
+    evaluations : int
+        Number of designs that were tried.
+    cut_short : bool
+        Whether the time limit or an interruption ended the search.
+    files : mapping of Path to int
+        Written files with their size in bytes.
+    """
+
+    recipe: AbstractRecipe
+    values: Mapping[str, float]
+    objective: float
+    constraints: tuple[Check, ...]
+    evaluations: int
+    cut_short: bool = False
+    files: Mapping[Path, int] = field(default_factory=dict)
+
+
+@checked
+def optimise(
+    recipe: AbstractRecipe | Readable,
+    vary: Ranges,
+    minimise: str,
+    subject_to: Texts = (),
+    starts: Annotated[int, whole_between(1, 1000)] = 6,
+    seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
+    time_limit: PositiveFloat = 60,
+    out: str | Path | None = None,
+) -> OptimisedDesign:
+    """Find the values of a recipe's keys that make a result least within constraints.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe, str, Path or mapping
+        A recipe, or anything that `gk.load` reads.
+    vary : mapping of str to (low, high)
+        Dotted keys of numbers, such as "linkage.crank", with their ranges in the unit of the key. Keys of whole
+        numbers, such as "gear.teeth", take every value of their range.
+    minimise : str
+        The objective: a formula of ids of columns and checks with `min`, `max`, `mean`, `range` and `rms`, such as
+        "max(rocker_omega)", or "-min(transmission_angle)" for a maximum. "rms(distance(coupler_point, [[10, 20],
+        [15, 22]]))" measures points from the path of a traced point, mm.
+    subject_to : str or sequence of str
+        Constraints, such as "min(transmission_angle) >= 40".
+    starts : int
+        Number of gradient searches, 1 to 1000. With 1 the only one starts from the recipe's own
+        values.
+    seed : int
+        Seed of the random designs.
+    time_limit : float
+        Longest time, s. When it is over, or at Ctrl-C, the best design so far is returned.
+    out : str or Path, optional
+        Folder for `<name>/<name>.optimum.toml`. By default nothing is written.
+
+    Returns
+    -------
+    OptimisedDesign
+        The best design.
+
+    Raises
+    ------
+    RecipeError, FileError
+        As for `gk.load`.
+    DesignError
+        If a key, range or formula is wrong, no design works, or none meets the constraints; the message then names
+        the constraint that is missed and by how much.
+
+    Notes
+    -----
+    Gradient searches (sequential quadratic programming) start from the best of random designs and need the package
+    nlopt. Their gradients are difference quotients. A global optimum is likely, and not proved.
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> best = gk.optimise(
+    ...     {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}},
+    ...     vary={"linkage.coupler": (60, 120), "linkage.rocker": (60, 120)},
+    ...     minimise="-min(transmission_angle)",
+    ...     starts=1,
+    ... )
+    >>> round(-best.objective, 2)
+    56.6
+    """
+    source, stem = varied(recipe)
+    name = name_of(source.file, stem)
+    ranges = {key: _range(key, pair) for key, pair in vary.items()}
+    if not ranges:
+        raise DesignError(
+            "vary", "found none", 'give a key and its range, as {"linkage.crank": (20, 40)}', "missing-key"
+        )
+    source.check_keys({key: pair[0] for key, pair in ranges.items()})
+    constraints = [subject_to] if isinstance(subject_to, str) else subject_to
+    trials = Trials(source, objective(minimise), [condition(text) for text in constraints])
+    watch = Watch(time_limit, "optimising")
+    is_interrupted = False
+    try:
+        own = _own_values(source, ranges)
+        boxes = _boxes(own, ranges)
+        for done, box in enumerate(boxes):
+            search_box(trials, box, box.values(box.shares(own)), starts, seed, watch)
+            watch.report((done + 1) / len(boxes))
+    except KeyboardInterrupt:
+        is_interrupted = True
+    watch.report(1.0)
+    found = _result(trials, watch.cut or is_interrupted)
+    if out is None:
+        return found
+    folder, content = Path(out) / name, to_toml(found.recipe).encode()
+    write_whole(folder, {f"{name}{ENDING}": content})
+    return replace(found, files={folder / f"{name}{ENDING}": len(content)})
+
+
+def _range(key: str, pair: Sequence[float]) -> tuple[float, float]:
+    low, high = pair
+    if not low < high:
+        raise DesignError(key, f"found {low:g} to {high:g}", "give a range whose second value is the greater one")
+    return low, high
+
+
+def _boxes(own: Mapping[str, float], ranges: Mapping[str, tuple[float, float]]) -> list[Box]:
+    """A box for each combination of whole numbers."""
+    whole = {
+        key: range(math.ceil(low), math.floor(high) + 1)
+        for key, (low, high) in ranges.items()
+        if isinstance(own[key], int)
+    }
+    count = math.prod(map(len, whole.values()))
+    if not 0 < count <= MOST_COMBINATIONS:
+        problem = f"found {count:,} combinations of whole numbers" if count else "found a range without a whole number"
+        raise DesignError(next(iter(whole)), problem, f"give ranges with 1 to {MOST_COMBINATIONS:,}", "too-much-work")
+    return [
+        Box(
+            {key: fixed.get(key, low) for key, (low, _) in ranges.items()},
+            {key: fixed.get(key, high) for key, (_, high) in ranges.items()},
+        )
+        for numbers in itertools.product(*whole.values())
+        for fixed in [dict(zip(whole, numbers))]
+    ]
+
+
+def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """The recipe's values of the keys, within their ranges; DesignError for a key that is not of a number."""
+    recipe = source.opened({})
+    numbers = {number.key: number.value for number in numbers_in(recipe)}
+    own: dict[str, float] = {}
+    for key, (low, high) in ranges.items():
+        given: Any = source.recipe
+        for part in key_parts(key):
+            given = given[part] if isinstance(part, int) or part in given else {}
+        # A key that is left out may have no value.
+        if key not in numbers and given != {}:
+            raise DesignError(
+                key, f"found {shown(given)}, which is not a number", "give a key of a number", "wrong-type"
+            )
+        value = numbers.get(key, (low + high) / 2)
+        own[key] = value if isinstance(value, int) else min(max(value, low), high)
+    return own
+
+
+def _result(trials: Trials, cut_short: bool) -> OptimisedDesign:
+    if not trials.designs:
+        remedy = "give more time" if cut_short else "give ranges in which the mechanism can be assembled"
+        problem = f"none of {trials.count} designs works, the first for this: {printable(trials.refusal, 300)}"
+        raise DesignError("time_limit" if cut_short else "vary", problem, remedy, "does-not-assemble")
+    design = min(trials.designs, key=lambda design: design.rank)
+    if design.rank[0] > 0:
+        _refuse(trials, design)
+    recipe = trials.recipe.opened(design.values)
+    return OptimisedDesign(
+        recipe=recipe,
+        values=design.values,
+        objective=design.objective,
+        constraints=tuple(
+            one.check(f"constraint_{k}", *sides)
+            for k, (one, sides) in enumerate(zip(trials.conditions, trials.sides(recipe)), 1)
+        ),
+        evaluations=trials.count,
+        cut_short=cut_short,
+    )
+
+
+def _refuse(trials: Trials, design: TriedDesign) -> NoReturn:
+    """Name the constraint that the best design misses most, and by how much."""
+    worst = int(np.argmax(design.excesses))
+    least, most = trials.sides(trials.recipe.opened(design.values))[worst]
+    text = trials.conditions[worst].text
+    values = ", ".join(f"{key} = {value:.6g}" for key, value in design.values.items())
+    problem = (
+        f"none of {trials.count} designs meets all; the nearest ({values}) misses {shown(text)} by {least - most:.4g}"
+    )
+    raise DesignError("subject_to", printable(problem, 1000), "relax this constraint, or give wider ranges")

@@ -1,0 +1,188 @@
+"""The search: random designs, and gradient steps from the best of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..core.progress import Watch
+from ..core.records import record
+from ..plane.vec import Real
+from .designs import Trials, TriedDesign
+
+# Step of a difference quotient, as a share of a key's range.
+DIFFERENCE = 1e-7
+# Relative change of the objective and of the values at which a gradient search ends, and its most steps.
+CONVERGED, MOST_STEPS = 1e-10, 200
+# Distance from its limit at which a constraint is kept, as a share of its terms, so that rounding does not violate it.
+MARGIN = 1e-9
+# Random designs per key, the most of them if few work, and the least distance of the designs from which gradient
+# searches start, as a share of the ranges.
+RANDOM_DESIGNS, RARE, APART = 10, 500, 0.1
+
+
+class TimeOverError(Exception):
+    """The time limit, from within a gradient search."""
+
+
+@record(eq=False)
+class Box:
+    """Ranges of the keys that vary.
+
+    Parameters
+    ----------
+    low, high : mapping of str to float
+        By key; keys of whole numbers are fixed, with equal values.
+    """
+
+    low: Mapping[str, float]
+    high: Mapping[str, float]
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Keys whose value varies."""
+        return tuple(key for key in self.low if self.low[key] < self.high[key])
+
+    def values(self, shares: Real) -> dict[str, float]:
+        """Values by key at shares of the ranges of the free keys."""
+        varied = {
+            key: min(self.low[key] + float(share) * (self.high[key] - self.low[key]), self.high[key])
+            for key, share in zip(self.free, shares)
+        }
+        return {key: varied.get(key, self.low[key]) for key in self.low}
+
+    def shares(self, values: Mapping[str, float]) -> Real:
+        """Shares of the ranges, of values by key."""
+        return np.array([(values[key] - self.low[key]) / (self.high[key] - self.low[key]) for key in self.free])
+
+
+def search_box(trials: Trials, box: Box, own: Mapping[str, float], starts: int, seed: int, watch: Watch) -> None:
+    """Try the recipe's own values and random designs; gradient searches start from the best that lie apart."""
+    before, free = len(trials.designs), len(box.free)
+    rng = np.random.default_rng(seed)
+    random = list(rng.random((RANDOM_DESIGNS * free if starts > 1 else 0, free)))
+    for values in (own, *map(box.values, random)):
+        if not watch.over():
+            trials.tried(values)
+    # Designs that work may be rare.
+    for shares in rng.random((RARE * free, free)):
+        if watch.over() or len(trials.designs) - before >= starts:
+            break
+        trials.tried(box.values(shares))
+    if not free:
+        return
+    chosen: list[Real] = []
+    for design in sorted(trials.designs[before:], key=lambda design: design.rank):
+        shares = box.shares(design.values)
+        if len(chosen) < starts and all(np.abs(shares - other).max() > APART for other in chosen):
+            chosen.append(shares)
+    for shares in chosen:
+        if not watch.over():
+            gradient_search(trials, box, shares, watch)
+    nearest = min(trials.designs[before:], key=lambda design: design.rank, default=None)
+    if nearest is not None and nearest.rank[0] > 0:
+        gradient_search(trials, box, box.shares(nearest.values), watch, of_violation=True)
+        nearest = min(trials.designs[before:], key=lambda design: design.rank)
+        if nearest.rank[0] == 0:
+            gradient_search(trials, box, box.shares(nearest.values), watch)
+
+
+def gradient_search(trials: Trials, box: Box, start: Real, watch: Watch, of_violation: bool = False) -> None:
+    """Sequential quadratic programming from one design; the designs that it tries are added to `trials`.
+
+    The largest of many values is minimised through one more variable that none of them exceeds, so that kinks are no
+    obstacle. Gradients are difference quotients. Kraft, A software package for sequential quadratic programming, 1988,
+    as NLopt has it. With `of_violation` the largest violation of a constraint is minimised instead of the objective.
+    """
+    import nlopt
+
+    reference = trials.tried(box.values(start))
+    if reference is None:
+        return
+    count = len(start)
+    objective_rows, excess_rows = _rows(reference, of_violation)
+    scale = max(float(np.abs(objective_rows).max()), 1e-12)
+    has_bound = len(objective_rows) > 1
+    known: dict[bytes, tuple[Real, Real]] = {}
+
+    def results(shares: Real) -> tuple[Real, Real]:
+        """Rows of the objective and of the constraints; far above all others where there is no design."""
+        if watch.over():
+            raise TimeOverError
+        key = shares.tobytes()
+        if key not in known:
+            design = trials.tried(box.values(shares))
+            if design is None:
+                known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
+            else:
+                wanted, excess = _rows(design, of_violation)
+                known[key] = (
+                    _resampled(wanted, len(objective_rows)) / scale,
+                    _resampled(excess, len(excess_rows)) + MARGIN,
+                )
+        return known[key]
+
+    def slopes(shares: Real) -> tuple[Real, Real]:
+        """Derivatives of both by the shares."""
+        here, columns = results(shares), []
+        for k in range(count):
+            step = DIFFERENCE if shares[k] + DIFFERENCE <= 1 else -DIFFERENCE
+            there = results(shares + step * np.eye(count)[k])
+            columns.append([(b - a) / step for a, b in zip(here, there)])
+        return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
+
+    def objective(x: Real, gradient: Real) -> float:
+        if has_bound:
+            if gradient.size:
+                gradient[:] = np.append(np.zeros(count), 1.0)
+            return float(x[count])
+        if gradient.size:
+            gradient[:] = slopes(x)[0][0]
+        return float(results(x)[0][0])
+
+    def constraints(values: Real, x: Real, gradient: Real) -> None:
+        wanted_rows, excess = results(x[:count])
+        if has_bound:
+            values[:] = np.concatenate([wanted_rows - x[count], excess])
+        else:
+            values[:] = excess
+        if gradient.size:
+            by_objective, by_excess = slopes(x[:count])
+            if has_bound:
+                gradient[:, :count] = np.concatenate([by_objective, by_excess])
+                gradient[:, count] = np.where(np.arange(len(values)) < len(wanted_rows), -1.0, 0.0)
+            else:
+                gradient[:] = by_excess
+
+    solver = nlopt.opt(nlopt.LD_SLSQP, count + has_bound)
+    solver.set_min_objective(objective)
+    rows = len(excess_rows) + (len(objective_rows) if has_bound else 0)
+    if rows:
+        solver.add_inequality_mconstraint(constraints, np.zeros(rows))
+    solver.set_lower_bounds(np.append(np.zeros(count), [-np.inf] * has_bound))
+    solver.set_upper_bounds(np.append(np.ones(count), [np.inf] * has_bound))
+    solver.set_ftol_rel(CONVERGED)
+    solver.set_xtol_rel(CONVERGED)
+    solver.set_maxeval(MOST_STEPS)
+    try:
+        solver.optimize(np.append(start, [float(objective_rows.max()) / scale] * has_bound))
+    except TimeOverError:
+        pass
+    except (nlopt.RoundoffLimited, nlopt.ForcedStop, RuntimeError):
+        # At an optimum where many values are equal there may be no further step; the best design is known.
+        pass
+
+
+def _rows(design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:
+    """The rows of which the largest is minimised, and those that have to be at most 0."""
+    excess = np.concatenate([*design.excess_rows, np.zeros(0)])
+    return (excess, np.zeros(0)) if of_violation else (design.objective_rows, excess)
+
+
+def _resampled(rows: Real, count: int) -> Real:
+    """The rows, interpolated if a design has another number of them."""
+    if len(rows) == count:
+        return rows
+    resampled: Real = np.interp(np.linspace(0, 1, count), np.linspace(0, 1, len(rows)), rows)
+    return resampled

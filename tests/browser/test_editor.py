@@ -1,0 +1,207 @@
+"""The studio in a real browser: what is dragged or typed is what is shown, and what is saved."""
+
+import threading
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import geomkin as gk
+from geomkin.page.scene_json import scene_data
+from geomkin.studio.server import Studio, StudioServer
+from geomkin.studio.workspace import Workspace
+
+RECIPES = Path(__file__).parent.parent.parent / "recipes"
+FOUR_BAR = """# A comment at the top.
+kind = "four-bar"
+
+[linkage]  # lengths in mm
+ground = 100
+crank = 30.00  # driven
+coupler = 90
+rocker = 70
+coupler_point = [40, 25]  # the pen
+"""
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+
+
+@pytest.fixture
+def studio(chromium, tmp_path):
+    """Opens the studio with a recipe's text; afterwards its console must be empty."""
+    ended, said = [], []
+
+    def start(text, **options):
+        file = tmp_path / "it.toml"
+        file.write_text(text)
+        server = StudioServer(Studio(Workspace(tmp_path), "it" if text else ""), 18300)
+        threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
+        context = chromium.new_context(reduced_motion="reduce", **options)
+        page = context.new_page()
+        ended.append(lambda: (context.close(), server.shutdown(), server.server_close()))
+        answers = []
+        page.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on(
+            "response", lambda reply: answers.append(reply) if "/answer" in reply.url or "/job" in reply.url else None
+        )
+        page.goto(server.url)
+        page.wait_for_selector("body[data-checked]" if text else "dialog[open] .card")
+        return SimpleNamespace(page=page, answers=answers, file=file)
+
+    yield start
+    for end in ended:
+        end()
+    assert not said
+
+
+def settle(page):
+    page.wait_for_timeout(30)
+    page.wait_for_selector("body:not(.solving)")
+
+
+def value(page, key):
+    return float(page.input_value(f'[name="{key}"]'))
+
+
+def centre(page, handle):
+    box = page.locator(f'[data-handle="{handle}"] .knob').bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page, handle, right, up):
+    x, y = centre(page, handle)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + right, y - up, steps=4)
+    page.mouse.up()
+    settle(page)
+
+
+def fill(page, key, text):
+    page.fill(f'[name="{key}"]', text)
+    page.dispatch_event(f'[name="{key}"]', "change")
+    settle(page)
+
+
+def save(editor):
+    """Saves by the keyboard and holds that the saved recipe, run anew, is what is shown; returns its text."""
+    page = editor.page
+    page.keyboard.press("Control+s")
+    page.wait_for_selector("#dirty", state="hidden")
+    settle(page)
+    # The answer of a search is the result of its job.
+    answers = [reply.json() for reply in editor.answers]
+    scenes = [scene for answer in answers if (scene := (answer.get("result") or answer).get("scene"))]
+    text = editor.file.read_text()
+    run = scene_data(gk.load(text).with_name("it").scene, "it")
+    assert scenes[-1] == run
+    plates = page.eval_on_selector_all("#player .plate", "plates => plates.map(plate => plate.getAttribute('d'))")
+    assert plates and set(plates) <= set(run["paths"])
+    return text
+
+
+def test_a_dragged_pin_follows_the_mouse_is_undone_and_saved_with_all_comments(studio):
+    editor = studio(FOUR_BAR)
+    page = editor.page
+    x, y = centre(page, "point:rocker_pin")
+    drag(page, "point:rocker_pin", 24, 16)
+    there = centre(page, "point:rocker_pin")
+    assert abs(there[0] - x - 24) < 2 and abs(there[1] - y + 16) < 2
+    lengths = [value(page, key) for key in ("linkage.coupler", "linkage.rocker")]
+    assert lengths[0] != 90 and lengths[1] != 70
+    assert page.get_attribute('[data-handle="point:rocker_pin"]', "data-keys") == "linkage.coupler|linkage.rocker"
+
+    page.keyboard.press("Control+z")
+    settle(page)
+    assert (value(page, "linkage.coupler"), value(page, "linkage.rocker")) == (90, 70)
+    assert page.is_hidden("#dirty") and page.is_disabled("#undo")
+    page.keyboard.press("Control+y")
+    settle(page)
+    assert [value(page, key) for key in ("linkage.coupler", "linkage.rocker")] == lengths
+
+    lines = save(editor).splitlines()
+    kept = FOUR_BAR.splitlines()
+    changed = {k for k, line in enumerate(lines) if line != kept[k]}
+    assert len(lines) == len(kept) and {kept[k] for k in changed} == {"coupler = 90", "rocker = 70"}
+
+
+def test_a_finger_drags_on_a_phone(studio):
+    page = studio(FOUR_BAR, **PHONE).page
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    x, y = centre(page, "point:coupler_point")
+    finger = page.context.new_cdp_session(page)
+    for kind, points in [
+        ("touchStart", [{"x": x, "y": y}]),
+        *[("touchMove", [{"x": x + k, "y": y - k}]) for k in (4, 8, 12)],
+        ("touchEnd", []),
+    ]:
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    settle(page)
+    there = centre(page, "point:coupler_point")
+    assert abs(there[0] - x - 12) < 2 and abs(there[1] - y + 12) < 2
+    assert value(page, "linkage.coupler_point[0]") != 40 and page.evaluate("scrollY") == 0
+
+
+def test_arrow_keys_move_a_handle_in_one_step_of_undo_and_a_lock_holds_it(studio):
+    page = studio(FOUR_BAR).page
+    handle = '[data-handle="point:coupler_point"]'
+    x, _ = centre(page, "point:coupler_point")
+    page.focus(handle)
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+        settle(page)
+    assert centre(page, "point:coupler_point")[0] > x + 6
+    page.click("#undo")
+    settle(page)
+    assert value(page, "linkage.coupler_point[0]") == 40 and page.is_disabled("#undo")
+    page.click('button[aria-label="Lock linkage.coupler_point"]')
+    settle(page)
+    page.focus(handle)
+    page.keyboard.press("ArrowRight")
+    settle(page)
+    assert page.get_attribute(handle, "aria-disabled") == "true"
+    assert value(page, "linkage.coupler_point[0]") == 40 and page.is_disabled("#undo")
+
+
+def test_a_refused_value_leaves_the_last_good_mechanism_greyed(studio):
+    editor = studio(FOUR_BAR)
+    page = editor.page
+    plates = page.inner_html("#player .stages")
+    fill(page, "linkage.crank", "-3")
+    assert page.inner_html("#player .stages") == plates
+    assert float(page.eval_on_selector("#player .stages", "stages => getComputedStyle(stages).opacity")) < 1
+    assert page.get_attribute('[name="linkage.crank"]', "aria-invalid") == "true"
+    assert page.inner_text('.problem[data-of="linkage.crank"]')
+    page.keyboard.press("Control+s")
+    settle(page)
+    assert editor.file.read_text() == FOUR_BAR
+    fill(page, "linkage.crank", "31.5")
+    assert not page.locator(".stale").count() and not page.get_attribute('[name="linkage.crank"]', "aria-invalid")
+    assert "crank = 31.5  # driven" in save(editor)
+
+
+@pytest.mark.parametrize(
+    ("recipe", "key", "typed"),
+    [
+        ("walking-leg", "linkage.bodies.crank.M[0]", "14.5"),
+        ("roller-cam", "cam.base_radius", "42"),
+        ("gear-pair", "second.teeth", "25"),
+        ("three-poses", "wanted.poses[1][0]", "-18"),
+    ],
+)
+def test_a_typed_value_is_shown_and_saved(studio, recipe, key, typed):
+    editor = studio((RECIPES / f"{recipe}.toml").read_text())
+    fill(editor.page, key, typed)
+    assert typed in save(editor) and value(editor.page, key) == float(typed)
+
+
+def test_a_template_of_the_gallery_is_edited_and_saved_under_a_new_name(studio):
+    editor = studio("")
+    page = editor.page
+    page.click('.card:has-text("pantograph")')
+    page.wait_for_selector("body[data-checked]")
+    page.keyboard.press("Control+s")
+    page.fill("#file-name", "copy")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#dirty", state="hidden")
+    assert gk.load(editor.file.with_name("copy.toml")).kind == "pantograph"

@@ -1,0 +1,206 @@
+"""Optimisation finds known optima, gives the same result again, and names the constraint that nothing meets."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import geomkin as gk
+from geomkin.cli import cli
+from geomkin.optimisation.designs import Trials
+
+FOUR_BAR = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}
+GEAR = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2, "profile_shift": 0.0}}
+SIDES = {"linkage.coupler": (60.0, 120.0), "linkage.rocker": (60.0, 120.0)}
+TRANSMISSION = "-min(transmission_angle)"
+
+
+def transmission_angle(ground, crank, coupler, rocker):
+    """Least acute angle between coupler and rocker of a crank-rocker, deg, by the cosine rule at the two extremes."""
+    diagonals = ground - crank, ground + crank
+    cosines = [(coupler**2 + rocker**2 - d**2) / (2 * coupler * rocker) for d in diagonals]
+    return 90 - np.degrees(np.arcsin(np.max(np.abs(cosines), axis=0)))
+
+
+def test_best_transmission_angle_of_a_crank_rocker():
+    """With 2 b^2 = a^2 + d^2 the diagonals deviate equally from a right angle, so sin of the deviation is 2 a d / (a^2 + d^2)."""
+    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=2)
+    side = np.sqrt((30**2 + 100**2) / 2)
+    assert best.values["linkage.coupler"] == pytest.approx(side, rel=1e-6)
+    assert best.values["linkage.rocker"] == pytest.approx(side, rel=1e-6)
+    assert -best.objective == pytest.approx(90 - np.degrees(np.arcsin(2 * 30 * 100 / (30**2 + 100**2))), abs=1e-6)
+    assert best.recipe.design.coupler == best.values["linkage.coupler"]
+
+
+def swing(crank, coupler, rocker):
+    """Swing of the rocker, deg, from its two positions in line with the crank."""
+    angles = [
+        np.arccos((100**2 + rocker**2 - (coupler + sign * crank) ** 2) / (2 * 100 * rocker)) for sign in (1.0, -1.0)
+    ]
+    return np.degrees(angles[0] - angles[1])
+
+
+def test_constrained_optimum_agrees_with_a_grid():
+    """The largest rocker swing with a transmission angle of 40 deg at least."""
+    crank, coupler = np.meshgrid(np.linspace(25, 45, 401), np.linspace(60, 110, 501), indexing="ij")
+    with np.errstate(invalid="ignore"):
+        feasible = (transmission_angle(100, crank, coupler, 70) >= 40) & (crank + 100 <= coupler + 70)
+        largest = np.max(swing(crank, coupler, 70), where=feasible, initial=0)
+    best = gk.optimise(
+        FOUR_BAR,
+        {"linkage.crank": (25, 45), "linkage.coupler": (60, 110)},
+        "-range(rocker_angle)",
+        "min(transmission_angle) >= 40",
+        starts=3,
+    )
+    assert best.constraints[0].passed and best.constraints[0].value == pytest.approx(40, abs=1e-5)
+    # The motion is sampled at whole degrees, so that its range is slightly below the swing.
+    assert -best.objective == pytest.approx(largest, rel=2e-3)
+
+
+def test_whole_numbers_are_enumerated():
+    """The gear of the thinnest rim whose teeth are wide enough at their tips and not undercut, of all numbers of teeth."""
+    sweep = gk.sweep(GEAR, {"gear.teeth": "8:20:1"})
+    checks = {row.values["gear.teeth"]: {check.id: check.value for check in row.checks} for row in sweep.rows}
+    allowed = [teeth for teeth, found in checks.items() if found["undercut"] <= 0 and found["tip_thickness"] >= 0.47]
+    best = gk.optimise(GEAR, {"gear.teeth": (7.5, 20)}, "rim", ["undercut <= 0", "tip_thickness >= 0.47"])
+    assert best.values == {"gear.teeth": min(allowed, key=lambda teeth: checks[teeth]["rim"])}
+    assert isinstance(best.recipe.gear.teeth, int) and best.evaluations < 30
+
+
+def test_path_passes_through_points_of_a_known_linkage():
+    linkage = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
+    points = gk.move(linkage, np.radians([10, 80, 150, 230])).point("coupler_point").position
+    recipe = {"kind": "four-bar", "linkage": {**FOUR_BAR["linkage"], "coupler_point": [35, 30]}}
+    target = [[float(z.real), float(z.imag)] for z in points]
+    vary = {"linkage.coupler_point[0]": (20, 60), "linkage.coupler_point[1]": (0, 50)}
+    best = gk.optimise(recipe, vary, f"max(distance(coupler_point, {target}))", starts=1)
+    assert list(best.values.values()) == pytest.approx([40, 25], abs=0.05)
+
+
+def test_same_seed_gives_the_same_result():
+    first, second = (gk.optimise(FOUR_BAR, SIDES, "max(rocker_alpha)", starts=2, seed=3) for _ in range(2))
+    assert first.values == second.values and first.evaluations == second.evaluations
+
+
+VARY = {"linkage.crank": (20, 40)}
+
+
+@pytest.mark.parametrize(
+    ("vary", "minimise", "subject_to", "field", "named"),
+    [
+        ({"kind": (1, 2)}, TRANSMISSION, (), "kind", "four-bar"),
+        ({"linkage.krank": (1, 2)}, TRANSMISSION, (), "linkage.krank", "crank"),
+        ({"linkage.crank[3]": (1, 2)}, TRANSMISSION, (), "linkage.crank[3]", "crank"),
+        ({"linkage.crank": (40, 20)}, TRANSMISSION, (), "linkage.crank", "40 to 20"),
+        ({"linkage.crank": (-2, -1)}, TRANSMISSION, (), "vary", "linkage.crank"),
+        ({}, TRANSMISSION, (), "vary", "linkage.crank"),
+        (VARY, "min(transmission_angel)", (), "minimise", "transmission_angle"),
+        (VARY, "transmission_angle", (), "minimise", "max"),
+        (VARY, "distance(coupler_point, [1, 2])", (), "minimise", "points"),
+        (VARY, "max(rocker_omega + distance(coupler_point, [[1, 2], [3, 4]]))", (), "minimise", "rocker_omega"),
+        (VARY, TRANSMISSION, "min(transmission_angle)", "subject_to", ">="),
+        (VARY, TRANSMISSION, "40 <= mu", "subject_to", "mu"),
+    ],
+)
+def test_wrong_input_is_refused_by_name(vary, minimise, subject_to, field, named):
+    with pytest.raises(gk.DesignError) as refused:
+        gk.optimise(FOUR_BAR, vary, minimise, subject_to, starts=1)
+    assert refused.value.field == field
+    assert named in str(refused.value)
+
+
+def test_too_many_combinations_of_whole_numbers_are_refused_before_the_search():
+    with pytest.raises(gk.DesignError) as refused:
+        gk.optimise(GEAR, {"gear.teeth": (4, 1e9)}, "rim")
+    assert refused.value.id == "too-much-work"
+
+
+def test_constraint_that_nothing_meets_is_named_with_its_distance():
+    """The best transmission angle that these lengths allow is 56.6 deg, 13.4 deg below the limit."""
+    with pytest.raises(gk.DesignError) as refused:
+        gk.optimise(
+            FOUR_BAR,
+            SIDES,
+            "max(rocker_omega)",
+            ["max(rocker_angle) <= 500", "min(transmission_angle) >= 70"],
+            starts=1,
+        )
+    assert "'min(transmission_angle) >= 70' by 13.4" in str(refused.value)
+
+
+def test_interruption_keeps_the_best_design(monkeypatch):
+    original, count = Trials.tried, iter(range(1000))
+
+    def tried(self, values):
+        if next(count) == 12:
+            raise KeyboardInterrupt
+        return original(self, values)
+
+    monkeypatch.setattr(Trials, "tried", tried)
+    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1)
+    assert best.cut_short and best.evaluations == 12
+    assert 45 < -best.objective < 56.61
+
+
+def test_time_limit_ends_the_search():
+    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1000, time_limit=0.2)
+    assert best.cut_short and best.constraints == ()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').system('true')",
+        "().__class__",
+        "[x for x in (1,)]",
+        "lambda: 1",
+        "max(rocker_omega, 1)",
+        "rocker_omega[0]",
+        "open('x')",
+        "1j",
+        "True",
+        "9" * 400,
+        "-" * 3000 + "1",
+        "(" * 3000 + "1",
+        "1" * 20_000,
+        "max(\x1b[31m)",
+        "",
+    ],
+    ids=range(15),
+)
+@pytest.mark.parametrize("field", ["minimise", "subject_to"])
+def test_hostile_formulas_are_refused(text, field):
+    formulas = {"minimise": TRANSMISSION, "subject_to": (), field: f"{text} <= 1" if field == "subject_to" else text}
+    with pytest.raises(gk.DesignError) as refused:
+        gk.optimise(FOUR_BAR, VARY, starts=1, **formulas)
+    assert refused.value.field == field and str(refused.value).isprintable() and len(str(refused.value)) < 3000
+
+
+def test_formula_without_a_finite_value_is_refused():
+    with pytest.raises(gk.DesignError) as refused:
+        gk.optimise(FOUR_BAR, VARY, "9**9**9**9 / 0", starts=1)
+    assert refused.value.field == "vary"
+
+
+def test_command_writes_a_recipe_that_holds_the_optimum(tmp_path):
+    (tmp_path / "bar.toml").write_text(gk.recipe.to_toml(gk.load(FOUR_BAR)))
+    arguments = [
+        "optimise",
+        str(tmp_path / "bar.toml"),
+        "--minimise",
+        TRANSMISSION,
+        "--out",
+        str(tmp_path),
+        "--starts=1",
+    ]
+    for key in SIDES:
+        arguments += ["--vary", f"{key}=60:120"]
+    result = CliRunner().invoke(cli, [*arguments, "--subject-to", "max(rocker_angle) <= 170"])
+    assert result.exit_code == 0 and "pass" in result.output, result.output
+    found = gk.load(tmp_path / "bar" / "bar.optimum.toml")
+    assert {check.id: check.value for check in found.checks}["transmission_angle"] > 56
+    assert f"{found.design.coupler:.6g}" in result.output
+    wrong = CliRunner().invoke(cli, [*arguments, "--vary", "linkage.crank=40"])
+    assert wrong.exit_code == 2 and "KEY=LOW:HIGH" in wrong.output
+    unmet = CliRunner().invoke(cli, [*arguments, "--subject-to", "min(transmission_angle) >= 70"])
+    assert unmet.exit_code == 1 and "min(transmission_angle) >= 70" in unmet.output

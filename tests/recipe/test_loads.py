@@ -1,0 +1,237 @@
+"""The table `[loads]` of a linkage's recipe: driver effort and joint forces in table, plots and summary."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+BARS = {"ground": 100, "crank": 50, "coupler": 151, "rocker": 111}
+MASSES = {
+    "crank": {"mass_kg": 0.2, "centre": [20, 0], "inertia_kg_mm2": 100},
+    "coupler": {"mass_kg": 0.5, "centre": [75.5, 0], "inertia_kg_mm2": 1210},
+    "rocker": {"mass_kg": 0.4, "centre": [55.5, 0], "inertia_kg_mm2": 910},
+}
+DRIVE = {"speed_rpm": 95 * 30 / np.pi, "start_deg": 120, "end_deg": 240, "step_deg": 10}
+STEEL = {"material": "steel-S235"}
+
+
+def four_bar(loads, **more):
+    return gk.load({"kind": "four-bar", "linkage": BARS, "drive": DRIVE, "loads": loads, **more})
+
+
+def slider_crank(loads, **more):
+    linkage = {"crank": 40, "coupler": 140, **more.pop("linkage", {})}
+    return gk.load({"kind": "slider-crank", "linkage": linkage, "loads": loads, **more})
+
+
+def problems(loads):
+    """Key and id of each problem that is found when a recipe with these loads is read."""
+    with pytest.raises(gk.RecipeError) as error:
+        four_bar(loads)
+    return [(found.key, found.id) for found in error.value.problems]
+
+
+def test_the_driver_torque_is_that_of_an_independent_solution():
+    """Newton's and Euler's equations solved link by link, in another program with 50 digits."""
+    recipe = four_bar({"masses": MASSES})
+    assert recipe.table["driver_torque"][0] == pytest.approx(-3521.164809164, rel=1e-11)
+    assert recipe.table.column("driver_torque").header == "driver_torque_N_mm"
+    x, y, size = (recipe.table[f"crank_pin_force_on_coupler{end}"] for end in ("_x", "_y", ""))
+    assert np.hypot(x, y) == pytest.approx(size, rel=1e-12) and size[0] == pytest.approx(125.713, abs=1e-3)
+
+
+def test_the_weight_of_the_parts_is_the_potential_energy_that_the_driver_supplies():
+    """At a crawl, the torque is the derivative of the height of all parts, weighed from their outlines."""
+    crawl = DRIVE | {"speed_rpm": 1e-3, "step_deg": 0.25}
+    recipe = four_bar({"gravity_m_per_s2": [3, -9.81]}, stock=STEEL, drive=crawl)
+    motion, energy = recipe.motion, 0
+    for name, mass in recipe.body_masses.items():
+        place = motion.bodies[name].point(mass.centre).position
+        energy = energy + mass.mass * (9.81 * place.imag - 3 * place.real)
+    wanted = np.gradient(energy, motion.drive)[1:-1]
+    assert recipe.table["driver_torque"][1:-1] == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())
+    # An entry replaces the mass of the parts.
+    light = four_bar({"masses": {name: {"mass_kg": 0} for name in MASSES}}, stock=STEEL, drive=crawl)
+    assert np.abs(light.table["driver_torque"]).max() == 0
+
+
+def test_loads_add_up_and_a_doubled_load_doubles_the_torque():
+    still = {"gravity_m_per_s2": [0, 0]}
+    force = {"body": "rocker", "point": "rocker_pin", "force_n": [30, -20]}
+    doubled = force | {"point": [111, 0], "force_n": [60, -40]}
+    torque = {"body": "coupler", "torque_n_mm": 700}
+    spring = {"body": "rocker", "point": "rocker_pin", "to_body": "ground", "to_point": [0, 300], "stiffness": 0.2}
+    one, two, turned, sprung, all_of_them = (
+        four_bar(still | loads).table["driver_torque"]
+        for loads in (
+            {"forces": [force]},
+            {"forces": [doubled]},
+            {"torques": [torque]},
+            {"springs": [spring]},
+            {"forces": [force], "torques": [torque], "springs": [spring]},
+        )
+    )
+    assert two == pytest.approx(2 * one, rel=1e-12)
+    assert all_of_them == pytest.approx(one + turned + sprung, rel=1e-10)
+    # Virtual work: the driver supplies what the spring's tension and the load take.
+    motion = four_bar(still | {"springs": [spring]}).motion
+    length = np.abs(motion.point("rocker_pin").position - 300j)
+    slope = np.real(np.conj(motion.point("rocker_pin").position - 300j) * motion.point("rocker_pin").first) / length
+    assert sprung == pytest.approx(0.2 * length * slope, rel=1e-10)
+    assert turned == pytest.approx(-700 * motion.coupler.first, rel=1e-10)
+
+
+def test_springs_of_all_sorts_store_the_work_of_the_driver():
+    """The torque is the derivative of the energy: of twist squared, and of a gas at constant temperature."""
+    fine = DRIVE | {"speed_rpm": 1e-3, "step_deg": 0.25}
+    ends = {"body": "rocker", "point": "rocker_pin", "to_body": "ground", "to_point": [0, 300]}
+    gas = {"gas_springs": [ends | {"force": 100, "extended": 400, "gas_length": 500}]}
+    torsion = {"torsion_springs": [{"body": "rocker", "to_body": "coupler", "stiffness": 500, "free_angle_deg": 30}]}
+    motion = four_bar(gas, drive=fine).motion
+    compression = 400 - np.abs(motion.point("rocker_pin").position - 300j)
+    twist = np.unwrap(np.angle(motion.rocker.direction / motion.coupler.direction)) - np.pi / 6
+    twist -= 2 * np.pi * np.round(twist[0] / (2 * np.pi))
+    assert compression.min() > 0
+    for loads, energy in ((gas, -100 * 500 * np.log(1 - compression / 500)), (torsion, 250 * twist**2)):
+        wanted = np.gradient(energy, motion.drive)[1:-1]
+        torque = four_bar(loads, drive=fine).table["driver_torque"][1:-1]
+        assert torque == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())
+
+
+def test_a_slide_that_drives_needs_a_force_and_its_guide_carries_the_weight():
+    """A crosshead that creeps: its guide carries its weight, and rubs with a tenth of it."""
+    block = {"masses": {"slider": {"mass_kg": 2}}}
+    friction = {"slide_friction": [{"slide": "slide", "coefficient": 0.1}]}
+    slow = {"stroke": {"start": 110, "end": 170, "speed": 1e-3}, "linkage": {"driver": "slider"}}
+    free, rubbing = slider_crank(block, **slow).table, slider_crank(block | friction, **slow).table
+    assert free["driver_force"] == pytest.approx(0, abs=1e-9)
+    assert rubbing["driver_force"] == pytest.approx(0.1 * 2 * 9.81, rel=1e-9)
+    assert free["slide_normal_force"] == pytest.approx(2 * 9.81, rel=1e-9)
+    pushed = slider_crank({"slide_forces": [{"slide": "slide", "force_n": -100}]}, **slow)
+    assert pushed.table["driver_force"] == pytest.approx(100, rel=1e-9)
+
+
+def test_friction_of_a_pin_makes_the_driver_work_more():
+    force = {"forces": [{"body": "rocker", "point": "rocker_pin", "force_n": [0, -50]}]}
+    friction = {"pin_friction": [{"pin": "rocker_pin", "coefficient": 0.2, "radius": 3}]}
+    turn = {"speed_rpm": 60, "step_deg": 2}
+    linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+    without, with_friction = (
+        gk.load({"kind": "four-bar", "linkage": linkage, "drive": turn, "loads": loads}).force_analysis
+        for loads in (force, force | friction)
+    )
+    # Over a turn the weight gives back what it took.
+    assert abs(without.work) < 1e-6 * np.abs(without.driver).max()
+    assert with_friction.work > 0.01 * np.abs(without.driver).max()
+
+
+def test_the_summary_has_peak_and_mean_and_the_page_has_plots():
+    recipe = four_bar({"masses": MASSES})
+    loads, torque = recipe.notes["loads"], recipe.table["driver_torque"]
+    effort = loads["driver_torque_N_mm"]
+    peak = np.argmax(np.abs(torque))
+    assert effort["peak"] == pytest.approx(torque[peak]) and effort["peak_at_deg"] == pytest.approx(120 + 10 * peak)
+    # Linear between the frames; the mean of the squares by 1000 samples of each step.
+    fine = np.interp(np.linspace(0, 12, 12001), np.arange(13), torque**2)
+    assert effort["rms"] == pytest.approx(np.sqrt(fine.mean()), rel=1e-3)
+    for pin, force in loads["largest_pin_force_N"].items():
+        sizes = [
+            recipe.table[id] for id in recipe.table.ids if id.startswith(f"{pin}_force") and id[-2:] not in ("_x", "_y")
+        ]
+        assert force == pytest.approx(max(map(np.max, sizes)))
+    assert len(loads["largest_pin_force_N"]) == 4 and loads["undetermined"] == []
+    plotted = {id for plot in recipe.scene.plots for id in plot.columns}
+    assert {"driver_torque", "crank_pin_force_on_coupler", "rocker_pivot_force_on_rocker"} <= plotted
+
+
+def test_arrows_at_the_pins_are_the_forces_of_the_table_at_one_scale():
+    recipe = four_bar({"masses": MASSES}, drive=DRIVE | {"end_deg": 480})
+    arrows = {mark.label.split(" force, ")[0]: mark for mark in recipe.scene.marks if mark.role == "force"}
+    assert len(arrows) == 4
+    scales = []
+    for name, mark in arrows.items():
+        pin, _, body = name.partition(" on ")
+        assert mark.place == pytest.approx(recipe.motion.point(pin).position)
+        x, y = (recipe.table[f"{pin}_force_on_{body}_{axis}"] for axis in "xy")
+        ratio = mark.vector / (x + 1j * y)
+        # The longest arrows are shortened, none is turned.
+        assert np.abs(ratio.imag).max() < 1e-9 * np.abs(ratio).max()
+        scales.append(ratio.real.max())
+    assert scales == pytest.approx([scales[0]] * 4, rel=1e-9)
+
+
+def test_where_the_linkage_is_open_forces_are_unknown_and_the_summary_leaves_them_out():
+    linkage = {"ground": 100, "crank": 60, "coupler": 70, "rocker": 60}
+    turn, loads = {"step_deg": 5}, {"masses": {"coupler": {"mass_kg": 1}}}
+    recipe = gk.load({"kind": "four-bar", "linkage": linkage, "drive": turn, "loads": loads})
+    known = np.isfinite(recipe.table["driver_torque"])
+    assert known.any() and not known[~recipe.motion.assembled].any()
+    torque = recipe.table["driver_torque"][known]
+    assert abs(recipe.notes["loads"]["driver_torque_N_mm"]["peak"]) == pytest.approx(np.abs(torque).max())
+
+
+def test_loads_that_do_nothing_are_refused():
+    """Such as gravity alone, if the material was forgotten."""
+    with pytest.raises(gk.DesignError) as error:
+        four_bar({}).table
+    assert (error.value.field, error.value.id) == ("loads", "missing-key")
+
+
+def test_a_scaled_linkage_under_the_same_forces_has_the_same_joint_forces():
+    loads = {
+        "gravity_m_per_s2": [0, 0],
+        "forces": [{"body": "rocker", "point": "rocker_pin", "force_n": [0, -50]}],
+        "springs": [{"body": "rocker", "point": [55, 0], "to_body": "ground", "to_point": [0, 300], "stiffness": 0.2}],
+        "pin_friction": [{"pin": "crank_pin", "coefficient": 0.2, "radius": 3}],
+    }
+    one, two = four_bar(loads), four_bar(loads, scale=2)
+    assert two.loads.forces[0] == one.loads.forces[0] and two.loads.springs[0].point == 110
+    assert two.table["driver_torque"] == pytest.approx(2 * one.table["driver_torque"], rel=1e-9)
+    name = "rocker_pin_force_on_rocker"
+    assert two.table[name] == pytest.approx(one.table[name], rel=1e-9)
+
+
+def test_every_key_survives_writing_and_reading():
+    loads = {
+        "gravity_m_per_s2": [9.81, 0],
+        "masses": MASSES,
+        "forces": [{"body": "coupler", "point": [1, -2], "force_n": [3, 4]}],
+        "torques": [{"body": "rocker", "torque_n_mm": -5}],
+        "springs": [{"body": "rocker", "point": "rocker_pin", "to_body": "ground", "to_point": [0, 300], "preload": 6}],
+        "pin_friction": [{"pin": "crank_pin", "viscous": 7}],
+    }
+    recipe = four_bar(loads)
+    again = gk.load(gk.recipe.to_toml(recipe))
+    assert again == recipe and again.loads.forces[0].point == 1 - 2j
+
+
+PIN_TO_PIN = {"body": "rocker", "point": "rocker_pin", "to_body": "coupler", "to_point": "rocker_pin", "stiffness": 1}
+
+
+@pytest.mark.parametrize(
+    ("loads", "key", "id"),
+    [
+        ({"gravity_m_per_s2": [0, -9810], "masses": MASSES}, "loads.gravity_m_per_s2[1]", "out-of-range"),
+        ({"forces": [{"body": "rocker", "point": "pen", "force_n": [0, 1]}]}, "loads.forces[0].point", "unknown-key"),
+        ({"forces": [{"body": "rod", "point": "pen", "force_n": [0, 1]}]}, "loads.forces[0].body", "unknown-key"),
+        ({"torques": [{"body": "rod", "torque_n_mm": 1}]}, "loads.torques[0].body", "unknown-key"),
+        ({"slide_forces": [{"slide": "slide", "force_n": 1}]}, "loads.slide_forces[0].slide", "unknown-key"),
+        ({"pin_friction": [{"pin": "pen"}]}, "loads.pin_friction[0].pin", "unknown-key"),
+        ({"slide_friction": [{"slide": "slide"}]}, "loads.slide_friction[0].slide", "unknown-key"),
+        ({"masses": {"rod": {"mass_kg": 1}}}, "loads.masses", "unknown-key"),
+        ({"masses": {"rocker": {"mass_kg": -1}}}, "loads.masses.rocker.mass_kg", "out-of-range"),
+        ({"forces": [{"body": "rocker", "point": "rocker_pin", "force": 1}]}, "loads.forces[0].force_n", "missing-key"),
+        # Both ends are at one pin, apart from rounding.
+        ({"springs": [PIN_TO_PIN]}, "loads.springs[0]", "impossible-geometry"),
+    ],
+)
+def test_a_load_that_the_linkage_cannot_have_is_refused_by_its_key(loads, key, id):
+    assert (key, id) in problems(loads)
+
+
+def test_an_unknown_key_about_loads_names_their_table():
+    with pytest.raises(gk.RecipeError, match=r"\[loads\]"):
+        gk.load({"kind": "four-bar", "linkage": BARS, "gravity": 9.81})
+    with pytest.raises(gk.RecipeError) as error:
+        gk.load({"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "torque": 9.81})
+    assert "[loads]" not in str(error.value)
