@@ -12,6 +12,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..model.part import Part
+from ..model.roles import Role
 from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
 from ..model.table import Table
 from ..plane.vec import Array, Complex
@@ -166,19 +167,26 @@ def _vectors(motion: Motion) -> Iterator[SceneMark]:
         if motion.linkage.ground not in bodies:
             point = motion.point(pin)
             tracks[pin] = point.position, point.velocity, point.acceleration
-    size = float(np.max(motion.linkage.size))
     for k, (role, unit) in enumerate((("velocity", "mm/s"), ("acceleration", "mm/s2")), 1):
-        largest = max((_largest(track[k]) for track in tracks.values()), default=0.0)
-        if not largest:
-            continue
-        # Near a limit rates become very large: the 95th percentile sets the scale, and longer arrows are cut off.
-        typical = max(float(np.nanpercentile(np.abs(_finite(track[k])), 95)) for track in tracks.values())
-        scale = LONGEST_ARROW * size / (typical or largest)
-        for name, track in tracks.items():
-            arrow = _finite(track[k]) * scale
-            longest = 1.5 * LONGEST_ARROW * size
-            arrow = arrow * (longest / np.maximum(np.abs(arrow), longest))
-            yield SceneMark("vector", track[0], role, f"{name} {role}, {drawn_at(scale, unit)}", vector=arrow)  # type: ignore[arg-type]
+        arrows = {name: (track[0], track[k]) for name, track in tracks.items()}
+        yield from vector_marks(motion, arrows, role, unit)  # type: ignore[arg-type]
+
+
+def vector_marks(
+    motion: Motion, arrows: Mapping[str, tuple[Complex, Complex]], role: Role, unit: str
+) -> Iterator[SceneMark]:
+    """Arrows of one role at one scale. arrows: name to positions, mm, and vectors in the unit."""
+    size = float(np.max(motion.linkage.size))
+    largest = max((_largest(vector) for _, vector in arrows.values()), default=0.0)
+    if not largest:
+        return
+    # Near a limit rates become very large: the 95th percentile sets the scale, and longer arrows are cut off.
+    typical = max(float(np.nanpercentile(np.abs(_finite(vector)), 95)) for _, vector in arrows.values())
+    scale, longest = LONGEST_ARROW * size / (typical or largest), 1.5 * LONGEST_ARROW * size
+    for name, (place, vector) in arrows.items():
+        arrow = _finite(vector) * scale
+        arrow = arrow * (longest / np.maximum(np.abs(arrow), longest))
+        yield SceneMark("vector", place, role, f"{name} {role}, {drawn_at(scale, unit)}", vector=arrow)
 
 
 def drawn_at(scale: float, unit: str) -> str:

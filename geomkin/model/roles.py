@@ -20,6 +20,7 @@ Role = Literal[
     "centre",  # instant centres
     "velocity",
     "acceleration",
+    "force",
 ]
 
 
@@ -54,4 +55,5 @@ ROLES: Mapping[Role, RoleStyle] = {
     "centre": RoleStyle("instant centres", False, NARROW),
     "velocity": RoleStyle("velocities", False, NARROW),
     "acceleration": RoleStyle("accelerations", False, NARROW),
+    "force": RoleStyle("forces", False, NARROW),
 }

@@ -127,6 +127,22 @@ def test_the_summary_has_peak_and_mean_and_the_page_has_plots():
     assert {"driver_torque", "crank_pin_force_on_coupler", "rocker_pivot_force_on_rocker"} <= plotted
 
 
+def test_arrows_at_the_pins_are_the_forces_of_the_table_at_one_scale():
+    recipe = four_bar({"masses": MASSES}, drive=DRIVE | {"end_deg": 480})
+    arrows = {mark.label.split(" force, ")[0]: mark for mark in recipe.scene.marks if mark.role == "force"}
+    assert len(arrows) == 4
+    scales = []
+    for name, mark in arrows.items():
+        pin, _, body = name.partition(" on ")
+        assert mark.place == pytest.approx(recipe.motion.point(pin).position)
+        x, y = (recipe.table[f"{pin}_force_on_{body}_{axis}"] for axis in "xy")
+        ratio = mark.vector / (x + 1j * y)
+        # The longest arrows are shortened, none is turned.
+        assert np.abs(ratio.imag).max() < 1e-9 * np.abs(ratio).max()
+        scales.append(ratio.real.max())
+    assert scales == pytest.approx([scales[0]] * 4, rel=1e-9)
+
+
 def test_where_the_linkage_is_open_forces_are_unknown_and_the_summary_leaves_them_out():
     linkage = {"ground": 100, "crank": 60, "coupler": 70, "rocker": 60}
     turn, loads = {"step_deg": 5}, {"masses": {"coupler": {"mass_kg": 1}}}

@@ -42,7 +42,7 @@ from ..scene import linkage_scene, motion_plots
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
 from .dwell_bands import DwellBand
-from .loads import LoadsTable, force_columns, force_plots, force_summary, loads_entry, number_of_columns
+from .loads import LoadsTable, force_columns, force_marks, force_plots, force_summary, loads_entry, number_of_columns
 from .moved import (
     WITH_SLIDER,
     AbstractMovedRecipe,
@@ -146,6 +146,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.force_analysis:
             plots = (*force_plots(self.force_analysis), *plots)
         scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, plots, self._others())
+        if self.force_analysis:
+            scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
         if not self.copies:
             return scene
         copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))

@@ -12,7 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
 from ...model.mass import Mass
-from ...model.scene import Plot
+from ...model.scene import Plot, SceneMark
 from ...model.table import Column, xy_columns
 from ...plane.vec import Real, first_largest
 from ..checks import driver_at
@@ -22,6 +22,7 @@ from ..dynamics.loads import Force, Loads, PlaceOnBody, SlideForce, Spring, Torq
 from ..dynamics.wrenches import Wrenches, known_body
 from ..linkage import Linkage
 from ..motion import Motion
+from ..scene import vector_marks
 
 # Largest component of gravity, m/s2: more is a number in mm/s2.
 MOST_GRAVITY = 100.0
@@ -197,6 +198,17 @@ def force_plots(analysis: ForceAnalysis) -> tuple[Plot, ...]:
         Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
     ]
     return tuple(plot for plot in plots if plot.columns)
+
+
+def force_marks(analysis: ForceAnalysis) -> Iterator[SceneMark]:
+    """An arrow at each pin for the force on each body but the first, all at one scale."""
+    motion, arrows = analysis.motion, {}
+    for pin, bodies in motion.linkage.pins.items():
+        for body in bodies[1:]:
+            force = analysis.pin(pin, body)
+            if np.isfinite(force).any():
+                arrows[f"{pin} on {body}"] = motion.point(pin).position, force
+    yield from vector_marks(motion, arrows, "force", "N")
 
 
 def force_summary(analysis: ForceAnalysis) -> Mapping[str, object]:

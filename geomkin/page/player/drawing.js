@@ -254,7 +254,7 @@ export class Drawing {
     }
     for (const mark of marks) {
       const { sort, role, label } = mark, text = spaced(label).replace(sort === "dimension" ? /,.*/ : /, 1 mm is.*/, "");
-      if (!text || mark.always || mark.r || (sort === "vector" && ["velocity", "acceleration"].includes(role))) continue;
+      if (!text || mark.always || mark.r || (sort === "vector" && ["velocity", "acceleration", "force"].includes(role))) continue;
       if (mark.u) {
         if (sort === "line" && lines.has(label)) continue;
         lines.add(label);
