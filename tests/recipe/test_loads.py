@@ -81,6 +81,23 @@ def test_loads_add_up_and_a_doubled_load_doubles_the_torque():
     assert turned == pytest.approx(-700 * motion.coupler.first, rel=1e-10)
 
 
+def test_springs_of_all_sorts_store_the_work_of_the_driver():
+    """The torque is the derivative of the energy: of twist squared, and of a gas at constant temperature."""
+    fine = DRIVE | {"speed_rpm": 1e-3, "step_deg": 0.25}
+    ends = {"body": "rocker", "point": "rocker_pin", "to_body": "ground", "to_point": [0, 300]}
+    gas = {"gas_springs": [ends | {"force": 100, "extended": 400, "gas_length": 500}]}
+    torsion = {"torsion_springs": [{"body": "rocker", "to_body": "coupler", "stiffness": 500, "free_angle_deg": 30}]}
+    motion = four_bar(gas, drive=fine).motion
+    compression = 400 - np.abs(motion.point("rocker_pin").position - 300j)
+    twist = np.unwrap(np.angle(motion.rocker.direction / motion.coupler.direction)) - np.pi / 6
+    twist -= 2 * np.pi * np.round(twist[0] / (2 * np.pi))
+    assert compression.min() > 0
+    for loads, energy in ((gas, -100 * 500 * np.log(1 - compression / 500)), (torsion, 250 * twist**2)):
+        wanted = np.gradient(energy, motion.drive)[1:-1]
+        torque = four_bar(loads, drive=fine).table["driver_torque"][1:-1]
+        assert torque == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())
+
+
 def test_a_slide_that_drives_needs_a_force_and_its_guide_carries_the_weight():
     """A crosshead that creeps: its guide carries its weight, and rubs with a tenth of it."""
     block = {"masses": {"slider": {"mass_kg": 2}}}

@@ -18,7 +18,7 @@ from ...plane.vec import Real, first_largest
 from ..checks import driver_at
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
-from ..dynamics.loads import Force, Loads, PlaceOnBody, SlideForce, Spring, Torque
+from ..dynamics.loads import Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
 from ..dynamics.wrenches import Wrenches, known_body
 from ..linkage import Linkage
 from ..motion import Motion
@@ -107,6 +107,12 @@ class LoadsTable:
         "springs between two points, each with body, point, to_body, to_point, stiffness, free_length and preload",
         default=(),
     )
+    gas_springs: tuple[GasSpring, ...] = entry(
+        "gas springs, each with body, point, to_body, to_point, force, extended and gas_length", default=()
+    )
+    torsion_springs: tuple[TorsionSpring, ...] = entry(
+        "torsion springs between two bodies, each with body, to_body, stiffness, free_angle_deg and preload", default=()
+    )
     pin_friction: tuple[PinFriction, ...] = entry(
         "friction of pins, each with pin, coefficient, radius and viscous", default=()
     )
@@ -122,6 +128,8 @@ class LoadsTable:
             "torques": tuple(Torque(torque.body, torque.torque_n_mm) for torque in self.torques),
             "slide_forces": tuple(SlideForce(force.slide, force.force_n) for force in self.slide_forces),
             "springs": self.springs,
+            "gas_springs": self.gas_springs,
+            "torsion_springs": self.torsion_springs,
             "pin_friction": self.pin_friction,
             "slide_friction": self.slide_friction,
         }
@@ -146,6 +154,7 @@ class LoadsTable:
         given = {body: Mass(mass.mass_kg, mass.centre, mass.inertia_kg_mm2) for body, mass in self.masses.items()}
         loads = self.by_key
         friction = (*loads.pop("pin_friction"), *loads.pop("slide_friction"))
+        loads["springs"] = (*loads["springs"], *loads.pop("gas_springs"), *loads.pop("torsion_springs"))
         masses = {**part_masses, **given}
         if not masses and not any(loads.values()):
             problem = "no body has a mass, and nothing else acts"
