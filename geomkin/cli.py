@@ -228,6 +228,8 @@ def optimise_command(
 
     Ctrl-C ends the search; the best design so far is written.
     """
+    import signal
+
     from .core.errors import GeomkinError, harmless, printable
     from .core.progress import shown
     from .optimisation.optimiser import optimise
@@ -241,6 +243,8 @@ def optimise_command(
             raise click.BadParameter(f"{printable(text)} is not KEY=LOW:HIGH", param_hint="--vary") from None
         vary[key.strip()] = (low, high)
     watched = _is_terminal(sys.stderr)
+    # Ctrl-C ends the search, not the process.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
             best = optimise(recipe, vary, objective, list(constraints), starts, seed, time_limit, out)

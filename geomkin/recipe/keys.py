@@ -53,6 +53,8 @@ def _append_row(document: Any, key: str) -> None:
 
 
 def _set(table: Any, key: str, value: Any) -> None:
+    if not key_parts(key):
+        raise DesignError(key, "found an empty key", "give one such as gear.teeth or program[0].rise", "unknown-key")
     *way, last = key_parts(key)
     place = table
     for part in way:

@@ -79,6 +79,7 @@ def drag(page, handle, right, up):
 
 def fill(page, key, text):
     page.fill(f'[name="{key}"]', text)
+    assert page.is_enabled("#undo")
     page.dispatch_event(f'[name="{key}"]', "change")
     settle(page)
 
@@ -86,6 +87,7 @@ def fill(page, key, text):
 def save(editor):
     """Saves by the keyboard and holds that the saved recipe, run anew, is what is shown; returns its text."""
     page = editor.page
+    plates = page.eval_on_selector_all("#player .plate", "plates => plates.map(plate => plate.getAttribute('d'))")
     page.keyboard.press("Control+s")
     page.wait_for_selector("#dirty", state="hidden")
     settle(page)
@@ -95,7 +97,6 @@ def save(editor):
     text = editor.file.read_text()
     run = scene_data(gk.load(text).with_name("it").scene, "it")
     assert scenes[-1] == run
-    plates = page.eval_on_selector_all("#player .plate", "plates => plates.map(plate => plate.getAttribute('d'))")
     assert plates and set(plates) <= set(run["paths"])
     return text
 
@@ -149,7 +150,7 @@ def test_arrow_keys_move_a_handle_in_one_step_of_undo_and_a_lock_holds_it(studio
     page.focus(handle)
     for _ in range(3):
         page.keyboard.press("ArrowRight")
-        settle(page)
+    settle(page)
     assert centre(page, "point:coupler_point")[0] > x + 6
     page.click("#undo")
     settle(page)

@@ -1,5 +1,7 @@
 """Optimisation finds known optima, gives the same result again, and names the constraint that nothing meets."""
 
+import signal
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -82,6 +84,21 @@ def test_same_seed_gives_the_same_result():
     assert first.values == second.values and first.evaluations == second.evaluations
 
 
+def command(folder):
+    (folder / "bar.toml").write_text(gk.recipe.to_toml(gk.load(FOUR_BAR)))
+    ranges = [argument for key in SIDES for argument in ("--vary", f"{key}=60:120")]
+    return [
+        "optimise",
+        str(folder / "bar.toml"),
+        "--minimise",
+        TRANSMISSION,
+        "--out",
+        str(folder),
+        "--starts=1",
+        *ranges,
+    ]
+
+
 VARY = {"linkage.crank": (20, 40)}
 
 
@@ -93,6 +110,7 @@ VARY = {"linkage.crank": (20, 40)}
         ({"linkage.crank[3]": (1, 2)}, TRANSMISSION, (), "linkage.crank[3]", "crank"),
         ({"linkage.crank": (40, 20)}, TRANSMISSION, (), "linkage.crank", "40 to 20"),
         ({"linkage.crank": (-2, -1)}, TRANSMISSION, (), "vary", "linkage.crank"),
+        ({"": (1, 2)}, TRANSMISSION, (), "", "empty"),
         ({}, TRANSMISSION, (), "vary", "linkage.crank"),
         (VARY, "min(transmission_angel)", (), "minimise", "transmission_angle"),
         (VARY, "transmission_angle", (), "minimise", "max"),
@@ -128,18 +146,26 @@ def test_constraint_that_nothing_meets_is_named_with_its_distance():
     assert "'min(transmission_angle) >= 70' by 13.4" in str(refused.value)
 
 
-def test_interruption_keeps_the_best_design(monkeypatch):
+def test_interruption_keeps_the_best_design(monkeypatch, tmp_path):
+    """Of the command too, which otherwise ends at Ctrl-C."""
     original, count = Trials.tried, iter(range(1000))
 
     def tried(self, values):
-        if next(count) == 12:
-            raise KeyboardInterrupt
+        if next(count) in (12, 25):
+            signal.raise_signal(signal.SIGINT)
         return original(self, values)
 
     monkeypatch.setattr(Trials, "tried", tried)
     best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1)
     assert best.cut_short and best.evaluations == 12
     assert 45 < -best.objective < 56.61
+    before = signal.signal(signal.SIGINT, lambda *_: pytest.fail("the process would end"))
+    try:
+        result = CliRunner().invoke(cli, command(tmp_path))
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert result.exit_code == 0 and "ended before" in result.output
+    assert (tmp_path / "bar" / "bar.optimum.toml").exists()
 
 
 def test_time_limit_ends_the_search():
@@ -183,18 +209,7 @@ def test_formula_without_a_finite_value_is_refused():
 
 
 def test_command_writes_a_recipe_that_holds_the_optimum(tmp_path):
-    (tmp_path / "bar.toml").write_text(gk.recipe.to_toml(gk.load(FOUR_BAR)))
-    arguments = [
-        "optimise",
-        str(tmp_path / "bar.toml"),
-        "--minimise",
-        TRANSMISSION,
-        "--out",
-        str(tmp_path),
-        "--starts=1",
-    ]
-    for key in SIDES:
-        arguments += ["--vary", f"{key}=60:120"]
+    arguments = command(tmp_path)
     result = CliRunner().invoke(cli, [*arguments, "--subject-to", "max(rocker_angle) <= 170"])
     assert result.exit_code == 0 and "pass" in result.output, result.output
     found = gk.load(tmp_path / "bar" / "bar.optimum.toml")

@@ -15,13 +15,19 @@ export class History {
   }
 
   // A step begins at this text, unless one has begun.
-  begin(text) { this.begun ??= text; }
+  begin(text) {
+    this.begun ??= text;
+    this.changed(true, this.after.length > 0);
+  }
 
   // The step ends at this text: whether it changed anything. `goesOn`: it belongs to the step before it.
   end(text, goesOn = false) {
     const { begun } = this;
     this.begun = null;
-    if (begun === null || begun === text) return false;
+    if (begun === null || begun === text) {
+      this.changed(this.before.length > 0, this.after.length > 0);
+      return false;
+    }
     if (!goesOn || !this.before.length) this.before.push(begun);
     this.before.splice(0, this.before.length - MOST);
     this.after = [];
