@@ -84,5 +84,6 @@ from .synthesis.guidance.dyads import dyads_through as dyads_through
 from .synthesis.guidance.guidance import body_guides as body_guides
 from .synthesis.path.path import path_generator as path_generator
 from .synthesis.rockers.crank_rockers import crank_rocker as crank_rocker
+from .verification.certificate import verify as verify
 
 __version__: str

@@ -17,6 +17,7 @@ from .core.records import record
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, Source, StaticSource
+from .export.stamp import Stamp, recipe_hash
 from .export.summary import FOUND, NAME, listed_files, summary
 from .model.check import Check
 from .model.part import Part
@@ -142,13 +143,10 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
         wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
-        data = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
-        if not recipe.expected_failures:
-            del data["expected_failures"]
         contents = {file: content for files in written.values() for file, content in files.items()}
         found_recipe = recipe.found_recipe
         found_file = {} if found_recipe is None else {f"{name}{FOUND}": to_toml(found_recipe).encode()}
-        contents |= {**found_file, NAME: summary(job, data, checks, recipe.notes, written, list(found_file))}
+        contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
     folder = Path(out) / name
     before = listed_files(folder) if only is None else set()
     write_whole(folder, contents)
@@ -317,7 +315,21 @@ def _job(name: str, source: Source, files: Files) -> Job:
     if not isinstance(source, AbstractRecipe):
         return job
     about = " ".join((source.subtitle, *source.remarks))
-    return dataclasses.replace(job, about=about, recipe=partial(to_toml, source))
+    stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
+    return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp)
+
+
+def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
+    """Further entries of summary.json, the files that the recipe reads among them."""
+    return {**recipe.notes, **({"sources": dict(recipe.sources)} if recipe.sources else {})}
+
+
+def _data(recipe: AbstractRecipe) -> dict[str, Any]:
+    """The keys of a recipe and their values, as JSON states them."""
+    data: dict[str, Any] = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
+    if not recipe.expected_failures:
+        del data["expected_failures"]
+    return data
 
 
 def name_of(file: str, name: str) -> str:

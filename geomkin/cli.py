@@ -1,4 +1,4 @@
-"""The commands: run, check, columns, sweep, optimise, studio, list, new, schema, chart."""
+"""The commands: run, verify, check, columns, sweep, optimise, studio, list, new, schema, chart."""
 
 from __future__ import annotations
 
@@ -59,8 +59,11 @@ def cli() -> None:
     "--only", callback=_formats, metavar="FORMAT,...",
     help=f"Write only these of the recipe's formats ({', '.join(WRITERS)}).",
 )  # fmt: skip
+@click.option(
+    "--verify", "verified", is_flag=True, help="Read the written files back and measure them, as verify does."
+)
 @_as_json
-def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, as_json: bool) -> None:
+def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: bool, as_json: bool) -> None:
     """Make recipes, or all recipes of folders, into OUT/<recipe>/, and of several a page over them, OUT/index.html."""
     from .build import index, make
     from .core.errors import FileError, harmless, printable
@@ -69,6 +72,7 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, as_json: b
     _refuse_twins(files)
     outcomes = _each(files, partial(make, out=out, only=only))
     made = _made(outcomes)
+    sound = not verified or all(_verified([out / result.name for result in made], as_json))
     if made and only is None and (len(files) > 1 or recipes[0].is_dir()):
         try:
             index(out)
@@ -85,7 +89,57 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, as_json: b
         for check in result.checks:
             if not check.passed:
                 click.secho(f"{printable(result.name)}: check failed: {harmless(check)}", fg="yellow", err=True)
+    if not sound:
+        sys.exit(1)
     _end(outcomes)
+
+
+@cli.command()
+@click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
+@_as_json
+def verify(folders: tuple[Path, ...], as_json: bool) -> None:
+    """Read the files in FOLDERS back and measure them against the exact curves of their recipes.
+
+    Each folder is that of a recipe, or holds such folders. Writes verify.json and verify.html beside the files; the
+    exit state is 1 if a file is not as designed.
+    """
+    if not all(_verified(folders, as_json)):
+        sys.exit(1)
+
+
+def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
+    """Verify folders and print the result of each recipe; whether each is as designed."""
+    from .core.errors import GeomkinError, harmless, printable
+    from .core.progress import shown
+    from .verification.certificate import verify
+    from .verification.certificate_files import write_certificate
+
+    watched = _is_terminal(sys.stderr)
+    results: list[bool] = []
+    for folder in folders:
+        try:
+            with shown(
+                lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None
+            ):
+                certificates = verify(folder)
+            for certificate in certificates:
+                write_certificate(certificate)
+        except GeomkinError as error:
+            click.secho(str(error), fg="red", err=True)
+            results.append(False)
+            continue
+        for certificate in certificates:
+            results.append(certificate.passed)
+            if as_json:
+                _print_json(certificate.to_dict())
+                continue
+            measured = [file for file in certificate.files if file.measured]
+            verdict = "as designed" if certificate.passed else "NOT as designed"
+            click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
+            problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
+            for problem in [*certificate.problems, *problems]:
+                click.secho(f"  {harmless(problem)}", fg="yellow")
+    return results
 
 
 @cli.command("check")

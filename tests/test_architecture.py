@@ -22,7 +22,7 @@ ORDER = (
     ("linkage", "cam", "gear"),
     ("synthesis",),
     ("build",),
-    ("sweeps", "tradeoff", "optimisation", "studio"),
+    ("sweeps", "tradeoff", "optimisation", "studio", "verification"),
     ("cli",),
     ("__init__", "__main__"),
 )
@@ -34,8 +34,8 @@ FABRICATION = ANALYSIS | {"export", "making"}
 # The only files that may import each heavy library.
 ALONE = {
     "shapely": {"plane/region.py"},
-    "ezdxf": {"export/dxf.py"},
-    "trimesh": {"export/glb.py"},
+    "ezdxf": {"export/dxf.py", "verification/read_dxf.py"},
+    "trimesh": {"export/glb.py", "verification/read_mesh.py"},
     "click": {"cli.py", "__main__.py"},
     "numba": {"linkage/solve/compiled.py"},
     "highspy": {"cam/program/optimise.py"},

@@ -25,16 +25,16 @@ from .text import Text
 
 def write_dxf(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
-    return job.sheet_files("dxf", dxf)
+    return job.sheet_files("dxf", lambda sheet: dxf(sheet, job.stamp))
 
 
-def dxf(sheet: Sheet) -> bytes:
+def dxf(sheet: Sheet, stamp: str = "") -> bytes:
     """The sheet as a DXF file, AC1015 (R2000): the first version with units, readable by every program.
 
     The same sheet gives the same bytes.
     """
     shapes = [(loop.layer, loop.shape) for placed in sheet.placed for loop in placed.loops]
-    return drawn(LAYERS, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)))
+    return drawn(LAYERS, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)), stamp)
 
 
 def drawn(
@@ -43,16 +43,19 @@ def drawn(
     texts: Iterable[Text],
     extents: tuple[complex, complex],
     limits: tuple[complex, complex],
+    stamp: str = "",
 ) -> bytes:
     """A DXF file of shapes and texts on their layers.
 
     `layers` maps names to colour index and RGB; `extents` and `limits` are the corners of the shapes and of the paper,
-    mm.
+    mm. The stamp is in the dictionary EZDXF_META.
     """
     with _fixed_stamps():
         # The library's default is metres, and programs would read the file 1000 times too large.
         document = new("R2000", units=units.MM)
         document.header["$MEASUREMENT"] = 1
+        if stamp:
+            document.ezdxf_metadata()["STAMP"] = stamp
         # Without a plot scale one program prints a blank page.
         document.header["$PSVPSCALE"] = 1.0
         for name, (index, rgb) in layers.items():

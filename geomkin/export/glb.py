@@ -24,7 +24,7 @@ def write_glb(job: Job) -> dict[str, bytes]:
 def glb(job: Job) -> bytes:
     """The assembly: a node for each part, with its name, in the colour of its body on pages."""
     still, placements = in_place(job)
-    assembly = trimesh.Scene(base_frame="assembly")
+    assembly = trimesh.Scene(base_frame="assembly", metadata={"stamp": job.stamp} if job.stamp else None)
     for placement in placements:
         points, faces = solid(solid_cut(placement.part, job.tolerance))
         colour = np.array(_colour(palette()[still.tint(placement.body)]), dtype=np.uint8)

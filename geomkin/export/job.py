@@ -91,6 +91,8 @@ class Job:
         Width and height of the sheets to cut from, mm; by default one sheet is sized to fit the parts.
     title : Title
         Entries of the title block of the dimensioned drawing.
+    stamp : str
+        States the recipe and the tolerance in files that have a place for it; empty if there is no recipe.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Job:
     assembly_at: float | None = None
     sheet: tuple[float, float] | None = None
     title: Title = field(default_factory=Title)
+    stamp: str = ""
 
     @property
     def table(self) -> Table:

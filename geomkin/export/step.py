@@ -41,14 +41,14 @@ def write_step(job: Job) -> dict[str, bytes]:
             raise DesignError(
                 "name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own", "conflict"
             )
-        contents[name] = step(cut)
+        contents[name] = step(cut, job.stamp)
     return contents
 
 
-def step(cut: Cut) -> bytes:
+def step(cut: Cut, stamp: str = "") -> bytes:
     """The part as a solid in ISO 10303-21, AP214, mm, with its lower face at z = 0.
 
-    The same loops give the same bytes. DesignError for more edges than programs can read.
+    The same loops and stamp give the same bytes. DesignError for more edges than programs can read.
     """
     loops = [_edges(loop, is_hole=k > 0) for k, loop in enumerate(cut.loops)]
     if (count := sum(map(len, loops))) > MOST_EDGES:
@@ -58,7 +58,7 @@ def step(cut: Cut) -> bytes:
             "give a larger tolerance, or leave step out of what is written",
             "too-much-work",
         )
-    return _Entities(cut.part.name).of(loops, cut.part.thickness)
+    return _Entities(cut.part.name, stamp).of(loops, cut.part.thickness)
 
 
 def _edges(loop: Loop, is_hole: bool) -> list[Edge]:
@@ -78,8 +78,8 @@ def _edges(loop: Loop, is_hole: bool) -> list[Edge]:
 class _Entities:
     """The lines of a file, each an entity with a number by which others refer to it."""
 
-    def __init__(self, name: str) -> None:
-        self.name = _text(name)
+    def __init__(self, name: str, stamp: str) -> None:
+        self.name, self.about = _text(name), stamp or "a plate, in mm"
         self.numbers: dict[str, str] = {}
 
     def add(self, entity: str) -> str:
@@ -113,7 +113,7 @@ class _Entities:
     def _header(self) -> Iterator[str]:
         yield "ISO-10303-21;"
         yield "HEADER;"
-        yield "FILE_DESCRIPTION(('a plate, in mm'),'2;1');"
+        yield f"FILE_DESCRIPTION(('{self.about}'),'2;1');"
         # A fixed date, so that the same part gives the same bytes.
         yield f"FILE_NAME('{self.name}','1970-01-01T00:00:00',(''),(''),'geomkin {__version__}','geomkin','');"
         yield "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));"

@@ -12,7 +12,7 @@ from .mesh import solid, triangles
 
 # A triangle in the format: single-precision numbers, then two unused bytes.
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-HEADER = bytes(80)
+HEADER = 80
 # Size in bytes from which a file is announced before it is written, since it takes seconds.
 LARGE = 10_000_000
 
@@ -26,20 +26,20 @@ def write_stl(job: Job) -> dict[str, bytes]:
             raise DesignError(
                 "name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own", "conflict"
             )
-        if (size := len(HEADER) + 4 + TRIANGLE.itemsize * triangles(cut)) >= LARGE:
+        if (size := HEADER + 4 + TRIANGLE.itemsize * triangles(cut)) >= LARGE:
             report(0.0, f"{name}, about {size / 1e6:.0f} MB")
-        contents[name] = stl(cut)
+        contents[name] = stl(cut, job.stamp)
         if size >= LARGE:
             report(1.0, name)
     return contents
 
 
-def stl(cut: Cut) -> bytes:
-    """The part as a binary STL, mm, with its lower face at z = 0."""
+def stl(cut: Cut, stamp: str = "") -> bytes:
+    """The part as a binary STL, mm, with its lower face at z = 0 and the stamp in the file's header."""
     points, faces = solid(cut)
     corners = points[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
     records = np.zeros(len(corners), dtype=TRIANGLE)
     records["normal"], records["corners"] = normals / np.sqrt(np.vecdot(normals, normals))[:, None], corners
-    header = HEADER + len(records).to_bytes(4, "little")
+    header = stamp.encode("ascii", "replace").ljust(HEADER, b"\0")[:HEADER] + len(records).to_bytes(4, "little")
     return header + records.tobytes()

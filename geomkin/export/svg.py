@@ -22,10 +22,10 @@ HAIRLINE = 0.01
 
 def write_svg(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
-    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser))
+    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser, job.stamp))
 
 
-def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
+def svg(sheet: Sheet, title: str, laser: bool = False, stamp: str = "") -> bytes:
     """The sheet as an SVG file with width and height in mm; y up becomes the format's y down.
 
     The white background is a style of the page and no shape, since every shape is cut. With `laser` the file has the
@@ -39,6 +39,7 @@ def svg(sheet: Sheet, title: str, laser: bool = False) -> bytes:
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
         f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{stroke}" style="background:#fff">',
         f"<title>{escape(_plain(title))}</title>",
+        *([f"<desc>{escape(stamp)}</desc>"] if stamp else []),
     ]
     for number, placed in enumerate(sheet.placed, 1):
         lines.append(f'<g id="{escape(placed.cut.part.name)}-{number}">')

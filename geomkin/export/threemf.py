@@ -47,7 +47,7 @@ def threemf(job: Job) -> bytes:
         rows = (turn.real, turn.imag, 0, -turn.imag, turn.real, 0, 0, 0, 1, shift.real, shift.imag, 0)
         place = " ".join(f"{0.0 + value:.9g}" for value in rows)
         items.append(f'<item objectid="{numbers[id(placed.cut)]}" transform="{place}"/>')
-    return package(objects, items)
+    return package(objects, items, job.stamp)
 
 
 def mesh_object(number: int, name: str, mesh: tuple[Real, Whole]) -> str:
@@ -55,9 +55,10 @@ def mesh_object(number: int, name: str, mesh: tuple[Real, Whole]) -> str:
     return f'<object id="{number}" name="{escape(name)}" type="model">{_mesh(*mesh)}</object>'
 
 
-def package(objects: Sequence[str], items: Sequence[str]) -> bytes:
-    """A 3MF file of objects and the build items that refer to them."""
-    inside = "\n".join(["<resources>", *objects, "</resources>", "<build>", *items, "</build>", "</model>", ""])
+def package(objects: Sequence[str], items: Sequence[str], stamp: str) -> bytes:
+    """A 3MF file of objects and the build items that refer to them; the stamp is its description."""
+    about = [f'<metadata name="Description">{escape(stamp)}</metadata>'] if stamp else []
+    inside = "\n".join([*about, "<resources>", *objects, "</resources>", "<build>", *items, "</build>", "</model>", ""])
     stream = io.BytesIO()
     # Stored, not compressed, since compressed bytes depend on the library.
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as package:
@@ -98,7 +99,7 @@ def assembly(job: Job) -> bytes:
     )
     corner = _corner(placed, meshes)
     place = f"1 0 0 0 1 0 0 0 1 {0 - corner.real:.9g} {0 - corner.imag:.9g} 0"
-    return package(objects, [f'<item objectid="{whole}" transform="{place}"/>'])
+    return package(objects, [f'<item objectid="{whole}" transform="{place}"/>'], job.stamp)
 
 
 def _corner(placed: tuple[InPlace, ...], meshes: list[tuple[Real, Whole]]) -> complex:

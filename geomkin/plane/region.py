@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ..core.errors import DesignError
-from .vec import Complex, Mask, Whole, cross, dot, unit, xy
+from .vec import Complex, Mask, Real, Whole, cross, dot, unit, xy
 
 Loops = list[Complex]
 
@@ -112,6 +112,35 @@ def nearest(loop: Complex) -> Complex:
     edge = np.roll(loop, -1) - loop
     points: Complex = loop + edge * np.clip(-dot(edge, loop) / np.abs(edge) ** 2, 0, 1)
     return points
+
+
+def containers(points: Complex, loops: Sequence[Complex]) -> list[list[int]]:
+    """For each point (n,) the indices of the polygons that it is inside, the smallest first."""
+    shapes = np.array([shapely.Polygon(xy(loop)) for loop in loops], dtype=object)
+    inside, around = shapely.STRtree(shapes).query(shapely.points(xy(points)), predicate="within")
+    areas = shapely.area(shapes)
+    return [sorted(around[inside == k].tolist(), key=lambda j: float(areas[j])) for k in range(len(points))]
+
+
+class Edges:
+    """Straight edges with an index that finds the nearest one of each point."""
+
+    def __init__(self, starts: Complex, ends: Complex):
+        self.starts, self.ends = starts, ends
+        self._tree = shapely.STRtree(np.asarray(shapely.linestrings(np.stack([xy(starts), xy(ends)], axis=1))))
+
+    def nearest(self, points: Complex) -> tuple[Whole, Real]:
+        """For each point (n,) the index of the nearest edge, and the distance, mm."""
+        found, distance = self._tree.query_nearest(shapely.points(xy(points)), return_distance=True, all_matches=False)
+        return found[1], distance
+
+    def distance(self, points: Complex, which: Whole) -> Real:
+        """Distance of each point from the edge of a given index, mm."""
+        start, edge = self.starts[which], self.ends[which] - self.starts[which]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.nan_to_num(np.clip(dot(edge, points - start) / np.abs(edge) ** 2, 0, 1))
+        distance: Real = np.abs(start + share * edge - points)
+        return distance
 
 
 def thinned(loop: Complex, tolerance: float) -> Complex:

@@ -172,6 +172,11 @@ class AbstractRecipe(_Shared, ABC):
         return {}
 
     @property
+    def sources(self) -> Mapping[str, str]:
+        """Texts of the files that the recipe reads, by name; summary.json keeps them."""
+        return {}
+
+    @property
     def facts(self) -> tuple[str, ...]:
         """Lines that `geomkin check` prints below the checks."""
         return ()

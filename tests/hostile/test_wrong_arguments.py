@@ -268,7 +268,7 @@ GOOD = {
 MADE = {
     "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "SlideForces", "MATERIALS", "masses",
     "RootSection", "ToothForm", "ToothStrength", "strength_checks",
-    "index", "load", "make", "write", "Stack", "PathFound",
+    "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import entry
+from ...core.names import read_text_file
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
@@ -148,6 +149,12 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             else Limit("profile_curvature", 1 / LEAST_CONVEX_RADIUS, "sharper edges wear")
         )
         return (*(Limit("pressure_angle", side * most, f"at most {most:g} deg") for side in (1.0, -1.0)), curvature)
+
+    @property
+    def sources(self) -> Mapping[str, str]:
+        program = self.cam.program
+        names = [segment.file for segment in program.segments if isinstance(segment, LiftTable) and segment.file]
+        return {name: read_text_file(name, program.folder, "a CSV file") for name in names}
 
     @cached_property
     def notes(self) -> Mapping[str, object]:

@@ -65,9 +65,14 @@ class FileName:
             serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.name),
         )
 
+    @property
+    def text(self) -> str:
+        """The text of the file."""
+        return read_text_file(self.name, self.folder, "a CSV or an SVG file")
+
     def points(self, count: int) -> Complex:
         """Points of the file, mm; `count` applies to drawings."""
-        text = read_text_file(self.name, self.folder, "a CSV or an SVG file")
+        text = self.text
         if self.name.lower().endswith(".svg"):
             try:
                 return drawing_points(text, count)
@@ -282,6 +287,11 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     files: Files = entry("what is written", default=Files())
 
     advice: ClassVar[str] = "Without limits the best linkage often jams: see `usable` in summary.json."
+
+    @property
+    def sources(self) -> Mapping[str, str]:
+        file = self.wanted.file
+        return {} if file is None else {file.name: file.text}
 
     def __post_init__(self) -> None:
         # Checked before any search; no motion is longer than a turn.

@@ -75,10 +75,10 @@ def drawing_points(text: str, count: int) -> Complex:
     The drawing's upper left corner is 0. A width or height with a unit sets the size, with one pixel as 1/96 inch;
     otherwise a user unit is 1 mm. DesignError, field `file`, for anything unsupported.
     """
-    root = _tree(text)
+    root = tree_of(text)
     found = _Drawing(root).first_path()
     if found is None:
-        tags = {_tag(element) for element in root.iter()}
+        tags = {tag_of(element) for element in root.iter()}
         other = next((f", but a {shape}" for shape in SHAPES if shape in tags), "")
         raise _refused(f"it has no visible path{other}", "turn an object into a path")
     data, placement = found
@@ -98,7 +98,7 @@ def _refused(problem: str, remedy: str = "save it as plain SVG without that") ->
     return DesignError("file", problem, remedy, "file-unreadable")
 
 
-def _tree(text: str) -> ElementTree.Element:
+def tree_of(text: str) -> ElementTree.Element:
     """The elements of an XML text without declarations and with a limited number of elements."""
     if declared := re.search(r"<!(?:ENTITY|ATTLIST|ELEMENT|NOTATION)", text):
         raise _refused(f"it declares {declared.group()}")
@@ -108,12 +108,13 @@ def _tree(text: str) -> ElementTree.Element:
         root = ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError) as error:
         raise _refused(f"it is not XML ({error})", "give an SVG drawing") from None
-    if _tag(root) != "svg":
-        raise _refused(f"it is no SVG drawing but <{printable(_tag(root), 30)}>", "give an SVG drawing")
+    if tag_of(root) != "svg":
+        raise _refused(f"it is no SVG drawing but <{printable(tag_of(root), 30)}>", "give an SVG drawing")
     return root
 
 
-def _tag(element: ElementTree.Element) -> str:
+def tag_of(element: ElementTree.Element) -> str:
+    """The tag of an element without the namespace of SVG."""
     return element.tag.removeprefix(SVG)
 
 
@@ -126,7 +127,7 @@ class _Drawing:
         self.visits = 0
         for element in root.iter():
             self.by_id.setdefault(element.get("id", ""), element)
-            if _tag(element) == "style":
+            if tag_of(element) == "style":
                 sheet = "".join(element.itertext())
                 if found := MOVING.search(sheet) or HIDING.search(sheet):
                     raise _refused(f"its style sheet holds {shown(found.group())}")
@@ -137,7 +138,7 @@ class _Drawing:
             raise _refused("its <svg> has a transform")
         if not _visible(self.root):
             return None
-        return self._among(self.root, _view(self.root), [self.root])
+        return self._among(self.root, view_of(self.root), [self.root])
 
     def _among(
         self, elements: Iterable[ElementTree.Element], placement: Placement, above: list[ElementTree.Element]
@@ -154,14 +155,14 @@ class _Drawing:
             raise _refused(f"more than {MOST_VISITS:,} elements come before its first path", "save the path alone")
         if len(above) > DEEPEST:
             raise _refused(f"its elements lie more than {DEEPEST} deep in each other", "ungroup them")
-        tag = _tag(element)
+        tag = tag_of(element)
         if tag == "switch":
             raise _refused("it holds a <switch>")
         # Symbols are drawn only by their uses; clip paths, masks, markers, patterns and definitions never.
-        if tag not in DRAWN or (tag == "symbol" and _tag(above[-1]) != "use") or not _visible(element):
+        if tag not in DRAWN or (tag == "symbol" and tag_of(above[-1]) != "use") or not _visible(element):
             return None
         if "transform" in element.attrib:
-            placement = placement.after(_transform(element.get("transform", "")))
+            placement = placement.after(transform_of(element.get("transform", "")))
         if tag == "path":
             data = element.get("d", "none")
             return (data, placement) if data.strip() not in ("", "none") else None
@@ -185,7 +186,7 @@ class _Drawing:
 
 def _visible(element: ElementTree.Element) -> bool:
     """Whether an element is drawn; DesignError for one moved by a style."""
-    name, style = f"<{printable(_tag(element), 30)}>", element.get("style", "")
+    name, style = f"<{printable(tag_of(element), 30)}>", element.get("style", "")
     if found := MOVING.search(style):
         raise _refused(f"its {name} has a style with {shown(found.group())}")
     if "transform-origin" in element.attrib:
@@ -212,7 +213,7 @@ def _matrix(a: float, b: float, c: float, d: float, e: float, f: float) -> Place
     return Placement(complex(a + d, b - c) / 2, complex(a - d, b + c) / 2, complex(e, f))
 
 
-def _transform(text: str) -> Placement:
+def transform_of(text: str) -> Placement:
     """The placement of the attribute `transform`."""
     placement, at = Placement(), 0
     while at < len(text.rstrip()):
@@ -255,7 +256,7 @@ def _pixels(element: ElementTree.Element, key: str) -> float:
     return _length(element, key)[0]
 
 
-def _view(root: ElementTree.Element) -> Placement:
+def view_of(root: ElementTree.Element) -> Placement:
     """The map from the drawing's user units to mm from its upper left corner."""
     sizes: dict[str, float] = {}
     scale = 1.0

@@ -1,0 +1,1 @@
+"""Written files read back and compared with the exact curves of their recipe."""

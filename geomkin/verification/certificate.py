@@ -1,0 +1,397 @@
+"""Certificates: every file of a folder measured against the exact curves of its recipe."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from math import isfinite, nan
+from pathlib import Path
+
+from ..build import errors_named_by_key
+from ..core.arguments import checked
+from ..core.errors import FileError, GeomkinError, harmless, printable
+from ..core.names import file_name_flaw
+from ..core.progress import report
+from ..core.records import record
+from ..export.formats import format_of
+from ..export.stamp import LAYOUT, Stamp, recipe_hash
+from ..export.summary import FOUND, NAME, read_summary
+from ..recipe.load import from_table, parse
+from ..recipe.recipe import AbstractRecipe
+from .comparison import FINENESS, ExactPart, Measured, exact_part, measure_drawing, measure_mesh, measure_plate
+from .drawing import LARGEST, UnreadableError
+
+# Share of the tolerance by which a deviation may exceed it: what the measurement itself may be off.
+MEASURED = 2 * FINENESS
+# Most files of a folder that are measured.
+MOST_FILES = 10_000
+
+
+@record(eq=False)
+class FileReport:
+    """What was found of one file.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file.
+    format : str
+        Its format, as `files.write` names it.
+    measured : bool
+        Whether its contents were compared with the recipe; pictures and pages are not.
+    deviation : float
+        Largest distance between the file and the exact curves, either way, mm; nan if it has none.
+    allowed : float
+        The tolerance, mm.
+    place : complex
+        Where the deviation is largest, mm, in the frame of the part.
+    part : str
+        Name of that part.
+    parts, holes : int
+        Numbers of parts and of their holes in the file.
+    problems : tuple of str
+        What is wrong, a sentence each; empty if nothing is.
+    worst : Measured, optional
+        The plate with the largest deviation, and the exact one.
+    """
+
+    file: str
+    format: str
+    measured: bool = True
+    deviation: float = nan
+    allowed: float = nan
+    place: complex = 0j
+    part: str = ""
+    parts: int = 0
+    holes: int = 0
+    problems: tuple[str, ...] = ()
+    worst: Measured | None = None
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.problems
+
+    def to_dict(self) -> dict[str, object]:
+        """As JSON files state it."""
+        entries: dict[str, object] = {"file": self.file, "format": self.format, "measured": self.measured}
+        if isfinite(self.deviation):
+            entries |= {
+                "deviation_mm": float(f"{self.deviation:.3g}"),
+                "allowed_mm": self.allowed,
+                "part": self.part,
+                "at_mm": [round(self.place.real, 4) + 0.0, round(self.place.imag, 4) + 0.0],
+            }
+        if self.parts:
+            entries |= {"parts": self.parts, "holes": self.holes}
+        return entries | {"passed": self.passed, "problems": list(self.problems)}
+
+
+@record(eq=False)
+class Certificate:
+    """What was found of the files of one recipe.
+
+    Parameters
+    ----------
+    folder : Path
+    name, kind : str
+        Of the recipe.
+    recipe_hash : str
+        SHA-256 of the recipe, as the stamps of its files state it.
+    tolerance, kerf : float
+        Of the recipe, mm.
+    files : tuple of FileReport
+    problems : tuple of str
+        What is wrong with the folder itself, a sentence each.
+    """
+
+    folder: Path
+    name: str
+    kind: str
+    recipe_hash: str
+    tolerance: float
+    kerf: float
+    files: tuple[FileReport, ...]
+    problems: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is wrong with any file."""
+        return not self.problems and all(file.passed for file in self.files)
+
+    def to_dict(self) -> dict[str, object]:
+        """As JSON files state it."""
+        return {
+            "name": self.name,
+            "kind": self.kind,
+            "recipe_sha256": self.recipe_hash,
+            "tolerance_mm": self.tolerance,
+            "kerf_mm": self.kerf,
+            "passed": self.passed,
+            "problems": list(self.problems),
+            "files": [file.to_dict() for file in self.files],
+        }
+
+
+@checked
+def verify(folder: str | Path) -> list[Certificate]:
+    """Read the files of recipes back and measure them against the exact curves.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder of a recipe, as `make` writes it, or one that holds such folders.
+
+    Returns
+    -------
+    list of Certificate
+        One for each recipe, by name.
+
+    Raises
+    ------
+    FileError
+        If there is no folder of a recipe.
+
+    Notes
+    -----
+    DXF is read by ezdxf, STL and GLB by trimesh, SVG, 3MF and CSV by the standard library, STEP by a reader of its own;
+    none shares code with a writer. Deviations are bounded, not sampled: along an edge the distance to another edge is
+    convex, and a piece of a curve of length L between two points at the distance c lies in the ellipse about them whose
+    axis is L.
+
+    Examples
+    --------
+    >>> import geomkin as gk, tempfile
+    >>> out = tempfile.mkdtemp()
+    >>> recipe = gk.load({"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}, "files": {"write": ["dxf"]}})
+    >>> _ = gk.make(recipe, out)
+    >>> [certificate.passed for certificate in gk.verify(out)]
+    [True]
+    """
+    folder = Path(folder)
+    if (folder / NAME).is_file():
+        return [_certificate(folder)]
+    try:
+        folders = sorted(inside for inside in folder.iterdir() if (inside / NAME).is_file())
+    except OSError as error:
+        raise FileError(folder, f"cannot be read ({error.strerror})", "give a folder", "file-unreadable") from error
+    if not folders:
+        remedy = "give a folder that geomkin run has written"
+        raise FileError(folder, f"has no recipe: no {NAME} in it or one level below", remedy, "file-unreadable")
+    return [_certificate(inside) for inside in folders]
+
+
+def _certificate(folder: Path) -> Certificate:
+    summary = read_summary(folder)
+    data, names = summary.get("recipe"), summary.get("files")
+    name = str(summary.get("name", folder.name))
+    if not isinstance(data, dict) or not isinstance(names, list):
+        problem = f"{NAME} cannot be read, or has no recipe"
+        return Certificate(folder, harmless(name), "", "", nan, nan, (), (problem,))
+    kind, hashed = str(data.get("kind", "")), recipe_hash(data)
+    try:
+        sources = summary.get("sources")
+        recipe = from_table(data, NAME, str(folder) if not isinstance(sources, dict) else sources)
+        expected = Expected(recipe)
+        with errors_named_by_key(NAME, recipe):
+            _ = expected.parts
+    except GeomkinError as error:
+        problem = f"the recipe in {NAME} cannot be made again: {harmless(error)}"
+        return Certificate(folder, harmless(name), harmless(kind), hashed, nan, nan, (), (problem,))
+    wanted = [str(one) for one in names[:MOST_FILES] if not file_name_flaw(str(one))]
+    reports = []
+    for k, file in enumerate(wanted):
+        report(k / len(wanted), f"{name}: {file}")
+        reports.append(_report(folder / file, expected, hashed))
+    report(1.0, name)
+    files = tuple(_with_counts(reports, expected))
+    return Certificate(folder, harmless(name), harmless(kind), hashed, recipe.files.tolerance, recipe.files.kerf, files)
+
+
+@dataclass
+class Expected:
+    """What the files of a recipe should hold."""
+
+    recipe: AbstractRecipe
+
+    @cached_property
+    def parts(self) -> tuple[ExactPart, ...]:
+        """The parts with their exact curves."""
+        files = self.recipe.files
+        return tuple(exact_part(part, files.kerf, files.tolerance) for part in self.recipe.parts)
+
+    def named(self, name: str) -> ExactPart:
+        """The part of this name, or of this name with the number of a copy."""
+        for part in self.parts:
+            if part.part.name in (name, name.rpartition(" ")[0]):
+                return part
+        raise UnreadableError(f"the recipe has no part {printable(name, 60)}")
+
+    @property
+    def tolerance(self) -> float:
+        """mm."""
+        return self.recipe.files.tolerance
+
+
+@dataclass
+class Content:
+    """The plates or solids of a file, its stamp, and problems of the file itself."""
+
+    measured: list[Measured]
+    stamp: str = ""
+    problems: tuple[str, ...] = ()
+
+
+def _dxf(path: Path, expected: Expected) -> Content:
+    from .read_dxf import read_dxf
+
+    drawing = read_dxf(path, expected.tolerance * FINENESS / 2)
+    return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
+
+
+def _svg(path: Path, expected: Expected) -> Content:
+    from .read_svg import read_svg
+
+    drawing = read_svg(path, expected.tolerance * FINENESS / 2)
+    return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
+
+
+def _stl(path: Path, expected: Expected) -> Content:
+    from .read_mesh import read_stl
+
+    meshes, problems, stamp = read_stl(path)
+    exact = expected.named(path.stem)
+    return Content([measure_mesh(mesh, exact, expected.tolerance) for mesh in meshes], stamp, tuple(problems))
+
+
+def _glb(path: Path, expected: Expected) -> Content:
+    from .read_mesh import read_glb
+
+    meshes, problems, stamp = read_glb(path)
+    measured = [measure_mesh(mesh, expected.named(mesh.name), expected.tolerance) for mesh in meshes]
+    return Content(measured, stamp, tuple(problems))
+
+
+def _threemf(path: Path, expected: Expected) -> Content:
+    from .read_mesh import read_3mf
+
+    meshes, counts, problems, stamp = read_3mf(path)
+    measured: list[Measured] = []
+    for mesh in meshes:
+        found = measure_mesh(mesh, expected.named(mesh.name), expected.tolerance)
+        measured += [found] * counts.get(mesh.name, 0)
+    return Content(measured, stamp, tuple(problems))
+
+
+def _step(path: Path, expected: Expected) -> Content:
+    from .read_step import read_step
+
+    plate = read_step(path, expected.tolerance * FINENESS / 2)
+    exact = expected.named(path.stem)
+    found = measure_plate((plate.lower, plate.upper), plate.thickness, exact, expected.tolerance)
+    return Content([found], plate.stamp)
+
+
+def _csv(path: Path, expected: Expected) -> Content:
+    from .tables import motion_problems
+
+    return Content([], problems=tuple(motion_problems(path, expected.recipe.table)))
+
+
+def _bom(path: Path, expected: Expected) -> Content:
+    from .tables import bill_problems
+
+    return Content([], problems=tuple(bill_problems(path, expected.recipe.parts, expected.recipe.bought)))
+
+
+# Readers by format; other formats are pictures and pages.
+READERS: Mapping[str, Callable[[Path, Expected], Content]] = {
+    "dxf": _dxf,
+    "svg": _svg,
+    "stl": _stl,
+    "glb": _glb,
+    "3mf": _threemf,
+    "assembly-3mf": _threemf,
+    "step": _step,
+    "csv": _csv,
+    "bom": _bom,
+}
+# Formats with every copy of every part, in one file or on several sheets, and those with a file for each part.
+ALL_COPIES, EACH_PART = ("dxf", "svg", "3mf"), ("stl", "step")
+# Formats whose files have a place for a stamp.
+STAMPED = ("dxf", "svg", "stl", "glb", "3mf", "assembly-3mf", "step")
+
+
+def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
+    if path.name.endswith(FOUND):
+        return FileReport(path.name, "recipe", measured=False, problems=_found_problems(path))
+    kind = format_of(path.name)
+    file = partial(FileReport, path.name, kind, allowed=expected.tolerance)
+    try:
+        if path.is_symlink() or not path.is_file():
+            return file(problems=("it is missing",))
+        if path.stat().st_size > LARGEST:
+            return file(problems=(f"it has more than {LARGEST:,} bytes",))
+        if kind not in READERS:
+            return FileReport(path.name, kind, measured=False)
+        content = READERS[kind](path, expected)
+    except (UnreadableError, OSError) as error:
+        return file(problems=(harmless(error),))
+    problems = [*content.problems, *(_stamp_problems(content.stamp, expected, hashed) if kind in STAMPED else [])]
+    for one in content.measured:
+        named = printable(one.part, 60) or "the drawing"
+        problems += [f"{named}: {problem}" for problem in one.problems]
+        if one.deviation > expected.tolerance * (1 + MEASURED):
+            problems.append(
+                f"{named}: {one.deviation:.4g} mm off its curve at ({one.place.real:.3f}, {one.place.imag:.3f}), "
+                f"and {expected.tolerance:g} mm are allowed"
+            )
+    worst = max(
+        content.measured, key=lambda one: one.deviation if isfinite(one.deviation) else -1, default=Measured("")
+    )
+    return file(
+        deviation=worst.deviation,
+        place=worst.place,
+        part=worst.part,
+        parts=len(content.measured),
+        holes=sum(one.holes for one in content.measured),
+        problems=tuple(map(harmless, problems)),
+        worst=worst if worst.plate else None,
+    )
+
+
+def _stamp_problems(text: str, expected: Expected, hashed: str) -> list[str]:
+    stamp = Stamp.read(text)
+    if stamp is None:
+        return ["it has no stamp: another program wrote it"]
+    if stamp.layout != LAYOUT:
+        return [f"its stamp has layout {stamp.layout}, and this geomkin reads {LAYOUT}"]
+    if not hashed.startswith(stamp.recipe) or stamp.tolerance != expected.tolerance:
+        return ["its stamp is that of another recipe or tolerance"]
+    return []
+
+
+def _found_problems(path: Path) -> tuple[str, ...]:
+    """Whether the recipe that a goal found can be read."""
+    try:
+        with path.open("rb") as file:
+            parse(file.read(LARGEST).decode("utf-8"), path.name)
+    except (GeomkinError, OSError, UnicodeDecodeError) as error:
+        return (f"it cannot be read as a recipe: {harmless(error)}",)
+    return ()
+
+
+def _with_counts(reports: Iterable[FileReport], expected: Expected) -> Iterable[FileReport]:
+    """The reports, with numbers of parts that differ from the recipe's as a problem of the first file of a format."""
+    reports = list(reports)
+    copies = Counter({part.part.name: part.part.count for part in expected.parts})
+    for kind in ALL_COPIES:
+        some = [k for k, one in enumerate(reports) if one.format == kind]
+        if some and all(isfinite(reports[k].deviation) for k in some):
+            total = sum(reports[k].parts for k in some)
+            if total != sum(copies.values()):
+                problem = f"{total} parts are drawn, and the recipe has {sum(copies.values())}"
+                reports[some[0]] = replace(reports[some[0]], problems=(*reports[some[0]].problems, problem))
+    return reports

@@ -1,0 +1,132 @@
+"""The page of a certificate: a table of files, and a picture of each largest deviation."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from ..export.files import write_whole
+from ..export.summary import as_json
+from ..export.text import text
+from ..plane.region import thinned
+from ..plane.vec import Complex
+from .certificate import Certificate, FileReport
+from .outline import Outline
+
+# Size of a picture, px; half the side of what the close picture shows, as a multiple of the deviation.
+WIDE, CLOSE = 320, 12
+STYLE = """
+body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 60rem; padding: 0 1rem; color: #222;
+  background: #fff }
+table { border-collapse: collapse; width: 100% } td, th { text-align: left; padding: .3rem .6rem; vertical-align: top;
+  border-bottom: 1px solid #ddd } .bad { color: #a33a00; font-weight: 600 }
+figure { display: inline-block; margin: 1rem 1rem 0 0 } figcaption { max-width: 660px }
+svg { border: 1px solid #ddd; background: #fff } .exact { stroke: #0072b2; fill: none } .file { stroke: #d55e00;
+  fill: none; stroke-dasharray: 6 3 } .place { stroke: #000; fill: none }
+path, circle { vector-effect: non-scaling-stroke; stroke-width: 1.5 }
+@media (prefers-color-scheme: dark) { body { background: #1b1b1b; color: #ddd } td, th { border-color: #444 }
+  .bad { color: #ff9a5c } }
+"""
+
+
+def write_certificate(certificate: Certificate) -> list[Path]:
+    """Write verify.json and verify.html into the folder of the recipe; returns their paths."""
+    data = json.dumps(as_json(certificate.to_dict()), indent=1, ensure_ascii=False) + "\n"
+    contents = {"verify.json": data.encode("utf-8", "replace"), "verify.html": certificate_page(certificate)}
+    write_whole(certificate.folder, contents)
+    return [certificate.folder / name for name in contents]
+
+
+def certificate_page(certificate: Certificate) -> bytes:
+    """The page, one HTML file that needs no other."""
+    verdict = "Every file is as designed." if certificate.passed else "Some files are not as designed."
+    rows = "".join(f"<tr>{_row(file)}</tr>" for file in certificate.files)
+    figures = "".join(_figure(file) for file in _pictured(certificate.files))
+    problems = "".join(f'<p class="bad">{text(problem)}</p>' for problem in certificate.problems)
+    name = text(certificate.name)
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{name}: certificate</title>'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+        f"<style>{STYLE}</style></head>\n<body><h1>{name}: certificate</h1>\n<p>{verdict}</p>{problems}"
+        f"<p>Each file was read back and compared with the exact curves of the recipe, both ways. The tolerance is "
+        f"{certificate.tolerance:g} mm, the kerf {certificate.kerf:g} mm. Recipe: SHA-256 "
+        f"<code>{text(certificate.recipe_hash)}</code>.</p>\n"
+        "<table><thead><tr><th>file</th><th>largest deviation, mm</th><th>at</th><th>parts</th><th>holes</th>"
+        f"<th>result</th></tr></thead><tbody>{rows}</tbody></table>\n{figures}</body></html>\n"
+    ).encode("utf-8", "replace")
+
+
+def _row(file: FileReport) -> str:
+    measured = isfinite(file.deviation)
+    place = f"{text(file.part)} ({file.place.real:.3f}, {file.place.imag:.3f})" if measured else ""
+    result = "not measured" if not file.measured else "passed" if file.passed else ""
+    wrong = "".join(f'<div class="bad">{text(problem)}</div>' for problem in file.problems)
+    numbers = f"<td>{file.parts or ''}</td><td>{file.holes if file.parts else ''}</td>"
+    deviation = f"{file.deviation:.4f}" if measured else ""
+    return f"<td>{text(file.file)}</td><td>{deviation}</td><td>{place}</td>{numbers}<td>{result}{wrong}</td>"
+
+
+def _pictured(files: Sequence[FileReport]) -> Iterator[FileReport]:
+    """Files to draw: those with something wrong, or the one with the largest deviation."""
+    drawn = [file for file in files if file.worst is not None]
+    wrong = [file for file in drawn if not file.passed]
+    yield from wrong or sorted(drawn, key=lambda file: -file.deviation)[:1]
+
+
+def _figure(file: FileReport) -> str:
+    assert file.worst and file.worst.plate and file.worst.exact
+    exact, plate, place = file.worst.exact, file.worst.plate, file.place
+    low, high = _box(exact.outline.points)
+    middle, half = (low + high) / 2, max((high - low).real, (high - low).imag) * 0.55
+    near = max(CLOSE * file.deviation, 1e-6 * half)
+    whole = _svg(middle, half, [("exact", exact.loops)], place, 0.03 * half)
+    close = _svg(place, near, [("exact", exact.loops), ("file", plate.loops)], place, file.deviation)
+    caption = (
+        f"{text(file.file)}, {text(file.part)}: the largest deviation, {file.deviation:.4f} mm. Left: the part, with "
+        f"its place ringed. Right: {2 * near:.3g} mm across, the exact curve solid, the file dashed; the ring has the "
+        "deviation as its radius."
+    )
+    return f"<figure>{whole} {close}<figcaption>{caption}</figcaption></figure>"
+
+
+def _box(points: Complex) -> tuple[complex, complex]:
+    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+
+
+def _svg(middle: complex, half: float, drawn: Sequence[tuple[str, Sequence[Outline]]], place: complex, r: float) -> str:
+    """A square picture about a point; coordinates are taken from it, so that a close look keeps its digits."""
+    scale = WIDE / (2 * half)
+
+    def at(z: complex) -> str:
+        local = (z - middle) * scale
+        return f"{WIDE / 2 + local.real:.2f} {WIDE / 2 - local.imag:.2f}"
+
+    lines = []
+    for name, loops in drawn:
+        for loop in loops:
+            for run in _runs(loop, middle, 2 * half):
+                lines.append(f'<path class="{name}" d="M{"L".join(at(complex(z)) for z in run)}"/>')
+    x, y = at(place).split()
+    lines.append(f'<circle class="place" cx="{x}" cy="{y}" r="{r * scale:.2f}"/>')
+    return f'<svg width="{WIDE}" height="{WIDE}" viewBox="0 0 {WIDE} {WIDE}" role="img">{"".join(lines)}</svg>'
+
+
+def _runs(loop: Outline, middle: complex, reach: float) -> Iterator[Complex]:
+    """The parts of a loop that may be seen within a distance of a point, thinned to what a screen shows."""
+    points = np.append(loop.points, loop.points[:1])
+    starts, ends = points[:-1], points[1:]
+    edge = ends - starts
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.nan_to_num(np.clip(((middle - starts) * edge.conj()).real / np.abs(edge) ** 2, 0, 1))
+    seen = np.abs(starts + share * edge - middle) < 1.5 * reach
+    if seen.all():
+        yield np.append(thinned(loop.points, reach / 1000), loop.points[:1])
+        return
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(int)))
+    for first, last in changes.reshape(-1, 2):
+        yield points[first : last + 1]

@@ -1,0 +1,192 @@
+"""The plates and solids of a file against the exact curves of their parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import nan
+
+import numpy as np
+
+from ..core.records import record
+from ..model.part import Part
+from ..plane.region import Edges, is_simple, offset
+from .drawing import Drawing
+from .matching import Shape, candidates, nested, position
+from .outline import Outline, deviation, farthest, outline_of
+from .solid import Mesh, as_plate, section, section_heights
+
+# Share of the tolerance that the measurement itself may be off. A finer one takes longer and finds the same faults.
+FINENESS = 0.04
+# Relative error of an area or a volume that rounding explains.
+EVEN = 1e-6
+
+
+@record(eq=False)
+class ExactPart:
+    """A part with its exact curves as polygons; `drawn` are those that a drawing has, half a kerf off the part."""
+
+    part: Part
+    solid: Shape
+    drawn: Shape
+
+
+@record(eq=False)
+class Measured:
+    """What was found of one plate or solid of a file.
+
+    part: name of the part that it is; deviation: largest distance between the file and the exact curves, mm, found at
+    `place`; plate, exact: both, for a picture, in the part's frame; problems: a sentence each.
+    """
+
+    part: str
+    deviation: float = nan
+    place: complex = 0j
+    plate: Shape | None = None
+    exact: Shape | None = None
+    problems: tuple[str, ...] = ()
+
+    @property
+    def holes(self) -> int:
+        """Number of holes found."""
+        return len(self.plate.holes) if self.plate else 0
+
+
+def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
+    """The exact curves of a part as polygons whose error is a small share of the tolerance, mm."""
+    error = tolerance * FINENESS / 2
+
+    def upright(curve: Outline) -> Outline:
+        return curve if curve.area > 0 else Outline(curve.points[::-1], curve.error)
+
+    outline = upright(outline_of(part.outline, error))
+    holes = tuple(upright(outline_of(hole, error)) for hole in part.holes)
+    solid = Shape(outline, holes, tuple(outline_of(mark, error) for mark in part.marks))
+    if kerf == 0:
+        return ExactPart(part, solid, solid)
+    regions = offset([outline.points, *(hole.points[::-1] for hole in holes)], kerf / 2, error)
+    grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
+    drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), solid.marks) for loops in grown]
+    return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid)
+
+
+def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: float) -> list[Measured]:
+    """Each plate of a drawing, with the part that it is and the largest deviation from it."""
+    measured: list[Measured] = []
+    open_lines = [line for line in drawing.cuts if not line.outline.closed]
+    if open_lines:
+        place = complex(open_lines[0].outline.points[0])
+        measured.append(Measured("", place=place, problems=(f"{len(open_lines)} lines to cut are not closed",)))
+    cuts = [line for line in drawing.cuts if line.outline.closed and len(line.outline.points) > 2]
+    marks = drawing.marks
+    for loops, engraved in nested([cut.outline for cut in cuts], [mark.outline for mark in marks]):
+        outlines = [cuts[k].outline for k in loops]
+        problems = [
+            f"{'the outline' if k == 0 else f'hole {k}'} crosses itself"
+            for k, one in enumerate(outlines)
+            if not is_simple(one.points)
+        ]
+        if any(one.area == 0 for one in outlines):
+            measured.append(Measured("", place=complex(outlines[0].points[0]), problems=("a line encloses no area",)))
+            continue
+        plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
+        found = min(
+            (_measured(plate, parts[k].drawn, parts[k].part.name, tolerance) for k in
+             candidates(plate, [part.drawn for part in parts], tolerance)),
+            key=lambda one: (len(one.problems), one.deviation),
+        )  # fmt: skip
+        part = next(one.part for one in parts if one.part.name == found.part)
+        layers = {cuts[loops[0]].layer} - {part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
+        problems += [f"it is on layer {layer}" for layer in sorted(layers)]
+        measured.append(_with(found, problems))
+    return measured
+
+
+def _with(found: Measured, problems: Sequence[str]) -> Measured:
+    return replace(found, problems=(*found.problems, *problems))
+
+
+def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
+    """A plate of a file against the exact one, after the plate's position was found."""
+    turn, shift = position(plate, exact, tolerance)
+    local = plate.placed(turn.conjugate(), -shift * turn.conjugate())
+    return compared(local, exact, name, tolerance)
+
+
+def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
+    """A plate against the exact one, both in the part's own frame."""
+    problems: list[str] = []
+    resolution = tolerance * FINENESS / 2
+    worst, place = deviation(plate.outline, exact.outline, resolution)
+    if len(plate.holes) != len(exact.holes):
+        problems.append(f"it has {len(plate.holes)} holes, and the part {len(exact.holes)}")
+    left = list(plate.holes)
+    for hole in exact.holes if len(plate.holes) == len(exact.holes) else ():
+        nearest = min(left, key=lambda one: abs(one.centroid - hole.centroid) + np.sqrt(abs(abs(one.area) - hole.area)))
+        left.remove(nearest)
+        worst, place = max((worst, place), deviation(nearest, hole, resolution), key=lambda one: one[0])
+    if exact.marks or plate.marks:
+        worst, place = max((worst, place), _marks_apart(plate.marks, exact.marks, resolution), key=lambda one: one[0])
+        if bool(exact.marks) != bool(plate.marks):
+            problems.append("its engraving is missing" if exact.marks else "it is engraved, and the part is not")
+    return Measured(name, worst, place, plate, exact, tuple(problems))
+
+
+def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution: float) -> tuple[float, complex]:
+    """The largest distance between two sets of marks, either way, mm, and its place."""
+    if not found or not exact:
+        return 0.0, 0j
+    sets = [
+        Edges(np.concatenate([one.starts for one in marks]), np.concatenate([one.ends for one in marks]))
+        for marks in (found, exact)
+    ]
+    distances = [farthest(one, sets[1], resolution) for one in found]
+    distances += [farthest(one, sets[0], resolution) for one in exact]
+    return max(distances, key=lambda one: one[0])
+
+
+def measure_plate(lids: Sequence[Sequence[Outline]], thickness: float, exact: ExactPart, tolerance: float) -> Measured:
+    """A plate by the loops of its faces, as STEP has them, and its thickness, mm."""
+    found: list[Measured] = []
+    for loops in lids:
+        order = sorted(loops, key=lambda loop: -abs(loop.area))
+        found.append(compared(Shape(order[0], tuple(order[1:])), _unmarked(exact.solid), exact.part.name, tolerance))
+    return _with(max(found, key=lambda one: one.deviation), _thickness_problems(0.0, thickness, exact.part, EVEN))
+
+
+def _unmarked(shape: Shape) -> Shape:
+    """Solids have no engraving."""
+    return Shape(shape.outline, shape.holes)
+
+
+def _thickness_problems(low: float, high: float, part: Part, share: float) -> list[str]:
+    if max(abs(low), abs(high - part.thickness)) <= share * max(part.thickness, 1.0) + 1e-6:
+        return []
+    return [f"it reaches from z = {low:.6g} to {high:.6g} mm, and the part is {part.thickness:g} mm thick"]
+
+
+def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
+    """A solid by its sections, its volume and whether it is closed."""
+    part, name = exact.part, exact.part.name
+    if not mesh.is_closed:
+        return Measured(name, problems=("it is not watertight, or a triangle is turned inside out",))
+    z = mesh.corners[:, 2]
+    problems = _thickness_problems(float(z.min()), float(z.max()), part, 4 * mesh.rounding)
+    volume, expected = mesh.volume, exact.solid.area * part.thickness
+    allowed = exact.solid.length * tolerance * part.thickness + EVEN * expected
+    if abs(volume - expected) > allowed:
+        problems.append(f"its volume is {volume:.7g} mm3, and that of the part {expected:.7g} mm3")
+    if not part.twist and (np.minimum(abs(z), abs(z - part.thickness)) > 4 * mesh.rounding).any():
+        problems.append("it has corners between its two faces")
+    worst = Measured(name, 0.0)
+    for height in section_heights(mesh, part):
+        loops = section(mesh, height)
+        plate = as_plate(loops, part, height / part.thickness) if loops else None
+        if plate is None:
+            problems.append(f"its section at z = {height:.4g} mm is not one plate")
+            break
+        found = compared(plate, _unmarked(exact.solid), name, tolerance)
+        worst = found if found.problems or found.deviation > worst.deviation else worst
+        if found.problems:
+            break
+    return _with(worst, problems)

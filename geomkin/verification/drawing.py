@@ -1,0 +1,85 @@
+"""A drawing as a reader finds it: closed and open lines on layers, and what is wrong with the file itself."""
+
+from __future__ import annotations
+
+from dataclasses import field
+
+import numpy as np
+
+from ..core.records import record
+from ..plane.vec import Complex
+from .outline import Outline, arc_points, circle_points
+
+# Largest file that is read, bytes, and largest number of vertices of one drawing: more would take minutes.
+LARGEST, MOST_VERTICES = 50_000_000, 500_000
+# Layers of lines that are engraved, not cut.
+MARKED = ("ENGRAVE", "LABEL")
+
+
+class UnreadableError(Exception):
+    """A file that cannot be read; its text is the reason."""
+
+
+@record(eq=False)
+class Line:
+    """A line of a drawing as a polygon, mm, with the operation that its layer stands for."""
+
+    outline: Outline
+    layer: str
+
+
+@record(eq=False)
+class Drawing:
+    """The lines of a drawing, its stamp ("" if there is none), and problems of the file itself, a sentence each."""
+
+    lines: tuple[Line, ...]
+    stamp: str = ""
+    problems: tuple[str, ...] = ()
+
+    @property
+    def cuts(self) -> list[Line]:
+        """Lines that are cut."""
+        return [line for line in self.lines if line.layer not in MARKED]
+
+    @property
+    def marks(self) -> list[Line]:
+        """Lines that are engraved because the part has them; names of parts are not among them."""
+        return [line for line in self.lines if line.layer == "ENGRAVE"]
+
+
+@record(eq=False)
+class Pen:
+    """Collects the points of a line from straight steps and arcs; arcs become chords within `error`, mm."""
+
+    error: float
+    points: list[Complex] = field(default_factory=list)
+
+    def edge(self, start: complex, end: complex, bulge: float = 0.0) -> None:
+        """From `start` up to, not including, `end`; bulge: tangent of a quarter of an arc's sweep."""
+        self.points.append(arc_points(start, end, bulge, self.error) if bulge else np.array([start]))
+
+    def outline(self, closed: bool, end: complex | None = None) -> Outline:
+        """The line; an open one ends at `end`."""
+        points = np.concatenate([*self.points, *([np.array([end])] if end is not None else [])])
+        if not np.isfinite(points).all():
+            raise UnreadableError("a coordinate is not finite")
+        is_distinct = np.append(True, points[1:] != points[:-1])
+        is_distinct[-1] &= not (closed and len(points) > 1 and points[-1] == points[0])
+        return Outline(points[is_distinct], self.error, closed)
+
+
+def polyline(vertices: Complex, bulges: list[float], closed: bool, error: float) -> Outline:
+    """A polyline with arcs, as DXF has them, as a polygon."""
+    pen = Pen(error)
+    ends = np.roll(vertices, -1)
+    edges = len(vertices) if closed else len(vertices) - 1
+    for k in range(edges):
+        pen.edge(complex(vertices[k]), complex(ends[k]), bulges[k] if vertices[k] != ends[k] else 0.0)
+    return pen.outline(closed, None if closed else complex(vertices[-1]))
+
+
+def circle(centre: complex, radius: float, error: float) -> Outline:
+    """A circle as a polygon."""
+    if not (np.isfinite(centre) and np.isfinite(radius) and radius > 0):
+        raise UnreadableError("a circle has no finite radius above 0")
+    return Outline(circle_points(centre, radius, error), error)

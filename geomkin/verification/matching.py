@@ -1,0 +1,177 @@
+"""Which part the loops of a drawing are, and where on the sheet it lies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..core.records import record
+from ..plane.region import Edges, containers
+from ..plane.vec import Complex, Real, dot
+from .outline import NODES, WEIGHTS, Outline
+
+# Highest order of the moments that give a rotation. A gear of so many teeth has no lower one.
+HIGHEST = 400
+# Size of a moment, relative to that of a ring, from which it states a direction: below, it may be an approximation's.
+CLEAR = 1e-3
+# Points along loops by which positions are compared.
+SAMPLES = 240
+# Steps of the fit of a position, which converges quadratically.
+STEPS = 12
+# Candidates of area nearest to that of the loops of a file that are tried.
+TRIED = 4
+
+
+@record(eq=False)
+class Shape:
+    """A plate as closed loops, mm: the outline counterclockwise, the holes, and the marks engraved on it."""
+
+    outline: Outline
+    holes: tuple[Outline, ...]
+    marks: tuple[Outline, ...] = ()
+
+    @property
+    def loops(self) -> tuple[Outline, ...]:
+        """Outline and holes."""
+        return (self.outline, *self.holes)
+
+    @property
+    def area(self) -> float:
+        """mm2."""
+        return abs(self.outline.area) - sum(abs(hole.area) for hole in self.holes)
+
+    @property
+    def length(self) -> float:
+        """Length of all loops, mm."""
+        return sum(loop.length for loop in self.loops)
+
+    @property
+    def size(self) -> float:
+        """Largest distance of the outline from its centroid, mm."""
+        return float(np.abs(self.outline.points - self.outline.centroid).max())
+
+    def placed(self, turn: complex, shift: complex) -> Shape:
+        """The plate rotated about the origin by a unit complex number, then shifted, mm."""
+        holes, marks = ([one.placed(turn, shift) for one in loops] for loops in (self.holes, self.marks))
+        return Shape(self.outline.placed(turn, shift), tuple(holes), tuple(marks))
+
+
+def nested(cuts: Sequence[Outline], marks: Sequence[Outline]) -> list[tuple[list[int], list[int]]]:
+    """The plates of a sheet as indices of their cuts, outline first, and of their marks.
+
+    A loop inside an even number of others is an outline, any other a hole in the smallest of them.
+    """
+    if not cuts:
+        return []
+    loops = [cut.points for cut in cuts]
+    # A loop's own first corner is on it, not inside it.
+    around = containers(np.array([loop[0] for loop in loops]), loops)
+    plates = {k: ([k], list[int]()) for k, outer in enumerate(around) if len(outer) % 2 == 0}
+    for k, outer in enumerate(around):
+        if len(outer) % 2:
+            plates.setdefault(outer[0], ([outer[0]], []))[0].append(k)
+    for k, outer in enumerate(containers(np.array([mark.points[0] for mark in marks], dtype=complex), loops)):
+        outlines = [j for j in outer if j in plates]
+        if outlines:
+            plates[outlines[0]][1].append(k)
+    return list(plates.values())
+
+
+def position(found: Shape, exact: Shape, tolerance: float) -> tuple[complex, complex]:
+    """Rotation, unit complex, and shift, mm, that place an exact plate on that of a file.
+
+    The centroids give the shift, the lowest moment of the area that is not zero the rotation, up to its symmetry, which
+    the loops decide; then the loops are fitted. Sheets are laid out in whole millimetres and degrees: a fit that comes
+    as close to these as the tolerance is taken to be exactly there.
+    """
+    here, there = found.outline.centroid, exact.outline.centroid
+    samples = _samples(found)
+    # Marks decide where the outline is symmetric.
+    drawn = (*exact.loops, *exact.marks)
+    edges = Edges(np.concatenate([one.starts for one in drawn]), np.concatenate([one.ends for one in drawn]))
+
+    def misfit(turn: complex) -> float:
+        return float(edges.nearest((samples - here) / turn + there)[1].mean())
+
+    turn = min(_rotations(found, exact), key=misfit)
+    turn, shift = _fitted(samples, edges, turn, here - turn * there, tolerance)
+    angle = np.round(np.degrees(np.angle(turn)))
+    whole = complex(np.exp(1j * np.radians(angle)))
+    # The shift belongs to the part's own origin, so that a whole rotation changes it.
+    moved = here + whole / turn * (turn * there + shift - here) - whole * there
+    rounded = complex(np.round(moved.real), np.round(moved.imag))
+    is_whole = abs(whole - turn) * exact.size < tolerance and abs(moved - rounded) < tolerance
+    return (whole, rounded) if is_whole else (turn, shift)
+
+
+def candidates(found: Shape, exact: Sequence[Shape], tolerance: float) -> list[int]:
+    """Indices of the plates that one of a file may be: those of its area; without any, those of the nearest areas."""
+    apart = [abs(one.area - found.area) for one in exact]
+    order = sorted(range(len(exact)), key=lambda k: apart[k])
+    alike = [k for k in order if apart[k] <= 2 * tolerance * exact[k].length]
+    return alike or order[:TRIED]
+
+
+def _rotations(found: Shape, exact: Shape) -> list[complex]:
+    """Rotations that agree with the lowest clear moment of the area; 1 for a plate that is round."""
+    for order, (here, there) in enumerate(zip(_moments(found), _moments(exact)), 2):
+        if abs(there) > CLEAR:
+            angle = np.angle(here / there) / order
+            rotations: list[complex] = np.exp(1j * (angle + 2 * np.pi * np.arange(order) / order)).tolist()
+            return rotations
+    return [1 + 0j]
+
+
+def _moments(shape: Shape) -> Iterator[complex]:
+    """Integrals over the area of z^2, z^3 ..., z from the centroid in units of the size, by Green's theorem."""
+    centre, size = shape.outline.centroid, shape.size
+    nodes, steps = [], []
+    for k, loop in enumerate(shape.loops):
+        middle = (loop.starts + loop.ends - 2 * centre) / (2 * size)
+        half = (loop.ends - loop.starts) / (2 * size)
+        nodes.append((middle[:, None] + half[:, None] * NODES).ravel())
+        side = np.sign(loop.area) * (1 if k == 0 else -1)
+        steps.append((side * half[:, None] * WEIGHTS).ravel())
+    z = np.concatenate(nodes)
+    term = z.conj() * np.concatenate(steps) * z / 2j
+    for _ in range(HIGHEST - 1):
+        term = term * z
+        yield complex(term.sum())
+
+
+def _samples(shape: Shape) -> Complex:
+    """Points spread along all loops and marks, corners included if there are few."""
+    drawn = (*shape.loops, *shape.marks)
+    step = sum(one.length for one in drawn) / SAMPLES
+    spread: list[Complex] = []
+    for loop in drawn:
+        lengths = np.append(0, np.cumsum(np.abs(loop.ends - loop.starts)))
+        at = np.arange(step / 2, lengths[-1], step) if lengths[-1] > step else np.array([0, lengths[-1] / 2])
+        z = np.append(loop.starts, loop.ends[-1:])
+        spread.append(np.interp(at, lengths, z.real) + 1j * np.interp(at, lengths, z.imag))
+        spread.append(loop.points[:: len(loop.points) // SAMPLES + 1])
+    return np.concatenate(spread)
+
+
+def _fitted(samples: Complex, edges: Edges, turn: complex, shift: complex, tolerance: float) -> tuple[complex, complex]:
+    """The position after a fit by the least sum of distances, in which few points that are far off hardly count."""
+    for _ in range(STEPS):
+        local = (samples - shift) / turn
+        which, _ = edges.nearest(local)
+        start, edge = edges.starts[which], edges.ends[which] - edges.starts[which]
+        length = np.abs(edge)
+        sound = length > 0
+        normal = 1j * edge[sound] / length[sound]
+        off: Real = dot(normal, local[sound] - start[sound])
+        weight = 1 / (np.abs(off) + tolerance / 10)
+        # Along x, along y and by rotation, in units that make the three alike.
+        size = np.abs(local).max() or 1.0
+        matrix = np.stack([normal.real, normal.imag, dot(normal, 1j * local[sound]) / size], axis=1)
+        step, *_ = np.linalg.lstsq(matrix * weight[:, None], -off * weight, rcond=1e-9)
+        angle = -step[2] / size
+        shift = shift - turn * complex(step[0], step[1])
+        turn = turn * complex(np.exp(1j * angle))
+        if abs(step).max() < 1e-9 * size:
+            break
+    return turn, shift

@@ -1,0 +1,137 @@
+"""Closed curves as polygons with a bound on their error, and bounds on the distance between two of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.records import record
+from ..plane.curve import AbstractCurve
+from ..plane.region import Edges
+from ..plane.vec import Complex, Real, cross
+
+# Nodes and weights of Gauss's rule for arc lengths.
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+# Halvings of a piece of a curve, and of an edge: more would be below the resolution of the numbers.
+HALVINGS = 40
+
+
+@record(eq=False)
+class Outline:
+    """A closed or open polygon that stands for a curve.
+
+    points: (n,) complex, mm; of a closed one the start is not repeated. error: largest distance between the curve and
+    the polygon, mm.
+    """
+
+    points: Complex
+    error: float = 0.0
+    closed: bool = True
+
+    @property
+    def starts(self) -> Complex:
+        """Starts of the edges, mm."""
+        return self.points if self.closed else self.points[:-1]
+
+    @property
+    def ends(self) -> Complex:
+        """Ends of the edges, mm."""
+        return np.roll(self.points, -1) if self.closed else self.points[1:]
+
+    @property
+    def length(self) -> float:
+        """mm."""
+        return float(np.abs(self.ends - self.starts).sum())
+
+    @property
+    def area(self) -> float:
+        """Signed area, mm2; positive if counterclockwise."""
+        return float(cross(self.starts - self.points[0], self.ends - self.points[0]).sum()) / 2
+
+    @property
+    def centroid(self) -> complex:
+        """Centre of the area, mm."""
+        a, b = self.starts - self.points[0], self.ends - self.points[0]
+        return complex(self.points[0] + (cross(a, b) * (a + b)).sum() / (3 * cross(a, b).sum()))
+
+    def placed(self, turn: complex, shift: complex) -> Outline:
+        """The polygon rotated about the origin by a unit complex number, then shifted, mm."""
+        return Outline(self.points * turn + shift, self.error, self.closed)
+
+
+def outline_of(curve: AbstractCurve, error: float) -> Outline:
+    """The polygon of a curve within `error`, mm, by a bound and not by samples of the distance.
+
+    A piece of a curve of length L between two points at the distance c lies within sqrt(L^2 - c^2) / 2 of its chord,
+    since it lies in the ellipse about the two points whose axis is L. Lengths are integrals of the speed.
+    """
+    starts, ends = curve.breaks[:-1], curve.breaks[1:]
+    done: list[Real] = []
+    for _ in range(HALVINGS):
+        middle, half = (starts + ends) / 2, (ends - starts) / 2
+        speed = np.abs(curve.velocity(middle[:, None] + half[:, None] * NODES))
+        length = half * (speed @ WEIGHTS)
+        # Just before a break, since at a break a curve may already be on its next piece.
+        chord = np.abs(curve.point(ends) - curve.point(starts))
+        bound = np.sqrt(np.maximum(length**2 - chord**2, 0)) / 2
+        fine = (bound <= error) & (length < 2 * chord + error)
+        done.append(starts[fine])
+        starts, middle, ends = starts[~fine], middle[~fine], ends[~fine]
+        if not len(starts):
+            break
+        starts, ends = np.concatenate([starts, middle]), np.concatenate([middle, ends])
+    t = np.sort(np.concatenate(done))
+    points = np.asarray(curve.point(t if curve.closed else np.append(t, curve.breaks[-1])), dtype=complex)
+    return Outline(points, error, curve.closed)
+
+
+def farthest(outline: Outline, edges: Edges, resolution: float) -> tuple[float, complex]:
+    """The largest distance from a point of a polygon to a set of edges, mm, rounded up by at most `resolution`.
+
+    Also the point where it is found. The distance to one edge is convex along a straight line, hence along a piece it
+    is at most that at its ends. Pieces are halved until this bound is close to a distance that occurs.
+    """
+    starts, ends = outline.starts, outline.ends
+    least, place, most = 0.0, complex(outline.points[0]), 0.0
+    for _ in range(HALVINGS):
+        middle = (starts + ends) / 2
+        nearest, distance = edges.nearest(middle)
+        at = int(np.argmax(distance))
+        if distance[at] > least:
+            least, place = float(distance[at]), complex(middle[at])
+        bound = np.maximum(edges.distance(starts, nearest), edges.distance(ends, nearest))
+        wide = bound > least + resolution
+        most = max(most, float(bound[~wide].max(initial=0.0)))
+        starts, middle, ends = starts[wide], middle[wide], ends[wide]
+        if not len(starts):
+            break
+        starts, ends = np.concatenate([starts, middle]), np.concatenate([middle, ends])
+    return max(least, min(most, least + resolution)), place
+
+
+def deviation(outline: Outline, exact: Outline, resolution: float) -> tuple[float, complex]:
+    """The largest distance between two curves, either way, mm, without the errors of their polygons; and its place."""
+    there = farthest(outline, Edges(exact.starts, exact.ends), resolution)
+    back = farthest(exact, Edges(outline.starts, outline.ends), resolution)
+    return max(there, back, key=lambda found: found[0])
+
+
+def arc_points(start: complex, end: complex, bulge: float, error: float) -> Complex:
+    """Points of an arc from its start up to, not including, its end, with chords within `error`, mm.
+
+    bulge: tangent of a quarter of the arc's sweep, positive to the left of the direction of travel.
+    """
+    sweep = 4 * np.arctan(bulge)
+    chord = end - start
+    centre = (start + end) / 2 + 1j * chord * (1 - bulge**2) / (4 * bulge)
+    radius = abs(start - centre)
+    # A chord over the angle a is radius (1 - cos(a / 2)) away from its arc.
+    widest = 2 * np.arccos(max(1 - error / radius, 0.0)) if radius > 0 else np.pi
+    count = max(1, int(np.ceil(abs(sweep) / max(widest, 1e-4))))
+    points: Complex = centre + (start - centre) * np.exp(1j * sweep * np.arange(count) / count)
+    return points
+
+
+def circle_points(centre: complex, radius: float, error: float) -> Complex:
+    """Points of a circle, counterclockwise, with chords within `error`, mm."""
+    east, west = centre + radius, centre - radius
+    return np.concatenate([arc_points(east, west, 1.0, error), arc_points(west, east, 1.0, error)])

@@ -1,0 +1,65 @@
+"""DXF read back by ezdxf. No other module of this package loads it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ezdxf.filemanagement import readfile
+
+from .drawing import MOST_VERTICES, Drawing, Line, UnreadableError, circle, polyline
+
+MILLIMETRES = 4
+
+
+def read_dxf(path: Path, error: float) -> Drawing:
+    """The lines of a DXF file, arcs as chords within `error`, mm.
+
+    UnreadableError if it is no DXF file, or has too many vertices.
+    """
+    try:
+        document = readfile(path)
+        entities: list[Any] = list(document.modelspace())
+    except Exception as fault:
+        # The library lets many kinds of error through when a file is damaged.
+        raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
+    problems: list[str] = []
+    if (units := document.header.get("$INSUNITS", 0)) != MILLIMETRES:
+        problems.append(f"its $INSUNITS is {units}, not {MILLIMETRES} for mm")
+    lines: list[Line] = []
+    vertices = 0
+    for entity in entities:
+        kind, layer = entity.dxftype(), entity.dxf.layer
+        if kind == "CIRCLE":
+            lines.append(Line(circle(_point(entity.dxf.center), float(entity.dxf.radius), error), layer))
+        elif kind == "LWPOLYLINE":
+            rows = np.array(entity.get_points("xyb"), dtype=float).reshape(-1, 3)
+            vertices += len(rows)
+            if vertices > MOST_VERTICES:
+                raise UnreadableError(f"it has more than {MOST_VERTICES:,} vertices")
+            if len(rows) < 2:
+                problems.append(f"a polyline on layer {layer} has fewer than two vertices")
+                continue
+            outline = polyline(rows[:, 0] + 1j * rows[:, 1], rows[:, 2].tolist(), bool(entity.closed), error)
+            lines.append(Line(outline, layer))
+        else:
+            problems.append(f"it has a {kind} on layer {layer}, which is not a closed polyline or circle")
+    problems += _wrong_extents(document, lines, error)
+    return Drawing(tuple(lines), document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
+
+
+def _wrong_extents(document: Any, lines: list[Line], error: float) -> list[str]:
+    """A sentence if the header's extents are not those of the lines."""
+    cut = np.concatenate([line.outline.points for line in lines]) if lines else np.zeros(0, dtype=complex)
+    if not len(cut):
+        return ["it has no lines"]
+    low, high = (_point(document.header.get(name, (np.nan, np.nan))) for name in ("$EXTMIN", "$EXTMAX"))
+    found = np.array([cut.real.min(), cut.imag.min(), cut.real.max(), cut.imag.max()])
+    stated = np.array([low.real, low.imag, high.real, high.imag])
+    far = not np.all(np.abs(found - stated) <= 2 * error + 1e-6)
+    return ["the extents in its header are not those of its lines"] if far else []
+
+
+def _point(place: Any) -> complex:
+    return complex(float(place[0]), float(place[1]))

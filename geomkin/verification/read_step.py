@@ -1,0 +1,137 @@
+"""STEP read back by a small reader of plates: the loops of both faces, of straight edges and arcs of circles."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..core.records import record
+from .drawing import LARGEST, Pen, UnreadableError
+from .outline import Outline
+
+ENTITY = re.compile(r"#(\d+)\s*=\s*([A-Z0-9_]*)\s*\((.*)\)\s*", re.DOTALL)
+REFERENCE = re.compile(r"#(\d+)")
+STRING = re.compile(r"'(?:[^']|'')*'")
+# Largest distance between two ends that meet, mm, and from one plane, mm.
+SAME = 1e-5
+
+
+@record(eq=False)
+class Plate:
+    """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm."""
+
+    lower: tuple[Outline, ...]
+    upper: tuple[Outline, ...]
+    thickness: float
+    stamp: str = ""
+
+
+class _File:
+    """The entities of a file by number."""
+
+    def __init__(self, text: str):
+        header, _, data = text.partition("DATA;")
+        self.header = header
+        self.entities: dict[str, tuple[str, str]] = {}
+        # Texts may hold semicolons and numbers; nothing of them is needed.
+        for line in STRING.sub("''", data).split(";"):
+            if found := ENTITY.fullmatch(line.strip()):
+                self.entities[found.group(1)] = (found.group(2), found.group(3))
+
+    def of(self, number: str, *kinds: str) -> tuple[str, list[str], str]:
+        """Kind, references and text of an entity, which must be of one of these kinds."""
+        kind, text = self.entities.get(number, ("nothing", ""))
+        if kind not in kinds:
+            raise UnreadableError(f"entity #{number} is {kind or 'a list'}, not {' or '.join(kinds)}")
+        return kind, REFERENCE.findall(text), text
+
+    def point(self, number: str) -> tuple[complex, float]:
+        """Position in the plane and height of a point."""
+        x, y, z = _numbers(self.of(number, "CARTESIAN_POINT")[2])
+        return complex(x, y), z
+
+    def placement(self, number: str) -> tuple[complex, float, float]:
+        """Origin in the plane, height and z component of the axis of a placement."""
+        centre, axis, _ = self.of(number, "AXIS2_PLACEMENT_3D")[1]
+        return *self.point(centre), _numbers(self.of(axis, "DIRECTION")[2])[2]
+
+
+def read_step(path: Path, error: float) -> Plate:
+    """The plate in a STEP file, arcs as chords within `error`, mm. UnreadableError if it holds anything else."""
+    with path.open("rb") as stream:
+        content = stream.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise UnreadableError(f"it has more than {LARGEST:,} bytes")
+    try:
+        file = _File(content.decode("ascii"))
+        return _plate(file, error)
+    except (UnicodeDecodeError, ValueError, IndexError, RecursionError) as fault:
+        raise UnreadableError(f"it is not a STEP file of a plate ({type(fault).__name__})") from None
+
+
+def _plate(file: _File, error: float) -> Plate:
+    units = [text for kind, text in file.entities.values() if not kind and "LENGTH_UNIT" in text]
+    if len(units) != 1 or "SI_UNIT(.MILLI.,.METRE.)" not in units[0]:
+        raise UnreadableError("its unit of length is not the millimetre")
+    lids: list[tuple[float, tuple[Outline, ...]]] = []
+    shells = [text for kind, text in file.entities.values() if kind == "CLOSED_SHELL"]
+    if len(shells) != 1:
+        raise UnreadableError(f"it has {len(shells)} shells, not one")
+    for face in REFERENCE.findall(shells[0]):
+        *bounds, surface = file.of(face, "ADVANCED_FACE")[1]
+        kind, (place, *_), _ = file.of(surface, "PLANE", "CYLINDRICAL_SURFACE")
+        _, height, axis = file.placement(place)
+        if kind == "PLANE" and abs(axis) > 0.5:
+            lids.append((height, tuple(_loop(file, bound, height, error) for bound in bounds)))
+    if len(lids) != 2:
+        raise UnreadableError(f"it has {len(lids)} level faces, not two")
+    (low, lower), (high, upper) = sorted(lids, key=lambda lid: lid[0])
+    if abs(low) > SAME:
+        raise UnreadableError(f"its lower face is at z = {low:g}, not 0")
+    stamp = re.search(r"FILE_DESCRIPTION\(\('([^']*)'", file.header)
+    return Plate(lower, upper, high, stamp.group(1) if stamp else "")
+
+
+def _loop(file: _File, bound: str, height: float, error: float) -> Outline:
+    (ring,) = file.of(bound, "FACE_BOUND", "FACE_OUTER_BOUND")[1]
+    pen = Pen(error)
+    last: complex | None = None
+    first: complex | None = None
+    for oriented in file.of(ring, "EDGE_LOOP")[1]:
+        _, (edge,), text = file.of(oriented, "ORIENTED_EDGE")
+        _, (start_number, end_number, curve), _ = file.of(edge, "EDGE_CURVE")
+        ends = [file.point(file.of(number, "VERTEX_POINT")[1][0]) for number in (start_number, end_number)]
+        if any(abs(z - height) > SAME for _, z in ends):
+            raise UnreadableError("an edge of a level face leaves its plane")
+        (start, _), (end, _) = ends
+        bulge = _bulge(file, curve, start, end)
+        if not text.rstrip().endswith(".T."):
+            start, end, bulge = end, start, -bulge
+        if last is not None and abs(start - last) > SAME:
+            raise UnreadableError("two edges that follow each other do not meet")
+        first, last = start if first is None else first, end
+        pen.edge(start, end, bulge)
+    if first is None or last is None or abs(first - last) > SAME:
+        raise UnreadableError("a loop is not closed")
+    return pen.outline(closed=True)
+
+
+def _bulge(file: _File, curve: str, start: complex, end: complex) -> float:
+    """Tangent of a quarter of the sweep of an edge; 0 if it is straight."""
+    kind, (place, *_), text = file.of(curve, "LINE", "CIRCLE")
+    if kind == "LINE":
+        return 0.0
+    centre, _, axis = file.placement(place)
+    radius = _numbers(text.rpartition(",")[2])[0]
+    if max(abs(abs(z - centre) - radius) for z in (start, end)) > SAME:
+        raise UnreadableError("an arc does not begin or end on its circle")
+    # Counterclockwise about the axis of the circle.
+    sweep = float(np.angle((end - centre) / (start - centre)))
+    sweep = sweep % (2 * np.pi) if axis > 0 else -((-sweep) % (2 * np.pi))
+    return float(np.tan(sweep / 4))
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(number) for number in re.findall(r"[-+]?\d+\.?\d*(?:E[-+]?\d+)?", text)]

@@ -1,0 +1,165 @@
+"""SVG read back by the standard library: paths and circles with their transforms, in mm, y up."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ..core.errors import DesignError
+from ..plane.vec import Complex
+from ..synthesis.path.svg_drawings import Placement, tag_of, transform_of, tree_of, view_of
+from .drawing import LARGEST, MOST_VERTICES, Drawing, Line, Pen, UnreadableError, circle
+from .outline import Outline
+
+TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([\s,]+)")
+# Numbers that each command takes.
+COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "a": 7, "c": 6, "z": 0}
+# Operations by stroke colour, as laser cutting programs have them, for lines without a class.
+COLOURS = {"#ff0000": "CUT", "#0000ff": "ENGRAVE"}
+LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH")
+# Chords of a cubic curve, which editors write in place of arcs.
+CHORDS = np.arange(1, 257) / 256
+UNIT = re.compile(r"[\d.]+mm")
+
+
+def read_svg(path: Path, error: float) -> Drawing:
+    """The lines of an SVG file, arcs as chords within `error`, mm. UnreadableError if it is no such drawing."""
+    with path.open("rb") as file:
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise UnreadableError(f"it has more than {LARGEST:,} bytes")
+    try:
+        root = tree_of(content.decode("utf-8"))
+        view = view_of(root)
+        lines: list[Line] = []
+        _collect(root, view, "", error, lines, 0)
+    except UnicodeDecodeError:
+        raise UnreadableError("it is not UTF-8 text") from None
+    except DesignError as refusal:
+        raise UnreadableError(refusal.problem) from None
+    problems = [
+        f"its {name} is not stated in mm" for name in ("width", "height") if not UNIT.fullmatch(root.get(name, ""))
+    ]
+    stamps = [element.text or "" for element in root if tag_of(element) == "desc"]
+    return Drawing(
+        tuple(lines), stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"])
+    )
+
+
+def _collect(element: Element, view: Placement, layer: str, error: float, lines: list[Line], depth: int) -> None:
+    """Add the lines of an element and of those inside it."""
+    if depth > 100:
+        raise UnreadableError("its elements lie more than 100 deep in each other")
+    if "transform" in element.attrib:
+        view = view.after(transform_of(element.get("transform", "")))
+    layer = _layer(element) or layer
+    tag = tag_of(element)
+    if tag == "path":
+        lines += [Line(_placed(outline, view), layer or "CUT") for outline in subpaths(element.get("d", ""), error)]
+    elif tag == "circle":
+        centre = complex(_number(element, "cx"), _number(element, "cy"))
+        lines.append(Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT"))
+    if sum(len(line.outline.points) for line in lines[-1:]) > MOST_VERTICES or len(lines) > MOST_VERTICES:
+        raise UnreadableError(f"it has more than {MOST_VERTICES:,} vertices")
+    for child in element:
+        _collect(child, view, layer, error, lines, depth + 1)
+
+
+def _layer(element: Element) -> str:
+    name = element.get("class", "")
+    return name if name in LAYERS else COLOURS.get(element.get("stroke", "").lower(), "")
+
+
+def _number(element: Element, key: str) -> float:
+    try:
+        return float(element.get(key, "0").removesuffix("mm"))
+    except ValueError:
+        raise UnreadableError(f"the {key} of a circle is not a number") from None
+
+
+def _placed(outline: Outline, view: Placement) -> Outline:
+    """In mm, y up; the drawing's lower left corner is not the origin, which the fit of a part does not need."""
+    return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
+
+
+def subpaths(text: str, error: float) -> list[Outline]:
+    """The subpaths of the attribute `d`: straight steps, arcs of circles and cubic curves."""
+    tokens, at = [], 0
+    while at < len(text):
+        if not (found := TOKEN.match(text, at)):
+            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
+        if not found.group(3):
+            tokens.append(found.group())
+        at = found.end()
+    outlines: list[Outline] = []
+    pen, here, start, command, k = Pen(error), 0j, 0j, "", 0
+    while k < len(tokens):
+        if tokens[k].isalpha():
+            command, k = tokens[k], k + 1
+        count = COUNTS.get(command.lower(), -1)
+        try:
+            values = [float(token) for token in tokens[k : k + count]]
+        except ValueError:
+            values = []
+        if count < 0 or len(values) != count:
+            raise UnreadableError(f"a path lacks numbers after {command or 'its start'}")
+        k += count
+        base = 0j if command.isupper() else here
+        if command in "Zz":
+            if here != start:
+                pen.edge(here, start)
+            outlines.append(pen.outline(closed=True))
+            pen, here = Pen(error), start
+            if k < len(tokens) and not tokens[k].isalpha():
+                raise UnreadableError("a path has numbers after its end")
+        elif command in "Mm":
+            if pen.points:
+                outlines.append(pen.outline(closed=False, end=here))
+                pen = Pen(error)
+            here = start = base + complex(*values)
+            # Further pairs of numbers are straight steps.
+            command = "L" if command == "M" else "l"
+        else:
+            end = _end(command, values, here, base)
+            _step(pen, command, values, here, end, base)
+            here = end
+    if pen.points:
+        outlines.append(pen.outline(closed=False, end=here))
+    return outlines
+
+
+def _end(command: str, values: list[float], here: complex, base: complex) -> complex:
+    kind = command.lower()
+    if kind == "h":
+        return complex(base.real + values[0], here.imag)
+    if kind == "v":
+        return complex(here.real, base.imag + values[0])
+    return base + complex(*values[-2:])
+
+
+def _step(pen: Pen, command: str, values: list[float], here: complex, end: complex, base: complex) -> None:
+    kind = command.lower()
+    if kind == "a":
+        across, up, _, large, sweep = values[:5]
+        if abs(across - up) > 1e-9 * abs(across):
+            raise UnreadableError("a path has an arc of an ellipse")
+        pen.edge(here, end, _bulge(here, end, across, bool(large), bool(sweep)))
+    elif kind == "c":
+        one, two = base + complex(*values[:2]), base + complex(*values[2:4])
+        t = np.append(0.0, CHORDS[:-1])
+        points: Complex = here * (1 - t) ** 3 + 3 * one * t * (1 - t) ** 2 + 3 * two * t**2 * (1 - t) + end * t**3
+        pen.points.append(points)
+    else:
+        pen.edge(here, end)
+
+
+def _bulge(here: complex, end: complex, radius: float, large: bool, sweep: bool) -> float:
+    """Tangent of a quarter of an arc's sweep, in the file's own coordinates."""
+    if here == end or radius == 0:
+        return 0.0
+    half = float(np.arcsin(min(abs(end - here) / (2 * abs(radius)), 1.0)))
+    quarter = (np.pi - half if large else half) / 2
+    return float(np.tan(quarter)) * (1 if sweep else -1)
