@@ -3,14 +3,18 @@
 import errno
 import gc
 import os
+import re
 import signal
 import sys
 
 import click
 import pytest
+from click.testing import CliRunner
 
 from geomkin import __main__ as door
+from geomkin import build
 from geomkin import cli as commands
+from geomkin.core.progress import report
 
 
 @pytest.fixture
@@ -56,3 +60,46 @@ def left(monkeypatch, capsys):
 def test_each_end_is_a_number_and_at_most_plain_lines(left, by, code, said):
     found, message = left(by)
     assert found == code and said in message and message.count("\n") == said.count("\n") + (said[-1:] not in ("", "\n"))
+
+
+GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
+
+
+@pytest.fixture
+def watched(monkeypatch, tmp_path):
+    """watched(*arguments): the command run where someone watches; a gear of 33 teeth tells how far it is."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
+    monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
+    monkeypatch.setattr("geomkin.core.processes.worker_count", lambda: 1)
+    handler = signal.getsignal(signal.SIGINT)
+    real = build.make
+
+    def make(file, **options):
+        if "= 33" in file.read_text():
+            report(0.375, "looking for teeth")
+            report(1.0, "looking for teeth")
+        return real(file, **options)
+
+    monkeypatch.setattr(build, "make", make)
+
+    def call(*arguments):
+        result = CliRunner().invoke(commands.cli, arguments, color=True)
+        return result.exit_code, result.stdout, result.stderr
+
+    yield call
+    signal.signal(signal.SIGINT, handler)
+
+
+def screen(text):
+    """What a terminal shows in its last line one after the other: from each start of a line to the next."""
+    return [re.sub(r"\x1b\[[\d;?]*[A-Za-z]", "", line).rstrip() for line in re.split("[\r\n]", text)]
+
+
+def test_one_recipe_tells_in_its_own_line_how_far_it_is(watched, tmp_path):
+    (tmp_path / "a.toml").write_text(GEAR.format(33))
+    code, _, told = watched("run", "a.toml", "--only", "csv")
+    lines = screen(told)
+    # The line is empty again in the end, and each is written over the one before it.
+    assert code == 0 and lines[:3] == ["", "looking for teeth: 38%", ""] and "Recipes" not in told
+    assert told.count("\r\x1b[K") == 2

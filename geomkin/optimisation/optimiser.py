@@ -225,7 +225,7 @@ def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]])
                 key, f"found {shown(given)}, which is not a number", "give a key of a number", "wrong-type"
             )
         value = numbers.get(key, (low + high) / 2)
-        own[key] = value if isinstance(value, int) else min(max(value, low), high)
+        own[key] = value if isinstance(value, int) else float(min(max(value, low), high))
     return own
 
 

@@ -147,6 +147,18 @@ def test_a_velocity_that_jumps_down_undercuts_a_cam_of_any_size():
     assert least_base_circle(TranslatingRoller(0), programme(10, laws=("uniform", "cycloidal"))).radius > 0
 
 
+@pytest.mark.parametrize(
+    ("sizes", "field"),
+    [({"pressure_angle_deg": 0}, "pressure_angle_deg"), ({"pressure_angle_deg": 91}, "pressure_angle_deg"),
+     ({"least_radius": -1}, "least_radius"), ({"least_radius": np.inf}, "least_radius"),
+     ({"program": SWINGS}, "program"), ({"direction": "left"}, "direction")],
+)  # fmt: skip
+def test_limits_that_are_none_are_refused(sizes, field):
+    with pytest.raises(gk.DesignError) as caught:
+        least_base_circle(**({"follower": TranslatingRoller(10), "program": LIFTS} | sizes))
+    assert caught.value.field == field
+
+
 def test_where_flanks_cross_the_radius_found_is_the_least_without_undercut():
     """A corner that only a very large cam has room for: at the radius nothing is cut away, just below it something."""
     program = gk.Program([gk.Rise("harmonic", rise=10, end_deg=22), gk.Dwell(end_deg=42),

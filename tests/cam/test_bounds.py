@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam.program.program import Program
+from geomkin.cam.program.segments import LiftSpline
 
 
 def waves(count):
@@ -32,3 +33,21 @@ def test_too_many_pieces_are_refused():
         gk.Cam(gk.TranslatingFlat(), Program(waves(502)), 40)
     assert refused.value.field == "program"
     assert not gk.undercut(gk.Cam(gk.TranslatingRoller(2), Program(waves(500)), 4000)).found
+
+
+def test_too_many_segments_and_rows_are_refused():
+    with pytest.raises(gk.DesignError):
+        Program([gk.Dwell(end_deg=360)] * 10_001)
+    angles = np.linspace(0, 180, 6001)
+    one = LiftSpline(points=tuple(zip(angles.tolist(), (10 - 10 * np.cos(np.radians(angles))).tolist())))
+    for rest, refused in ((4001, True), (3999, False)):
+        angles = np.linspace(180, 360, rest)
+        lifts = 10 - 10 * np.cos(np.radians(angles))
+        lifts[0], lifts[-1] = one.points[-1][1], 0
+        segments = [one, LiftSpline(points=tuple(zip(angles.tolist(), lifts.tolist())))]
+        if refused:
+            with pytest.raises(gk.DesignError) as error:
+                Program(segments)
+            assert error.value.field == "program[1]"
+        else:
+            assert Program(segments).motion(np.pi / 2).lift == pytest.approx(10)

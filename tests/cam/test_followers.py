@@ -121,6 +121,12 @@ def test_contact_travel_of_the_published_cam():
     assert (low, high) == pytest.approx((-2 * 20 / np.radians(150), 1.875 * 20 / np.radians(120)), rel=1e-12)
 
 
+def test_a_flat_face_has_no_pitch_curve():
+    for call in (lambda cam: cam.pitch_curve, lambda cam: contact_travel(gk.Cam(TranslatingRoller(5), LIFTS, 40))):
+        with pytest.raises(gk.DesignError):
+            call(gk.Cam(TranslatingFlat(), LIFTS, 40))
+
+
 @pytest.mark.parametrize(
     ("follower", "program", "base", "field"),
     [

@@ -8,11 +8,11 @@ import shapely
 
 import geomkin as gk
 from geomkin.cam.followers.flat import OscillatingFlat
-from geomkin.cam.followers.roller import OscillatingRoller
+from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
 from geomkin.cam.measures import contact_travel
 from geomkin.cam.parts import CamStock, cam_parts
 from geomkin.cam.undercut import undercut
-from tests.cam.cams import CAMS, SWINGS, UNDERCUT
+from tests.cam.cams import CAMS, LIFTS, SWINGS, UNDERCUT
 
 EVERYTHING = CamStock(bore=12, keyway_width=4, keyway_depth=1.8, timing_mark=True, bar_width=10, pivot_bore=5)
 ALL = [*CAMS, *(f"undercut {name}" for name in UNDERCUT if name != "roller, tip lost")]
@@ -140,6 +140,13 @@ def test_sizes_that_do_not_fit_are_refused_with_their_key():
         with pytest.raises(gk.DesignError, match=words) as caught:
             cam_parts(CAMS[f"{cam}, clockwise"], replace(EVERYTHING, **sizes))
         assert caught.value.field == field and caught.value.remedy
+
+
+def test_a_key_without_a_bore_is_refused():
+    cam = gk.Cam(TranslatingRoller(10), LIFTS, 40)
+    with pytest.raises(gk.DesignError, match="keyway"):
+        cam_parts(cam, CamStock(bore=0, keyway_width=4, keyway_depth=2))
+    assert cam_parts(cam, CamStock(bore=0))[0].holes == ()
 
 
 def test_a_rollers_arm_is_a_bar_of_the_width_asked_for_from_pivot_to_roller():

@@ -60,6 +60,12 @@ def test_peaks_are_those_of_a_fine_walk(segment):
         assert getattr(peaks, name) == pytest.approx(np.abs(getattr(motion, name)).max(), rel=1e-7)
 
 
+def test_a_segment_that_ends_where_it_starts_has_peaks_but_no_factors():
+    points = tuple((float(k), 5 - 5 * np.cos(np.radians(k))) for k in range(0, 361, 30))
+    peaks = gk.Program([gk.cam.LiftSpline(points=points)]).peaks[0]
+    assert peaks.velocity == pytest.approx(5, rel=1e-3) and np.isnan(peaks.factors).all()
+
+
 def steps_of(program, swings=False):
     follower = gk.OscillatingFlat(110) if swings else gk.TranslatingRoller(6)
     return {c.name: c for c in gk.cam.cam_checks(gk.Cam(follower, program, 60)) if c.name.startswith("jump in")}

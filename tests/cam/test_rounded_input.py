@@ -75,6 +75,14 @@ def test_the_last_segment_ends_where_the_turn_does(short):
                 Program([UP, last])
 
 
+def test_segment_without_duration_is_refused():
+    for duration in (0.99e-7, -5.0, 0.0):
+        with pytest.raises(gk.DesignError) as refused:
+            Program([UP, gk.Dwell(duration_deg=duration), BACK])
+        assert refused.value.field == "program[1].end_deg"
+    assert len(Program([UP, gk.Dwell(duration_deg=1.01e-7), BACK]).breaks) == 4
+
+
 @pytest.mark.parametrize(("miss", "left_out"), [(0.0, True), (1e-5, True), (4e-4, False)])
 def test_last_row_of_equal_steps_may_be_left_out(miss, left_out):
     """To a millionth of a step, as thirds of a turn are written."""
@@ -87,6 +95,50 @@ def test_last_row_of_equal_steps_may_be_left_out(miss, left_out):
     else:
         with pytest.raises(gk.DesignError):
             Program([table])
+
+
+# Refusals that tell one of several fields, with the unit that was meant.
+@pytest.mark.parametrize(
+    ("make", "field"),
+    [
+        (
+            lambda: [gk.Rise("harmonic", rise=8, end_deg=90), gk.Return("harmonic", end_lift=9, end_deg=360)],
+            "[1].end_lift",
+        ),
+        (
+            lambda: [gk.Rise("harmonic", rise=8, end_deg=90), gk.Return("harmonic", end_lift=-1, end_deg=360)],
+            "[1].end_lift",
+        ),
+        (lambda: [UP, gk.cam.OptimisedSpline(end_lift=-2, end_deg=360)], "[1].end_lift"),
+        (lambda: [UP, gk.cam.OptimisedSpline(rise=-10, end_deg=360)], "[1].rise"),
+        (
+            lambda: [gk.Rise("harmonic", rise_deg=8, end_deg=180), gk.cam.LiftPolynomial(rise_deg=-10, end_deg=360)],
+            "[1].rise_deg",
+        ),
+        (lambda: [UP, gk.Rise("harmonic", end_lift=8, end_deg=360)], "[1].end_lift"),
+        (lambda: [gk.Dwell(end_deg=90), gk.Rise("harmonic", rise=8, start_deg=91, end_deg=180), BACK], "[1].start_deg"),
+        (lambda: [gk.Dwell(end_deg=90), gk.Rise("harmonic", rise=8, start_deg=89, end_deg=180), BACK], "[1].start_deg"),
+        (lambda: [UP, LiftSpline(points_deg=rows())], ""),
+        (lambda: [gk.Rise("harmonic", rise_deg=8, end_deg=180), gk.Dwell(end_deg=360)], ""),
+        (lambda: [UP, LiftSpline(points=rows(first=0.5))], "[1].points[0]"),
+        (lambda: [UP, LiftSpline(points=rows(angle=1.0))], "[1].points[0]"),
+        (lambda: [UP, LiftSpline(points=(*rows()[:3], *rows()[2:]))], "[1].points[3]"),
+        (lambda: [UP, LiftTable(rows=rows())], "[1].decimals"),
+        (lambda: [UP, LiftSpline(points=(rows()[0],))], "[1].points"),
+        (
+            lambda: [UP, gk.cam.LiftPolynomial(rise=-8, end_deg=360, through=((200.0, 7.0), (360.0, 1.0)))],
+            r"[1].through[1]",
+        ),
+        (
+            lambda: [UP, gk.cam.LiftPolynomial(rise=-8, end_deg=360, through=((180.0, 7.0), (300.0, 1.0)))],
+            r"[1].through[0]",
+        ),
+    ],
+)
+def test_segments_that_do_not_fit_together_are_refused(make, field):
+    with pytest.raises(gk.DesignError) as refused:
+        Program(make())
+    assert refused.value.field == "program" + field
 
 
 def test_a_polynomial_that_ends_the_turn_goes_through_its_places():

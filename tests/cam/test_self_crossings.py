@@ -92,6 +92,16 @@ def test_many_crossings_are_found_at_once_and_where_there_is_none_it_says_so():
     assert np.isnan(here[[1, 3]]).all() and here[[0, 2]] == pytest.approx(np.stack([exact, exact]), abs=1e-15)
 
 
+def test_no_crossing_beyond_the_limits_is_found():
+    assert np.isnan(found(LIMACON, np.array([2, 4]) * np.pi / 3 + 0.3, room=0.2)).all()
+
+
+def test_branches_that_run_the_same_way_have_no_crossing_and_no_step():
+    """Two lines, one beside the other, of one direction to the last bit."""
+    beside = StrokeInput(lambda t: t % 1 + 0.1j * np.floor(t), lambda t: np.ones(t.shape, complex), 2.0)
+    assert np.isnan(found(beside, [[0.4, 1.3], [0.5, 1.5]], 0.2)).all()
+
+
 def waves(count, follower, law="cycloidal"):
     ends = 360 * np.arange(1, count + 1) / count
     return gk.Cam(follower, gk.Program([

@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam.kinds.disk_cam import DiskCamRecipe
-from geomkin.cam.program.given_lifts import spline_through
+from geomkin.cam.program.given_lifts import TableFit, spline_through
 from geomkin.cam.program.program import Program
 from geomkin.cam.program.segments import LiftTable
 from geomkin.cam.program.smoothing_spline import BandMatrix, smoothest_within
@@ -202,6 +202,18 @@ def test_a_check_fails_for_noisy_rows_followed_too_closely_and_the_band_that_it_
     assert not checks(within=advised / 10, rows=rows())[0].passed
 
 
+def test_the_scatter_is_told_where_it_can_be_and_else_there_is_no_check():
+    fine = np.linspace(0, 2 * np.pi, 1001)
+    for noise in (1e-4, 1e-2):
+        fit = Program([LiftTable(15, rows=rows(fine, noise, 12)[:-1])]).tables[0]
+        assert fit.scatter == pytest.approx(noise / np.sqrt(3), rel=0.15)
+    few = rows(np.linspace(0, 2 * np.pi, 13), 0)
+    assert np.isnan(Program([LiftTable(3, rows=few)]).tables[0].noise) and not checks(decimals=3, rows=few)
+    # Rows so coarse that the motion itself bends between them.
+    x = np.linspace(0, 1, 41)
+    assert np.isnan(TableFit(x, 20 - 10 * np.cos(8 * np.pi * x), None, 0.0).scatter)
+
+
 def scattered(line, sigma=1e-3):
     """Rows in whole degrees that scatter about a function of the cam angle in deg."""
     angles = np.arange(0.0, 91.0)
@@ -230,3 +242,24 @@ def test_rows_that_scatter_about_a_rest_or_a_steady_motion_are_nothing_but_noise
     assert not check.passed and check.value == np.inf
     # As wide as advised, none of the noise is left.
     assert program(within=float(check.advice.split("within = ")[1].split()[0])).tables[1].noise == 0
+
+
+@pytest.mark.parametrize("wrong", [np.nan, -1, "3", np.array([3.0, 4.0])])
+@pytest.mark.parametrize(
+    ("make", "field"),
+    [
+        (lambda v: gk.TranslatingRoller(v), "roller_radius"),
+        (lambda v: gk.OscillatingRoller(10, v, 80), "pivot_distance"),
+        (lambda v: gk.OscillatingFlat(v), "pivot_distance"),
+        (lambda v: gk.Cam(gk.TranslatingFlat(), Program([gk.Dwell(end_deg=360)]), v), "base_radius"),
+        (lambda v: gk.Cam(v, Program([gk.Dwell(end_deg=360)]), 40), "follower"),
+        (lambda v: gk.Cam(gk.TranslatingFlat(), v, 40), "program"),
+        (lambda v: Program(v), "segments"),
+        (lambda v: Program([gk.Rise(v, rise=3, end_deg=90), gk.Return("harmonic", end_deg=360)]), "program[0].law"),
+        (lambda v: Program([gk.Dwell(end_deg=v)]), "program[0].end_deg"),
+    ],
+)
+def test_invalid_sizes_are_refused(make, field, wrong):
+    with pytest.raises(gk.DesignError) as refused:
+        make(wrong)
+    assert refused.value.field in (field, "program[0]")

@@ -155,3 +155,14 @@ def test_its_cam_is_measured_and_judged_as_any_other(row):
     steepest = np.abs(gk.cam.cam_table(gk.Cam(PointedBar(9), cam.program, least.radius), 1.0, angles).columns[6].values)
     assert steepest.max() <= 20 < 1.02 * steepest.max()
     assert least.limit == "pressure angle"
+
+
+def test_incomplete_follower_class_is_refused():
+    members = {
+        name: vars(PointedBar)[name] for name in gk.cam.AbstractFollower.__abstractmethods__ if name in vars(PointedBar)
+    }
+    for left_out in members:
+        rest = {name: member for name, member in members.items() if name != left_out}
+        with pytest.raises(TypeError):
+            gk.cam.FOLLOWERS["forgetful"] = type("Forgetful", (gk.cam.AbstractFollower,), rest)
+    assert "forgetful" not in gk.cam.FOLLOWERS

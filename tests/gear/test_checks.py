@@ -48,6 +48,15 @@ def test_larger_all_over_is_judged_alike(made):
     assert any(c.value and c.unit == "modules" for found in small for c in found) or made in (pair, rack)
 
 
+def test_a_rim_is_told_where_it_is_and_a_ring_by_itself_has_none():
+    solid, thin = gear(2.0)
+    assert {c.name: c.value for c in thin}["rim under the teeth"] == pytest.approx(0.7)
+    assert "pinion rim under the teeth" in {c.name for c in solid} or gk.SpurGear(8, 2.0).solid_rim is None
+    alone, held = ring(2.0)
+    assert not any("rim" in c.name for c in alone)
+    assert {c.name: c.value for c in held}["ring rim outside the teeth"] == pytest.approx(1.5)
+
+
 def test_the_flank_that_cannot_touch_is_that_of_the_driving_side_which_the_mate_reaches():
     """The first stretch of the tooth's curve; what lies beyond the mate's tips is not wanted of it."""
     held = gk.conjugate(gk.SpurGear(24, 2).outline.piece, 24, 24.0, 36, 2.0)

@@ -66,3 +66,19 @@ def test_a_fillet_shortens_contact_and_leaves_the_sharp_teeth_without_it():
     many = gk.SpurGear(10_000, 2, rack=RACK(fillet_radius=0.4)).tip_edge
     z = many.point(np.linspace(*many.breaks[[0, -1]], 9)) - 10_000j
     assert gk.nearest(rack.outline, z)[1].max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("key", "make"),
+    [
+        ("fillet_radius", lambda: RACK(fillet_radius=0.7)),
+        ("addendum", lambda: gk.SpurGear(24, 2, rack=RACK(fillet_radius=0.2), addendum=0.9)),
+        ("tip_rounding", lambda: gk.SpurGear(24, 2, rack=RACK(fillet_radius=0.2), tip_rounding=0.1)),
+        ("cutter.fillet_radius", lambda: gk.RingGear(60, 2, 0, PINION(fillet_radius=0.9), 0.7)),
+        ("cutter.fillet_radius", lambda: gk.RingGear(60, 2, 0, PINION(fillet_radius=0.02))),
+    ],
+)
+def test_fillets_without_room_are_refused(key, make):
+    with pytest.raises(gk.DesignError) as refused:
+        make()
+    assert refused.value.field == key

@@ -87,6 +87,13 @@ def test_impossible_lanterns_are_refused_by_name(make, field):
     assert caught.value.field == field and caught.value.remedy
 
 
+def test_the_longest_teeth_named_in_the_refusal_leave_a_tip():
+    with pytest.raises(gk.DesignError) as caught:
+        wheel(10, 30, 6.0, 9.0, 0.0, False)
+    most = float(caught.value.remedy.split("at most ")[1].split(",")[0])
+    assert 0 < wheel(10, 30, 6.0, most, 0.0, False)[1].tip_thickness < 0.2
+
+
 @pytest.mark.parametrize(("teeth", "addendum"), [(20, 3.0), (48, 4.0)])
 def test_pins_in_a_ring_always_touch_it_on_their_outer_sides_too(teeth, addendum):
     pinion, mate = wheel(12, teeth, 6.0, addendum, 0.0, True)

@@ -57,6 +57,21 @@ def test_pins_of_the_measure_just_touch_both_flanks_of_their_space(gear):
         assert over.diameter == pytest.approx(abs(centre - other) + (-over.pin if ring else over.pin), rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("measure", "field"),
+    [
+        (lambda: gk.gear.span(gk.SpurGear(20, 2), 9), "teeth"),
+        (lambda: gk.gear.over_pins(gk.SpurGear(20, 2), 0.5), "pin"),
+        (lambda: gk.gear.over_pins(gk.SpurGear(20, 2), 50), "pin"),
+        (lambda: gk.gear.chord(gk.SpurGear(20, 2), 30), "radius"),
+    ],
+)
+def test_measures_beside_the_involute_are_refused_by_name(measure, field):
+    with pytest.raises(gk.DesignError) as caught:
+        measure()
+    assert caught.value.field == field and caught.value.remedy
+
+
 @pytest.mark.parametrize("gear", GEARS, ids=ids)
 def test_a_span_is_measured_on_the_involute_or_refused_with_the_nearest_that_is(gear):
     fitting = {}
@@ -78,3 +93,31 @@ def test_a_span_is_measured_on_the_involute_or_refused_with_the_nearest_that_is(
     middle = sum(np.sqrt(r**2 - gear.base_radius**2) for r in (gear.form_radius, gear.tip_radius)) / 2
     chosen = gk.gear.span(gear)
     assert all(abs(chosen.length / 2 - middle) <= abs(fitting[k].length / 2 - middle) + 1e-12 for k in good)
+
+
+def test_a_gear_of_which_no_teeth_can_be_spanned_is_measured_over_pins_as_the_refusal_says():
+    gear = gk.SpurGear(5, 2, 0, gk.gear.RackCutter(tip_radius=0.1), addendum=0.05)
+    for teeth in (None, 1, 2):
+        with pytest.raises(gk.DesignError):
+            gk.gear.span(gear, teeth)
+    assert gear.form_radius < gk.gear.over_pins(gear).contact < gear.tip_radius
+    blunt = gk.SpurGear(17, 2, -0.5, gk.gear.RackCutter(tip_radius=0.1), addendum=1.0)
+    with pytest.raises(gk.DesignError):
+        gk.gear.over_pins(blunt)
+    assert gk.gear.span(blunt).teeth == 2
+
+
+@pytest.mark.parametrize("gear", GEARS, ids=ids)
+def test_a_chord_is_measured_over_the_whole_involute_and_refused_beside_it(gear):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.gear.chord(gear, 2 * gear.tip_radius)
+    low, high = (float(word) for word in caught.value.remedy.split()[1::2])
+    assert low == pytest.approx(gear.form_radius, rel=1e-5) and high == pytest.approx(gear.tip_radius, rel=1e-5)
+    for radius in (low, high):
+        found = gk.gear.chord(gear, radius)
+        half = complex(radius * np.sin(found.half_angle), radius * np.cos(found.half_angle))
+        assert gk.nearest(gear.outline.piece, np.array([half]))[1][0] < 1e-9
+        assert (found.chord, found.height) == pytest.approx((2 * half.real, gear.tip_radius - half.imag))
+    for radius in (low * (1 - 1e-4), high * (1 + 1e-4)):
+        with pytest.raises(gk.DesignError):
+            gk.gear.chord(gear, radius)

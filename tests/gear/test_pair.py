@@ -183,3 +183,17 @@ def test_pairs_that_cannot_mesh_are_refused_by_name(make, field):
     with pytest.raises(gk.DesignError) as caught:
         make()
     assert caught.value.field == field and caught.value.remedy
+
+
+@pytest.mark.parametrize("far", [1e9])
+def test_a_distance_at_which_no_flanks_meet_is_refused_at_once_with_the_nearest(far, monkeypatch):
+    """Each distance looked at must not look for one in its turn: sixty to the power of thirty."""
+    made = []
+    settle = gk.GearPair.__post_init__
+    monkeypatch.setattr(gk.GearPair, "__post_init__", lambda pair: (made.append(pair), settle(pair)))
+    with pytest.raises(gk.DesignError) as caught:
+        gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(24, 2), far)
+    assert len(made) == 1
+    most = float(caught.value.remedy.split("at most ")[1].split()[0])
+    pair = gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(24, 2), most)
+    assert pair.contact_ratio == pytest.approx(1, abs=1e-5) and pair.contact_ratio >= 1

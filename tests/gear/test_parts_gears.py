@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.gear.parts.bases import carrier
-from geomkin.gear.parts.gears import Web, base_plate, openings
+from geomkin.gear.parts.gears import GearStock, Web, base_plate, gear_parts, openings
 from geomkin.plane import region
 
 
@@ -53,3 +53,17 @@ def test_shafts_stand_at_the_centre_distance():
     centres = np.array([h.centre for h in plate.holes])
     assert np.abs(centres[1:]) == pytest.approx(42) and centres[0] == 0
     assert region.apart_inside(polygon(plate.outline), [polygon(h) for h in plate.holes], 0).all()
+
+
+def test_what_leaves_no_gear_is_refused_by_the_key_of_the_recipe():
+    for stock, field in [
+        (GearStock(bore=100), "stock.bore"),
+        (GearStock(bore=10, keyway_width=3), "stock.keyway_depth"),
+        (GearStock(bore=10, web=Web(hub=9, rim=3)), "stock.web.hub"),
+        (GearStock(bore=10, web=Web(hub=20, rim=30)), "stock.web.rim"),
+        (GearStock(bore=10, web=Web(hub=20, rim=3, spoke_width=20)), "stock.web.spoke_width"),
+        (GearStock(bore=10, web=Web(hub=20, rim=3, form="holes", count=20)), "stock.web.count"),
+    ]:
+        with pytest.raises(gk.DesignError) as caught:
+            gear_parts(gk.SpurGear(40, 2), stock)
+        assert caught.value.field == field and caught.value.remedy

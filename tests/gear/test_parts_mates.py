@@ -74,3 +74,22 @@ def test_a_motor_turns_the_gear_on_a_plate_of_its_own_or_over_a_base(text):
     assert [body.name for body in based.scene.bodies if body.name == "motor"] == []
     for recipe, screw in ((plain, "button head"), (based, "countersunk")):
         assert recipe.bought[0].name.startswith("motor NEMA 17, D-shaft 5 mm") and screw in recipe.bought[1].name
+
+
+REFUSED = [
+    ({"mate_bore": 7, "mate_bore_form": "D"}, "mate_bore", "mate_flat"),
+    ({"mate_bore": 2, "mate_bore_form": "keyed"}, "mate_bore", "mate_keyway_width"),
+    ({"mate_flat": 3}, "mate_flat", "mate_bore_form"),
+    ({"mate_bore": 0, "mate_bore_form": "D"}, "mate_bore", "mate_bore_form"),
+    ({"mate_bore": 0.1, "mate_fit": "press"}, "interference", "0.09 mm"),
+    ({"bore": 7, "bore_form": "D"}, "bore", "flat"),
+    ({"bore": 22, "motor": "nema17"}, "bore", "22 mm"),
+]
+
+
+def test_invalid_bores_are_refused_by_the_name_of_their_own_key():
+    for sizes, field, remedy in REFUSED:
+        for stock in (gk.gear.PairStock, gk.gear.LanternStock):
+            with pytest.raises(gk.DesignError) as caught:
+                stock(**sizes)
+            assert caught.value.field == field and remedy in caught.value.remedy

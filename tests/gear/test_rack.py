@@ -180,3 +180,14 @@ def test_reported_interference_overlaps_and_all_else_is_clear():
         # Tips that reach the bottom hit it, wherever the flanks end.
         assert all(name in key for name, room in zip(("pinion root", "rack root"), pair.clearances) if room < -1e-9)
         seen[key] = seen.get(key, 0) + 1
+
+
+def test_a_bar_with_full_round_spaces_has_no_edges_of_no_length():
+    a = np.radians(20)
+    largest = (np.pi / 4 - 1.25 * np.tan(a)) * np.cos(a) / (1 - np.sin(a)) * (1 - 1e-15)
+    for rack in (gk.gear.RackCutter(tip_radius=largest), gk.gear.RackCutter(tip_radius=0)):
+        bar = gk.gear.GearRack(3, 2, rack)
+        vertices = np.asarray(bar.outline.vertices)
+        assert np.abs(vertices - np.roll(vertices, 1)).min() > 1e-6
+        assert len(bar.outline.bulges) == len(vertices)
+        assert region.is_simple(gk.flatten(bar.outline, 1e-4))

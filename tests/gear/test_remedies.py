@@ -174,3 +174,13 @@ def test_suggested_cutter_or_shift_makes_a_ring(teeth, cutter):
         assert ring(teeth, 2, cutter, profile_shift=float(shift[1]), addendum=0.5)
     elif smaller:
         assert ring(teeth, 2, int(smaller[1]), profile_shift=-2.0, addendum=0.5)
+
+
+def test_the_diametral_pitches_named_make_gears_and_those_beyond_do_not():
+    with pytest.raises(gk.DesignError) as caught:
+        gk.SpurGear(24, diametral_pitch=1e-9)
+    low, high = (float(word) for word in re.search(r"give ([\d.e+-]+) to ([\d.e+-]+)", caught.value.remedy).groups())
+    assert gk.SpurGear(24, diametral_pitch=low).module == pytest.approx(1e5)
+    assert gk.SpurGear(24, diametral_pitch=high).module == pytest.approx(25.4e-5)
+    with pytest.raises(gk.DesignError):
+        gk.SpurGear(24, diametral_pitch=low * (1 - 1e-4))

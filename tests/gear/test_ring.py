@@ -1,5 +1,8 @@
 """Ring gears by second roads: the pinion cutter rolled by brute force, meshing outlines, limits."""
 
+import dataclasses
+import re
+
 import numpy as np
 import pytest
 
@@ -143,6 +146,20 @@ def test_the_space_has_the_width_of_an_external_tooth_of_the_same_shift():
         assert ring.thickness(radius) + gear.thickness(radius) == pytest.approx(2 * np.pi * radius / 60, rel=1e-13)
 
 
+def test_thinning_takes_its_amount_off_the_reference_circle_and_no_depth():
+    for tooth_thickness_allowance in (0.0, 0.3):
+        ring = gk.RingGear(60, 2, tooth_thickness_allowance=tooth_thickness_allowance)
+        polygon = gk.flatten(ring.outline, 1e-5)
+        assert np.abs(polygon).max() == pytest.approx(gk.RingGear(60, 2).root_radius, rel=1e-12)
+        sides = polygon[: len(polygon) // 60]
+        flank = sides[np.abs(np.abs(sides) - 60) < 1.5]
+        right = flank[flank.real > 0]
+        right = right[np.argsort(np.abs(right))]
+        half = np.interp(60.0, np.abs(right), np.arctan2(right.real, right.imag))
+        assert 2 * 60 * half == pytest.approx(np.pi - tooth_thickness_allowance, abs=1e-4)
+        assert ring.thickness(60.0) == pytest.approx(np.pi - tooth_thickness_allowance, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("make", "field"),
     [
@@ -193,3 +210,18 @@ CROWDED = [
     (40, -1.0, 1.5, gk.gear.PinionCutter(37, 30, 1, 0.2)),
     (55, -1.0, 1.0, gk.gear.PinionCutter(45, 40, 0.8, 0, 1)),
 ]
+
+
+@pytest.mark.parametrize(("teeth", "shift", "addendum", "cutter"), CROWDED)
+def test_a_smaller_cutter_that_is_named_is_the_largest_that_works(teeth, shift, addendum, cutter):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.RingGear(teeth, 1, shift, cutter, addendum)
+
+    def fits(z):
+        try:
+            return gk.RingGear(teeth, 1, shift, dataclasses.replace(cutter, teeth=z), addendum)
+        except gk.DesignError:
+            return None
+
+    named = int(re.search(r"cutter of (\d+) teeth", caught.value.remedy)[1])
+    assert named == max(z for z in range(4, cutter.teeth) if fits(z))

@@ -207,6 +207,18 @@ def test_impossible_gears_are_refused_by_name(make, field):
     assert caught.value.field == field and caught.value.remedy
 
 
+@pytest.mark.parametrize(("teeth", "angle", "shift"), [(5, 10, -0.6)])
+def test_teeth_that_the_rack_cuts_off_are_refused_and_the_least_shift_named_leaves_a_neck(teeth, angle, shift):
+    rack = gk.gear.RackCutter(angle, 1, 1.2, 0.2)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.SpurGear(teeth, 2, shift, rack)
+    least = float(caught.value.remedy.split("at least ")[1].split(",")[0])
+    gear = gk.SpurGear(teeth, 2, least, rack)
+    assert region.is_simple(gk.flatten(gear.outline, 1e-4))
+    neck = np.abs(gk.flatten(gear.root_curve, 1e-5).real).min()
+    assert 0 < neck < 0.01 * gear.module
+
+
 @pytest.mark.parametrize("pointed", ["refuse", "cut"])
 @pytest.mark.parametrize(
     "rack", [gk.gear.RackCutter(), gk.gear.RackCutter(tip_radius=0), gk.gear.RackCutter(35, 0.8, 0.9, 0.1)]
@@ -226,3 +238,14 @@ def test_the_nearest_shift_named_in_a_refusal_makes_a_gear(rack, pointed):
             with pytest.raises(gk.DesignError):
                 gk.SpurGear(teeth, 2, float(found) + (-0.01 if way == "least" else 0.01), rack, on_pointed_tip=pointed)
     assert refused > 2
+
+
+@pytest.mark.parametrize("name", ["tip_rounding", "tip_chamfer"])
+def test_a_tip_edge_that_reaches_an_undercut_is_refused_with_one_that_does_not(name):
+    rack = gk.gear.RackCutter(20, 0.7)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.SpurGear(5, 2, -0.4, rack, **{name: 0.44})
+    assert caught.value.field == name
+    largest = float(caught.value.remedy.split("at most ")[1])
+    gear = gk.SpurGear(5, 2, -0.4, rack, **{name: largest})
+    assert gear.form_radius < abs(gear.flank.point(gear.flank.breaks[-1])) < gear.form_radius + 0.01

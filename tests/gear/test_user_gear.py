@@ -79,6 +79,15 @@ def test_a_gear_kind_from_outside_goes_from_a_text_to_a_drawing_and_checks(kind,
 
 
 @pytest.mark.parametrize(
+    ("stock", "field"), [(gk.gear.GearStock(bore=100), "stock.bore"), (gk.gear.RingStock(), "stock")]
+)
+def test_impossible_stock_is_refused(stock, field):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.gear.gear_parts(RatchetWheel(12, 4), stock)
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
     ("gear", "stock", "name"),
     [
         (gk.SpurGear(24, 2), gk.gear.GearStock(bore=8), "gear"),

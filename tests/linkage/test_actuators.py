@@ -232,6 +232,26 @@ def test_dead_centre_of_an_offset_slide():
     assert found == pytest.approx([0.0], abs=1e-12)
 
 
+def test_rising_table_has_no_dead_centre():
+    """That rounding turns it by next to nothing does not make its angle what is looked at."""
+    assert gk.linkage.dead_centres(lift_table(), "table", span=(100, 180)).size == 0
+    motion = gk.move(lift_table(), np.linspace(100, 180, 50))
+    assert np.all(motion.table.origin.first.imag > 0)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_slide_on_the_ground_may_be_named_by_its_body_or_by_itself(swapped):
+    """Named by itself its own displacement is driven, whichever of the two is said to slide."""
+    ends = ("ground", "head") if swapped else ("head", "ground")
+    bodies = {"ground": {"O": 0}, "crank": {"O": 0, "A": 30}, "rod": {"A": 0, "B": 90}, "head": {"B": 0}}
+    slider = gk.Slider("rail", *ends, through=2 - 5j, direction_deg=10)
+    q = np.linspace(70, 110, 20) * (-1 if swapped else 1)
+    by_slide = gk.move(gk.Linkage(bodies, "rail", (slider,)), q)
+    assert by_slide.assembled.all() and by_slide.slide("rail").displacement == pytest.approx(q)
+    by_body = gk.move(gk.Linkage(bodies, "head", (slider,)), np.abs(q))
+    assert np.abs(by_body.crank.direction - by_slide.crank.direction).max() < 1e-13
+
+
 def test_an_actuator_among_loops_reaches_as_far_as_the_bars_it_pushes_apart():
     """The longest that crank and rocker draw it, by narrowing down the crank's angle where they do."""
     linkage, stroke, by_crank, _ = between()

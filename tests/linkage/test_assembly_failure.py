@@ -7,9 +7,13 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.measures import assembly_error
-from tests.linkage.examples import FOUR_BAR, boom, locked, pushed
+from tests.linkage.examples import FOUR_BAR, TURN, boom, locked, pushed
 
 TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)
+
+
+def test_assembled_motion_has_no_failure():
+    assert gk.linkage.assembly_failure(gk.move(FOUR_BAR, TURN)) is None
 
 
 @pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
@@ -100,6 +104,13 @@ def test_the_least_transmission_angle_is_that_of_the_frames_reached():
     many = gk.move(gk.FourBar(4, 3, 2, np.array([2.5, 0.1, 2.6])), drive)
     assert gk.least_transmission_angle(many).shape == (3,)
     assert gk.least_transmission_angle(many)[0] == gk.least_transmission_angle(motion)
+
+
+def test_many_linkages_are_refused_by_their_number():
+    motion = gk.move(gk.FourBar(100, np.array([30.0, 31.0, 32.0]), 50, 55), np.linspace(0, 6, 5))
+    with pytest.raises(gk.DesignError) as caught:
+        gk.linkage.assembly_failure(motion)
+    assert caught.value.field == "motion"
 
 
 def chained(rng):

@@ -104,11 +104,25 @@ def test_a_body_that_turns_back_does_not_break_its_centrode():
     assert Centrodes(motion, "bar").runs(1e4) == [slice(0, 20)]
 
 
+def test_a_change_of_branch_draws_no_line():
+    """A kite keeps +1 through its change point: the centre leaps from the crank pivot to 600 mm away."""
+    motion = gk.move(gk.FourBar(100, 150, 150, 100), np.linspace(-0.01, 2 * np.pi - 0.01, 91))
+    for run in Centrodes(motion, "coupler").runs(1000.0):
+        assert np.abs(np.diff(Centrodes(motion, "coupler").fixed[run])).max() < 60
+    assert sum(run.stop - run.start for run in Centrodes(motion, "coupler").runs(1000.0)) >= 90
+
+
 def test_open_frames_are_nan_and_break_the_curve():
     motion = gk.move(gk.FourBar(3, 2, 2.5, 4), np.linspace(-np.pi, np.pi, 91))
     centrodes = Centrodes(motion, "coupler")
     assert np.array_equal(np.isnan(centrodes.moving), ~motion.assembled)
     assert all(motion.assembled[run].all() for run in centrodes.runs(100.0))
+
+
+def test_a_translating_body_has_none():
+    motion = gk.move(gk.FourBar(100, 30, 100, 30), np.linspace(0.1, 3, 9))
+    centrodes = Centrodes(motion, "coupler")
+    assert np.isnan(centrodes.fixed).all() and np.isnan(centrodes.velocity).all() and centrodes.runs(1e9) == []
 
 
 @pytest.mark.parametrize("moving", [False, True])
@@ -122,3 +136,19 @@ def test_centrode_velocity_agrees_with_differences(moving):
     by_differences = (curve.point(drive + step) - curve.point(drive - step)) / (2 * step)
     assert curve.velocity(drive) == pytest.approx(by_differences, rel=1e-7)
     assert not curve.closed and curve.breaks.tolist() == [0.4, 1.2]
+
+
+def test_invalid_arguments_are_refused():
+    bars = gk.FourBar(100, 30, 90, 70)
+    motion, many = gk.move(bars, TURN), gk.move(gk.FourBar(100, np.array([20.0, 30.0]), 90, 70), TURN)
+    assert Centrodes(many, "coupler").fixed.shape == (len(TURN), 2)
+    for call, field in (
+        (lambda: Centrodes(motion, "coupler").runs(0.0), "reach"),
+        (lambda: Centrodes(motion, "conrod").fixed, "body"),
+        (lambda: gk.linkage.CentrodeCurve(bars, "coupler", (1.2, 0.3)), "span"),
+        (lambda: gk.linkage.CentrodeCurve(bars, "coupler", (0.3, 0.3)), "span"),
+        (lambda: Centrodes(many, "coupler").runs(100.0), "motion"),
+    ):
+        with pytest.raises(gk.DesignError) as caught:
+            call()
+        assert caught.value.field == field

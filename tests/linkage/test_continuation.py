@@ -1,9 +1,12 @@
 """Branches followed by the motion itself: past near misses, through change points, from any start, at any step."""
 
+import re
+
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.solve import drive_range
 from tests.linkage.examples import FOUR_BAR, TURN, locked
 from tests.linkage.near_misses import by_brute_force, near_misses
 
@@ -283,3 +286,50 @@ def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start(
         for branch in (near, signs)
     ]
     assert all(np.array_equal(a, b) for a, b in zip(drawn[0][0], drawn[1][0], strict=True))
+
+
+@pytest.mark.parametrize(
+    "branch",
+    [{"output_pin": 2}, {"output_pin": complex(np.nan, 0)}, {"elsewhere": 1j}, {"coupler_point": 1}, "follow me", True,
+     None, {"output_pin": True}, (1, -1)],
+)  # fmt: skip
+def test_invalid_branch_is_refused(branch):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.move(gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j), TURN, branch)
+    assert caught.value.field == "branch"
+
+
+@pytest.mark.parametrize("start", [0, True, None, "follow", {"output_pin": 2}, {"output_pin": complex(np.nan, 0)}])
+def test_invalid_start_is_refused(start):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.Continuation(start)
+    assert caught.value.field == "start"
+
+
+def test_too_many_turns_are_refused_with_a_number_that_works():
+    six_bar = gk.StephensonSixBar(FOUR_BAR, 80, 60, 60 + 120j)
+    with pytest.raises(gk.DesignError) as caught:
+        gk.move(six_bar, [0, 1e9], "follow").assembled
+    most = int(caught.value.remedy.split()[-2])
+    assert gk.move(six_bar, [0, np.radians(most)], "follow").assembled.all()
+    with pytest.raises(gk.DesignError):
+        gk.move(six_bar, [0, np.radians(most + 2)], "follow").assembled
+
+
+def test_too_many_linkages_to_follow_are_refused_with_numbers_that_work(monkeypatch):
+    monkeypatch.setattr(drive_range, "MOST", 2000)
+
+    def closed(count, drive=(0.0, 0.1)):
+        bars = gk.FourBar(np.full(count, 100.0), 30, 90, 70, coupler_point=50 + 50j)
+        return gk.move(gk.StephensonSixBar(bars, 120, 90, 100 + 100j), drive, "follow").assembled
+
+    def refused(*given):
+        with pytest.raises(gk.DesignError) as caught:
+            closed(*given)
+        return caught.value.field, int(re.search(r"\d+", caught.value.remedy)[0])
+
+    field, most = refused(300)
+    assert field == "bodies" and closed(most).all() and 200 < most < 300 and refused(most + 1)[0] == "bodies"
+    field, degrees = refused(3, (0.0, 20.0))
+    assert field == "drive" and closed(3, (0.0, np.radians(degrees))).all()
+    assert refused(3, (0.0, np.radians(degrees + 2)))[0] == "drive"

@@ -91,6 +91,25 @@ def test_a_slider_may_drive():
     assert len(runs) == 6  # those that begin at 60, 70, ..., 110 mm: before and after the slider is out of reach
 
 
+@pytest.mark.parametrize(
+    ("field", "change"),
+    [
+        ("tolerance", {"tolerance": 0}),
+        ("tolerance", {"tolerance": 1e-14}),
+        ("drive", {"drive": [1.0, 0.5]}),
+        ("points", {"points": [[0j]]}),
+        ("points", {"points": [np.nan]}),
+        ("branch", {"branch": "follow"}),
+        ("body", {"body": "arm"}),
+    ],
+)
+def test_invalid_arguments_are_refused(field, change):
+    asked = {"points": [40 + 25j], "drive": STEPS, "tolerance": 0.01} | change
+    with pytest.raises(gk.DesignError) as caught:
+        dashes(CRANK_ROCKER, **asked)
+    assert caught.value.field == field
+
+
 def test_dashes_end_closed_at_the_limits_of_any_linkage():
     """Of random bars that do not turn fully, their limits at either end of a dash; at a limit rounding decides."""
     rng, limits = np.random.default_rng(1), 0

@@ -159,6 +159,13 @@ def test_infinite_and_vanishing_distances(known, answer):
         assert found - base == pytest.approx(answer, nan_ok=True)
 
 
+def test_an_unknown_instant_centre_has_two_answers_or_none():
+    assert euler_savary(point=10.0, centre=6.0, inflection=1.0).tolist() == [16.0, 4.0]
+    assert np.isnan(euler_savary(point=10.0, centre=12.0, inflection=1.0)).all()
+    assert euler_savary(point=np.inf, centre=6.0, inflection=2.0).tolist() == [np.inf, 4.0]
+    assert np.isinf(euler_savary(point=10.0, centre=6.0, inflection=np.inf)).all()
+
+
 @pytest.mark.parametrize("name", FEW)
 def test_curvature_agrees_with_velocity_and_acceleration(name):
     """Of bodies on pivots, on rails that lean, and on neither: all by the same coefficients."""

@@ -43,6 +43,13 @@ def test_a_dwell_may_begin_in_one_turn_and_end_in_the_next() -> None:
     assert later.start < 3 * np.pi < later.end
 
 
+def test_open_frames_break_a_dwell() -> None:
+    motion = gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(0, 2 * np.pi, 721))
+    found = longest_dwell(motion, "rocker", 10.0)
+    assert not motion.assembled.all()
+    assert gk.move(motion.linkage, np.linspace(found.start, found.end, 500)).assembled.all()
+
+
 def test_falling_drives_have_the_dwell_of_rising_ones() -> None:
     four_bar = gk.FourBar(100, 30, 90, 70, 40 + 25j)
     linkage = gk.StephensonSixBar(four_bar, 120, 90, 100 + 100j)
@@ -53,6 +60,14 @@ def test_falling_drives_have_the_dwell_of_rising_ones() -> None:
         assert found.range == pytest.approx(rising.range, abs=1e-9)
         assert np.exp(1j * found.start) == pytest.approx(np.exp(1j * rising.start), abs=1e-9)
         assert (found.low, found.high) == pytest.approx((rising.low, rising.high), abs=1e-9)
+
+
+def test_refusals() -> None:
+    motion = gk.move(gk.FourBar(100, 30, 100, 30), np.linspace(0.2, 3, 100))
+    for output, band, field in (("ground", 0.1, "output"), ("coupler", 0.1, "output"), ("rocker", 0.0, "band")):
+        with pytest.raises(gk.DesignError) as caught:
+            longest_dwell(motion, output, band)
+        assert caught.value.field == field
 
 
 def test_grashof_sums_agree_with_the_links_that_turn_fully() -> None:

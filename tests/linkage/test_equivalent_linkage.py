@@ -155,3 +155,24 @@ def test_equivalent_linkage_moves_as_the_contact(case, point, normal):
     for name, centre in (("driver_centre", contact.driver_centre), ("follower_centre", contact.follower_centre)):
         if np.isfinite(centre):
             assert motion.point(name).position[0] == pytest.approx(complex(centre))
+
+
+def test_a_follower_that_cannot_give_way_has_no_finite_velocity():
+    contact = DirectContact(10j, 1, 20.0, 5.0, follower_direction=1j)
+    with np.errstate(all="raise"):
+        assert not np.isfinite(contact.first) and not np.isfinite(contact.second)
+
+
+@pytest.mark.parametrize(
+    ("field", "change"),
+    [
+        ("follower_pivot", {"follower_direction": 1j}),
+        ("follower_pivot", {"follower_pivot": None}),
+        ("follower_radius", {"driver_radius": np.inf, "follower_radius": np.array([1.0, np.inf])}),
+    ],
+)
+def test_invalid_contacts_are_refused(field, change):
+    given = {"point": 10j, "normal": 1j, "driver_radius": 5, "follower_radius": 5, "follower_pivot": 50} | change
+    with pytest.raises(gk.DesignError) as caught:
+        DirectContact(**given)
+    assert caught.value.field == field

@@ -143,3 +143,18 @@ def test_results_do_not_depend_on_order_or_threads():
         for found in threads.map(some, rng.integers(1000, size=6)):
             for k, name, value in found:
                 np.testing.assert_allclose(value, alone[k][name], rtol=1e-12, atol=1e-12 * np.abs(value).max())
+
+
+def test_branches_told_by_places_keep_their_own_formulas(monkeypatch):
+    """One linkage moved by turns on both branches, each results_of by where a pin is, again and again."""
+    monkeypatch.setattr(solution, "WORTH", 0)
+    turn = np.linspace(0, 2 * np.pi, 25)
+    bar = gk.FourBar(100, 30, 90, 70)
+    pins = {side: complex(gk.move(bar, turn[:1], side).point("rocker_pin").position[0]) for side in (1, -1)}
+    linkage = bar.linkage
+    for side in (1, -1, 1, -1):
+        moved = gk.move(linkage, turn, {"rocker_pin": pins[side]})
+        wanted = gk.move(gk.FourBar(100, 30, 90, 70), turn, side)
+        for body in ("coupler", "rocker"):
+            assert moved.bodies[body].direction == pytest.approx(wanted.bodies[body].direction, abs=1e-12)
+            assert moved.bodies[body].first == pytest.approx(wanted.bodies[body].first, abs=1e-12)

@@ -147,6 +147,14 @@ def test_circle_is_continuous_through_infinity():
         assert np.array_equal(np.isfinite(circle.pole), steps != 0)
 
 
+def test_a_parallelogram_has_none_and_all_its_paths_are_alike():
+    motion = gk.move(gk.FourBar(100, 30, 100, 30), np.linspace(0.1, 3, 9))
+    for circle in (inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*cranks(motion))):
+        for part in (circle.diameter, circle.pole, circle.normal, circle.tangent, circle.nearest, circle.tangent_foot):
+            assert np.isnan(part).all()
+        assert np.abs(np.abs(circle.path(17 - 80j).curvature) * 30 - 1).max() < 1e-12
+
+
 def test_circle_is_found_with_a_pin_at_the_instant_centre():
     """Rocker and coupler in line: the crank pin is at rest for a moment, and the tangent along the crank."""
     a, end = 30 * np.exp(1j * 0.9), 100 + 0j

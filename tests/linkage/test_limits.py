@@ -45,6 +45,10 @@ def test_the_crank_of_a_non_grashof_linkage_stops_where_coupler_and_rocker_stret
     assert low == -high and reach == pytest.approx(2 + 2.5, rel=1e-14)
 
 
+def test_a_span_without_a_pose_has_no_parts():
+    assert gk.driver_limits(gk.FourBar(4, 3, 2, 2.5), span=(2.0, 4.0)) == ()
+
+
 @pytest.mark.parametrize("size", [1e-7])
 def test_a_driving_slide_is_followed_over_its_whole_reach(size):
     """By Pythagoras: crank and coupler in line, stretched or folded, 12 mm beside the slide."""
@@ -167,6 +171,25 @@ def test_a_coupler_curve_is_the_path_of_its_point_exactly():
     a, b, c = (curve.point(t + d) for d in (-1e-4, 0, 1e-4))
     circle = 2 * np.imag(np.conj(b - a) * (c - b)) / (abs(b - a) * abs(c - b) * abs(c - a))
     assert curve.curvature(t) == pytest.approx(circle, rel=1e-4, abs=1e-6)
+
+
+def tangent_drive():
+    """A pin in a slot of the crank and in one along x, 5 mm off: it runs away where the crank points along x."""
+    return gk.Linkage(
+        {"ground": {"O": 0}, "crank": {"O": 0}, "block": {"P": 0}, "yoke": {"P": 0}},
+        "crank",
+        (gk.Slider("radial", "block", "crank"), gk.Slider("way", "yoke", "ground", through=5j)),
+    )
+
+
+def test_dashes_across_parallel_guides_are_refused():
+    with pytest.raises(gk.DesignError) as caught:
+        gk.linkage.dashes(tangent_drive(), [0j], [np.pi - 1, np.pi + 1], 0.1, body="block")
+    assert caught.value.field == "drive" and "3.14159" in caught.value.problem
+    ends = [np.pi - 1, np.pi - 0.1, np.pi + 0.1, np.pi + 1]
+    (dashes,) = gk.linkage.dashes(tangent_drive(), [0j], ends, 0.1, body="block")
+    for dash, (low, high) in zip(dashes, (ends[:2], ends[2:]), strict=True):
+        assert dash.imag == pytest.approx(5) and dash[[0, -1]].real == pytest.approx(5 / np.tan([low, high]))
 
 
 @pytest.mark.parametrize("swapped", [False, True])

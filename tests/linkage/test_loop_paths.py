@@ -93,3 +93,16 @@ def test_a_row_that_stays_at_one_place_stands_there_at_every_frame(name):
                 rows = [getattr(one, what) for one in told]
                 assert rows[0] == pytest.approx(np.resize(rows[1], 4), rel=1e-9, abs=1e-12)
             assert told[0].direction[0] == pytest.approx(one.bodies[body].direction[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["loops", "actuator between moving bars"])
+def test_drives_too_far_off_are_refused_with_how_far_they_may_be(name):
+    """Of an angle forty turns, of a slide as many sizes of the linkage as that is in rad."""
+    linkage, drive, _ = ALL[name]
+    size = 80 * np.pi * (1 if name == "loops" else max(abs(z) for own in linkage.bodies.values() for z in own.values()))
+    for way in (1, -1):
+        with pytest.raises(gk.DesignError) as caught:
+            gk.move(linkage, drive[0] + way * np.array([0, 1.01 * size])).assembled
+        told = float(caught.value.remedy.split()[3])
+        assert told == pytest.approx(size, rel=1e-5) and caught.value.field == "drive"
+        assert gk.move(linkage, drive[0] + way * np.array([0, 0.999 * told])).assembled[0]

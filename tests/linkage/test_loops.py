@@ -190,6 +190,13 @@ def test_error_amplification_grows_and_transmission_angle_vanishes_near_a_lock()
         assert motion.transmission_angle[0] > 0.1 and motion.transmission_angle[4] < 1e-6
 
 
+def test_lone_driver_has_no_transmission_angle():
+    lone = gk.Linkage({"ground": {"O": 0}, "crank": {"O": 0, "pen": 30}}, "crank")
+    motion = gk.move(lone, [0.0, 1.0])
+    assert motion.assembled.all() and np.isnan(motion.transmission_angle).all()
+    assert np.isnan(motion.error_amplification).all()
+
+
 def test_a_parallelogram_stays_one_through_its_change_points():
     drive = np.linspace(0.4, 0.4 + 4 * np.pi, 200)
     first = gk.move(gk.FourBar(3, 2, 3, 2), drive[:1])
@@ -218,6 +225,18 @@ def test_loops_end_where_a_dyad_before_them_does():
     linkage = gk.Linkage(bodies | rest, "crank", estimate=pins)
     ((_, limit),) = gk.driver_limits(driven, span=(start, 3))
     assert gk.driver_limits(linkage, span=(start, 3)) == ((start, pytest.approx(limit, abs=1e-13)),)
+
+
+def test_many_linkages_at_once_are_refused_where_iteration_is_needed():
+    linkage, start, _ = triad(4)
+    bodies = dict(linkage.bodies) | {"crank": {"O": 0, "A": np.array([30.0, 31.0])}}
+    with pytest.raises(gk.DesignError) as caught:
+        gk.move(gk.Linkage(bodies, "crank", estimate=linkage.estimate), [start])
+    assert caught.value.field == "bodies"
+
+
+def test_no_frames_are_no_fault():
+    assert gk.move(locked()[0], []).assembled.shape == (0,)
 
 
 @pytest.mark.parametrize("at", [2.0])

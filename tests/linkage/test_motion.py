@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from tests.linkage.examples import ALL, FEW
 
 TURN = np.linspace(0, 2 * np.pi, 37)
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
@@ -44,6 +45,21 @@ def test_batch_of_four_bars_equals_single_ones():
         assert least[k] == pytest.approx(gk.least_transmission_angle(alone), rel=1e-12)
 
 
+@pytest.mark.parametrize("name", FEW)
+def test_a_driver_turns_about_its_pivot_or_has_none(name):
+    """By its motion: of all its places that alone stands still, and nothing stands still where it slides or floats."""
+    linkage, drive, branch = ALL[name]
+    motion, general = gk.move(linkage, drive, branch), linkage.linkage
+    told = general.driver_pivot
+    if general.driven_slider is not None:
+        assert told is None
+        return
+    points = general.bodies[general.driver]
+    still = [p for p in points if np.ptp(np.abs(motion.point(p).position - motion.point(p).position[0])) < 1e-9]
+    assert {complex(points[p]) for p in still} == ({complex(points[told])} if told else set())
+    assert told is None or told in general.bodies[general.ground]
+
+
 def test_a_root_is_found_with_its_path_and_residual():
     root = gk.linkage.newton_raphson(
         lambda x: [x[0] ** 2 + x[1] - 3, x[0] - x[1]], lambda x: [[2 * x[0], 1], [1, -1]], [1, 1]
@@ -51,6 +67,11 @@ def test_a_root_is_found_with_its_path_and_residual():
     golden = (np.sqrt(13) - 1) / 2
     assert root.converged and root.value == pytest.approx([golden, golden], rel=1e-14)
     assert root.residual < 1e-14 and np.array_equal(root.path[0], [1, 1]) and np.array_equal(root.path[-1], root.value)
+
+
+def test_no_root_is_said_and_not_made_up():
+    root = gk.linkage.newton_raphson(lambda x: x**2 + 1, lambda x: 2 * x, 0.7)
+    assert not root.converged and root.residual >= 1
 
 
 def test_double_root_converges_slowly_until_the_step_limit():

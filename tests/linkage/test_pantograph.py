@@ -30,3 +30,9 @@ def test_crossed_bars_do_not_copy():
     motion = gk.move(linkage, np.linspace(0, 2 * np.pi, 73), {"arm_joint": 1, "forearm_joint": -1})
     pen, tracer = motion.point("pen").position, motion.point("tracer").position
     assert np.abs(pen - 3 * tracer).max() > 10
+
+
+def test_bars_out_of_reach_are_refused():
+    with pytest.raises(gk.DesignError) as caught:
+        gk.linkage.Pantograph(arm=100, forearm=100, ratio=4, crank=5, crank_pivot=60 + 0j)
+    assert caught.value.field == "crank_pivot"

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.core.errors import DesignError
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
-from geomkin.making.fasteners import LENGTHS, SIZES, Fastener
+from geomkin.making.fasteners import LENGTHS, SIZES, Fastener, fastener_of
 from geomkin.making.motors import MOTORS
 from tests.linkage.mechanisms import BUILDABLE, TURN
 
@@ -100,3 +101,10 @@ def test_a_threaded_rod_stands_out_at_either_end_by_all_the_play(play):
     cut = float(re.search(r"cut to (\S+) mm", name)[1])
     # What stands out at one end while the plates lie against the other.
     assert below == above and below + above - play == pytest.approx(cut - 45.0)
+
+
+def test_what_is_no_screw_is_a_rod_or_refused():
+    assert fastener_of(4.1, 3.0, None, 0.2, None).bill(9.0) == (("rod 4.1 mm, cut to 9.2 mm", 1),)
+    assert fastener_of(4.0, 3.0, "rod", 0.2, None).ends(9.0) == (0.0, 0.0)
+    with pytest.raises(DesignError, match="fastener:"):
+        LinkStock(pin_diameter=4.1, fastener="screw")

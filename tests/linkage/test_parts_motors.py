@@ -110,3 +110,44 @@ def test_a_crank_so_short_that_its_screw_meets_the_shaft_is_reported():
     assert any("shaft" in collision.plate or collision.pin == "crank_pivot" for collision in stack.collisions)
     longer = gk.move(gk.FourBar(100, 12, 90, 70), np.linspace(0, 2 * np.pi, 73))
     assert not gk.linkage.stack_links(longer, gk.linkage.LinkStock(motor="nema17")).collisions
+
+
+BODIES = {
+    "ground": {"O": 0j, "C": 60 + 0j},
+    "crank": {"O": 0j, "A": 20 + 0j},
+    "arm": {"O": 0j, "B": 70 + 0j},
+    "rod": {"A": 0j, "B": 60 + 0j},
+}
+
+
+@pytest.mark.parametrize(
+    ("linkage", "sizes", "words"),
+    [
+        (gk.FourBar(100, 30, 90, 70, driver="coupler"), {}, "coupler"),
+        (gk.SliderCrank(30, 90, driver="slider"), {}, "slider"),
+        (gk.Linkage(BODIES, "crank"), {}, "arm"),
+        (gk.FourBar(24, 8, 22, 18), {"bar_width": 8, "pin_diameter": 3}, "mm"),
+    ],
+)
+def test_what_no_motor_can_turn_is_refused(linkage, sizes, words):
+    drive = np.linspace(60, 70, 5) if words.startswith("slider") else np.linspace(0.5, 0.6, 5)
+    stock = gk.linkage.LinkStock(motor="nema17", **sizes)
+    motion = gk.move(linkage, drive)
+    with pytest.raises(gk.DesignError) as caught:
+        _ = gk.linkage.link_parts(motion, stock)
+    assert caught.value.field == "stock.motor" and words in caught.value.problem
+
+
+@pytest.mark.parametrize(
+    ("sizes", "field", "words"),
+    [
+        ({"motor": "nema17", "thickness": 1.9}, "motor", "at least 2 mm"),
+        ({"motor": "nema17", "bar_width": 5.2}, "bar_width", "5.2 mm wide"),
+        ({"motor": "nema17", "fit": "press", "interference": 4.5}, "interference", "at most 4.49 mm"),
+        ({"fit": "press"}, "fit", "no motor"),
+    ],
+)
+def test_stock_that_holds_no_motor_is_refused(sizes, field, words):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.linkage.LinkStock(**sizes)
+    assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"

@@ -127,3 +127,14 @@ def test_a_slot_that_meets_a_hole_is_refused_by_name():
     with pytest.raises(gk.DesignError, match="slot of slider_pin") as caught:
         parts_of(gk.SliderCrank(30, 31))
     assert caught.value.field == "ground"
+
+
+@pytest.mark.parametrize("call", [gk.linkage.link_parts, gk.linkage.stack_links])
+def test_what_is_no_motion_of_one_linkage_is_refused(call):
+    many = gk.move(gk.FourBar(100, np.array([30.0, 31.0]), 90, 70), TURN)
+    for motion in (many, gk.FourBar(100, 30, 90, 70)):
+        with pytest.raises(gk.DesignError) as caught:
+            call(motion)
+        assert caught.value.field == "motion"
+    with pytest.raises(gk.DesignError, match="a LinkStock"):
+        call(gk.move(gk.FourBar(100, 30, 90, 70), TURN), 3.0)

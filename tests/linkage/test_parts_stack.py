@@ -243,3 +243,17 @@ def test_the_order_is_the_best_of_all_orders(crossings, seed):
         # The search knows of crossing pins only by the plates they hit, and so counts them otherwise.
         if found and (not crossings or best[0] == 0):
             assert (found.collisions, len(found.layers), found.length) == best
+
+
+def test_more_plates_than_the_search_takes_are_refused():
+    """One crank that drives a star of eight rockers."""
+    star = {"ground": {"crank_pivot": 0j}, "crank": {"crank_pivot": 0j, "crank_pin": 30 + 0j}}
+    for k in range(8):
+        star["ground"][f"pivot_{k}"] = 100 * np.exp(0.25j * np.pi * k)
+        star[f"coupler_{k}"] = {"crank_pin": 0j, f"pin_{k}": 90 + 0j}
+        star[f"rocker_{k}"] = {f"pivot_{k}": 0j, f"pin_{k}": 70 + 0j}
+    motion = gk.move(gk.Linkage(star, driver="crank"), TURN)
+    assert motion.assembled.all()
+    with pytest.raises(gk.DesignError, match="17"):
+        stack_links(motion, STOCK)
+    assert len(link_parts(motion, STOCK)) == 18

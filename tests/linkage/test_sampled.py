@@ -117,3 +117,13 @@ def test_error_bounds_noise():
         assert (np.abs(found.values - point.acceleration) <= found.error).all()
         told.append(found.error.max())
     assert told[1] > 100 * told[0]
+
+
+def test_too_few_samples_are_refused_with_the_number_needed():
+    for call, least in (
+        (lambda: gk.linkage.central_difference(np.zeros(12), 0.1, 1, 8), "13"),
+        (lambda: gk.linkage.velocity_difference([1.0, 2.0], 0.1), "4"),
+    ):
+        with pytest.raises(gk.DesignError) as caught:
+            call()
+        assert least in caught.value.remedy

@@ -1,6 +1,7 @@
 """Every recipe of the gallery has a scene: a row for each frame, and the very parts that are cut."""
 
 import numpy as np
+import pytest
 
 import geomkin as gk
 from tests.gallery import named, recipe
@@ -35,3 +36,14 @@ linkage = { ground = 30, crank = 100, coupler = 90, rocker = 70 }""")
     assert {body.layer for body in plain.bodies} == {0} and len(plain.bodies) == 5
     assert {body.name: body.layer for body in recipe.scene.bodies} == recipe.stack.layers
     assert recipe.stack.layers["bridge"] == max(recipe.stack.layers.values()) > 1
+
+
+def test_many_linkages_or_no_frames_are_refused():
+    def scene(crank, drive):
+        motion = gk.move(gk.FourBar(100, crank, 90, 70), drive)
+        return gk.linkage.linkage_scene(motion, gk.Table((gk.Column("a", "", "a", np.zeros(len(drive))),)))
+
+    with pytest.raises(gk.DesignError, match=r"motion:"):
+        scene(np.array([30.0, 31.0]), np.linspace(0, 6, 5))
+    with pytest.raises(gk.DesignError):
+        scene(30.0, np.zeros(0))

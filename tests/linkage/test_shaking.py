@@ -116,3 +116,17 @@ def test_half_the_reciprocating_mass_for_a_very_long_rod():
     """The textbook rule: a counterbalance of half the sliding mass leaves half its force all round."""
     best = best_counterbalance(SliderCrank(30, 3e6), SliderCrankMasses(slider=2.0))
     assert best.product == pytest.approx(30, rel=1e-4) and best.largest == pytest.approx(0.03, rel=1e-4)
+
+
+@pytest.mark.parametrize(("coupler", "offset"), [(30, 0), (20, 0), (40, 12)])
+def test_a_crank_that_does_not_turn_fully_has_no_best(coupler, offset):
+    with pytest.raises(gk.DesignError) as caught:
+        best_counterbalance(SliderCrank(30, coupler, offset), MASSES)
+    assert caught.value.field == "coupler" and caught.value.remedy
+
+
+@pytest.mark.parametrize(("field", "value"), [("slider", -1.0), ("crank", np.nan), ("coupler_centre", np.inf)])
+def test_impossible_masses_are_refused_by_name(field, value):
+    with pytest.raises(gk.DesignError) as caught:
+        SliderCrankMasses(**{field: value})
+    assert caught.value.field == field

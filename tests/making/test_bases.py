@@ -246,6 +246,38 @@ def test_the_screws_of_a_ring_go_through_ring_and_base_as_it_meshes(written):
     assert all(teeth.disjoint(polygon(hole)) for hole in ring.holes[1:])
 
 
+def test_what_no_base_can_hold_is_refused_with_its_key(tmp_path):
+    for text, field, words in [
+        (PAIR.replace("bore = 8", "bore = 0") + "[base]\n", "first_stock.bore", "at least 0.01"),
+        (PAIR + "[base]\nclearance = 60\n", "base.clearance", "meet"),
+        (PAIR + "[base]\nedge = 1e6\n", "base", "100000 mm"),
+        (RACK.replace("teeth = 15", "teeth = 3") + "[base]\n", "rack.teeth", "at least 4"),
+        (RACK + "[base]\nguide_pin = 9.3\n", "base.clearance", "less than 0.075 mm"),
+        (RACK + "[base]\nguide_pin = 12\n", "base.guide_pin", "less than 9.175 mm"),
+        (PLANETARY + "[base]\nscrew = 0\n", "base.screw", "give their diameter"),
+        (PLANETARY.replace("rim = 12", "rim = 3") + "[base]\n", "base.screw", "less than 2.8 mm"),
+        (PLANETARY.replace("bore = 8", "bore = 0") + "[base]\n", "sun_stock.bore", "0.01 mm"),
+    ]:
+        with pytest.raises(gk.DesignError) as caught:
+            gk.write(gk.load(text), tmp_path / "parts.dxf")
+        assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"
+
+
+def test_what_guides_no_follower_is_refused_with_its_key():
+    for name, stock, field in [
+        ("roller", "stem_length = 30", "stock.stem_length"),
+        ("flat", "pivot_bore = 0", "stock.pivot_bore"),
+        ("roller", "bore = 0", "stock.bore"),
+        ("roller", "bar_width = 100, stem_length = 400", "stock.bar_width"),
+    ]:
+        follower, deg, radius, lift = FOLLOWERS[name]
+        text = CAM.format(follower=follower, deg=deg, radius=radius, lift=lift)
+        recipe = gk.load(text.replace("bore = 10, clearance = 0.1", stock) + "[base]\n")
+        with pytest.raises(gk.DesignError) as caught:
+            _ = recipe.parts
+        assert caught.value.field == field and caught.value.remedy
+
+
 def test_a_stem_as_long_as_the_refusal_says_is_guided():
     follower, deg, radius, lift = FOLLOWERS["tilted"]
     text = CAM.format(follower=follower, deg=deg, radius=radius, lift=lift) + "[base]\n"

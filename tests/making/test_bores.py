@@ -2,10 +2,11 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.making.bores import bore
+from geomkin.making.bores import bore, keyed_bore
 from tests.texts import parse, template_of
 
 PLAY = 0.4
@@ -57,3 +58,13 @@ def test_the_clearance_that_is_advised_works_and_a_little_more_does_not():
     assert bore(29, most - 1e-6, 30, "stock.roller_bore") and "roller_bore" in caught.value.remedy
     with pytest.raises(gk.DesignError):
         bore(29, most, 30, "stock.roller_bore")
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e4])
+def test_a_keyway_may_reach_as_far_as_the_part_and_no_farther(size):
+    """The corner of the slot, 13 from the axis by 5-12-13, lies just within the part or just beyond it."""
+    sizes = {"diameter": 18 * size, "clearance": 0.0, "width": 10 * size, "depth": 3 * size}
+    (hole,) = keyed_bore(*sizes.values(), 1 + 0j, 26 * size * (1 + 1e-9), "stock")
+    assert np.abs(hole.vertices).max() == pytest.approx(13 * size)
+    with pytest.raises(gk.DesignError, match="keyway"):
+        keyed_bore(*sizes.values(), 1 + 0j, 26 * size * (1 - 1e-9), "stock")

@@ -106,6 +106,29 @@ def test_a_cam_s_fit_is_that_of_its_bore_and_the_mark_clears_a_flat():
     assert abs(plates["cam"].marks[0].point(0.0)) > 2.9
 
 
+REFUSED = [
+    ({"bore": 3, "bore_form": "keyed"}, "bore", "6 mm"),
+    ({"bore": 300, "bore_form": "keyed"}, "bore", "230 mm"),
+    ({"bore": 0, "bore_form": "D"}, "bore", ""),
+    ({"bore": 7, "bore_form": "D"}, "bore", "3.5"),
+    ({"bore": 5, "bore_form": "D", "flat": 5}, "flat", "2.5"),
+    ({"bore": 5, "bore_form": "D", "flat": 2.5}, "flat", "2.5"),
+    ({"bore": 5, "flat": 4.5}, "flat", "bore_form"),
+    ({"bore": 5, "bore_form": "D", "keyway_depth": 1}, "keyway_depth", "0"),
+    ({"bore": 0.1, "fit": "press"}, "interference", "0.09 mm"),
+    ({"bore": 5, "bore_form": "D", "fit": "press", "interference": 4.9}, "interference", "4.49 mm"),
+    ({"bore": 0.005, "fit": "press"}, "interference", ""),
+]
+
+
+def test_invalid_bores_are_refused_with_what_works():
+    for sizes, field, remedy in REFUSED:
+        for stock in (gk.gear.GearStock, gk.cam.CamStock):
+            with pytest.raises(gk.DesignError) as caught:
+                stock(**sizes)
+            assert caught.value.field == field and remedy in caught.value.remedy
+
+
 @pytest.mark.parametrize("form", ["round", "D", "keyed"])
 def test_a_bore_as_wide_as_the_root_is_refused_and_the_one_that_is_named_works(form):
     """Of a pressed bore, too: what is left is told of the hole, not of the shaft."""

@@ -125,3 +125,23 @@ def test_a_base_has_the_motor_s_holes_and_keeps_all_others_off_its_face(tmp_path
     assert plate.contains(face) and all(hole.disjoint(face) for hole in rest) and found == others
     # Heads of the base's screws, twice as wide, are clear of the motor, too.
     assert all(hole.centroid.distance(face) >= 4 for hole in rest if width(hole) == 4.2)
+
+
+SMALL = PAIR.replace("bore = 8", 'bore = 5, motor = "nema17"').replace("module = 3", "module = 1") + "[base]\n"
+NEAR = SMALL.replace("module = 1", "module = 1.5")
+
+
+@pytest.mark.parametrize(
+    ("recipe", "field", "words"),
+    [
+        (lambda: over_a_base("pair", thickness=1.9), "first_stock.motor", "at least 2 mm"),
+        (lambda: over_a_base("pair", bore=0, bore_form="round"), "first_stock.bore", "at least 0.01 mm"),
+        (lambda: gk.load(SMALL), "first_stock.motor", "mm"),
+        # 28.25 mm apart, the hole of 10.2 mm would be clear of the face, but its collar of 20 mm is not.
+        (lambda: gk.load(NEAR), "first_stock.motor", "2.9 mm"),
+    ],
+)
+def test_what_would_meet_the_motor_is_refused(recipe, field, words):
+    with pytest.raises(gk.DesignError) as caught:
+        _ = recipe().parts
+    assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"

@@ -29,6 +29,14 @@ def wheel(hub, rim, form="spokes", count=5, spoke_width=4.0, bore=10):
     return gear_parts(WHEEL, GearStock(bore=bore, web=web))[0]
 
 
+def test_a_rim_is_advised_that_leaves_room_between_it_and_the_hub():
+    field, _, remedy = refusal(wheel, 30, 30)
+    assert field == "stock.web.rim"
+    assert number(remedy) == pytest.approx(np.abs(gk.flatten(WHEEL.outline, 1e-4)).min() - 15, abs=1e-3)
+    assert len(wheel(30, number(remedy) - 1e-3).holes) == 6
+    assert refusal(wheel, 30, number(remedy))[0] == "stock.web.rim"
+
+
 def test_round_openings_are_refused_by_the_wall_between_them():
     field, problem, remedy = refusal(wheel, 20, 3, "holes", 12)
     assert field == "stock.web.count" and remedy

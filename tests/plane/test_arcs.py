@@ -95,6 +95,12 @@ def test_arcs_of_any_cubic_keep_the_tolerance(control, power):
     assert np.abs(edges(line)[2]).max() <= 1 + 1e-7
 
 
+def test_opposed_tangents_give_no_warning():
+    """Somewhere on the way to few arcs, the ends of an interval ask for a biarc that does not exist."""
+    curve, tolerance = Bezier((1 + 0j, 4 + 0j, 2j, 5 - 2j)), 4.2053185485452324e-2
+    assert strays(curve, to_arcs(curve, tolerance)) <= tolerance * (1 + 1e-2)
+
+
 @pytest.mark.parametrize("tolerance", [1e-2])
 def test_circles_and_straight_pieces_come_back_exactly(tolerance):
     disc = to_arcs(Circle(1 + 1j, 3.0), tolerance)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
 from geomkin.plane.joined import Path, PolarArray
@@ -93,3 +94,11 @@ def test_ring_is_its_copies_turned():
     ring = PolarArray(piece, count)
     assert ring.closed and np.allclose(ring.point(np.arange(count)), heptagon)
     assert np.isclose(measure.signed_area(ring), 0.5 * count * 4 * np.sin(2 * np.pi / count))
+
+
+def test_pieces_that_do_not_meet_are_refused():
+    with pytest.raises(DesignError, match=r"0\.1"):
+        Path((Segment(0j, 1 + 0j), Segment(1 + 0j, 2 + 0j), Segment(2.1 + 0j, 3 + 0j)))
+    with pytest.raises(DesignError) as refusal:
+        PolarArray(Segment(2 + 0j, 2j), 5)
+    assert refusal.value.field == "piece"

@@ -1,22 +1,27 @@
 """Chords: never farther from the curve than asked, and a point at every corner."""
 
+import importlib
+import re
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from geomkin.core.errors import DesignError
 from geomkin.gear.spur import SpurGear
 from geomkin.plane.curve import Moved, SubCurve
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.measure import signed_area
 from geomkin.plane.parallel import parallel
-from geomkin.plane.primitives import Arc, Circle, Segment, rounded_hull
+from geomkin.plane.primitives import Arc, Circle, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy
 
 from .curves import Bezier, Flower, cam_profile, examples, off_chord, size
 from .test_chord_count import fewest_chords
 
+flatten_module = importlib.import_module("geomkin.plane.flatten")
 CURVES = [*examples(), "flower in one piece"]
 
 
@@ -121,6 +126,14 @@ def test_every_corner_is_a_point(name):
         assert all(np.abs(z - corner).min() < 1e-12 for corner in corners)
 
 
+@pytest.mark.parametrize("tolerance", [1e9, 5.0, 0.1])
+def test_closed_keeps_an_area_and_repeats_no_point(tolerance):
+    for name in (n for n in CURVES if named(n).closed):
+        z = flatten(named(name), tolerance)
+        assert len(z) >= 3 and np.abs(z - np.roll(z, 1)).min() > 1e-9, name
+        assert abs(np.imag(np.conj(z - z[0]) * np.roll(z - z[0], -1)).sum()) > 0.1, name
+
+
 def lens():
     """Two shallow arcs, each the other turned by half a turn."""
     return PolarArray(Arc(-2j, 1 + 0j, 2 * np.arctan(0.5)), 2)
@@ -132,6 +145,13 @@ def test_ring_of_copies_has_copies_of_points():
     assert np.allclose(z[1:], z[:-1] * np.exp(2j * np.pi / 13), rtol=0, atol=1e-12)
     one = gear.piece
     assert deviation(one, np.append(z[0], z[1, 0])) <= 1e-3 * (1 + 1e-3)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, np.nan, np.inf])
+def test_invalid_tolerance_is_refused(tolerance):
+    with pytest.raises(DesignError) as refusal:
+        flatten(Circle(0j, 1.0), tolerance)
+    assert refusal.value.field == "tolerance"
 
 
 def rounded_plate():
@@ -171,6 +191,19 @@ def test_straight_edges_stay_and_arcs_take_the_fewest_points(tolerance):
     straights = [piece for piece in plate.pieces if isinstance(piece, Segment)]
     assert all(np.abs(z - end).min() < 1e-12 for piece in straights for end in (piece.start, piece.end))
     assert len(z) == sum(fewest_chords(piece, tolerance) for piece in plate.pieces)
+
+
+@pytest.mark.parametrize("radius", [0.3, 2000.0])
+def test_too_many_chords_are_refused_with_the_smallest_tolerance(monkeypatch, radius):
+    monkeypatch.setattr(flatten_module, "MOST_CHORDS", 1000)
+    # As high as a thousandth of a turn rises over its chord.
+    least = radius * (1 - np.cos(np.pi / 1000))
+    for curve in (Circle(1 + 2j, radius), slot(0j, 3 * radius + 0j, radius)):
+        with pytest.raises(DesignError) as refusal:
+            flatten(curve, least / 300)
+        advised = float(re.search(r"[\d.][\d.e+-]*", refusal.value.remedy)[0])
+        assert refusal.value.field == "tolerance" and least * 0.999 < advised < least * 1.002
+        assert 997 <= len(flatten(curve, advised)) <= 1004
 
 
 @pytest.mark.parametrize("breaks", [1, 2, 3])

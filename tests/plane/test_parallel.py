@@ -6,11 +6,11 @@ import shapely
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.curve import Moved, Reversed
+from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.parallel import parallel
-from geomkin.plane.primitives import Arc, Polyline, Segment, rounded_hull, slot
+from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy
 
 from .curves import Flower, cam_profile
@@ -108,6 +108,27 @@ def test_no_outline_if_a_side_is_trimmed_away(curve, distance):
         assert not loop.is_simple or shapely.is_ccw(loop) != (measure.signed_area(curve) > 0)
 
 
+def test_reversed_outline_grows_with_the_other_sign():
+    for curve, distance in GROWN.values():
+        back = parallel(Reversed(curve), -distance)
+        assert np.isclose(measure.signed_area(back), -measure.signed_area(parallel(curve, distance)), rtol=1e-9)
+
+
+def test_outline_whose_only_corner_is_its_start():
+    """A drop: one smooth stretch that comes back to its start at an angle."""
+    drop = Path((Segment(0j, 3 - 3j), Arc(6 + 0j, 3 - 3j, 1.5 * np.pi), Segment(3 + 3j, 0j)))
+    moved = parallel(drop, 0.5)
+    expected = measure.signed_area(drop) + 0.5 * measure.length(drop) + 0.25 * np.pi
+    assert moved.closed and np.isclose(measure.signed_area(moved), expected, rtol=1e-10)
+    inward = parallel(drop, -0.5)
+    assert np.isclose(measure.area(inward), polygon(drop).buffer(-0.5, quad_segs=500).area, rtol=1e-5)
+
+
+def test_smooth_outline_is_kept_as_one_exact_curve():
+    moved = parallel(Circle(1j, 3.0), 0.5)
+    assert isinstance(moved, Offset) and np.isclose(measure.length(moved), 7 * np.pi, rtol=1e-14)
+
+
 def test_gear_whose_flanks_start_at_the_cusp():
     """At the very limit of undercut the involute begins where it stands still: one flank starts, the other ends so."""
     gear = SpurGear(12, 2, 0.2981009838206882)
@@ -115,6 +136,13 @@ def test_gear_whose_flanks_start_at_the_cusp():
     moved = parallel(gear.outline, 0.1)
     expected = polygon(gear.outline).buffer(0.1, quad_segs=500)
     assert polygon(moved).symmetric_difference(expected).area < 3 * FINE * expected.length
+
+
+@pytest.mark.parametrize("curve", [SQUARE, STAR, Circle(0j, 2.0)], ids=["square", "star", "circle"])
+def test_no_distance_moves_nothing(curve):
+    z = flatten(parallel(curve, 0.0), 1e-3)
+    assert np.abs(z - np.roll(z, 1)).min() > 1e-9, "a corner that neither opens nor closes needs no arc"
+    assert np.isclose(abs(shapely.Polygon(xy(z)).area), abs(polygon(curve).area), atol=1e-3 * measure.length(curve))
 
 
 @pytest.mark.parametrize("edge", range(2))

@@ -6,9 +6,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geomkin.core.errors import DesignError
 from geomkin.plane import measure
 from geomkin.plane.flatten import flatten
-from geomkin.plane.primitives import Arc, Polyline, rounded_hull
+from geomkin.plane.primitives import Arc, Circle, Polyline, rounded_hull
 from geomkin.plane.vec import first_largest, xy
 
 grid = st.integers(-20, 20)
@@ -71,6 +72,24 @@ def test_centres_that_differ_by_rounding_give_no_edge_shorter_than_rounding():
     for centres in ([0.3, 0.1 * 3], [0, 0.3, 0.1 * 3 + 1e-17j]):
         points = flatten(rounded_hull(centres, 5.0), 0.01)
         assert np.abs(points - np.roll(points, 1)).min() > 1e-9
+
+
+@pytest.mark.parametrize(
+    "make, field",
+    [
+        (lambda: Circle(0j, 0.0), "radius"),
+        (lambda: Circle(0j, -1.0), "radius"),
+        (lambda: Circle(0j, np.nan), "radius"),
+        (lambda: Circle(complex(np.nan, 0), 1.0), "centre"),
+        (lambda: Circle(0j, np.inf), "radius"),
+        (lambda: Polyline(np.array([1 + 1j])), "vertices"),
+        (lambda: Polyline(np.array([0, 1, np.nan])), "vertices"),
+    ],
+)
+def test_invalid_sizes_are_refused(make, field):
+    with pytest.raises(DesignError) as refusal:
+        make()
+    assert refusal.value.field == field and refusal.value.remedy
 
 
 @pytest.mark.parametrize("size", [1e-7, 1e7])

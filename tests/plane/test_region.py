@@ -6,6 +6,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geomkin.core.errors import DesignError
 from geomkin.plane import region
 from geomkin.plane.flatten import flatten
 from geomkin.plane.primitives import Circle, rounded_hull
@@ -117,6 +118,13 @@ def test_apart_inside():
         assert region.apart_inside(outer, [square(2, 1 + 1j)] * 2, 1).all()
         assert not region.apart_inside(outer, [square(2, 1 + 1j)], 1 + 1e-12).any()
     assert region.apart_inside(square(4), [], 1).tolist() == []
+
+
+def test_crossing_outlines_are_refused():
+    for loops in ([np.array([0, 2 + 2j, 2, 2j])], [square(4), square(2, 3 + 1j)]):
+        with pytest.raises(DesignError) as refusal:
+            region.overlap(loops, [square(1)])
+        assert refusal.value.field == "outline" and refusal.value.remedy
 
 
 PLATES = {

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from geomkin.core.errors import DesignError
 from geomkin.plane.spline import Spline
 
 POINTS = np.array([0, 1 + 2j, 3 + 2.5j, 4 + 1j, 7 - 1j, 7.5 + 0.2j])
@@ -48,3 +49,10 @@ def test_error_falls_with_the_fourth_power_of_the_spacing():
     circle = [Spline(np.exp(1j * np.linspace(0, 2, n + 1))) for n in (8, 16, 32)]
     off = [np.abs(np.abs(c.point(np.linspace(0, c.breaks[-1], 1001))) - 1).max() for c in circle]
     assert off[0] / off[1] > 12 and off[1] / off[2] > 12 and off[2] < 1e-6
+
+
+@pytest.mark.parametrize("points", [[1j], [0, 1, 1, 2], [0, np.nan, 2], [[0, 1], [2, 3]]])
+def test_points_that_make_no_curve_are_refused(points):
+    with pytest.raises(DesignError) as caught:
+        Spline(np.array(points, dtype=complex))
+    assert caught.value.field == "points" and caught.value.remedy

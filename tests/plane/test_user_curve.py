@@ -71,3 +71,10 @@ def test_chords_and_arcs_keep_the_tolerance(curve, tolerance):
         assert off.max() <= tolerance * (1 + 1e-6)
     # The cusp is a corner: it is a point of its own.
     assert not curve.closed or np.abs(z).min() < 1e-12
+
+
+@pytest.mark.parametrize("left_out", ["point", "velocity", "breaks", "closed"])
+def test_incomplete_curve_class_is_refused(left_out):
+    said = {name: vars(Heart)[name] for name in ("point", "velocity", "breaks", "closed") if name != left_out}
+    with pytest.raises(TypeError):
+        type("Part", (gk.AbstractCurve,), said)()

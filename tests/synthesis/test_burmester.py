@@ -109,3 +109,20 @@ def test_known_linkages_lie_on_the_curves():
                 continue
             found = min(gk.nearest(c, np.array([fixed]))[1][0] for c in curves.fixed)
             assert found < 1e-6
+
+
+@pytest.mark.parametrize(
+    "poses",
+    [
+        GENERAL[0][:3],
+        [*GENERAL[0], (9j, 0.3)],
+        [(np.exp(1j * t), 0.4) for t in range(4)],
+        [(1 + 2 * np.exp(1j * t), t) for t in range(4)],
+        [*GENERAL[0][:3], GENERAL[0][1]],
+    ],
+    ids=["three", "five", "parallel on a circle", "turned about a point", "equal"],
+)
+def test_what_has_no_curve_is_refused(poses):
+    with pytest.raises(gk.DesignError) as refusal:
+        burmester_curves(poses)
+    assert refusal.value.field == "poses"

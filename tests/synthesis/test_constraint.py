@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from geomkin.synthesis.guidance.constraint import (
+    SIDE,
     Pairs,
     common_points,
     joined,
@@ -39,6 +40,16 @@ def test_coefficients_of_a_pin_give_its_squared_distance():
     rest = w * (abs(pin) ** 2 + abs(pivot) ** 2)
     told = rows(z, u) @ of_pins(w, pivot, pin, rest).T
     assert told == pytest.approx(w * np.abs(z[:, None] + u[:, None] * pin - pivot) ** 2, abs=1e-12)
+
+
+def test_the_two_side_conditions_are_those_of_the_coefficients():
+    rng = np.random.default_rng(2)
+    w, d, (a, b, c) = rng.normal(size=40), rng.normal(size=40), places(rng, 3, 40)
+    told = coefficients(w, a, b, c, d)
+    values = np.einsum("ni,kij,nj->kn", told, SIDE, told)
+    wanted = 2 * w * c - a * np.conj(b)
+    assert values[0] + 1j * values[1] == pytest.approx(wanted, abs=1e-12)
+    assert (SIDE == SIDE.swapaxes(1, 2)).all()
 
 
 def test_coefficients_are_converted_to_their_dyads():
@@ -120,6 +131,20 @@ def test_few_poses_leave_free_dimensions(size):
     assert middle[0] + extent[0] * scaled == pytest.approx(z + 7 * size)
     assert np.abs(scaled).max() == pytest.approx(1) and abs(scaled.mean()) < 1e-12
     assert normalised(np.full(3, 5 + 1j))[2].tolist() == [1.0]
+
+
+def test_circles_that_do_not_meet_have_no_points_and_those_that_do_have_two():
+    def circle(x, y, radius):
+        return np.array([[1.0, 0, -x], [0, 1.0, -y], [-x, -y, x * x + y * y - radius**2]])
+
+    for x, meets in ((1.5, True), (3.5, False), (0.5, False)):
+        radius = 1.0 if x > 1 else 2.0
+        points, there = common_points(np.array([[circle(0, 0, 1), circle(x, 0.2, radius)]]))
+        apart = np.hypot(x, 0.2)
+        assert (abs(1 - radius) < apart < 1 + radius) == meets and there.sum() == 2 * meets
+        for point in points[there]:
+            at = point[:2] / point[2]
+            assert np.hypot(*at) == pytest.approx(1) and np.hypot(at[0] - x, at[1] - 0.2) == pytest.approx(radius)
 
 
 def pairs(rng, count, apart):

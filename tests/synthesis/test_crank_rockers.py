@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.synthesis.rockers import families as design_checks
 
 
 def full_turn(linkage, branch, frames=3600):
@@ -124,6 +125,24 @@ def test_a_known_crank_rocker_is_in_its_family():
         assert list(again.lengths.values()) == pytest.approx([1, crank, coupler, rocker], abs=1e-9)
 
 
+def test_the_senses_are_two_names_of_one_linkage():
+    one, other = gk.crank_rocker(50, 200), gk.crank_rocker(50, 160, sense="opposite")
+    assert one.linkage == other.linkage
+    assert one.drive[1] == pytest.approx(other.drive[0]) and other.drive[1] == pytest.approx(one.drive[0] + 2 * np.pi)
+    assert one.time_ratio == pytest.approx(200 / 160) and other.time_ratio == pytest.approx(160 / 200)
+    assert gk.crank_rocker(50, 160).linkage != one.linkage
+
+
+@pytest.mark.parametrize("name", ["ground", "crank", "coupler", "rocker"])
+@pytest.mark.parametrize("length", [35.0])
+def test_any_length_sets_the_size(name, length):
+    found, unit = gk.crank_rocker(40, 160, **{name: length}), gk.crank_rocker(40, 160)
+    assert found.lengths[name] == length
+    scale = length / unit.lengths[name]
+    assert list(found.lengths.values()) == pytest.approx([scale * size for size in unit.lengths.values()], rel=1e-12)
+    assert found.transmission_angle_deg == pytest.approx(unit.transmission_angle_deg, abs=1e-9)
+
+
 def test_at_a_time_ratio_of_one_the_ratio_of_lengths_has_a_limit_and_that_is_said():
     best = gk.crank_rocker(40, 180)
     assert best.at_largest_ratio and best.ratio == pytest.approx(6)
@@ -145,6 +164,20 @@ def test_a_time_ratio_stands_for_the_crank_s_turn():
         with pytest.raises(gk.DesignError) as caught:
             gk.crank_rocker(50, **wish)
         assert caught.value.field == "time_ratio"
+
+
+def test_the_trap_is_refused_and_the_other_sense_is_named():
+    """45 deg and 100 deg: a Grashof linkage that stands in both dead centres, on two circuits: its swing is 1.9 deg."""
+    with pytest.raises(gk.DesignError) as caught:
+        gk.crank_rocker(45, 100)
+    assert caught.value.field == "crank_turn_deg"
+    obeys(45, 100, "opposite", gk.crank_rocker(45, 100, sense="opposite"))
+    # What the lengths of the closed form alone would give there.
+    s, free = np.sin(np.radians(22.5)), np.radians(33)
+    far = [np.hypot(np.cos(np.radians(h)) * np.cos(free), np.sin(np.radians(h)) * np.sin(free)) for h in (27.5, 50)]
+    trap = gk.FourBar(far[0], s * np.sin(free), s * np.cos(free), far[1])
+    assert gk.linkage.grashof_type(trap) == "crank-rocker"
+    assert full_turn(trap, 1)[0] < 40
 
 
 @pytest.mark.parametrize("sense", ["same", "opposite"])
@@ -177,3 +210,13 @@ def test_invalid_requests_are_refused(wish, field):
     with pytest.raises(gk.DesignError) as caught:
         gk.crank_rocker(**wish)
     assert caught.value.field == field and caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    "linkage",
+    [gk.FourBar(100, 80, 70, 90), gk.FourBar(30, 80, 70, 90), gk.SliderCrank(30, 20)],
+    ids=["double rocker", "double crank", "short rod"],
+)
+def test_what_does_not_go_there_and_back_once_has_no_full_turn(linkage):
+    told = design_checks.full_turn(linkage)
+    assert np.isnan([told.extent, told.start, told.turn, told.least]).all()

@@ -174,6 +174,13 @@ def test_a_known_linkage_is_found_again_from_its_own_swings():
     assert count > 15
 
 
+@pytest.mark.parametrize("ground", [1e-6])
+def test_the_ground_sets_the_size(ground):
+    found, unit = double_rocker(60, 60, 80, 40, ground), double_rocker(60, 60, 80, 40)
+    assert list(found.lengths.values()) == pytest.approx([ground * size for size in unit.lengths.values()], rel=1e-9)
+    assert found.transmission_angle_deg == pytest.approx(unit.transmission_angle_deg, abs=1e-9)
+
+
 def test_like_swings_from_like_starts_are_a_parallelogram():
     found = double_rocker(60, 60, 60, 60, 80, crank=50)
     assert list(found.lengths.values()) == pytest.approx([80, 50, 80, 50]) and found.defects == ()
@@ -198,6 +205,52 @@ def test_invalid_requests_are_refused(wish, given, field):
     with pytest.raises(gk.DesignError) as caught:
         double_rocker(*wish, **given)
     assert caught.value.field == field and caught.value.remedy
+
+
+def test_the_numbers_that_refusals_name_work():
+    with pytest.raises(gk.DesignError):
+        double_rocker(30, 100, 120, -60, 100, crank=200)
+    assert double_rocker(30, 100, 120, -60, 100, crank=292.381).linkage.crank == 292.381
+    assert double_rocker(60, 60, 80, 40, rocker=16.5817).linkage.rocker == 16.5817
+    assert double_rocker(120, -60, 56, 70).ratio <= 100
+    with pytest.raises(gk.DesignError) as caught:
+        double_rocker(60, 60, 80, 40, largest_ratio=1.01)
+    least = float(caught.value.remedy.rsplit(" ", 1)[1])
+    assert double_rocker(60, 60, 80, 40, largest_ratio=least).ratio <= least * (1 + 1e-9)
+    with pytest.raises(gk.DesignError):
+        double_rocker(60, 60, 80, 40, largest_ratio=least / 1.004)
+
+
+@pytest.mark.parametrize(("wish", "name"), [((-30, 60, 100, -40), "crank"), ((100, 40, -30, 60), "rocker")])
+def test_a_length_that_is_the_same_in_all_is_told(wish, name):
+    """Where a link's two places mirror each other in the ground line, the other one alone is free."""
+    with pytest.raises(gk.DesignError) as caught:
+        double_rocker(*wish, 100, **{name: 1234.5})
+    told = float(caught.value.remedy.split()[5])
+    for free in (10, 40, 80):
+        assert getattr(double_rocker(*wish, 100, free_angle_deg=free).linkage, name) == pytest.approx(told, rel=1e-6)
+    other = {"crank": "rocker", "rocker": "crank"}[name]
+    assert getattr(double_rocker(*wish, 100, **{other: 1234.5}).linkage, name) == pytest.approx(told, rel=1e-6)
+
+
+@pytest.mark.parametrize("wish", [(-120, 60, -40, -70), (-90, 180, 330, -250)])
+def test_the_start_that_a_refusal_names_is_the_nearest_that_works(wish):
+    with pytest.raises(gk.DesignError) as caught:
+        double_rocker(*wish)
+    crank, swing, start, out = wish
+
+    def works(at):
+        try:
+            double_rocker(crank, swing, at, out)
+        except gk.DesignError as error:
+            return error.field != "rocker_start_deg"
+        return True
+
+    if "nearest" in caught.value.remedy:
+        told = int(caught.value.remedy.split()[1])
+        assert works(told) and not any(works(start + k) for k in range(-abs(told - start) + 1, abs(told - start)))
+    else:
+        assert not any(works(at) for at in range(-359, 360, 17))
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis import body_guides, circle_of_sliders, dyads_through
+from geomkin.synthesis import body_guides, circle_of_sliders, dyads_through, image_poles, poles
 from geomkin.synthesis.guidance.poses import SliderCircle
 from tests.synthesis.test_guidance import KNOWN, THREE, check, has, poses_of
 
@@ -55,6 +55,24 @@ def test_many_poses_of_a_known_linkage_have_its_dyads(count):
     for pivot, pin in zip(PIVOTS, PINS):
         assert np.nanmin(np.abs(near.fixed - pivot) + np.abs(near.moving - pin)) < 2
     assert not near.exact.any() and near.residual.min() < 0.1
+
+
+def test_image_poles_of_a_pose_that_is_not_there_are_refused():
+    last, two = image_poles(THREE, 2), [(3 + 1j, 0.4), (7 - 2j, 1.5)]
+    # Of two poses the first counts unless another is asked for, and both see their own pole.
+    assert image_poles(two)[0, 1].position == pytest.approx(poles(two)[0, 1].position)
+    assert {k: v.position for k, v in image_poles(THREE).items()} == {
+        k: v.position for k, v in image_poles(THREE, 0).items()
+    }
+    for pair, pole in poles(THREE).items():
+        assert 2 not in pair or last[pair].position == pytest.approx(pole.position)
+        # Where the body's point then is, at either pose of the pair.
+        local = (last[pair].position - THREE[2][0]) * np.exp(-1j * THREE[2][1])
+        for k in pair:
+            assert THREE[k][0] + local * np.exp(1j * THREE[k][1]) == pytest.approx(pole.position)
+    for reference in (-1, 3):
+        with pytest.raises(gk.DesignError):
+            image_poles(THREE, reference)
 
 
 def test_a_circle_of_sliders_is_drawn_whole_or_as_a_line():

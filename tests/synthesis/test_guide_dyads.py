@@ -9,7 +9,7 @@ from geomkin.synthesis import body_guides, dyads_through
 from geomkin.synthesis.guidance import guide_groups as guide_dyads
 from geomkin.synthesis.guidance.guide_groups import GuideRequest, best_pairs, held_pins, inside_box
 from geomkin.synthesis.guidance.guide_search import Displacements
-from tests.synthesis.test_guidance import KNOWN, poses_of
+from tests.synthesis.test_guidance import KNOWN, THREE, poses_of
 
 SLIDER = gk.SliderCrank(30, 80, 10, 20 + 15j, origin=3 + 4j, ground_angle_deg=30)
 FOUR = poses_of(KNOWN, np.array([0.4, 0.8, 1.2, 1.7]))
@@ -52,6 +52,13 @@ def test_the_best_pairs_of_dyads_are_those_that_brute_force_finds(kind, monkeypa
     at = np.stack([found.first[0, good], found.second[0, good]], axis=1)
     apart = np.abs(at[:, None] - at).max(axis=2) + 1e9 * np.eye(len(at))
     assert apart.min() > guide_dyads.DISTINCT * abs(region[1] - region[0])
+
+
+def test_a_region_that_was_given_has_its_lower_left_corner_first():
+    for region in ((0j, -1 + 1j), (0j, 1 - 1j), (0j, 0 + 1j), (0j, 1 + 0j)):
+        with pytest.raises(gk.DesignError):
+            body_guides(THREE, region=region)
+    assert asked(THREE, region=(-3 - 2j, 5 + 7j)).room == (-3 - 2j, 5 + 7j)
 
 
 def joints_of(guide, poses):
@@ -98,3 +105,29 @@ def test_region_excludes_exactly_the_linkages_outside_it(drive):
             )
             seen.add((guide in wanted, len(wanted)))
     assert len(seen) > 3
+
+
+def test_least_squares_keep_to_even_links_unless_told_otherwise():
+    rng, drive = np.random.default_rng(5), np.linspace(0.4, 3.0, 6)
+    shaken = [(z + complex(*rng.normal(0, 0.3, 2)), t) for z, t in poses_of(KNOWN, drive)]
+    every = body_guides(shaken, largest_ratio=1e6)
+    ratios = [guide.ratio for guide in every]
+    assert min(ratios) < 4 and max(ratios) > 50
+    for given, limit in (({}, 10), ({"largest_ratio": 4.0}, 4), ({"largest_ratio": 30.0}, 30)):
+        found = body_guides(shaken, **given)
+        assert [guide.ratio for guide in found] == pytest.approx([ratio for ratio in ratios if ratio <= limit])
+    # Those without defects first, then what comes nearest to the poses.
+    order = [(bool(guide.defects), guide.pose_error) for guide in every if np.isfinite(guide.pose_error)]
+    assert order == sorted(order) and order[0][0] is False and order[-1][0] is True
+    # How far the body is off, in place and in turn, is what moving the linkage shows.
+    for guide in [guide for guide in every if not guide.defects][:3]:
+        motion = gk.move(guide.linkage, guide.drive, guide.branch)
+        turned = motion.coupler.direction * np.exp(1j * np.radians(guide.body_angle_deg))
+        off = np.degrees(np.abs(np.angle(turned * np.exp(-1j * np.array([t for _, t in shaken])))))
+        assert guide.angle_error_deg == pytest.approx(off.max(), rel=1e-6) and off.min() < 0.9 * off.max()
+        away = np.abs(motion.point("coupler_point").position - [z for z, _ in shaken])
+        assert guide.pose_error == pytest.approx(away.max(), rel=1e-6)
+    # What meets the poses exactly is kept, however uneven it is.
+    uneven = gk.FourBar(100, 6, 90, 70, coupler_point=40 + 30j)
+    exact = body_guides(poses_of(uneven, drive))
+    assert any(guide.ratio == pytest.approx(100 / 6) and guide.pose_error < 1e-6 for guide in exact)

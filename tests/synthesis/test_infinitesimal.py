@@ -72,3 +72,37 @@ def test_a_body_that_does_not_turn():
     assert moved(found, state) == pytest.approx((3 + 1j, 0, 2 - 1j, 0.7), abs=1e-9)
     found = velocity_state_four_bar(state, (2, 2), moving=[0.5 + 1j, 3])
     assert found.linkage.crank == pytest.approx(found.linkage.rocker)
+
+
+@pytest.mark.parametrize(
+    ("call", "field"),
+    [
+        (lambda: BodyState(0, 0.0), "velocity"),
+        (lambda: velocity_state_four_bar(TEXT, (1, 0), moving=[1, 2]), "speeds"),
+        (lambda: velocity_state_four_bar(TEXT, (1, 4), fixed=[1, 2]), "speeds"),
+        (lambda: velocity_state_four_bar(TEXT, (1, 2)), "moving"),
+        (lambda: velocity_state_four_bar(TEXT, (1, 2), [1, 2], [1, 2]), "moving"),
+        (lambda: velocity_state_four_bar(TEXT, (1, 2), [1, 1]), "moving"),
+        (lambda: velocity_state_four_bar(TEXT, (1, 2), [1, 0.25j]), "moving"),
+        (lambda: velocity_state_four_bar(TEXT, (1, 2), [0.5j, 2j]), "moving"),
+        (lambda: acceleration_state_four_bar(TEXT, [0.25j, 2]), "moving"),
+        (lambda: acceleration_state_four_bar(TEXT, [TEXT.inflection_circle.pole, 2]), "moving"),
+        (lambda: acceleration_state_four_bar(TEXT, fixed=[1, 2, 3]), "fixed"),
+    ],
+)
+def test_what_makes_no_four_bar_is_refused(call, field):
+    with pytest.raises(gk.DesignError) as refusal:
+        call()
+    assert refusal.value.field == field
+
+
+@pytest.mark.parametrize("size", [1e-3])
+@pytest.mark.parametrize("points", [[1, 0.25j + 1e-11], [1, 1 + 1e-11j], [0.5j, 2j + 1e-11]])
+def test_points_that_nearly_leave_the_motion_open_are_refused(points, size):
+    state = BodyState(size * TEXT.velocity, TEXT.omega)
+    with pytest.raises(gk.DesignError) as refusal:
+        velocity_state_four_bar(state, (1, 2), size * np.array(points))
+    assert refusal.value.field == "moving"
+    # Ten thousand times as far off they make one.
+    far = size * (np.array(points) + 1e-5 * np.array([0.3 + 0.1j, -0.2 + 0.7j]))
+    assert moved(velocity_state_four_bar(state, (1, 2), far), state)[1] == pytest.approx(TEXT.omega, rel=1e-4)

@@ -66,6 +66,16 @@ def test_the_best_of_three_cognates_through_nine_points_is_ranked(monkeypatch, n
         assert found.transmission_angle_deg >= least[0] - 1e-6
 
 
+def test_a_coupler_point_at_a_pin_has_no_cognates(monkeypatch, nothing_else):
+    through(monkeypatch, THREE[:1])
+    found = gk.path_generator(SEEN)
+    assert len(found.cognates) == 3
+    for point in (0, found.linkage.coupler):
+        assert (
+            dataclasses.replace(found, linkage=dataclasses.replace(found.linkage, coupler_point=point)).cognates == ()
+        )
+
+
 def test_defects_of_an_input_range():
     free = PathTask(POINTS[:4], None, False, False, 0.0, np.inf, np.zeros(10), np.zeros(10))
     sizes = in_units(KNOWN, SEEN)

@@ -119,3 +119,19 @@ def test_shaded_regions_are_exactly_the_invalid_points(parallel):
             shaded[k] += np.count_nonzero(~good)
             assert all(abs(np.clip(c.vertices.real, -3, 3) - c.vertices.real).max() < 1e-9 for c in drawn)
     assert shaded[1] > 100 and (shaded[0] > 100 or parallel == 3)
+
+
+def test_what_cannot_be_told_is_refused():
+    poses = [(0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)]
+    with pytest.raises(gk.DesignError):
+        rectification(poses).drives(1j)
+    with pytest.raises(gk.DesignError):
+        rectification(poses).no_driver(0j, 1 + 1j)
+    with pytest.raises(gk.DesignError):
+        rectification(poses).no_driven(1j, 5 + 1j)
+    with pytest.raises(gk.DesignError):
+        rectification(poses).no_driven(1 + 1j, 1 + 4j)
+    with pytest.raises(gk.DesignError):
+        rectification([*poses, (1j, 2.0)])
+    with pytest.raises(gk.DesignError):
+        rectification([*poses[:2], poses[0]])

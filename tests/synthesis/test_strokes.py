@@ -88,6 +88,14 @@ def test_a_known_slider_crank_is_found_again_by_each_of_its_sizes():
     assert count > 3
 
 
+def test_a_mirrored_wish_is_a_mirrored_linkage():
+    one, other = slider_crank_stroke(80, 200), slider_crank_stroke(80, 160)
+    assert one.linkage.offset < 0 < other.linkage.offset
+    assert one.linkage.offset == pytest.approx(-other.linkage.offset)
+    assert one.transmission_angle_deg == pytest.approx(other.transmission_angle_deg, abs=1e-9)
+    assert one.time_ratio == pytest.approx(200 / 160)
+
+
 def test_at_half_a_turn_the_slide_line_goes_through_the_pivot():
     best = slider_crank_stroke(100)
     assert best.at_largest_ratio and best.ratio == pytest.approx(6) and best.linkage.offset == 0

@@ -138,3 +138,14 @@ def test_a_run_that_comes_back_is_closed_and_later_ones_are_left_out():
     assert not points_of(square + " L 1e-4 0")[1] and not points_of("M 0 0 L 1 0 L 0 0")[1]
     alike(square, square + " M 3 3 L 4 4", square + " m 3 3")
     assert not points_of(square)[1] and points_of(square, 4)[0] == pytest.approx([0, 10, 10 - 10j, -10j])
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["M 0 0 L 10", "M 0 0 L 1 2 C 1 2 3 x", "M 0 0 A 1 1 0 2 0 3 3", "M 0 0 L 1 1 X 3", "L 1 1", "M 0 0 L 2e9 0",
+     "M 9e8 0 l 9e8 0", "M 3 3 L 3 3"],
+)  # fmt: skip
+def test_invalid_text_is_refused(text):
+    with pytest.raises(gk.DesignError) as refusal:
+        points_of(text)
+    assert refusal.value.field == "path" and refusal.value.remedy
