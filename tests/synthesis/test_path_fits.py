@@ -7,8 +7,10 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.progress import Watch
+from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
 from geomkin.synthesis.path.fits import PathTask, polished, refined, squares
+from geomkin.synthesis.path.search import _cranks_for_all_points, _nearest_on_path
 
 WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
 # Its coupler point crosses its own path.
@@ -90,3 +92,33 @@ def test_points_of_a_closed_path_find_their_places_on_it(brought):
     start = np.where(np.arange(40) % 10 == 0, drive + 2.5, drive)[None]
     x, t, branch = brought(task, CROSSING[None] * 1.001, start, np.ones(1), Watch(60, ""))
     assert x.shape == (1, 10) and squares(task, x, t, branch)[0] < 1e-12
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, monkeypatch):
+    rng = np.random.default_rng(6)
+    drive = 0.2 + np.linspace(0, 5.8, 61)
+    path = at(CROSSING, drive)
+    off = 0.01 * (rng.normal(size=61) + 1j * rng.normal(size=61))
+    task, x, branch = task_of(path + off, closed=closed), CROSSING[None], np.ones(1)
+    found = _nearest_on_path(task, x, drive[None] + 0.05 * rng.normal(size=(1, 61)), branch)
+    # Brute force around each; nothing is left along the path.
+    near = drive[:, None] + np.linspace(-0.15, 0.15, 3001)
+    looked = np.abs(at(CROSSING, near.ravel()).reshape(near.shape) - (path + off)[:, None])
+    assert found[0] == pytest.approx(near[np.arange(61), looked.argmin(axis=1)], abs=2e-4)
+    ahead, behind = (np.abs(at(CROSSING, found[0] + side * 1e-4) - path - off) ** 2 for side in (1, -1))
+    assert np.abs(ahead - behind).max() < 1e-9
+    # From cranks of a few of the points: by their places along the path of an open one, by looks of a closed one.
+    few = task.thinned(16)
+    chosen = [int(np.flatnonzero(task.wanted == place)[0]) for place in few.wanted]
+    t = _cranks_for_all_points(task, few, x, found[:, chosen], branch)
+    more = np.abs(at(CROSSING, t[0]) - path - off) - looked.min(axis=1)
+    # Where two parts of the path are near a point alike, either is taken of a closed one.
+    assert t.shape == (1, 61) and more.max() < 0.01 and (more < 1e-6).mean() > (0.9 if closed else 0.999)
+    assert closed or t[0] == pytest.approx(found[0], abs=1e-3)
+    assert not _cranks_for_all_points(
+        dataclasses.replace(task, turns=drive - 0.2), few, x, found[:, chosen], branch
+    ).any()
+    monkeypatch.setattr(search, "_nearest_on_path", lambda task, x, t, branch: t)
+    t = _cranks_for_all_points(task, few, x, found[:, chosen], branch)
+    assert closed or (t[:, chosen] == pytest.approx(found[:, chosen]) and (np.diff(t) > 0).all())
