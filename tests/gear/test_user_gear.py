@@ -1,14 +1,18 @@
 """A kind of gear made outside, of the public contracts alone: its class, its recipe and a row in the table of kinds."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
 import ezdxf
 import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.fields import check_sizes, quantity
-from geomkin.gear import AbstractGear
+from geomkin.core.fields import check_sizes, entry, quantity
+from geomkin.gear import AbstractFlankGear, AbstractGear
+from geomkin.gear.kinds.conjugate_gears import ToothedRecipe
+from geomkin.recipe import AbstractRecipe, Files
 from geomkin.recipe.kinds import KINDS, KindRow
 
 TEXT = """
@@ -62,6 +66,33 @@ class RatchetWheel(AbstractGear):
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class RatchetWheelRecipe(AbstractRecipe):
+    """A ratchet wheel."""
+
+    kind: Literal["ratchet-wheel"] = "ratchet-wheel"
+    gear: RatchetWheel
+    stock: gk.gear.GearStock = entry("what the wheel is cut from", default=gk.gear.GearStock())
+    files: Files = entry("what is written", default=Files())
+
+    @property
+    def design(self):
+        return self.gear
+
+    @cached_property
+    def table(self):
+        step = np.arange(self.gear.teeth + 1)
+        return gk.Table((gk.Column("turn", "deg", "where the pawl falls in", 360 * step / self.gear.teeth),))
+
+    @property
+    def design_checks(self):
+        return gk.gear.gear_checks(self.design, self.stock.rim_under(self.design))
+
+    @cached_property
+    def parts(self):
+        return gk.gear.gear_parts(self.design, self.stock, "wheel")
+
+
 @pytest.fixture
 def kind(monkeypatch):
     monkeypatch.setitem(KINDS, "ratchet-wheel", KindRow("toys", f"{__name__}:RatchetWheelRecipe"))
@@ -104,6 +135,42 @@ def test_every_gear_has_a_plate_and_checks(gear, stock, name):
     checks = gk.gear.gear_checks(gear)
     assert checks and all(np.isfinite(check.value) for check in checks)
     assert gk.gear.gear_checks(gear, stock.rim_under(gear), "a")[-1].name.startswith("a rim")
+
+
+def test_a_rack_is_a_bar_whatever_is_cut_out_of_its_pinion():
+    """Teeth 1.25 modules deep in a bar 2 modules high leave 0.75 modules under them."""
+    rack, stock = gk.gear.GearRack(12, 2, height=2.0), gk.gear.GearStock(bore=8, web=gk.gear.Web(hub=20, rim=4))
+    (bar,) = gk.gear.gear_parts(rack, stock)
+    rim = gk.gear.gear_checks(rack, stock.rim_under(rack))[-1]
+    assert bar.holes == () and rim.value == pytest.approx(0.75)
+    assert rim == gk.gear.gear_checks(rack)[-1]
+
+
+@dataclass(frozen=True)
+class BluntGear(AbstractFlankGear):
+    """A gear with radial flanks, told by one of them alone."""
+
+    teeth: int = quantity("number of teeth", whole=True, at_least=8, at_most=200, example=40)
+    module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=100, example=2)
+
+    @property
+    def pitch_radius(self):
+        return self.module * self.teeth / 2
+
+    @cached_property
+    def flank(self):
+        ray = 1j * np.exp(-0.5j * np.pi / self.teeth)
+        return gk.plane.Segment(
+            ray * (self.pitch_radius - 1.2 * self.module), ray * (self.pitch_radius + 0.05 * self.module)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BluntGearsRecipe(ToothedRecipe):
+    """A gear with radial flanks and its mate."""
+
+    kind: Literal["blunt-gears"] = "blunt-gears"
+    gear: BluntGear
 
 
 def test_a_tooth_form_from_outside_shapes_its_mate(monkeypatch):
