@@ -109,9 +109,12 @@ def argument_type(hint: Any) -> ArgumentType | None:
     if origin is Annotated:
         return next((mark for mark in inner[1:] if isinstance(mark, ArgumentType)), None) or argument_type(inner[0])
     if origin in (Union, types.UnionType):
-        if inner[0] in ARRAY_LIKE and set(get_args(ArrayLike) or [ArrayLike]) <= set(inner):
+        first = next(option for option in inner if option is not type(None))
+        if first in ARRAY_LIKE and set(get_args(ArrayLike) or [ArrayLike]) <= set(inner):
             # `float | ArrayLike` and `complex | ArrayLike` are equal sets of types; their first member differs.
-            return _either([ARRAY_LIKE[inner[0]], *([NOTHING] if type(None) in inner else [])])
+            # Optional ones are written `None | complex | ArrayLike`: with None last, Python may return the equal union
+            # `ArrayLike | None` of another package in its place.
+            return _either([ARRAY_LIKE[first], *([NOTHING] if type(None) in inner else [])])
         options = [argument_type(option) for option in inner]
         return None if None in options else _either([option for option in options if option])
     if origin is Literal:

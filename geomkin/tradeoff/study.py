@@ -84,7 +84,7 @@ class Stability:
 
 
 @checked
-def stability(distances: float | ArrayLike | None = None) -> Stability:
+def stability(distances: None | float | ArrayLike = None) -> Stability:
     """Measure the decimal digits that the library keeps near singular positions.
 
     Parameters

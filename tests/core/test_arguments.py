@@ -162,3 +162,14 @@ def test_fields_are_held_to_their_annotations_but_for_sizes():
         with pytest.raises(gk.DesignError) as caught:
             Held(**values)
         assert caught.value.field == name and len(caught.value.problem) < 100
+
+
+def test_optional_points_are_refused_after_another_package_has_named_the_same_union():
+    _ = ArrayLike | None
+
+    @checked
+    def call(points: None | complex | ArrayLike = None) -> None: ...
+
+    call(), call(1j), call([1j, 2.0])
+    with pytest.raises(gk.DesignError):
+        call("text")

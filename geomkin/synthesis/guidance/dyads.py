@@ -280,8 +280,8 @@ class Dyads:
 @checked
 def dyads_through(
     poses: Poses,
-    fixed: complex | ArrayLike | None = None,
-    moving: complex | ArrayLike | None = None,
+    fixed: None | complex | ArrayLike = None,
+    moving: None | complex | ArrayLike = None,
     count: Annotated[int, whole_between(1, 100_000)] = 360,
 ) -> Dyads:
     """Find dyads that carry a body through three or more poses.

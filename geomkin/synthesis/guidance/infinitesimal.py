@@ -144,8 +144,8 @@ class StateFourBar:
 def velocity_state_four_bar(
     state: BodyState,
     speeds: float | ArrayLike,
-    moving: complex | ArrayLike | None = None,
-    fixed: complex | ArrayLike | None = None,
+    moving: None | complex | ArrayLike = None,
+    fixed: None | complex | ArrayLike = None,
 ) -> StateFourBar:
     """Find a four-bar that gives a body its velocities (two infinitely close positions).
 
@@ -196,7 +196,7 @@ def velocity_state_four_bar(
 
 @checked
 def acceleration_state_four_bar(
-    state: BodyState, moving: complex | ArrayLike | None = None, fixed: complex | ArrayLike | None = None
+    state: BodyState, moving: None | complex | ArrayLike = None, fixed: None | complex | ArrayLike = None
 ) -> StateFourBar:
     """Find a four-bar that gives a body its velocities and accelerations (three infinitely close positions).
 
@@ -244,7 +244,7 @@ def acceleration_state_four_bar(
     return _four_bar(state, name, pins, pivots, float(alpha))
 
 
-def _two_points(moving: complex | ArrayLike | None, fixed: complex | ArrayLike | None) -> tuple[str, Complex]:
+def _two_points(moving: None | complex | ArrayLike, fixed: None | complex | ArrayLike) -> tuple[str, Complex]:
     if (moving is None) == (fixed is None):
         raise DesignError("moving", "found both, or neither, of moving and fixed", "give one of them", "conflict")
     name, given = ("moving", moving) if fixed is None else ("fixed", fixed)
