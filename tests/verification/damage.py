@@ -42,7 +42,7 @@ def _moved(points, k, by=2.2 * TOLERANCE):
     return here + by * normal
 
 
-def dxf_vertex(folder, rng):
+def dxf_vertex(folder, rng, by=2.2 * TOLERANCE):
     path = folder / "bars.dxf"
     text = path.read_text()
     outlines = [m for m in re.finditer(r"LWPOLYLINE\n(?:.*\n.*\n)*?(?=  0\n)", text) if "\nCUT\n" in m.group()]
@@ -50,7 +50,7 @@ def dxf_vertex(folder, rng):
     rows = list(re.finditer(r" 10\n([-\d.]+)\n 20\n([-\d.]+)\n", outline.group()))
     points = [complex(float(row.group(1)), float(row.group(2))) for row in rows]
     k = int(rng.integers(len(rows)))
-    moved = _moved(points, k)
+    moved = _moved(points, k, by)
     at = outline.start()
     row = f" 10\n{moved.real:.7f}\n 20\n{moved.imag:.7f}\n"
     path.write_text(text[: at + rows[k].start()] + row + text[at + rows[k].end() :])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.verification.damage import damaged, damages
+from tests.verification.damage import damaged, damages, dxf_vertex
 
 RECIPE = """
 kind = "four-bar"
@@ -61,14 +61,7 @@ def test_other_ways_of_writing_pass(tmp_path, settings):
 
 def test_a_vertex_off_its_curve_is_named_with_its_place(copy):
     """Moved by 0.02 mm across its curve, in DXF."""
-    text = (copy / "bars.dxf").read_text()
-    rows = list(re.finditer(r" 10\n([-\d.]+)\n 20\n([-\d.]+)\n", text[text.index("LWPOLYLINE") :]))
-    start = text.index("LWPOLYLINE") + rows[12].start(1)
-    before = np.array([complex(float(row.group(1)), float(row.group(2))) for row in rows[11:14]])
-    across = 1j * (before[2] - before[0]) / abs(before[2] - before[0])
-    moved = before[1] + 0.02 * across
-    end = text.index("LWPOLYLINE") + rows[12].end(2)
-    (copy / "bars.dxf").write_text(f"{text[:start]}{moved.real:.7f}\n 20\n{moved.imag:.7f}{text[end:]}")
+    dxf_vertex(copy, np.random.default_rng(1), 0.02)
     (name, file), *others = wrong(copy).items()
     assert name == "bars.dxf" and not others
     assert 0.014 < file.deviation < 0.0215
