@@ -81,14 +81,6 @@ def test_damage_is_found(copy, damage):
     assert name in wrong(copy)
 
 
-@pytest.mark.campaign
-@pytest.mark.parametrize("damage", damages(np.random.default_rng(11), 300), ids=lambda damage: damage.name)
-def test_three_hundred_damages_are_found(copy, damage):
-    name = damaged(copy, damage)
-    only(copy, name)
-    assert name in wrong(copy)
-
-
 def test_another_recipe_of_the_same_name_is_recognised(copy, tmp_path_factory):
     other = tmp_path_factory.mktemp("other")
     gk.make(gk.load(RECIPE.replace("rocker = 70", "rocker = 70.001")).with_name("bars"), other)
