@@ -155,7 +155,7 @@ class Torque(AbstractLoad):
     torque : float, array of shape (frames,), or DriveTable
         N mm, counterclockwise positive.
     reaction_on : str
-        The body that bears the opposite torque; "" for the ground.
+        The body that takes the opposite torque; "" for the ground.
     """
 
     body: str

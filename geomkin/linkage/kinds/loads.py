@@ -65,7 +65,7 @@ class PointForce:
 
 @record(checked=True)
 class BodyTorque:
-    """A constant torque on a body, in a recipe; the ground bears the opposite one."""
+    """A constant torque on a body, in a recipe; the ground takes the opposite one."""
 
     body: str = entry("the body it acts on", example="rocker")
     torque_n_mm: float = quantity(
@@ -75,7 +75,7 @@ class BodyTorque:
 
 @record(checked=True)
 class CylinderForce:
-    """A constant force along a slide, in a recipe; its guide bears the opposite one."""
+    """A constant force along a slide, in a recipe; its guide takes the opposite one."""
 
     slide: str = entry("name of the slider", example="slide")
     force_n: float = quantity(
