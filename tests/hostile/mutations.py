@@ -4,6 +4,7 @@ import json
 import random
 import re
 import tomllib
+from copy import deepcopy
 from pathlib import Path
 
 from geomkin.recipe.kinds import KINDS
@@ -123,7 +124,7 @@ def _known(recipe, rng, known):
     places = [(held, key) for held, key in _places(recipe) if key in known]
     held, key = rng.choice(places) if places else (recipe, "kind")
     if key != "kind":
-        held[key] = rng.choice(known[key])
+        held[key] = deepcopy(rng.choice(known[key]))
 
 
 def _places(held):
@@ -142,7 +143,9 @@ def _pick(recipe, rng, fits=lambda value: True):
 
 def _value(recipe, rng):
     held, key = _pick(recipe, rng)
-    held[key] = rng.choice([rng.choice(TEXTS), rng.choice(NUMBERS), rng.choice(NUMBERS), rng.choice(STRANGE)])
+    chosen = rng.choice([rng.choice(TEXTS), rng.choice(NUMBERS), rng.choice(NUMBERS), rng.choice(STRANGE)])
+    # What is put in twice may be put into itself.
+    held[key] = deepcopy(chosen)
 
 
 def _nudge(recipe, rng):
