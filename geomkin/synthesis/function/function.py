@@ -22,7 +22,7 @@ from ..found import Found, ten_digits
 from ..rounding import Rounding
 from .generators import DECIMALS, AbstractGenerator, FourBarGenerator, SliderGenerator
 from .minimax import certified
-from .search import EXACT, KEPT, LOOKS, PEAKS, Optimum, peaks, searched
+from .search import EXACT, KEPT, LOOKS, PEAKS, LocalOptimum, peaks, searched
 from .wanted import Function, WantedFunction, wanted_function
 
 DEGREE = float(np.degrees(1.0))
@@ -377,7 +377,7 @@ def function_generator(
         ground=float(ground),
     )
 
-    def to_result(optimum: Optimum) -> FunctionGenerator:
+    def to_result(optimum: LocalOptimum) -> FunctionGenerator:
         starts = [
             _within_half_turn(computed) if given is None else float(given)
             for computed, given in zip(np.degrees(optimum.p[3:5]).tolist(), (input_start_deg, output_start_deg))
@@ -454,7 +454,7 @@ def slider_function_generator(
         length=length,
     )
 
-    def to_result(optimum: Optimum) -> SliderFunctionGenerator:
+    def to_result(optimum: LocalOptimum) -> SliderFunctionGenerator:
         first = float(np.degrees(optimum.p[3]))
         start = _within_half_turn(first) if input_start_deg is None else float(input_start_deg)
         return SliderFunctionGenerator(
@@ -516,7 +516,7 @@ def _through(
     return tuple(shares.tolist())
 
 
-def _best(task: AbstractGenerator, method: str, to_result: Callable[[Optimum], G]) -> G:
+def _best(task: AbstractGenerator, method: str, to_result: Callable[[LocalOptimum], G]) -> G:
     """The best optimum as a linkage, with the others."""
     squares = method == "least-squares"
     optima = searched(task, squares)
@@ -563,7 +563,7 @@ def _best(task: AbstractGenerator, method: str, to_result: Callable[[Optimum], G
 
 
 def _common_fields(
-    task: AbstractGenerator, wanted: WantedFunction, optimum: Optimum, method: str, unit: float, start_deg: float
+    task: AbstractGenerator, wanted: WantedFunction, optimum: LocalOptimum, method: str, unit: float, start_deg: float
 ) -> dict[str, Any]:
     """Fields common to both results."""
     s, errors = optimum.s, optimum.errors

@@ -36,7 +36,7 @@ def _start_deg(meaning: str) -> Any:
 
 
 @record(checked=True, kw_only=True)
-class Wanted:
+class WantedFunction:
     """The function, its range, and the method of approximation."""
 
     function: str = entry(
@@ -121,7 +121,7 @@ class Wanted:
 
 
 @record(kw_only=True)
-class WantedAngle(Wanted):
+class WantedAngle(WantedFunction):
     """A function with a rocker's angle as the output."""
 
     output_deg: float = quantity(
@@ -145,7 +145,7 @@ class WantedAngle(Wanted):
 
 
 @record(kw_only=True)
-class WantedPlace(Wanted):
+class WantedPlace(WantedFunction):
     """A function with a slider's position as the output."""
 
     output_mm: float = quantity(
@@ -176,7 +176,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     """Common base of the recipes of function generators."""
 
     kind: str
-    wanted: Wanted
+    wanted: WantedFunction
     choose: int = choose_entry()
     drive: Drive = entry("how the crank turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
