@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from ezdxf import options, units  # type: ignore[attr-defined]  # documented, though not exported
-from ezdxf.document import DimensionedDrawing
+from ezdxf.document import Drawing
 from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
@@ -89,7 +89,7 @@ def _add(space: Modelspace, layer: str, shape: Circle | Polyline) -> None:
     polyline.lwpoints.values = rows
 
 
-def _bytes(document: DimensionedDrawing) -> bytes:
+def _bytes(document: Drawing) -> bytes:
     # Sorted, since the order of a set differs between runs.
     for name in sorted(document.entitydb.dxf_types_in_use()):
         document.classes.add_class(name)

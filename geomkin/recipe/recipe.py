@@ -322,7 +322,7 @@ class AbstractGoal(AbstractRecipe):
         return {**notes, "stack": {**stack, "steps": list(self.steps)}} if isinstance(stack, Mapping) else notes
 
 
-class Assembly(Protocol):
+class AssemblyLike(Protocol):
     """Bought parts and assembly steps of a mechanism, as `making` and `linkage` have them."""
 
     @property
@@ -339,7 +339,7 @@ class AbstractAssembledRecipe(AbstractRecipe):
 
     @property
     @abstractmethod
-    def assembly(self) -> Assembly:
+    def assembly(self) -> AssemblyLike:
         """Shafts and keys, what holds them and the base, and how all of it goes together."""
 
     @property

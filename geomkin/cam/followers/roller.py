@@ -16,7 +16,7 @@ from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
 from ..extrema import highest, largest
 from ..program.program import FollowerMotion, Program
-from .follower import AbstractFollower, Bars, Contact, Hole, FollowerPlate, Side, arm_direction, guide_holes, side_sign
+from .follower import AbstractFollower, Bars, Contact, FollowerPlate, Hole, Side, arm_direction, guide_holes, side_sign
 
 
 @record

@@ -13,7 +13,7 @@ from ...core.records import record
 from ...plane.vec import Complex, Mask, Whole
 from ..motion import Motion
 from .collisions import Pair, meeting, path_in
-from .plates import LinkAssembly, Pin, LinkPlate
+from .plates import LinkAssembly, LinkPlate, Pin
 from .stock import LinkStock
 
 # Smallest distance of plates and pins, in clearances of a pin in its hole, by which each plate can shift.

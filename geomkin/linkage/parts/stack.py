@@ -25,7 +25,7 @@ from ...plane.vec import Complex, direction_deg, dot
 from ..motion import Motion
 from .collisions import path_in
 from .layers import Heads, LayeredPin, Meetings, Order, Passing, Run, order, placed, runs
-from .plates import LinkAssembly, Pin, LinkPlate, assemble, opened, unused
+from .plates import LinkAssembly, LinkPlate, Pin, assemble, opened, unused
 from .stock import LinkStock
 
 # Number of directions tried, within half a turn, for the two piles that support a bridge.

@@ -16,7 +16,20 @@ from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.loops import Loops
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Complex, Real
-from ..exact import ENTRIES, FRAMES, Track, Vector, carried, circling, count, cubic, fixed, linear, misses, pinned
+from ..exact import (
+    ENTRIES,
+    FRAMES,
+    DecimalVector,
+    Track,
+    carried,
+    circling,
+    count,
+    cubic,
+    fixed,
+    linear,
+    misses,
+    pinned,
+)
 from ..family import Method, MethodFamily
 from .four_bar_problem import LIBRARY, STEADY
 
@@ -26,7 +39,7 @@ SIX_BAR = StephensonSixBar(FourBar(GROUND, CRANK, COUPLER, ROCKER, POINT), LINK,
 Call = Callable[[], Array]
 
 
-def exact_output(angle: float) -> Vector:
+def exact_output(angle: float) -> DecimalVector:
     """The output link's direction."""
     crank, end = circling(CRANK, angle), fixed(PIVOT.real, PIVOT.imag)
     point = carried(crank, pinned(crank, fixed(GROUND), COUPLER, ROCKER, 1), POINT)
