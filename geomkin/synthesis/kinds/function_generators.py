@@ -36,7 +36,7 @@ def _start_deg(meaning: str) -> Any:
 
 
 @record(checked=True, kw_only=True)
-class WantedFunction:
+class RequiredFunction:
     """The function, its range, and the method of approximation."""
 
     function: str = entry(
@@ -121,7 +121,7 @@ class WantedFunction:
 
 
 @record(kw_only=True)
-class WantedAngle(WantedFunction):
+class RequiredAngle(RequiredFunction):
     """A function with a rocker's angle as the output."""
 
     output_deg: float = quantity(
@@ -145,7 +145,7 @@ class WantedAngle(WantedFunction):
 
 
 @record(kw_only=True)
-class WantedPlace(WantedFunction):
+class RequiredSliderPosition(RequiredFunction):
     """A function with a slider's position as the output."""
 
     output_mm: float = quantity(
@@ -176,7 +176,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     """Common base of the recipes of function generators."""
 
     kind: str
-    wanted: WantedFunction
+    wanted: RequiredFunction
     choose: int = choose_entry()
     drive: Drive = entry("how the crank turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
@@ -267,7 +267,7 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
 
     Parameters
     ----------
-    wanted : WantedAngle
+    wanted : RequiredAngle
         The function, the ranges of crank and rocker, deg, and the method.
     choose : int
         Rank of the linkage that is made, 1 for the best.
@@ -280,7 +280,7 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
     """
 
     kind: Literal["function-generator"] = "function-generator"
-    wanted: WantedAngle
+    wanted: RequiredAngle
     unit = "deg"
 
     @cached_property
@@ -310,7 +310,7 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
 
     Parameters
     ----------
-    wanted : WantedPlace
+    wanted : RequiredSliderPosition
         The function, the range of the crank, deg, the travel of the slider, mm, and the method.
     choose : int
         Rank of the linkage that is made, 1 for the best.
@@ -323,7 +323,7 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
     """
 
     kind: Literal["slider-function-generator"] = "slider-function-generator"
-    wanted: WantedPlace
+    wanted: RequiredSliderPosition
     unit = "mm"
 
     @cached_property
