@@ -21,9 +21,10 @@ from ...model.table import Table
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..drive_limits import driver_limits
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import driver_limits, grashof, least_transmission_angle
+from ..measures import grashof, least_transmission_angle
 from ..motion import Motion, motion_table
 from ..named_linkages import (
     EllipticTrammel,
@@ -33,12 +34,11 @@ from ..named_linkages import (
     ScotchYoke,
     Shaper,
     SliderCrank,
-    StephensonSixBar,
-    WattSixBar,
 )
 from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
+from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
 from .dwell_bands import DwellBand

@@ -16,8 +16,8 @@ from ...plane.curve import AbstractCurve
 from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, Mask, cross, direction_deg
+from ..assembly_failures import assembly_error
 from ..linkage import Linkage, Slider
-from ..measures import assembly_error
 from ..motion import Motion
 from .collisions import PointPaths, path_in
 from .stock import LinkStock

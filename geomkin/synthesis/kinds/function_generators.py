@@ -18,13 +18,8 @@ from ...model.scene import Limit, Plot
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
-from ..function.function import (
-    AbstractFunctionGenerator,
-    FunctionGenerator,
-    SliderFunctionGenerator,
-    function_generator,
-    slider_function_generator,
-)
+from ..function.function import function_generator, slider_function_generator
+from ..function.results import AbstractFunctionGenerator, FunctionGenerator, SliderFunctionGenerator
 from ..function.wanted import NAMED, Expression, Function, named_function
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...linkage.linkage import Linkage
 from ...linkage.moving import move, placements_for
-from ...linkage.named_linkages import FourBar, StephensonSixBar
+from ...linkage.named_linkages import FourBar
+from ...linkage.six_bars import StephensonSixBar
 from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.continuation import newton_raphson
 from ...linkage.solve.input_dyads import CrankDriven
