@@ -170,8 +170,8 @@ class PolygonsRecipe(AbstractRecipe):
         return {"scale": scale, "instant_centres_mm": centres}
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return {"linkage": WITH_SLIDER} if asked else {}
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        return {"linkage": WITH_SLIDER} if tables else {}
 
 
 def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:
