@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.errors import DesignError
 from ..plane.vec import Complex
-from ..synthesis.path.svg_drawings import Placement, tag_of, transform_of, tree_of, view_of
+from ..synthesis.path.svg_drawings import AffineMap, tag_of, transform_of, tree_of, view_of
 from .drawing import LARGEST, MOST_VERTICES, Drawing, Line, Pen, UnreadableError, circle
 from .outline import Outline
 
@@ -49,7 +49,7 @@ def read_svg(path: Path, error: float) -> Drawing:
     )
 
 
-def _collect(element: Element, view: Placement, layer: str, error: float, lines: list[Line], depth: int) -> None:
+def _collect(element: Element, view: AffineMap, layer: str, error: float, lines: list[Line], depth: int) -> None:
     """Add the lines of an element and of those inside it."""
     if depth > 100:
         raise UnreadableError("its elements lie more than 100 deep in each other")
@@ -80,7 +80,7 @@ def _number(element: Element, key: str) -> float:
         raise UnreadableError(f"the {key} of a circle is not a number") from None
 
 
-def _placed(outline: Outline, view: Placement) -> Outline:
+def _placed(outline: Outline, view: AffineMap) -> Outline:
     """In mm, y up; the drawing's lower left corner is not the origin, which the fit of a part does not need."""
     return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
 

@@ -271,7 +271,7 @@ MADE = {
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",
-    "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "Plate",
+    "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "FollowerPlate",
     "CrankRocker", "DoubleRocker", "Family", "Found", "StrokeCrank",
     "Burmester", "BurmesterCurve", "Dyads", "SliderCircle", "StateFourBar",
     "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",

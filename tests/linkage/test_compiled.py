@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from geomkin.linkage.solve.program import Program
+from geomkin.linkage.solve.program import TapeProgram
 from geomkin.linkage.solve.tape import Tape
 
 ODD = [0.0, 1.0, 1e-300, 5e-324, 1e300, np.inf, np.nan]
@@ -71,7 +71,7 @@ def test_every_operation_of_the_loop_is_that_of_numpy():
             given = {0: below * share * turns[0], 1: below * turns[1]}
             given[1] = np.where(rng.random(count) < 0.3, below * rng.choice([1, 1j, -1, -1j], count), given[1])
         result = tape.record(operation, starts).number
-        program = Program.of(tape, [result], {result})
+        program = TapeProgram.of(tape, [result], {result})
         assert compiled.runs(program)
         told, found = dict(given), dict(given)
         program.run(told, count, ())

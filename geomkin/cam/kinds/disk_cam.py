@@ -214,10 +214,10 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         }
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """Follower and programme of the requested kinds; lifts of an arm are as many degrees as the others are mm."""
-        follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
-        lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])
+        follower = example(FOLLOWERS[tables.get("cam.follower", "translating-roller")])
+        lift = LIFTS.get(tables.get("cam.program", "rise"), LIFTS["rise"])
         if follower.oscillates:
             values = vars(lift)
             in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]

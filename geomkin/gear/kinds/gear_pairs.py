@@ -186,11 +186,11 @@ class GearPairRecipe(AbstractHelicalRecipe):
         return pair_scene(self.design, self.parts)
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """Shafts, if a base is requested; materials, if loads are."""
-        shafts = {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
+        shafts = {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in tables else {}
         steel = MATERIALS["steel-C45"]
-        return shafts | ({"first_stock.material": steel, "second_stock.material": steel} if "loads" in asked else {})
+        return shafts | ({"first_stock.material": steel, "second_stock.material": steel} if "loads" in tables else {})
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -291,9 +291,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         return pair_scene(self.design, self.parts)
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """A shaft, and pins thin enough for the rack, if a base is requested."""
-        if "base" not in asked:
+        if "base" not in tables:
             return {}
         return {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}
 

@@ -176,9 +176,9 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         return planetary_scene(self.design, self.table, self.parts)
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """A shaft, and a rim wide enough for the ring's screws, if a base is requested."""
-        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in asked else {}
+        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in tables else {}
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -21,8 +21,9 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Files, Turn
 from ..checks import SAME_CURVE, collision_check, reached
-from ..coupler_curve import CouplerCurve, cognates, coupler_curves, coupler_grid, dashes, roberts_linkage, third_pivot
-from ..measures import driver_limits
+from ..cognate_linkages import cognates, roberts_linkage, third_pivot
+from ..coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
+from ..drive_limits import driver_limits
 from ..motion import Motion
 from ..moving import move
 from ..named_linkages import FourBar, SliderCrank

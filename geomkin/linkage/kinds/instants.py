@@ -19,6 +19,7 @@ from ...model.table import Column, Table, finite, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Arc, Circle, Segment
 from ...recipe.settings import Files, Stroke, Turn
+from ..assembly_failures import assembly_failure
 from ..checks import LARGEST_DRAWN, reached
 from ..coupler_curve import CouplerCurve
 from ..instant.centres import pin_between, slider_between
@@ -26,7 +27,6 @@ from ..instant.centrodes import CentrodeCurve, Centrodes
 from ..instant.curvature import path_curvature
 from ..instant.inflection import inflection_circle
 from ..linkage import AbstractLinkage
-from ..measures import assembly_failure
 from ..motion import Motion, is_translating
 from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton

@@ -21,9 +21,10 @@ from ...model.table import Table
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..drive_limits import driver_limits
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import driver_limits, grashof, least_transmission_angle
+from ..measures import grashof, least_transmission_angle
 from ..motion import Motion, motion_table
 from ..named_linkages import (
     EllipticTrammel,
@@ -33,12 +34,11 @@ from ..named_linkages import (
     ScotchYoke,
     Shaper,
     SliderCrank,
-    StephensonSixBar,
-    WattSixBar,
 )
 from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
+from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
 from .dwell_bands import DwellBand
@@ -224,9 +224,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {"other_mode": {"joint": joint, **self._reached(motion.solution.spec), **angle}}
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        copies = {"copies": (Copy(180.0),)} if "copies" in asked else {}
-        return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in asked else {})}
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        copies = {"copies": (Copy(180.0),)} if "copies" in tables else {}
+        return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in tables else {})}
 
     @property
     def turning(self) -> Mapping[str, object]:
@@ -278,11 +278,11 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     sliding: ClassVar[Mapping[str, object]]
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         # A sliding driver has no shaft that copies could share.
-        none = {"copies": ()} if "copies" in asked else {}
-        values = super().example_values(asked)
-        return {**values, **none, **cls.sliding} if "stroke" in asked else values
+        none = {"copies": ()} if "copies" in tables else {}
+        values = super().example_values(tables)
+        return {**values, **none, **cls.sliding} if "stroke" in tables else values
 
 
 @record(kw_only=True)
@@ -383,6 +383,6 @@ class LinkageRecipe(SlidingLinkageRecipe):
     }
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        values = super().example_values(asked)
-        return {"linkage": WITH_SLIDER, **values} if set(asked) - {"copies", "loads"} else values
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        values = super().example_values(tables)
+        return {"linkage": WITH_SLIDER, **values} if set(tables) - {"copies", "loads"} else values

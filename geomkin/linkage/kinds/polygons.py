@@ -20,11 +20,12 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, rounded
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Files
+from ..assembly_failures import assembly_failure
+from ..body_motion import Body
 from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG, driver_at
 from ..instant.centres import instant_centres
 from ..instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
-from ..measures import assembly_failure
-from ..motion import Body, Motion, motion_table
+from ..motion import Motion, motion_table
 from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..scene_instants import polygons_scene
@@ -169,8 +170,8 @@ class PolygonsRecipe(AbstractRecipe):
         return {"scale": scale, "instant_centres_mm": centres}
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return {"linkage": WITH_SLIDER} if asked else {}
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        return {"linkage": WITH_SLIDER} if tables else {}
 
 
 def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:

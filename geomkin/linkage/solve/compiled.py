@@ -17,7 +17,7 @@ from numba.core import types
 from numba.extending import intrinsic
 
 from ...plane.vec import Array
-from .program import Program, base, shared
+from .program import TapeProgram, base, shared
 from .tape import VIEWS, Operation, Tape, chosen_from, imag_part, larger, paired
 
 # Frames, or linkages, in a block. With more the rows leave the cache; with fewer dispatching a step takes too long.
@@ -235,14 +235,14 @@ def _run(steps, rows, numbers, outer, inner, both, out, flags, stores, repeats, 
                         out[begin + j * stride] = w[row, j]
 
 
-def runs(program: Program) -> bool:
+def runs(program: TapeProgram) -> bool:
     """Whether the loop has all operations of a program."""
     tape = program.tape
     return all((tape.steps[n].operation, _kinds(tape, n)) in ON_ROWS for n in program.made)
 
 
-def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
-    """Like `Program.run`."""
+def run(program: TapeProgram, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
+    """Like `TapeProgram.run`."""
     count = prod(linkages)
     if count > 1:
         # Values that are equal for all linkages are evaluated once per frame, by NumPy.
@@ -288,13 +288,13 @@ def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple
     _run(steps, rows, numbers[:, 0], outer, inner, arrays[0], out, flags, arrays[1], repeats, length)
 
 
-def _split(program: Program) -> tuple[Program, Program]:
+def _split(program: TapeProgram) -> tuple[TapeProgram, TapeProgram]:
     """The steps that are equal for all linkages, and the others."""
     tape = program.tape
     varying = [n for n in program.steps if tape.steps[n].extent == 2]
     common = [n for n in program.steps if tape.steps[n].extent < 2]
     used = {base(tape, argument) for n in varying for argument in tape.steps[n].of}.union(program.kept)
-    return Program.of(tape, common, used.intersection(common)), Program.of(
+    return TapeProgram.of(tape, common, used.intersection(common)), TapeProgram.of(
         tape, varying, set(program.kept).intersection(varying)
     )
 
@@ -314,7 +314,7 @@ def _place(array: Array, frames: int, many: int) -> int:
     return OUTER if array.ndim > 1 else INNER
 
 
-def _table(program: Program, places: tuple[int, ...]) -> tuple[Any, int, list[bool], list[int]]:
+def _table(program: TapeProgram, places: tuple[int, ...]) -> tuple[Any, int, list[bool], list[int]]:
     """The steps with their rows, the number of rows, which inputs are complex, and the rows of the kept results.
 
     places: the tables of the inputs.

@@ -18,7 +18,7 @@ from .branch import FollowedBranch
 from .dyads import Dyad
 from .loops import Loops
 from .placement import Coefficients, Numbers, Placement, Poses, paired
-from .program import NOTHING, Batch, Formulas, Group, Program
+from .program import NOTHING, Batch, Formulas, Group, TapeProgram
 from .tape import Recorded, Tape
 
 
@@ -222,7 +222,7 @@ class LazyEvaluation:
         return self._values[result] if isinstance(result, int) else result
 
 
-def run(program: Program, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
+def run(program: TapeProgram, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
     """Run a program by NumPy or by the compiled loop, whichever is faster."""
     work = len(program.calls) * frames * prod(linkages)
     loaded = COMPILED in sys.modules

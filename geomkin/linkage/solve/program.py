@@ -57,7 +57,7 @@ class Formulas:
     tape: Tape
     groups: dict[Group, Mapping[str, Result]]
     points: Points
-    programs: dict[tuple[Batch, ...], Program] = field(default_factory=dict)
+    programs: dict[tuple[Batch, ...], TapeProgram] = field(default_factory=dict)
     requested: dict[str, set[Group]] = field(default_factory=dict)
     previous: dict[str, Batch] = field(default_factory=dict)
 
@@ -76,7 +76,7 @@ class Formulas:
             values = self.points.named(body, name).items()
             self.groups.update({(quantity, body, name): {body: self.tape.result(value)} for quantity, value in values})
 
-    def program(self, done: tuple[Batch, ...]) -> Program:
+    def program(self, done: tuple[Batch, ...]) -> TapeProgram:
         """The program of the last of these batches, which reuses the values kept by the others."""
         if done not in self.programs:
             before: set[int] = set()
@@ -89,7 +89,7 @@ class Formulas:
             for name, group in self.groups.copy().items():
                 if isinstance(name, str) or name in done[-1]:
                     keeping.update(number for number in group.values() if isinstance(number, int))
-            self.programs[done] = Program.of(self.tape, sorted(steps), steps & keeping)
+            self.programs[done] = TapeProgram.of(self.tape, sorted(steps), steps & keeping)
         return self.programs[done]
 
     def _leading(self, batch: Batch, before: set[int]) -> set[int]:
@@ -106,7 +106,7 @@ class Formulas:
 
 
 @record(eq=False)
-class Program:
+class TapeProgram:
     """Some steps of a tape, with a place for each value: constants, inputs, kept results, and temporaries.
 
     Views come last. fixed, given, kept: numbers on the tape of constants, inputs and kept results; kept_types,
@@ -126,7 +126,7 @@ class Program:
     prepared: dict[Any, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, tape: Tape, steps: list[int], keeping: set[int]) -> Program:
+    def of(cls, tape: Tape, steps: list[int], keeping: set[int]) -> TapeProgram:
         """The program of these steps that keeps some of the values."""
         own_steps, tape_steps = set(steps), tape.steps
         used = {base(tape, argument) for number in steps for argument in tape_steps[number].of}
@@ -171,7 +171,7 @@ class Program:
             # Removed while it runs, and put back as the newest.
             workspace = _own.workspaces.pop((self, frames), None)
             if workspace is None:
-                workspace = Workspace(self, frames)
+                workspace = ProgramArrays(self, frames)
                 _own.make_room(frames)
             workspace.run(values)
             _own.workspaces[self, frames] = workspace
@@ -197,10 +197,10 @@ class Program:
                     operation(*arguments(places))
 
 
-class Workspace:
-    """A program with arrays for all its values, which its operations are given once and not at every run."""
+class ProgramArrays:
+    """Arrays for all values of a program; its operations are bound to them once, not at every run."""
 
-    def __init__(self, program: Program, frames: int):
+    def __init__(self, program: TapeProgram, frames: int):
         steps = program.tape.steps
         given = [_rooms(_type(steps[number]), 1, frames)[1][0] for number in program.given]
         self._given = list(zip(program.given, given))
@@ -246,7 +246,7 @@ class _Own(threading.local):
     """The workspaces of a thread, the oldest first."""
 
     def __init__(self) -> None:
-        self.workspaces: dict[tuple[Program, int], Workspace] = {}
+        self.workspaces: dict[tuple[TapeProgram, int], ProgramArrays] = {}
 
     def make_room(self, frames: int) -> None:
         """Make room for another workspace of so many frames."""

@@ -83,8 +83,8 @@ def rounded_error(found: float, wanted: float) -> float:
     return float(rounded(abs(found - wanted), 9))
 
 
-class Wanted(Protocol[M_co]):
-    """What is wanted of a linkage, if all solutions form a family with one free angle."""
+class FamilyGoal(Protocol[M_co]):
+    """Requirements on a linkage, if all solutions form a family with one free angle."""
 
     @property
     def largest_ratio(self) -> float | None: ...
@@ -102,7 +102,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     """A goal that takes the best member of a family and ranks others."""
 
     kind: str
-    wanted: Wanted[M]
+    wanted: FamilyGoal[M]
     choose: int = choose_entry()
     drive: Drive = entry("how the crank turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())

@@ -12,7 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.progress import Watch
 from ...core.records import record
-from ...linkage.coupler_curve import Cognate, cognates
+from ...linkage.cognate_linkages import Cognate, cognates
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
