@@ -86,9 +86,9 @@ def material(name: str) -> Material:
     >>> gk.making.material("steel-S235").density
     7850
     """
-    if (found := MATERIALS.get(name)) is None:
-        raise DesignError("material", f"found {shown(name)}", f"give {', '.join(MATERIALS)}, or a table of values")
-    return found
+    if not isinstance(name, str) or name not in MATERIALS:
+        raise DesignError("name", f"found {shown(name)}", f"give {', '.join(MATERIALS)}, or a table of values")
+    return MATERIALS[name]
 
 
 def material_entry(item: str) -> Any:

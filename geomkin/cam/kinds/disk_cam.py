@@ -18,7 +18,7 @@ from ...making.bases import BaseStock
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Part
-from ...model.scene import Limit, Scene
+from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.recipe import AbstractAssembledRecipe, part_masses
 from ...recipe.settings import Drive, Files
@@ -41,7 +41,7 @@ from ..program.segments import (
     Rise,
     Segment,
 )
-from ..scene import cam_scene
+from ..scene import cam_handles, cam_scene
 from ..undercut import Undercut, undercut
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
@@ -140,6 +140,10 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     def scene(self) -> Scene:
         """Cam and follower in contact."""
         return cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(cam_handles(self.cam, self.drive.angles))
 
     def _limits(self) -> tuple[Limit, ...]:
         most, roller = most_pressure_angle(self.cam), self.cam.follower.roller_radius

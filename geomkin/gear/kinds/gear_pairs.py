@@ -15,7 +15,7 @@ from ...making.bases import BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.part import Part
-from ...model.scene import Scene
+from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks, strength_checks
@@ -27,7 +27,7 @@ from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
 from ..parts.bases import pair_base, rack_base
 from ..parts.gears import GearStock, base_plate, gear_parts
 from ..rack import GearRack, RackPair
-from ..scene_pairs import pair_scene
+from ..scene_pairs import pair_handles, pair_scene, rack_handles
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
@@ -185,6 +185,10 @@ class GearPairRecipe(AbstractHelicalRecipe):
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
 
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(pair_handles(self.design, self.shifts == "given", self.centre_distance is not None))
+
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """Shafts, if a base is requested; materials, if loads are."""
@@ -289,6 +293,10 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def scene(self) -> Scene:
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(rack_handles(self.design, self.distance is not None))
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -16,7 +16,7 @@ from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Bought, Part
-from ...model.scene import Limit, Scene
+from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
@@ -95,6 +95,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.loads is None:
             return None
         return self.loads.forces_of(self.motion, self.body_masses if self.stock.material else {})
+
+    @property
+    def further_handles(self) -> Iterator[SceneHandle]:
+        """The ends of the stroke, and the places of the loads."""
+        yield from super().further_handles
+        if self.loads is not None:
+            yield from self.loads.handles(self.motion)
 
     @cached_property
     def fine_motion(self) -> Motion:
