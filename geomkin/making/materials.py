@@ -47,7 +47,7 @@ class NamedMaterial:
         from pydantic_core import core_schema
 
         def named(value: object) -> object:
-            return material(value) if isinstance(value, str) else value
+            return _of_table("material", value) if isinstance(value, str) else value
 
         def written(value: Any, handler: Any) -> Any:
             return next((name for name, known in MATERIALS.items() if known == value), None) or handler(value)
@@ -86,9 +86,13 @@ def material(name: str) -> Material:
     >>> gk.making.material("steel-S235").density
     7850
     """
-    if (found := MATERIALS.get(name)) is None:
-        raise DesignError("material", f"found {shown(name)}", f"give {', '.join(MATERIALS)}, or a table of values")
-    return found
+    return _of_table("name", name)
+
+
+def _of_table(key: str, name: str) -> Material:
+    if not isinstance(name, str) or name not in MATERIALS:
+        raise DesignError(key, f"found {shown(name)}", f"give {', '.join(MATERIALS)}, or a table of values")
+    return MATERIALS[name]
 
 
 def material_entry(item: str) -> Any:
