@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from ..core.arguments import checked
 from ..core.fields import entry
 from ..model.material import Material
 from .named import NamedIn
@@ -42,7 +41,6 @@ _NAMED = NamedIn(MATERIALS, "material")
 MaterialKey = Annotated[Material | None, _NAMED]
 
 
-@checked
 def material(name: str) -> Material:
     """A material of the table.
 

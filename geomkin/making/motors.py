@@ -136,7 +136,6 @@ _NAMED = NamedIn(MOTORS, "motor")
 MotorKey = Annotated[Motor | None, _NAMED]
 
 
-@checked
 def motor(name: str) -> Motor:
     """A motor of the table.
 

@@ -19,25 +19,24 @@ class NamedIn:
     ----------
     entries : mapping of str to any
         The table.
-    field : str
-        Name of the field in an error.
+    key : str
+        Key of the field in an error.
     """
 
-    def __init__(self, entries: Mapping[str, Any], field: str) -> None:
-        self.entries, self.field = entries, field
+    def __init__(self, entries: Mapping[str, Any], key: str) -> None:
+        self.entries, self.key = entries, key
 
-    def find(self, name: str) -> Any:
-        """The entry of a name; DesignError if there is none."""
-        if name not in self.entries:
-            remedy = f"give {', '.join(self.entries)}, or a table of values"
-            raise DesignError(self.field, f"found {shown(name)}", remedy, "unknown-key")
+    def find(self, name: object, key: str = "name") -> Any:
+        """The entry of a name; DesignError with the key if there is none."""
+        if not isinstance(name, str) or name not in self.entries:
+            raise DesignError(key, f"found {shown(name)}", f"give {', '.join(self.entries)}, or a table of values")
         return self.entries[name]
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import core_schema
 
         def named(value: object) -> object:
-            return self.find(value) if isinstance(value, str) else value
+            return self.find(value, self.key) if isinstance(value, str) else value
 
         def written(value: Any, handler: Any) -> Any:
             return next((name for name, known in self.entries.items() if known == value), None) or handler(value)

@@ -105,6 +105,8 @@ class SceneHandle:
         Radius of the circle, mm.
     column : str
         Id of the column whose plot has the handle.
+    is_one_value : bool
+        Whether all keys have one value, as the modules of gears in mesh do.
     """
 
     id: str
@@ -114,6 +116,7 @@ class SceneHandle:
     shape: Literal["point", "circle", "plot"] = "point"
     radius: float = 0.0
     column: str = ""
+    is_one_value: bool = False
 
 
 @record

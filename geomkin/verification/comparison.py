@@ -90,16 +90,22 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
             measured.append(Measured("", place=complex(outlines[0].points[0]), problems=("a line encloses no area",)))
             continue
         plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
-        found = min(
-            (_measured(plate, parts[k].drawn, parts[k].part.name, tolerance) for k in
-             candidates(plate, [part.drawn for part in parts], tolerance)),
-            key=lambda one: (len(one.problems), one.deviation),
-        )  # fmt: skip
+        found = _best_part(plate, parts, tolerance)
         part = next(one.part for one in parts if one.part.name == found.part)
         layers = {cuts[loops[0]].layer} - {part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
         problems += [f"it is on layer {layer}" for layer in sorted(layers)]
         measured.append(_with(found, problems))
     return measured
+
+
+def _best_part(plate: Shape, parts: Sequence[ExactPart], tolerance: float) -> Measured:
+    """A plate of a drawing as the first part that it fits, or as the one that it fits best."""
+    tried: list[Measured] = []
+    for k in candidates(plate, [part.drawn for part in parts], tolerance):
+        tried.append(_measured(plate, parts[k].drawn, parts[k].part.name, tolerance))
+        if not tried[-1].problems and tried[-1].deviation <= tolerance:
+            break
+    return min(tried, key=lambda one: (len(one.problems), one.deviation))
 
 
 def _with(found: Measured, problems: Sequence[str]) -> Measured:

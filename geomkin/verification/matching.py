@@ -95,14 +95,22 @@ def position(found: Shape, exact: Shape, tolerance: float) -> tuple[complex, com
         return float(edges.nearest((samples - here) / turn + there)[1].mean())
 
     turn = min(_rotations(found, exact), key=misfit)
-    turn, shift = _fitted(samples, edges, turn, here - turn * there, tolerance)
-    angle = np.round(np.degrees(np.angle(turn)))
-    whole = complex(np.exp(1j * np.radians(angle)))
-    # The shift belongs to the part's own origin, so that a whole rotation changes it.
-    moved = here + whole / turn * (turn * there + shift - here) - whole * there
+    shift = here - turn * there
+    if rounded := _whole(turn, shift, there, exact.size, tolerance):
+        return rounded
+    turn, shift = _fitted(samples, edges, turn, shift, tolerance)
+    return _whole(turn, shift, there, exact.size, tolerance) or (turn, shift)
+
+
+def _whole(
+    turn: complex, shift: complex, centre: complex, size: float, tolerance: float
+) -> tuple[complex, complex] | None:
+    """A position in whole degrees and millimetres, if one is as close as the tolerance; None otherwise."""
+    whole = complex(np.exp(1j * np.radians(np.round(np.degrees(np.angle(turn))))))
+    # The shift belongs to the part's own origin, so that a whole rotation about its centre changes it.
+    moved = shift + (turn - whole) * centre
     rounded = complex(np.round(moved.real), np.round(moved.imag))
-    is_whole = abs(whole - turn) * exact.size < tolerance and abs(moved - rounded) < tolerance
-    return (whole, rounded) if is_whole else (turn, shift)
+    return (whole, rounded) if abs(whole - turn) * size < tolerance and abs(moved - rounded) < tolerance else None
 
 
 def candidates(found: Shape, exact: Sequence[Shape], tolerance: float) -> list[int]:

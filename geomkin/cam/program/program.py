@@ -276,6 +276,11 @@ class Program:
         return self._stretches.breaks
 
     @property
+    def ends(self) -> list[tuple[float, float]]:
+        """Cam angle, deg, and lift, mm or deg, at the end of each segment."""
+        return [(solved.placed.end, solved.placed.end_lift) for solved in self._stretches.solved]
+
+    @property
     def optima(self) -> dict[int, OptimalLaw]:
         """Optima of the optimised segments by their index in `segments`: peaks and bound, mm/rad2 and mm/rad3.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -16,7 +16,7 @@ from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Bought, Part
-from ...model.scene import Limit, Scene
+from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
@@ -95,6 +95,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.loads is None:
             return None
         return self.loads.forces_of(self.motion, self.body_masses if self.stock.material else {})
+
+    @property
+    def further_handles(self) -> Iterator[SceneHandle]:
+        """The ends of the stroke, and the places of the loads."""
+        yield from super().further_handles
+        if self.loads is not None:
+            yield from self.loads.handles(self.motion)
 
     @cached_property
     def fine_motion(self) -> Motion:
@@ -224,9 +231,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {"other_mode": {"joint": joint, **self._reached(motion.solution.spec), **angle}}
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        copies = {"copies": (Copy(180.0),)} if "copies" in asked else {}
-        return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in asked else {})}
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        copies = {"copies": (Copy(180.0),)} if "copies" in tables else {}
+        return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in tables else {})}
 
     @property
     def turning(self) -> Mapping[str, object]:
@@ -278,11 +285,11 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     sliding: ClassVar[Mapping[str, object]]
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         # A sliding driver has no shaft that copies could share.
-        none = {"copies": ()} if "copies" in asked else {}
-        values = super().example_values(asked)
-        return {**values, **none, **cls.sliding} if "stroke" in asked else values
+        none = {"copies": ()} if "copies" in tables else {}
+        values = super().example_values(tables)
+        return {**values, **none, **cls.sliding} if "stroke" in tables else values
 
 
 @record(kw_only=True)
@@ -383,6 +390,6 @@ class LinkageRecipe(SlidingLinkageRecipe):
     }
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        values = super().example_values(asked)
-        return {"linkage": WITH_SLIDER, **values} if set(asked) - {"copies", "loads"} else values
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        values = super().example_values(tables)
+        return {"linkage": WITH_SLIDER, **values} if set(tables) - {"copies", "loads"} else values

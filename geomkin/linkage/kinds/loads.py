@@ -11,9 +11,10 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
+from ...model.handles import point_handle
 from ...model.mass import Mass
 from ...model.motor import root_mean_square
-from ...model.scene import Plot, SceneMark
+from ...model.scene import Plot, SceneHandle, SceneMark
 from ...model.table import Column, xy_columns
 from ...plane.vec import first_largest
 from ..checks import driver_at
@@ -24,6 +25,7 @@ from ..dynamics.wrenches import Wrenches, known_body
 from ..linkage import Linkage
 from ..motion import Motion
 from ..scene import vector_marks
+from ..scene_handles import body_point
 
 # Largest component of gravity, m/s2: more is a number in mm/s2.
 MOST_GRAVITY = 100.0
@@ -134,6 +136,19 @@ class LoadsTable:
             "pin_friction": self.pin_friction,
             "slide_friction": self.slide_friction,
         }
+
+    def handles(self, motion: Motion) -> Iterator[SceneHandle]:
+        """Handles of the centres of mass, and of the points at which forces and springs act, if given as [x, y]."""
+        for body, mass in self.masses.items():
+            at = body_point(motion, body, mass.centre)
+            yield point_handle(f"loads.masses.{body}.centre", at=at, label=f"centre of mass of the {body}")
+        for key in ("forces", "springs", "gas_springs"):
+            for k, load in enumerate(getattr(self, key)):
+                for body, point in (("body", "point"), ("to_body", "to_point")):
+                    place = getattr(load, point, "")
+                    if isinstance(place, complex):
+                        at = body_point(motion, getattr(load, body), place)
+                        yield point_handle(f"loads.{key}[{k}].{point}", at=at, label=f"{point} of {key} {k + 1}")
 
     def check(self, motion: Motion) -> None:
         """DesignError with the key of the first load that the linkage cannot have in this motion."""

@@ -14,7 +14,8 @@ from ...core.fields import FARTHEST, SMALLEST, AsWritten, Rows, entry, quantity
 from ...core.records import record
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.scene import Limit, Plot
+from ...model.handles import point_handle
+from ...model.scene import Limit, Plot, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
@@ -277,6 +278,11 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
     kind: Literal["function-generator"] = "function-generator"
     wanted: RequiredAngle
     unit = "deg"
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The second pivot."""
+        return (point_handle("wanted.ground", at=self.wanted.ground),)
 
     @cached_property
     def best(self) -> FunctionGenerator:

@@ -18,8 +18,9 @@ from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
+from ...model.handles import circle_handle, point_handle
 from ...model.part import Part
-from ...model.scene import Choice, Limit, Plot
+from ...model.scene import Choice, Limit, Plot, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real, rounded
 from ...recipe.settings import Drive, Files
@@ -122,6 +123,13 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return best, *sorted(
             (member for member in others if member.ratio <= largest_ratio and not member.defects), key=self.rank
         )
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The lengths that are given: the second pivot, and the circle of the crank about the first one."""
+        ground, crank = (getattr(self.wanted, name, None) for name in ("ground", "crank"))
+        pivot = () if ground is None else (point_handle("wanted.ground", at=ground),)
+        return pivot if crank is None else (*pivot, circle_handle("wanted.crank", radius=crank))
 
     @property
     def size_bounds(self) -> Mapping[str, tuple[float, float]]:
