@@ -198,9 +198,9 @@ def columns(recipe: Path) -> None:
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 @_as_json
 def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
-    """Work out a RECIPE for all combinations of values, into OUT/<recipe>/<recipe>.sweep.csv and .html.
+    """Evaluate a RECIPE for all combinations of values; write OUT/<recipe>/<recipe>.sweep.csv and .html.
 
-    One that was stopped goes on where it was.
+    A sweep that was stopped continues where it was.
     """
     from .core.errors import GeomkinError, harmless, printable
     from .core.progress import shown
@@ -216,17 +216,17 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
     watched = _is_terminal(sys.stderr)
     try:
         with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
-            found = swept(recipe, values, results, out, by_processes)
+            result = swept(recipe, values, results, out, by_processes)
     except GeomkinError as error:
         refused = _refused(recipe, error)
         _end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
         sys.exit(1)
-    if found.anew:
+    if result.is_restarted:
         click.echo(
-            "begun anew: an earlier run was of another recipe, other results or another version, or is damaged",
+            "started again: the earlier run is of another recipe, other results or another version, or damaged",
             err=True,
         )
-    refusals = [row.refused for row in found.rows if row.refused]
+    refusals = [row.refused for row in result.rows if row.refused]
     if as_json:
         rows = [
             {
@@ -235,22 +235,22 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
                 "checks": [check.to_dict() for check in row.checks],
                 "results": row.results,
             }
-            for row in found.rows
+            for row in result.rows
         ]
         _print_json(
             {
-                "name": found.name,
-                "kind": found.kind,
+                "name": result.name,
+                "kind": result.kind,
                 "file": str(recipe),
                 "rows": rows,
-                "files": list(map(str, found.files)),
+                "files": list(map(str, result.files)),
             }
         )
     else:
-        counts = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refusals):,} refused"
-        click.echo(f"{', '.join(map(printable, found.files))}: {counts}")
-    if len(refusals) == len(found.rows):
-        click.secho(f"all are refused, the first for this: {harmless(refusals[0])}", fg="red", err=True)
+        counts = f"{len(result.rows):,} combinations, {result.reused:,} of them reused, {len(refusals):,} refused"
+        click.echo(f"{', '.join(map(printable, result.files))}: {counts}")
+    if len(refusals) == len(result.rows):
+        click.secho(f"all combinations are refused; the first one: {harmless(refusals[0])}", fg="red", err=True)
         sys.exit(1)
 
 
