@@ -118,7 +118,7 @@ class Motor:
     Examples
     --------
     >>> motor = gk.Motor("own", torque_n_mm=1000, speed_rpm=100, lasting_torque_n_mm=250, mass_g=100)
-    >>> motor.torque_at(50 * np.pi / 30).round(6)
+    >>> round(float(motor.torque_at(50 * np.pi / 30)), 6)
     500.0
     """
 
