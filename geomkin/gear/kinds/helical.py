@@ -295,6 +295,21 @@ def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = ST
     return {"backlash_mm": backlash, "backlash_advice": advice}
 
 
+def pair_quantities(pair: GearPair) -> dict[str, str]:
+    """Ratio, centre distance and working pressure angle, by label."""
+    return {
+        "ratio": f"{pair.ratio:.5g}",
+        "centre distance": f"{pair.centre_distance:.6g} mm",
+        "working pressure angle": f"{np.degrees(pair.working_pressure_angle):.4g} deg",
+    }
+
+
+def gear_quantities(gear: AbstractInvoluteGear, name: str) -> dict[str, str]:
+    """Diameters of pitch, tip and root circle, by label."""
+    diameters = (2 * radius for radius in (gear.pitch_radius, gear.tip_radius, gear.root_radius))
+    return {f"pitch, tip and root diameter of the {name}": f"{', '.join(f'{d:.4g}' for d in diameters)} mm"}
+
+
 def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:
     """Data of two gears in mesh. face_width: common to both, mm, used for helical teeth."""
     start, end = pair.contact_lengths
