@@ -153,6 +153,11 @@ class AbstractRecipe(_Shared, ABC):
         return None
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        """Lengths, types and ranges that an editor shows beside the scene, by label; the checks come besides."""
+        return {}
+
+    @property
     def handles(self) -> tuple[SceneHandle, ...]:
         """Handles that a user can drag in an editor; fast to compute, since a drag repeats it."""
         return ()
@@ -305,6 +310,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         return self.design.design_checks
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        return self.design.quantities
 
     @property
     def scene(self) -> Scene | None:

@@ -219,8 +219,8 @@ def _scene(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> Non
     reply["name"] = name
     reply["handles"] = [_handle(handle, locks) for handle in recipe.handles]
     reply["quantities"] = [
-        {"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.design_checks
-    ]
+        {"id": "", "label": harmless(label), "text": harmless(text)} for label, text in recipe.quantities.items()
+    ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.design_checks]
     reply["scene"] = None if scene is None else scene_data(scene, name)
 
 
@@ -249,6 +249,8 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
     reply["checks"] = [
         {
             "id": check.id,
+            "label": harmless(check.name),
+            "value": _stated(check),
             "text": harmless(check),
             "state": "pass" if check.passed else "expected" if check.expected else "fail",
             "column": check.column or None,
