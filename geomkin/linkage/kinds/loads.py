@@ -13,9 +13,10 @@ from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
 from ...model.handles import point_handle
 from ...model.mass import Mass
+from ...model.motor import root_mean_square
 from ...model.scene import Plot, SceneHandle, SceneMark
 from ...model.table import Column, xy_columns
-from ...plane.vec import Real, first_largest
+from ...plane.vec import first_largest
 from ..checks import driver_at
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
@@ -246,7 +247,7 @@ def force_summary(analysis: ForceAnalysis) -> Mapping[str, object]:
         result[effort] = {
             "peak": _nine_digits(analysis.driver[peak]),
             f"peak_at_{unit}": _nine_digits(driver_at(motion, peak)),
-            "rms": _nine_digits(_rms(analysis.driver[known], motion.drive[known])),
+            "rms": _nine_digits(root_mean_square(analysis.driver, motion.drive)),
         }
     sizes = {
         pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
@@ -256,13 +257,6 @@ def force_summary(analysis: ForceAnalysis) -> Mapping[str, object]:
         pin: _nine_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
     }
     return {**result, "undetermined": list(analysis.undetermined)}
-
-
-def _rms(effort: Real, drive: Real) -> float:
-    """Root mean square over the drive, which at a constant speed is that over time."""
-    extent = drive[-1] - drive[0]
-    mean = np.trapezoid(effort**2, drive) / extent if extent else np.mean(effort**2)
-    return float(np.sqrt(mean))
 
 
 def _nine_digits(value: float | np.floating[Any]) -> float:
