@@ -18,7 +18,7 @@ from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
-from ..model.scene import Scene, SceneHandle
+from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
 from ..plane.vec import Complex
@@ -165,6 +165,11 @@ class AbstractRecipe(_Shared, ABC):
     def handle_position(self, id: str) -> Complex:
         """Positions of one of the `handles` at the frames."""
         return next(handle.at for handle in self.handles if handle.id == id)
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Designs among which one key of the recipe chooses; empty if there is nothing to choose."""
+        return ()
 
     @classmethod
     def has_scene(cls) -> bool:

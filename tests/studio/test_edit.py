@@ -216,3 +216,17 @@ def test_each_check_of_the_design_has_a_row_among_the_quantities():
     assert {check["id"] for check in answer(FOUR_BAR, {}, {"lane": "checks"})["checks"]} - rows == {
         f"wall_{part.name}" for part in gk.load(FOUR_BAR).parts
     }
+
+
+@pytest.mark.parametrize("stem", ["five-poses", "wiper"])
+def test_the_picture_of_a_candidate_has_the_links_of_the_linkage_that_its_key_chooses(stem):
+    text = Path(f"recipes/{stem}.toml").read_text()
+    for candidate in answer(text, {}, {"lane": "checks"})["candidates"][:2]:
+        chosen = gk.load(answer(text, {}, {"set": {candidate["key"]: candidate["value"]}})["text"]).design.linkage
+        drawn = [abs(complex(x[1] - x[0], y[1] - y[0])) for x, y in candidate["lines"] if len(x) == 2]
+        links = [getattr(chosen, name) for name in ("ground", "crank", "coupler", "rocker")]
+        assert sorted(drawn) == pytest.approx(sorted(links), rel=1e-4)
+
+
+def test_there_is_nothing_to_choose_in_a_recipe_without_a_search():
+    assert answer(FOUR_BAR, {}, {"lane": "checks"})["candidates"] == []

@@ -13,7 +13,7 @@ from ...core.fields import WIDEST, entry
 from ...core.records import record
 from ...making.bases import BaseStock
 from ...making.materials import MATERIALS
-from ...making.motors import MOTORS, MotorName
+from ...making.motors import MOTOR_FACES, MotorName
 from ...model.check import Check
 from ...model.material import Material
 from ...plane.curve import AbstractCurve
@@ -149,7 +149,7 @@ def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseSto
     """
     if motor is None or base is None:
         return ()
-    rests = radius - (MOTORS[motor].boss_diameter + base.clearance) / 2
+    rests = radius - (MOTOR_FACES[motor].boss_diameter + base.clearance) / 2
     words = f"{name} beyond the hole for the motor's boss"
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 

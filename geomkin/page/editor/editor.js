@@ -57,7 +57,7 @@ class Editor {
     if (!keepHistory) this.history.clear();
     Object.assign(this, { text, recipe, base, savedText: recipe ? text : "", savedScene: null, kind: "", fresh: true, checked: [] });
     this.locks.clear();
-    at("conflict").hidden = true;
+    for (const id of ["conflict", "candidates"]) at(id).hidden = true;
     this.ask({});
   }
 
@@ -270,7 +270,7 @@ class Editor {
     if (check && check.state !== "pass") make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
   }
 
-  showChecks({ checks, problems }) {
+  showChecks({ checks, candidates, problems }) {
     if (problems.length) { this.showProblems(problems); return; }
     this.checkedText = this.text;
     this.checked = checks;
@@ -280,7 +280,25 @@ class Editor {
     const passed = `${checks.length - failed - expected} of ${checks.length} checks pass`;
     at("checks-title").textContent = !checks.length ? "No checks" : [passed, failed && `${failed} fail`, expected && `${expected} fail as expected`].filter(Boolean).join(", ");
     this.showQuantities(this.reply.quantities);
+    this.showCandidates(candidates);
     document.body.dataset.checked = this.player?.scenes ?? 0;
+  }
+
+  // The linkages found, as small pictures; a click chooses one.
+  showCandidates(candidates) {
+    const [root] = at("candidates").getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
+    at("candidates").hidden = candidates.length < 2;
+    root.replaceChildren();
+    for (const { key, value, label, lines } of candidates) {
+      const chosen = this.values[key] === value, xs = lines.flatMap(([row]) => row), ys = lines.flatMap(([, row]) => row);
+      const button = make(root, "button", { type: "button", title: label, "aria-label": label, "aria-pressed": chosen });
+      const [left, low] = [Math.min(...xs), Math.min(...ys)], size = Math.max(Math.max(...xs) - left, Math.max(...ys) - low) || 1;
+      const svg = make(button, "svg", { viewBox: [-0.06, -0.06, 1.12, 1.12].join(" "), "aria-hidden": true });
+      for (const [x, y] of lines) make(svg, "path", { d: `M${x.map((u, k) => `${(u - left) / size} ${1 - (y[k] - low) / size}`).join("L")}` });
+      make(button, "span", {}, value);
+      button.addEventListener("click", () => { this.set({ [key]: value }, key); this.close(); });
+      if (focus && chosen) button.focus();
+    }
   }
 
   showState() {
