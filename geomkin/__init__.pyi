@@ -63,6 +63,7 @@ from .linkage.solve.branch import Continuation as Continuation
 from .model.check import Check as Check
 from .model.mass import Mass as Mass
 from .model.material import Material as Material
+from .model.motor import Motor as Motor
 from .model.part import HoleFit as HoleFit
 from .model.part import Part as Part
 from .model.part import Twist as Twist
