@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from ..core.records import record
 from ..core.reprs import LONGEST, moving, one_line
 from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
-
-if TYPE_CHECKING:
-    from .solve.program import Formulas
 
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
 MOTION_ATTRIBUTES = {
@@ -315,9 +312,4 @@ class Linkage(AbstractLinkage):
     @cached_property
     def plans(self) -> dict[bool, tuple[Placement, ...]]:
         """Cache of the solver: the placements of all bodies, by whether branches are followed."""
-        return {}
-
-    @cached_property
-    def formulas(self) -> dict[object, Formulas | int]:
-        """Cache of the solver: recorded formulas by branch, or the number of frames computed without them."""
         return {}

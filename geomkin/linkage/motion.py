@@ -16,8 +16,9 @@ from ..model.table import Column, Table, finite, xy_columns
 from ..plane.vec import Array, Complex, Mask, Real, Whole, cross, dot
 from .linkage import AbstractLinkage, Linkage, Slider
 from .sensitivity import Sensitivities
-from .solve.formulas import LazyEvaluation, Timing, first_of, second_of
+from .solve.placement import paired
 from .solve.solution import LinkageSolution
+from .timing import Timing
 
 
 @record(eq=False)
@@ -36,25 +37,6 @@ class PointMotion:
 
     body: Body
     local: complex | Complex
-    # Set if the linkage names the point.
-    _name: str = field(default="", repr=False)
-
-    def __repr__(self) -> str:
-        return f"PointMotion(body={short(self.body.name)}, local={short(self.local)})"
-
-    @cached_property
-    def _evaluation(self) -> LazyEvaluation | None:
-        return self.body.solution.evaluation_at(self.body.name, self.local)
-
-    def _recorded(self, quantity: str) -> Complex | None:
-        """The quantity from the recorded formulas; None if there are none."""
-        body, solution = self.body.name, self.body.solution
-        if self._name:
-            return None if solution.evaluation is None else solution.value((quantity, body, self._name), body)
-        if self._evaluation is None:
-            return None
-        values: Complex = self._evaluation.value((quantity, body), body)
-        return solution.over_frames(body, values)
 
     @property
     def _arm(self) -> Complex:
@@ -63,46 +45,30 @@ class PointMotion:
     @cached_property
     def position(self) -> Complex:
         """Position on the ground, mm."""
-        recorded = self._recorded("position")
-        if recorded is not None:
-            return recorded
         return self._arm + self.body.solution.origin(self.body.name, 0)
 
     @cached_property
     def first(self) -> Complex:
         """First kinematic coefficient dP/dq, mm per unit of drive (rad, or mm if a slider drives)."""
-        recorded = self._recorded("first")
-        if recorded is not None:
-            return recorded
         with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
-            return first_of(self._arm, self.body.first, self.body.solution.origin(self.body.name, 1))
+            return self._arm * self.body.first * 1j + self.body.solution.origin(self.body.name, 1)
 
     @cached_property
     def second(self) -> Complex:
         """Second kinematic coefficient d2P/dq2, mm per unit of drive squared."""
-        recorded = self._recorded("second")
-        if recorded is not None:
-            return recorded
         with np.errstate(invalid="ignore"):
-            origin = self.body.solution.origin(self.body.name, 2)
-            return second_of(self._arm, self.body.first, self.body.second, origin)
+            body, origin = self.body, self.body.solution.origin(self.body.name, 2)
+            return paired(-(body.first**2), body.second) * self._arm + origin
 
     @cached_property
     def velocity(self) -> Complex:
         """Velocity, mm/s."""
-        recorded = self._recorded("velocity")
-        if recorded is not None:
-            return recorded
         return self.body.timing.rate(self.first)
 
     @cached_property
     def acceleration(self) -> Complex:
         """Acceleration, mm/s2."""
-        recorded = self._recorded("acceleration")
-        if recorded is not None:
-            return recorded
-        second = self.second  # evaluated before `first`, which is then known as well
-        return self.body.timing.second_rate(self.first, second)
+        return self.body.timing.second_rate(self.first, self.second)
 
 
 @record(eq=False)
@@ -118,40 +84,38 @@ class Body:
         Name of the body in the linkage.
     solution : LinkageSolution
         The solved positions that the body reads.
+    timing : Timing
+        Speed and acceleration of the driver.
     """
 
     name: str
     solution: LinkageSolution = field(repr=False)
+    timing: Timing = field(repr=False)
 
-    @property
-    def timing(self) -> Timing:
-        """Speed and acceleration of the driver."""
-        return self.solution.timing
-
-    @property
+    @cached_property
     def direction(self) -> Complex:
         """Direction of the body's x axis, unit complex."""
-        return self.solution.value("direction", self.name)
+        return self.solution.direction(self.name)
 
-    @property
+    @cached_property
     def first(self) -> Real:
         """First kinematic coefficient d(angle)/dq, rad per unit of drive (rad, or mm if a slider drives)."""
-        return self.solution.value("first", self.name)
+        return self.solution.theta_prime(self.name, 1)
 
-    @property
+    @cached_property
     def second(self) -> Real:
         """Second kinematic coefficient d2(angle)/dq2, rad per unit of drive squared."""
-        return self.solution.value("second", self.name)
+        return self.solution.theta_prime(self.name, 2)
 
-    @property
+    @cached_property
     def omega(self) -> Real:
         """Angular velocity, rad/s."""
-        return self.solution.value("omega", self.name)
+        return self.timing.rate(self.first)
 
-    @property
+    @cached_property
     def alpha(self) -> Real:
         """Angular acceleration, rad/s2."""
-        return self.solution.value("alpha", self.name)
+        return self.timing.second_rate(self.first, self.second)
 
     @cached_property
     def origin(self) -> PointMotion:
@@ -313,7 +277,7 @@ class Motion:
     @cached_property
     def bodies(self) -> Mapping[str, Body]:
         """All bodies by name, the ground first."""
-        return {name: Body(name, self.solution) for name in self.linkage.bodies}
+        return {name: Body(name, self.solution, self.timing) for name in self.linkage.bodies}
 
     def __getattr__(self, name: str) -> Body:
         # An object that is being unpickled has no fields yet.
@@ -351,7 +315,7 @@ class Motion:
             return self._points[name]
         for body, points in self.linkage.bodies.items():
             if name in points:
-                self._points[name] = PointMotion(self.bodies[body], points[name], name)
+                self._points[name] = PointMotion(self.bodies[body], points[name])
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
         raise DesignError(
@@ -428,7 +392,7 @@ class Motion:
 
     @cached_property
     def _sensitivities(self) -> Sensitivities:
-        return Sensitivities(self.solution, self.given)
+        return Sensitivities(self.solution, self.given, self.timing)
 
     def to_columns(self) -> dict[str, Real]:
         """The columns of `motion_table` as arrays, for a data frame.

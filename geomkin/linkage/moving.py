@@ -18,7 +18,6 @@ from .motion import Motion
 from .solve.actuators import ActuatorBar, actuated_dyad
 from .solve.branch import Branch, BranchSpec, Continuation, as_branch_spec
 from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
-from .solve.formulas import Timing
 from .solve.input_dyads import driver_dyad
 from .solve.loops import Loops
 from .solve.placement import (
@@ -32,6 +31,7 @@ from .solve.placement import (
     StrokeInput,
 )
 from .solve.solution import LinkageSolution
+from .timing import Timing
 
 # Consecutive arms, each with the body that it turns with.
 Arms = tuple[tuple[str, complex | Complex], ...]
@@ -421,7 +421,7 @@ def move(
         )
     timing = Timing(_time("speed", speed, q, general), _time("acceleration", acceleration, q, general))
     spec = as_branch_spec(branch)
-    return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, spec), q, spec, timing), linkage)
+    return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, spec), q, spec), linkage)
 
 
 def _time(name: str, rate: float | ArrayLike, drive: Real, linkage: Linkage) -> Real:
@@ -443,7 +443,7 @@ def _plan_for(linkage: Linkage, spec: BranchSpec) -> tuple[Placement, ...]:
     estimate = {**linkage.estimate, **spec.branch_points}
     placements = plan(replace(linkage, estimate=estimate) if spec.branch_points else linkage, spec.follow)
     if spec.branch_points and not any(isinstance(placement, Loops) for placement in placements):
-        # Only loops start from an estimate. Otherwise the linkage's own plan serves, under which formulas are cached.
+        # Only loops start from an estimate. Otherwise the linkage's own plan serves, which is kept.
         placements = plan(linkage, spec.follow)
     if spec.branch or spec.branch_points:
         spec.check(linkage, [placement.joint for placement in placements if isinstance(placement, Dyad)])

@@ -25,6 +25,7 @@ from ..plane.vec import Array, Complex, Mask, Real
 from .linkage import AbstractLinkage, Linkage, Slider
 from .solve.dyads import Crossed, Dyad
 from .solve.solution import LinkageSolution
+from .timing import Timing
 
 # Frames times linkages that are solved at once. With more the matrices take hundreds of megabytes; with fewer calling
 # NumPy takes longer than the arithmetic.
@@ -160,8 +161,8 @@ def quantities(linkage: Linkage) -> dict[str, Quantity]:
 class Sensitivities:
     """Derivatives of the quantities of one motion by the sizes of its linkage, computed when requested."""
 
-    def __init__(self, solution: LinkageSolution, given: AbstractLinkage):
-        self.solution, self.given = solution, given
+    def __init__(self, solution: LinkageSolution, given: AbstractLinkage, timing: Timing):
+        self.solution, self.given, self.timing = solution, given, timing
         self.quantities = quantities(solution.linkage)
         self.fields = list(_field_names(given))
         self._blocks: dict[str, list[SizeDerivatives]] = {}
@@ -191,7 +192,7 @@ class Sensitivities:
 
     def _derivatives(self, sizes: list[str], frames: slice) -> SizeDerivatives:
         rates = np.stack([size_rate(self.given, size) for size in sizes], axis=1)
-        return SizeDerivatives(self.solution, frames, sizes, rates)
+        return SizeDerivatives(self.solution, self.timing, frames, sizes, rates)
 
 
 def _unknown(field: str, name: str, known: list[str], meaning: str) -> DesignError:
@@ -207,8 +208,8 @@ class SizeDerivatives:
     differentiated by the sizes: (sizes, bodies, n), mm and rad; an order is solved on first use.
     """
 
-    def __init__(self, solution: LinkageSolution, frames: slice, sizes: list[str], rates: Complex):
-        self.solution, self.frames, self.sizes = solution, frames, sizes
+    def __init__(self, solution: LinkageSolution, timing: Timing, frames: slice, sizes: list[str], rates: Complex):
+        self.solution, self.timing, self.frames, self.sizes = solution, timing, frames, sizes
         self.linkage = linkage = solution.linkage
         self.bodies = {name: k for k, name in enumerate(linkage.bodies)}
         self.entries = entry_numbers(linkage)
@@ -236,7 +237,7 @@ class SizeDerivatives:
 
     @cached_property
     def _direction(self) -> list[Complex]:
-        return [self._flat(self.solution.value("direction", body)) for body in self.bodies]
+        return [self._flat(self.solution.direction(body)) for body in self.bodies]
 
     @cached_property
     def _origins(self) -> list[list[Complex]]:
@@ -246,7 +247,7 @@ class SizeDerivatives:
     @cached_property
     def _turn(self) -> list[list[Real]]:
         """First and second derivatives of the bodies' angles by the drive."""
-        return [[], *([self._flat(self.solution.value(k, body)) for body in self.bodies] for k in ("first", "second"))]
+        return [[], *([self._flat(self.solution.theta_prime(body, k)) for body in self.bodies] for k in (1, 2))]
 
     def _entry(self, owner: str, name: str) -> tuple[Complex, Complex]:
         """Data of the linkage and its rates, (sizes, 1 or n)."""
@@ -390,9 +391,7 @@ class SizeDerivatives:
     def _rates_of(self, quantity: Quantity) -> Array:
         if quantity.kind == "angle":
             return self._transmission_angle()
-        speed, acceleration = (
-            self._flat(rate) for rate in (self.solution.timing.speed, self.solution.timing.acceleration)
-        )
+        speed, acceleration = (self._flat(rate) for rate in (self.timing.speed, self.timing.acceleration))
         with np.errstate(all="ignore"):
             values = self._coefficient(quantity, quantity.order)
             if quantity.order == 1:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve import solution
 from tests.linkage.examples import lift_table
 
 
@@ -79,10 +78,8 @@ def test_places_far_out_round_as_they_are_large():
     assert not gk.move(linkage, np.random.default_rng(1).uniform(-1e7, 1e7, 200)).assembled.any()
 
 
-@pytest.mark.parametrize("formulas", [True, False])
-def test_a_lever_on_a_moving_carrier_is_told_wherever_its_pins_are_apart(formulas, monkeypatch):
+def test_a_lever_on_a_moving_carrier_has_a_direction_wherever_its_pins_are_apart():
     """A slotted lever behind a crank-rocker at all angles: where its pins are apart by a billionth it has a direction."""
-    monkeypatch.setattr(solution, "WORTH", 0 if formulas else 10**18)
     bodies = {
         "ground": {"O": 0, "C": 100, "E": 0},
         "crank": {"O": 0, "A": 30},
@@ -99,7 +96,7 @@ def test_a_lever_on_a_moving_carrier_is_told_wherever_its_pins_are_apart(formula
     for apart in (1e-6, 1e-8, 1e-10):
         bodies["ground"]["E"] = place - apart
         motion = gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive)
-        assert motion.assembled.all() and (motion.solution.evaluation is not None) == formulas
+        assert motion.assembled.all()
         assert abs(motion.lever.direction[7].imag) < 1e-13 / apart
     bodies["ground"]["E"] = place
     assert not gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive).assembled[7]

@@ -1,5 +1,6 @@
 """Every linkage by second roads: lengths kept, central differences, time histories, other solvers."""
 
+import pickle
 from dataclasses import replace
 from itertools import permutations, product
 
@@ -8,7 +9,6 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.moving import plan
-from geomkin.linkage.solve import formulas as worked
 from geomkin.linkage.solve.loops import Loops
 from tests.linkage.examples import ALL, FEW, FOUR_BAR, TURN, crossed_slots, locked
 
@@ -168,9 +168,7 @@ def test_a_pin_in_two_turning_slots_stands_where_they_cross():
     assert (np.sin(motion.transmission_angle) <= between + 1e-12).all()
 
 
-def test_long_rows_are_the_same_as_short_ones(monkeypatch):
-    # By one engine: the last bits of two differ.
-    monkeypatch.setattr(worked, "WORTH_LOADED", worked.WORTH_LOADING)
+def test_long_rows_are_the_same_as_short_ones():
     drive = np.linspace(0, 20, 40001)
     whole = gk.move(FOUR_BAR, drive, speed=2.0)
     for start in (0, 16000, 39000):
@@ -179,6 +177,14 @@ def test_long_rows_are_the_same_as_short_ones(monkeypatch):
             assert np.array_equal(whole.bodies[name].alpha[start : start + 1000], part.bodies[name].alpha[:1000])
         one, two = whole.point("coupler_point"), part.point("coupler_point")
         assert np.array_equal(one.acceleration[start : start + 1000], two.acceleration)
+
+
+def test_a_motion_can_be_pickled():
+    motion = gk.move(FOUR_BAR, TURN)
+    assert motion.assembled.all()
+    copy = pickle.loads(pickle.dumps(motion))
+    assert np.array_equal(copy.rocker.alpha, motion.rocker.alpha)
+    assert np.array_equal(copy.point("rocker_pin").acceleration, motion.coupler.point(90).acceleration)
 
 
 def test_an_open_frame_is_nan_in_everything():
@@ -216,9 +222,6 @@ class Shifted:
 
     def origin(self, body, order):
         return self.solution.origin(body, order) + (self.by if body == self.body and order == 0 else 0)
-
-    def evaluation_at(self, body, local):
-        """Nothing, so that points go by the origin above."""
 
     def __getattr__(self, name):
         return getattr(self.solution, name)

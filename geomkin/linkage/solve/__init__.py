@@ -5,7 +5,4 @@
 2. Each placement (`placement`, `dyads`, `input_dyads`, `actuators`, `loops`) computes poses and kinematic coefficients.
 3. `solution` determines the branch of every dyad over the drives (`branch`, `drive_range`) and runs the placements.
 4. `move` (moving.py) adds the driver's speed and returns a Motion.
-
-For many frames or repeated motions the placements are not run each time: a `tape` records their operations, `formulas`
-names the results, and a `program` evaluates them by NumPy or, for large tasks, by the loop of `compiled`.
 """

@@ -17,8 +17,6 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
-from . import tape as tape
-from .tape import Recorded
 
 Numbers = TypeVar("Numbers", Real, Complex)
 
@@ -114,10 +112,6 @@ def times(used: Array, by: Array | complex) -> Array:
 
 def paired(real: Real, imag: Real) -> Complex:
     """Complex numbers from their parts; real + 1j * imag would be wrong for parts that are not finite."""
-    for part in (real, imag):
-        if isinstance(part, Recorded):
-            recorded: Any = part.tape.record(tape.paired, (real, imag))
-            return recorded
     z: Complex = np.empty(real.shape, dtype=complex)
     z.real, z.imag = real, imag
     return z

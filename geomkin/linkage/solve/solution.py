@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import cached_property
-from math import prod
 
 import numpy as np
 
@@ -15,19 +14,14 @@ from ..linkage import Linkage
 from .branch import BranchSpec, FollowedBranch
 from .drive_range import DriveRange, change_points
 from .dyads import Dyad
-from .formulas import LazyEvaluation, Timing, is_recordable, linkage_formulas
 from .input_dyads import InputDyad
 from .loops import Loops
 from .placement import Coefficients, Numbers, Placement, Poses, RevoluteInput
-from .program import Group
 
 # Gap, as a share of the linkage's extent, below which it counts as zero. True meetings come out below 2e-16 after
 # chains of five dyads. A larger value takes a near miss for a meeting, a smaller one misses meetings after a dyad at
 # bad angles.
 ROUNDING = 1e-14
-# Frames times linkages, summed over all motions of a linkage, from which formulas are recorded; each motion counts as
-# MOVING more, for the cost of its Python. Recording takes about as long as moving WORTH frames.
-WORTH, MOVING = 10_000, 1000
 
 
 def extent_of(linkage: Linkage) -> float:
@@ -111,12 +105,6 @@ def _nearest(before: DriveRange, k: int, points: Mapping[str, complex]) -> tuple
     return None
 
 
-def _cache_key(branch: tuple[str, Whole | int | FollowedBranch]) -> tuple[str, bytes]:
-    """Key of a joint's branch in the cache of formulas; a followed branch has no formulas."""
-    joint, sign = branch
-    return joint, b"" if isinstance(sign, FollowedBranch) else np.asarray(sign).tobytes()
-
-
 @record(eq=False)
 class LinkageSolution:
     """Poses of all bodies and their derivatives by the drive, each computed on first use.
@@ -129,9 +117,6 @@ class LinkageSolution:
     placements: tuple[Placement, ...]
     drive: Real
     spec: BranchSpec
-    timing: Timing
-    # Results of formulas that had to be expanded to all frames.
-    _expanded: dict[tuple[Group, str], Array] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -145,52 +130,28 @@ class LinkageSolution:
             origin = origin * self.linkage.ground_direction
         if order == 0 and self.linkage.shifted:
             origin = origin + self.linkage.origin
-        return self.over_frames(body, origin)
+        return self._over_frames(body, origin)
 
-    def value(self, group: Group, body: str) -> Array:
-        """A quantity of a body over the frames.
+    def direction(self, body: str) -> Complex:
+        """Direction of a body's x axis, unit complex."""
+        direction = self.poses.direction[body]
+        if self.linkage.ground_direction != 1:
+            direction = direction * self.linkage.ground_direction
+        return self._over_frames(body, direction)
 
-        group: "direction", unit complex; "first" or "second" derivative of the angle by the drive, rad; "omega" and
-        "alpha", rad/s and rad/s2; or (quantity, body, name) of a named point, from the formulas.
-        """
-        evaluation = self.evaluation
-        if evaluation is None:
-            return self._placed(str(group), body)
-        values = evaluation.value(group, body)
-        if values.shape == self._whole:
-            return values
-        key = group, body
-        if key not in self._expanded:
-            self._expanded[key] = self.over_frames(body, values)
-        return self._expanded[key]
+    def theta_prime(self, body: str, order: int) -> Real:
+        """Derivative of order 1 or 2 of a body's angle by the drive, rad."""
+        return self._over_frames(body, (self._first if order == 1 else self._second).theta_prime[body])
 
-    def _placed(self, quantity: str, body: str) -> Array:
-        """The same by the placements, without formulas."""
-        if quantity == "direction":
-            direction = self.poses.direction[body]
-            if self.linkage.ground_direction != 1:
-                direction = direction * self.linkage.ground_direction
-            return self.over_frames(body, direction)
-        if quantity in ("first", "second"):
-            coefficients = self._first if quantity == "first" else self._second
-            return self.over_frames(body, coefficients.theta_prime[body])
-        if quantity == "omega":
-            return self.timing.rate(self._placed("first", body))
-        second = self._placed("second", body)  # evaluated before "first", which is then known as well
-        return self.timing.second_rate(self._placed("first", body), second)
-
-    def over_frames(self, body: str, values: Numbers) -> Numbers:
+    def _over_frames(self, body: str, values: Numbers) -> Numbers:
         """Values at every frame; those of a moving body are nan where the linkage is open."""
-        if self._whole is None and body != self.linkage.ground:
+        if not self._all_assembled and body != self.linkage.ground:
             values = known(self.assembled, values)
-        return values if values.shape == self.assembled.shape else repeated(values, self.assembled.shape)
+        return values if values.shape == self.shape else repeated(values, self.shape)
 
     @cached_property
     def assembled(self) -> Mask:
         """Whether every body can be placed."""
-        if self.evaluation is not None:
-            closed = self.evaluation.value("direction", "")
-            return closed if closed.shape == self.shape else repeated(closed, self.shape)
         closed = np.ones(self.shape, dtype=bool)
         for placement in self.placements:
             reached = placement.reached(self.poses)
@@ -216,33 +177,6 @@ class LinkageSolution:
         return with_branches(self.linkage, self.placements, self.drive, self.shape[1:], self.spec)
 
     @cached_property
-    def evaluation(self) -> LazyEvaluation | None:
-        """Evaluation by recorded formulas; None if recording is not worthwhile, or not everything is a formula."""
-        spec, written, timing = self.spec, self.linkage.formulas, self.timing
-        # The formulas depend on the signs: those of the spec, or those that its points or the motion determine.
-        plain = not (spec.follow or spec.branch_points)
-        signs = spec.branch.items() if plain else map(_cache_key, self._range.branches.items())
-        key = self.placements, timing.steady, timing.speed.ndim, spec.default, *signs
-        formulas = written.get(key, 0)
-        if isinstance(formulas, int):
-            if spec.branch_points and not is_recordable(self.placements, self._range.branches):
-                # Such placements are not shared with another motion, so a count for them would never be used.
-                return None
-            written[key] = moved = formulas + len(self.drive) * prod(self.linkage.shape) + MOVING
-            if moved < WORTH or not is_recordable(self.placements, self._range.branches):
-                return None
-            written[key] = formulas = linkage_formulas(self.linkage, self.placements, self._range.branches, timing)
-        drive = self.drive.reshape(-1, *(1,) * len(self.linkage.shape)) if self.linkage.is_batch else self.drive
-        return LazyEvaluation(formulas, len(drive), self.linkage.shape, {"drive": drive, **timing.given})
-
-    def evaluation_at(self, body: str, local: complex | Complex) -> LazyEvaluation | None:
-        """The same for a point at this position in a body's frame, mm; the directions are shared."""
-        if self.evaluation is None:
-            return None
-        self.evaluation.value("direction", "")
-        return self.evaluation.at(body, "local", np.asarray(local, dtype=complex))
-
-    @cached_property
     def signs(self) -> Mapping[str, Whole]:
         """Sign of each dyad by its inner joint, also where the linkage is open; 0 where both branches meet."""
         signs: dict[str, Whole] = {}
@@ -261,14 +195,9 @@ class LinkageSolution:
         """The branch of each dyad, by its inner joint: its sign, and 0 where the linkage is open."""
         return {joint: np.where(self.assembled, sign, 0).astype(int) for joint, sign in self.signs.items()}
 
-    @property
+    @cached_property
     def transmission_angle(self) -> Real:
         """Smallest transmission angle of all joints that have one, rad; nan if none has."""
-        return self._least_angle if self.evaluation is None else self.value("angle", "")
-
-    @cached_property
-    def _least_angle(self) -> Real:
-        """The same by the placements, without formulas."""
         least = np.full(self.shape, np.nan)
         for placement in self.placements:
             angle = placement.transmission_angle(self.poses)
@@ -277,7 +206,5 @@ class LinkageSolution:
         return np.where(self.assembled, least, np.nan)
 
     @cached_property
-    def _whole(self) -> tuple[int, ...] | None:
-        """Shape of results that need no nan; None if the linkage is open at some frame."""
-        closed = self.assembled
-        return closed.shape if np.count_nonzero(closed) == closed.size else None
+    def _all_assembled(self) -> bool:
+        return bool(self.assembled.all())

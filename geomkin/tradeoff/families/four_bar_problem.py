@@ -11,7 +11,6 @@ from ...core.records import record
 from ...linkage.moving import move, placements_for
 from ...linkage.named_linkages import FourBar
 from ...linkage.solve.branch import as_branch_spec
-from ...linkage.solve.formulas import Timing
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Complex, Real
@@ -99,8 +98,8 @@ def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
 
     def call() -> Directions:
-        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1), STEADY)
-        return solution.value("direction", "coupler"), solution.value("direction", "rocker")
+        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1))
+        return solution.direction("coupler"), solution.direction("rocker")
 
     return call
 
@@ -174,8 +173,6 @@ def _single(problem: FourBarProblem, _: float) -> Call:
     return call
 
 
-# The driver turns at 1 rad/s: rates are derivatives by its angle.
-STEADY = Timing(np.asarray(1.0), np.asarray(0.0))
 LIBRARY: Method[FourBarProblem, Directions] = Method(
     "geomkin.move",
     "The library's call, for any linkage: it finds in which order members are placed, and works out a four-bar's by "

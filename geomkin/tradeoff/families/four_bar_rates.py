@@ -18,7 +18,6 @@ from .four_bar_problem import (
     LIBRARY,
     NEAR_TOGGLE,
     ORDINARY,
-    STEADY,
     Directions,
     FourBarProblem,
     by_toggle_proof_form,
@@ -44,8 +43,8 @@ def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
 
     def call() -> Rates:
-        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1), STEADY)
-        first, second = ((solution.value(k, "coupler"), solution.value(k, "rocker")) for k in ("first", "second"))
+        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1))
+        first, second = ((solution.theta_prime("coupler", k), solution.theta_prime("rocker", k)) for k in (1, 2))
         return *first, *second
 
     return call

@@ -18,7 +18,7 @@ from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Complex, Real
 from ..exact import ENTRIES, FRAMES, Track, Vector, carried, circling, count, cubic, fixed, linear, misses, pinned
 from ..family import Method, MethodFamily
-from .four_bar_problem import LIBRARY, STEADY
+from .four_bar_problem import LIBRARY
 
 GROUND, CRANK, COUPLER, ROCKER, POINT = 99.0, 30.0, 77.0, 95.0, 128 + 15j
 LINK, OUTPUT, PIVOT = 58.7, 60.0, 69 + 191j
@@ -41,7 +41,7 @@ def _library(track: Track, _: float) -> Call:
 def _general_dyads(track: Track, _: float) -> Call:
     general = SIX_BAR.linkage
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1), STEADY).value("direction", "output")
+    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1)).direction("output")
 
 
 def _circles(track: Track, _: float) -> Call:
@@ -146,7 +146,7 @@ def _newton_warm(track: Track, tolerance: float) -> Call:
 
 def _loops(track: Track, _: float) -> Call:
     estimated = with_estimate("crank", track.drive)
-    return lambda: _iterated(estimated, track.drive).value("direction", "output")
+    return lambda: _iterated(estimated, track.drive).direction("output")
 
 
 def with_estimate(driver: str, drive: Real) -> Linkage:
@@ -163,7 +163,7 @@ def _iterated(linkage: Linkage, drive: Real) -> LinkageSolution:
     known = frozenset((linkage.ground, linkage.driver))
     waiting = tuple(body for body in linkage.bodies if body not in known)
     steps = (*crank, Loops(linkage, waiting, known, known, True, False))
-    return LinkageSolution(linkage, steps, drive, as_branch_spec(1), STEADY)
+    return LinkageSolution(linkage, steps, drive, as_branch_spec(1))
 
 
 SIX_BAR_POSITION: MethodFamily[Track, Array] = MethodFamily(

@@ -16,7 +16,7 @@ from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Real
 from ..exact import ENTRIES, FRAMES, Track, Vector, circling, count, cubic, linear, misses, sliding
 from ..family import Method, MethodFamily
-from .four_bar_problem import LIBRARY, STEADY
+from .four_bar_problem import LIBRARY
 
 CRANK, ROD, OFFSET = 30.0, 90.0, 10.0
 LINKAGE = SliderCrank(CRANK, ROD, OFFSET)
@@ -35,7 +35,7 @@ def _library(track: Track, _: float) -> Call:
 def _general_dyad(track: Track, _: float) -> Call:
     general = LINKAGE.linkage
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1), STEADY).origin("slider", 0).real
+    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1)).origin("slider", 0).real
 
 
 def _factors(track: Track, _: float) -> Call:
