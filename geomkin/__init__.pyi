@@ -34,6 +34,17 @@ from .gear.pair import GearPair as GearPair
 from .gear.ring import RingGear as RingGear
 from .gear.spur import SpurGear as SpurGear
 from .linkage.coupler_curve import CouplerCurve as CouplerCurve
+from .linkage.dynamics.friction import PinFriction as PinFriction
+from .linkage.dynamics.friction import SlideFriction as SlideFriction
+from .linkage.dynamics.inverse import forces as forces
+from .linkage.dynamics.loads import DriveTable as DriveTable
+from .linkage.dynamics.loads import Force as Force
+from .linkage.dynamics.loads import GasSpring as GasSpring
+from .linkage.dynamics.loads import Loads as Loads
+from .linkage.dynamics.loads import SlideForce as SlideForce
+from .linkage.dynamics.loads import Spring as Spring
+from .linkage.dynamics.loads import Torque as Torque
+from .linkage.dynamics.loads import TorsionSpring as TorsionSpring
 from .linkage.linkage import Linkage as Linkage
 from .linkage.linkage import Slider as Slider
 from .linkage.measures import driver_limits as driver_limits
@@ -50,6 +61,8 @@ from .linkage.named_linkages import StephensonSixBar as StephensonSixBar
 from .linkage.named_linkages import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
 from .model.check import Check as Check
+from .model.mass import Mass as Mass
+from .model.material import Material as Material
 from .model.part import HoleFit as HoleFit
 from .model.part import Part as Part
 from .model.part import Twist as Twist
@@ -62,6 +75,7 @@ from .plane.measure import area as area
 from .plane.measure import curvature as curvature
 from .plane.measure import length as length
 from .plane.measure import nearest as nearest
+from .recipe.recipe import masses as masses
 from .studio.notebook import show as show
 from .sweeps.sweep import sweep as sweep
 from .synthesis.function.function import function_generator as function_generator

@@ -239,8 +239,9 @@ def write(
         The data to write.
     path : str or Path
         The ending selects the format, such as `.dxf`, `.csv` or `.html` (the page). For a recipe also `-assembly.svg`,
-        `-assembly.dxf` and `-animation.svg` for pictures of the assembly, `-assembly.glb` and `-assembly.3mf` for its
-        solids. Formats with one file per part, such as STL, write several files next to `path`, named after the parts.
+        `-assembly.dxf` and `-animation.svg` for pictures of the assembly, `-plot.svg` for its plots, `-assembly.glb`
+        and `-assembly.3mf` for its solids. Formats with one file per part, such as STL, and plots write several files
+        next to `path`, named after the parts or plots.
     tolerance : float, optional
         Largest distance between a curve and the written one, mm.
     kerf : float, optional
@@ -289,7 +290,7 @@ def _as_source(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[
         return StaticSource(table=source), ("table",)
     parts = (source,) if isinstance(source, Part) else tuple(source)
     if not parts:
-        raise DesignError("source", "there are no parts", "give at least one")
+        raise DesignError("source", "there are no parts", "give at least one", "out-of-range")
     return StaticSource(parts), ("parts",)
 
 

@@ -1,4 +1,4 @@
-"""The commands: run, check, columns, sweep, list, new, schema, chart."""
+"""The commands: run, check, columns, sweep, studio, list, new, schema, chart."""
 
 from __future__ import annotations
 
@@ -203,6 +203,35 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 def _overwrite(line: str) -> None:
     """A line in place of the one before."""
     click.echo(f"\r\x1b[K{line}", nl=False, err=True)
+
+
+@cli.command()
+@click.argument("recipe", required=False, type=click.Path(exists=True, path_type=Path), metavar="[RECIPE_OR_FOLDER]")
+@click.option("--port", default=8017, show_default=True, type=click.IntRange(1, 65535), help="Or the next free one.")
+@click.option("--no-browser", is_flag=True, help="Print the address only.")
+def studio(recipe: Path | None, port: int, no_browser: bool) -> None:
+    """Edit a RECIPE, or one of a folder, in the browser: drag the mechanism, see its motion and checks, save.
+
+    Without a recipe it shows all kinds and the recipes of the working folder. Ctrl-C ends it.
+    """
+    import gc
+    import signal
+    import webbrowser
+    from contextlib import suppress
+
+    from .studio.server import Studio, StudioServer
+    from .studio.workspace import Workspace
+
+    # The settings of a short process do not suit a server: it ends by itself, and lives long.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.set_threshold(700, 10, 10)
+    place = recipe or Path()
+    folder, first = (place, "") if place.is_dir() else (place.parent, place.stem)
+    with StudioServer(Studio(Workspace(folder), first), port) as server, suppress(KeyboardInterrupt):
+        click.echo(server.url)
+        if not no_browser:
+            webbrowser.open(server.url)
+        server.serve_forever(poll_interval=0.2)
 
 
 @cli.command("list")

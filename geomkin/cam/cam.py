@@ -76,6 +76,7 @@ class Cam:
                 "program",
                 f"found {stretches:,} smooth stretches between joints; adjacent dwells count as one",
                 f"give at most {MOST_STRETCHES}, or replace many segments by a table",
+                "too-much-work",
             )
         self.follower.check(self.program, self.base_radius, self.sense)
 
@@ -106,7 +107,7 @@ class Cam:
         knife = self.follower.knife_edge
         if knife is None:
             raise DesignError(
-                "follower", "a cam with a flat-faced follower has no pitch curve", "use the profile instead"
+                "follower", "a cam with a flat-faced follower has no pitch curve", "use the profile instead", "conflict"
             )
         # The roller's centre is a knife edge on the prime circle.
         return Profile(knife, self.program, self.prime_radius, self.sense)
@@ -204,4 +205,5 @@ def check_lifts(follower: AbstractFollower, program: Program) -> None:
         f"{'swings about a pivot' if follower.oscillates else 'moves along a line'}",
         f"give the lifts in {'degrees' if follower.oscillates else 'mm'}, or a follower that "
         f"{'moves along a line' if follower.oscillates else 'swings about a pivot'}",
+        "conflict",
     )

@@ -11,11 +11,13 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, quantity, rounded_down
 from ..core.records import record
-from ..making.assembly import Assembly, AssemblyBuilder, collar_across, pin_bill, seated
+from ..making.assembly import Assembly, AssemblyBuilder, collar_across, collar_width, pin_bill, seated
 from ..making.bases import BaseOpening, BaseStock, standing_plate
 from ..making.bores import bore, fits_of, shaft
 from ..making.fits import AbstractBored
+from ..making.materials import STEEL_DENSITY
 from ..making.motors import MotorName
+from ..model.mass import Mass
 from ..model.part import Bought, HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
@@ -63,7 +65,7 @@ def cam_base(
         pivot = complex(pin_paths[0, 0])
         openings.append(BaseOpening("the arm's pivot", *bore_of_pin, (pivot,), LETTERS["pivot_bore"], head=collar))
     elif len(pins) < 2:
-        raise DesignError("base", "the follower has no stem that a base could guide", "omit base")
+        raise DesignError("base", "the follower has no stem that a base could guide", "omit base", "conflict")
     else:
         ends = (complex(pin_paths[0, 0]), complex(pin_paths[-1, -1]))
         openings.append(BaseOpening("the guide pins", *bore_of_pin, ends, LETTERS["pivot_bore"], head=collar))
@@ -136,6 +138,8 @@ class CamStock(AbstractBored):
         How much wider a hole is than its pin or shaft, mm.
     motor : {"nema17"}, optional
         Motor that drives the cam.
+    material : Material, optional
+        Material of cam and follower.
     roller_bore, pivot_bore : float, optional
         Diameters of the roller's pin, and of an arm's pivot or the pins in a stem, mm; 0 for no hole.
     timing_mark : bool, optional
@@ -259,6 +263,7 @@ def _follower_part(plate: Plate, stock: CamStock, letters: Mapping[str, str] | N
         body=plate.name,
         hole_names=tuple(names),
         fits=tuple(fits),
+        material=stock.material,
     )
 
 
@@ -268,9 +273,12 @@ def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
     towards = start / abs(start)
     holes = stock.hole(towards, narrowest, "stock")
     if not stock.timing_mark:
-        return Part("cam", cut.outline, holes, stock.thickness, body="cam", fits=stock.fits)
-    marks = _timing_marks(towards, stock.hole_reach, narrowest / 2, cam.sense)
-    return Part("cam", cut.outline, holes, stock.thickness, marks=marks, body="cam", fits=stock.fits)
+        marks: tuple[AbstractCurve, ...] = ()
+    else:
+        marks = _timing_marks(towards, stock.hole_reach, narrowest / 2, cam.sense)
+    return Part(
+        "cam", cut.outline, holes, stock.thickness, marks=marks, body="cam", fits=stock.fits, material=stock.material
+    )
 
 
 def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> tuple[AbstractCurve, ...]:
@@ -282,6 +290,23 @@ def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> t
     back = -1j * sense * tip / abs(tip) * HEAD * ring
     barbs = np.array([tip + back * np.exp(0.5j), tip, tip + back * np.exp(-0.5j)])
     return Segment(start, end), arrow, Polyline(barbs, is_closed=False)
+
+
+def pin_masses(cam: Cam, stock: CamStock, base: BaseStock | None) -> dict[str, Mass]:
+    """Masses of the steel pins that are glued into the follower's plates, with their collars, by the plate."""
+    guided = cam.follower.plates if base is None else cam.follower.guided_plates
+    plates: dict[str, Mass] = {}
+    for plate in guided(stock.bars, cam.program, cam.base_radius, cam.sense):
+        for hole in plate.holes if plate.name != "roller" else ():
+            diameter, collar = hole.diameter, 0.0
+            if hole.key == "roller_bore" or base is not None:
+                collar = collar_width(diameter)
+            length = (1 if base is None else 2) * stock.thickness if hole.key == "pivot_bore" else 2 * stock.thickness
+            rings = (collar_across(diameter) ** 2 - diameter**2) * collar
+            volume = np.pi / 4 * (diameter**2 * (length + collar) + rings) if diameter else 0.0
+            mass = Mass(STEEL_DENSITY * 1e-9 * volume, hole.centre)
+            plates[plate.name] = plates[plate.name] + mass if plate.name in plates else mass
+    return plates
 
 
 @checked

@@ -14,7 +14,7 @@ ProblemId = Literal[
     "out-of-range",
     "not-finite",
     "conflict",  # two values that do not go together, each by itself allowed
-    "impossible-geometry",  # no such mechanism exists; also what nothing more specific applies to
+    "impossible-geometry",  # no mechanism of these sizes exists
     "does-not-assemble",
     "too-much-work",
     "invalid-toml",

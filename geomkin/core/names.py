@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 
@@ -26,6 +26,10 @@ MARKS = {"Mn", "Mc"}
 # Letters by category that are invisible, so that two names would look alike: the Hangul fillers.
 UNSEEN = "\u115f\u1160\u3164\uffa0"
 ALLOWED = f"letters, digits, spaces, _ and -, beginning with a letter or digit, at most {LONGEST} letters"
+
+
+# Where the files that a recipe names are looked for: in a folder or below, anywhere (None), or among texts by name.
+Folder = str | Path | Mapping[str, str] | None
 
 
 def check_names(field: str, names: Iterable[str], what: str) -> None:
@@ -111,12 +115,16 @@ LARGEST = 10_000_000
 WITH_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
 
 
-def read_text_file(name: str | Path, folder: str | Path | None, what: str) -> str:
+def read_text_file(name: str | Path, folder: Folder, what: str) -> str:
     """The text of a file, UTF-8; DesignError with the field `file` if it cannot be read.
 
-    folder: the file must be in it or below, and not be a link that leads out; None, as from a script: anywhere. what:
-    the expected file for the message, such as "a CSV file".
+    folder: the file must be in it or below, and not be a link that leads out; None, as from a script: anywhere; or the
+    texts of the files by name. what: the expected file for the message, such as "a CSV file".
     """
+    if isinstance(folder, Mapping):
+        if str(name) not in folder:
+            raise DesignError("file", f"{printable(name)} is not there", f"give {what}", "file-unreadable")
+        return folder[str(name)]
     try:
         home = Path(folder or ".").resolve()
         path = (home / name).resolve()

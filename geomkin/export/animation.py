@@ -56,7 +56,7 @@ def _run(closed: np.ndarray, cyclic: bool) -> tuple[Whole, bool]:
     runs = [run for run in np.split(np.arange(len(closed)), np.flatnonzero(np.diff(closed)) + 1) if closed[run[0]]]
     run = max(runs, key=len, default=np.zeros(0, dtype=np.intp))
     if len(run) < 2:
-        raise DesignError("write", "names an animation, and nothing moves", "leave it out")
+        raise DesignError("write", "names an animation, and nothing moves", "leave it out", "conflict")
     return run[kept_frames(len(run))], cyclic and bool(closed.all())
 
 

@@ -161,16 +161,20 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
             part.name,
             f"it is about {size:.3g} mm across",
             f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {WIDEST:g} mm",
+            "out-of-range",
         )
     far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
     if far > WIDEST:
         # Farther away the numbers have too few digits for its corners.
-        raise DesignError(part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {WIDEST:g} mm")
+        raise DesignError(
+            part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {WIDEST:g} mm", "out-of-range"
+        )
     if tolerance * share < FINEST * size:
         raise DesignError(
             "tolerance",
             f"found {tolerance:g} mm for the {part.name}, which is about {size:.3g} mm across",
             f"give at least {rounded_up(FINEST * size / share, 2)} mm",
+            "out-of-range",
         )
 
 
@@ -198,7 +202,7 @@ def _mark(part: Part, curve: AbstractCurve, tolerance: float) -> Loop:
     is_distinct[-1] &= not (curve.closed and points[-1] == points[0])
     points = points[is_distinct]
     if len(points) < (3 if curve.closed else 2):
-        raise DesignError(part.name, "a mark is smaller than the resolution of files", "make it larger")
+        raise DesignError(part.name, "a mark is smaller than the resolution of files", "make it larger", "out-of-range")
     if isinstance(curve, Circle):
         circle = Circle(rounded(curve.centre, digits).item(), rounded(curve.radius, digits).item())
         return Loop(circle, points, "ENGRAVE")
@@ -219,7 +223,10 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
             raise DesignError("kerf", f"found {-2 * grow:g} mm, wider than a hole of the {name}", "give a smaller kerf")
         if round(radius, digits) <= 0:
             raise DesignError(
-                name, f"a hole {2 * radius:.3g} mm wide is smaller than the resolution of files", "make it larger"
+                name,
+                f"a hole {2 * radius:.3g} mm wide is smaller than the resolution of files",
+                "make it larger",
+                "out-of-range",
             )
         circle = Circle(rounded(curve.centre, digits).item(), rounded(radius, digits).item())
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
@@ -233,7 +240,7 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
         # The parallel curve crosses itself or does not exist. It is trimmed as a polygon.
         moved, points = None, _rounded_loop(_grown(flatten(curve, tolerance / 2), grow, tolerance / 2, name), digits)
     if len(points) < 3:
-        raise DesignError(name, "a contour is smaller than the resolution of files", "make it larger")
+        raise DesignError(name, "a contour is smaller than the resolution of files", "make it larger", "out-of-range")
     if not region.is_simple(points):
         raise DesignError(name, "the outline crosses itself", "change the sizes that make it overlap")
     shape = _rounded_arcs(to_arcs(moved, tolerance), tolerance) if arcs and moved else Polyline(points)

@@ -158,4 +158,4 @@ class Job:
 
 
 def _lacking(data: str) -> DesignError:
-    return DesignError("write", f"names a format that needs a {data}, and there is none", "leave it out")
+    return DesignError("write", f"names a format that needs a {data}, and there is none", "leave it out", "conflict")

@@ -354,6 +354,7 @@ def _check_parts_fit(cuts: Sequence[Cut], width: float, height: float) -> None:
                 "sheet",
                 f"found {width:g} x {height:g} mm, and the {cut.part.name} is {size.real:g} x {size.imag:g} mm",
                 f"give at least [{long:g}, {short:g}], which leaves {GAP:g} mm to each edge",
+                "out-of-range",
             )
 
 

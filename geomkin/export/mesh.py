@@ -38,6 +38,7 @@ def solid_cut(part: Part, tolerance: float) -> Cut:
             "tolerance",
             f"found {tolerance:g} mm, with which the {part.name} takes {count:,} triangles; {MOST:,} can be drawn",
             f"give {_tolerance_advice(part, part.twist, tolerance)}a thickness of at most {thickness} mm",
+            "too-much-work",
         )
     return cut_part
 

@@ -35,9 +35,12 @@ def write_step(job: Job) -> dict[str, bytes]:
                 "write",
                 f"found step for the {cut.part.name}: planes and cylinders cannot represent helical teeth",
                 "leave step out and take stl or 3mf, or give a helix_angle_deg of 0",
+                "conflict",
             )
         if name in contents:
-            raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
+            raise DesignError(
+                "name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own", "conflict"
+            )
         contents[name] = step(cut)
     return contents
 
@@ -53,6 +56,7 @@ def step(cut: Cut) -> bytes:
             "tolerance",
             f"the {cut.part.name} has {count:,} edges, and a STEP file at most {MOST_EDGES:,}",
             "give a larger tolerance, or leave step out of what is written",
+            "too-much-work",
         )
     return _Entities(cut.part.name).of(loops, cut.part.thickness)
 

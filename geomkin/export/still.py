@@ -56,7 +56,9 @@ def frame_at(scene: Scene, at: float | None) -> int:
     """
     drive, closed = np.asarray(scene.drive.values, dtype=float), np.flatnonzero(scene.assembled)
     if not len(closed):
-        raise DesignError("assembly_at", "the mechanism cannot be assembled in any position", "change its sizes")
+        raise DesignError(
+            "assembly_at", "the mechanism cannot be assembled in any position", "change its sizes", "does-not-assemble"
+        )
     if at is None:
         wanted = drive[0] + (SHARE if scene.cyclic else HALF_WAY) * (drive[-1] - drive[0])
         return int(closed[np.argmin(np.abs(drive[closed] - wanted))])
@@ -65,11 +67,16 @@ def frame_at(scene: Scene, at: float | None) -> int:
     found = f"found {at:g} {scene.drive.unit}".rstrip()
     if abs(drive[nearest] - at) > step:
         low, high = float(drive.min()), float(drive.max())
-        raise DesignError("assembly_at", f"{found}, outside the range of the driver", f"give {low:g} to {high:g}")
+        raise DesignError(
+            "assembly_at", f"{found}, outside the range of the driver", f"give {low:g} to {high:g}", "out-of-range"
+        )
     if not scene.assembled[nearest]:
         best = drive[closed[np.argmin(np.abs(drive[closed] - at))]]
         raise DesignError(
-            "assembly_at", f"{found}, where the mechanism cannot be assembled", f"give {best:g}, the nearest"
+            "assembly_at",
+            f"{found}, where the mechanism cannot be assembled",
+            f"give {best:g}, the nearest",
+            "does-not-assemble",
         )
     return nearest
 

@@ -23,7 +23,9 @@ def write_stl(job: Job) -> dict[str, bytes]:
     for cut in job.solids:
         name = f"{cut.part.name}.stl"
         if name in contents:
-            raise DesignError("name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own")
+            raise DesignError(
+                "name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own", "conflict"
+            )
         if (size := len(HEADER) + 4 + TRIANGLE.itemsize * triangles(cut)) >= LARGE:
             report(0.0, f"{name}, about {size / 1e6:.0f} MB")
         contents[name] = stl(cut)

@@ -73,7 +73,7 @@ def _part(part: Part) -> dict[str, object]:
         "thickness_mm": part.thickness,
         "area_mm2": float(f"{exact:.10g}"),
         "volume_mm3": float(f"{exact * part.thickness:.10g}"),
-    }
+    } | ({} if part.mass is None else {"mass_kg": float(f"{part.mass.mass:.9g}")})
 
 
 def _wall(job: Job, part: Part) -> dict[str, object]:

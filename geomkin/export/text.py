@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import fields
@@ -63,7 +64,7 @@ class Title:
             value = getattr(self, field.name)
             if flaw := _flaw(value):
                 allowed = f"give at most {LONGEST} letters of any script, digits and signs, {SIGNS} too"
-                raise DesignError(field.name, f"found {shown(value)}, which {flaw}", allowed)
+                raise DesignError(field.name, f"found {shown(value)}, which {flaw}", allowed, "out-of-range")
 
     def lines(self) -> Iterator[str]:
         """The entries besides the name, each with its label."""
@@ -134,12 +135,13 @@ def number(value: float, digits: int = DIGITS) -> str:
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
     """A value with its unit for readers."""
-    sign = _unit(unit)
+    sign = unit_sign(unit)
     return f"{number(float(value), digits)}{'' if sign in ('', '°') else ' '}{sign}"
 
 
-def _unit(unit: str) -> str:
-    return unit.replace("deg", "°").replace("2", "²")
+def unit_sign(unit: str) -> str:
+    """A unit, or a text with units, with the signs that print has for degrees and squares."""
+    return re.sub(r"([a-z])2\b", r"\1²", re.sub(r"\bdeg\b", "°", unit))
 
 
 def capital(words: str) -> str:

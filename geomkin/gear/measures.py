@@ -120,7 +120,9 @@ def span(gear: AbstractInvoluteGear, teeth: int | None = None) -> SpanMeasure:
         teeth = min(fitting, key=lambda k: abs(length(k) - start - end))
     if teeth not in fitting:
         nearest = min(fitting, key=lambda k: abs(k - teeth))
-        raise DesignError("teeth", f"found {teeth}, for which the jaws miss the involute", f"give {nearest}")
+        raise DesignError(
+            "teeth", f"found {teeth}, for which the jaws miss the involute", f"give {nearest}", "out-of-range"
+        )
     return SpanMeasure(teeth, length(teeth), float(np.hypot(gear.base_radius, length(teeth) / 2)))
 
 
@@ -166,7 +168,9 @@ def over_pins(gear: AbstractInvoluteGear, pin: Length | None = None) -> PinMeasu
     slack = 1e-9 * gear.module
     if not (start - slack <= touching <= end + slack and sign * (radius - gear.tip_radius) + pin / 2 > 0):
         remedy = "measure the span instead" if pin == best else f"give about {best:.4g} mm"
-        raise DesignError("pin", f"found {pin:g} mm, for which the pin is below the tips or misses the flanks", remedy)
+        raise DesignError(
+            "pin", f"found {pin:g} mm, for which the pin is below the tips or misses the flanks", remedy, "out-of-range"
+        )
     across = 2 * radius * (np.cos(np.pi / (2 * gear.teeth)) if gear.teeth % 2 else 1.0)
     return PinMeasure(float(across + sign * pin), float(pin), radius, float(np.hypot(base, touching)))
 
@@ -215,7 +219,10 @@ def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasu
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:
         raise DesignError(
-            "radius", f"found {r:g} mm, outside the involute", f"give {rounded_up(low)} to {rounded_down(high)} mm"
+            "radius",
+            f"found {r:g} mm, outside the involute",
+            f"give {rounded_up(low)} to {rounded_down(high)} mm",
+            "out-of-range",
         )
     arc = gear.thickness(r)
     half = arc / (2 * r)
@@ -224,7 +231,9 @@ def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasu
 
 def _refuse_ring(gear: AbstractInvoluteGear) -> None:
     if gear.is_ring:
-        raise DesignError("gear", "found a ring, whose teeth cannot be measured with jaws", "measure between pins")
+        raise DesignError(
+            "gear", "found a ring, whose teeth cannot be measured with jaws", "measure between pins", "wrong-type"
+        )
 
 
 @checked

@@ -141,7 +141,7 @@ class PlanetarySet:
         z_s, z_r, z_p = self.sun.teeth, self.ring.teeth, self.planet.teeth
         weights = {"sun": z_s, "ring": z_r, "carrier": -(z_s + z_r)}
         if len(given) != 2 or not set(given) <= set(weights):
-            raise DesignError("given", f"found {', '.join(given)}", "give two of sun, ring and carrier")
+            raise DesignError("given", f"found {', '.join(given)}", "give two of sun, ring and carrier", "conflict")
         (missing,) = set(weights) - set(given)
         for name, speed in given.items():
             if not NUMBER.fits(speed):

@@ -155,13 +155,13 @@ class SpurGear(AbstractInvoluteGear):
         if self.rack.fillet_radius and conflicting:
             problem = f"found {given[conflicting]:g}, but the rack's fillet_radius already cuts the tips"
             remedy = "rack.addendum instead" if conflicting == "addendum" else "one of them"
-            raise DesignError(conflicting, problem, f"give {remedy}")
+            raise DesignError(conflicting, problem, f"give {remedy}", "conflict")
         if self.tip_rounding and self.tip_chamfer:
             problem = f"found {self.tip_chamfer:g} and a tip_rounding of {self.tip_rounding:g}"
-            raise DesignError("tip_chamfer", problem, "give one of them")
+            raise DesignError("tip_chamfer", problem, "give one of them", "conflict")
         if 0 < self.tip_chamfer < SMALLEST_CHAMFER:
             remedy = f"give 0 or at least {SMALLEST_CHAMFER:g}"
-            raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g}, which is too small", remedy)
+            raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g}, which is too small", remedy, "out-of-range")
         if self.tip_rounding:
             name, value = "tip_rounding", self.tip_rounding
             most = largest_rounding(self.base_radius, self.tooth.half_angle_at_base, self.tip_radius)

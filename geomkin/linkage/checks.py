@@ -76,7 +76,9 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
     The limits are constants of this module, each with its source.
     """
     if motion.linkage.is_batch:
-        raise DesignError("motion", "found many linkages at once", "give one, for each has checks of its own")
+        raise DesignError(
+            "motion", "found many linkages at once", "give one, for each has checks of its own", "wrong-type"
+        )
     driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, assembly_failure(motion)
     advice = f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke"
     share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{opens}; {advice}" if opens else advice)

@@ -90,17 +90,21 @@ class CouplerCurve(AbstractCurve):
     def __post_init__(self) -> None:
         named = dict.fromkeys(point for points in self.linkage.linkage.bodies.values() for point in points)
         if self.point_name not in named:
-            raise DesignError("point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}")
+            raise DesignError(
+                "point_name", f"found {self.point_name!r}", f"give one of {', '.join(named)}", "unknown-key"
+            )
         if self.drive_span[0] >= self.drive_span[1]:
-            raise DesignError("span", f"found {self.span}", "give a rising pair")
+            raise DesignError("span", f"found {self.span}", "give a rising pair", "out-of-range")
         missing = self.span is None and self.linkage.linkage.driven_slider is not None
         parts = driver_limits(self.linkage, self.branch, None if missing else self.drive_span)
         reached = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in parts) or "nowhere"
         if missing:
             remedy = f"give its first and last displacement, mm: the linkage closes from {reached}"
-            raise DesignError("span", "is missing although a slide drives", remedy)
+            raise DesignError("span", "is missing although a slide drives", remedy, "missing-key")
         if parts != (self.drive_span,):
-            raise DesignError("span", f"the linkage closes only from {reached}", "give a span inside it")
+            raise DesignError(
+                "span", f"the linkage closes only from {reached}", "give a span inside it", "does-not-assemble"
+            )
 
     @property
     def drive_span(self) -> tuple[float, float]:
@@ -173,7 +177,7 @@ def coupler_grid(length: float, height: float, rows: int, columns: int, centre: 
         ("columns", columns, 1),
     ):
         if not least <= value < np.inf:
-            raise DesignError(name, f"found {value}", f"give a finite number of at least {least}")
+            raise DesignError(name, f"found {value}", f"give a finite number of at least {least}", "out-of-range")
     x, y = (
         np.linspace(-side / 2, side / 2, n) if n > 1 else np.zeros(1) for side, n in ((length, columns), (height, rows))
     )
@@ -258,17 +262,23 @@ def dashes(
     """
     local, steps = np.atleast_1d(np.asarray(points, dtype=complex)), np.asarray(drive, dtype=float)
     if not 0 < tolerance < np.inf:
-        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm")
+        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
     if steps.ndim != 1 or len(steps) < 2 or not np.all(np.diff(steps) > 0):
         raise DesignError(
-            "drive", "the values do not rise", "give the limits of the steps in rising order, at least two"
+            "drive",
+            "the values do not rise",
+            "give the limits of the steps in rising order, at least two",
+            "out-of-range",
         )
     if local.ndim != 1 or not local.size or not np.isfinite(local).all():
         raise DesignError(
-            "points", "found something other than a 1-D array of finite points", "give finite points; ravel a grid"
+            "points",
+            "found something other than a 1-D array of finite points",
+            "give finite points; ravel a grid",
+            "wrong-type",
         )
     if as_branch_spec(branch).follow:
-        raise DesignError("branch", f"found {shown(branch)}", "give +1, -1 or a table of signs by joint")
+        raise DesignError("branch", f"found {shown(branch)}", "give +1, -1 or a table of signs by joint", "wrong-type")
     _check_body(linkage.linkage.bodies, body)
     if as_branch_spec(branch).branch_points:
         # The branch nearest to the given positions at the first step serves for all dashes.
@@ -278,7 +288,7 @@ def dashes(
 
 def _check_body(bodies: Collection[str], body: str) -> None:
     if body not in bodies:
-        raise DesignError("body", f"found {body!r}", f"give one of {', '.join(bodies)}")
+        raise DesignError("body", f"found {body!r}", f"give one of {', '.join(bodies)}", "unknown-key")
 
 
 def _dash_limits(linkage: AbstractLinkage, steps: Real, branch: Branch) -> Real:
@@ -307,7 +317,12 @@ def _drawn(
         motion = move(linkage, nodes.ravel(), branch)
         if not motion.assembled.all():
             opened = nodes.ravel()[~motion.assembled][0]
-            raise DesignError("drive", f"the linkage opens at {opened:.6g} for a moment", "give steps that end there")
+            raise DesignError(
+                "drive",
+                f"the linkage opens at {opened:.6g} for a moment",
+                "give steps that end there",
+                "does-not-assemble",
+            )
         path = coupler_curves(motion, local, body).reshape(len(local), *nodes.shape)
         distance = _distance(path)
         near, worst = distance <= AIM * tolerance, float(distance.max(initial=0.0))
@@ -320,6 +335,7 @@ def _drawn(
         "tolerance",
         f"found {tolerance:g} mm, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
         f"give at least {rounded_up(worst / AIM, 4)} mm, or fewer points or dashes",
+        "too-much-work",
     )
 
 
@@ -478,7 +494,12 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
     w = _ratio(four_bar)
     motion = move(replace(four_bar, origin=0j, ground_angle_deg=0.0), [start], branch)
     if not motion.assembled[0]:
-        raise DesignError("start", f"found {start:g} rad, where the linkage is open", "give a drive that it reaches")
+        raise DesignError(
+            "start",
+            f"found {start:g} rad, where the linkage is open",
+            "give a drive that it reaches",
+            "does-not-assemble",
+        )
     e1, e3, e4 = (complex(motion.bodies[link].direction[0]) for link in ("crank", "coupler", "rocker"))
     point = {
         "crank_pivot": 0j,

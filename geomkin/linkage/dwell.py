@@ -85,7 +85,12 @@ def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwe
     t, y = _between(drive, value, slope)
     start, end = _longest(t, y, float(band))
     if start == end:
-        raise DesignError("motion", "found no two neighbouring frames that are reached", "give drives that it reaches")
+        raise DesignError(
+            "motion",
+            "found no two neighbouring frames that are reached",
+            "give drives that it reaches",
+            "does-not-assemble",
+        )
     # Extended to the points at which it leaves the band, at the end and then at the start.
     t_end, y_end = _leaves_band_at(t, y, end, end + 1, y[start : end + 1], float(band))
     t_start, y_start = _leaves_band_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))
@@ -98,9 +103,11 @@ def _output(motion: Motion, output: str) -> tuple[Real, Real]:
     """Angle, rad, or displacement along its slide, mm, and its derivative by the drive."""
     general = motion.linkage
     if general.is_batch:
-        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time", "wrong-type")
     if output not in general.bodies or output == general.ground:
-        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}")
+        raise DesignError(
+            "output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}", "unknown-key"
+        )
     body = motion.bodies[output]
     if not is_translating(motion, output):
         angle = np.angle(body.direction)
@@ -109,7 +116,7 @@ def _output(motion: Motion, output: str) -> tuple[Real, Real]:
     slider = next((s for s in general.sliders if {s.body, s.along} == {output, general.ground}), None)
     if slider is None:
         problem = f"found {output}, which translates and is not guided along a line of the {general.ground}"
-        raise DesignError("output", problem, "give a body that turns or slides on the ground")
+        raise DesignError("output", problem, "give a body that turns or slides on the ground", "conflict")
     line = motion.bodies[slider.along].direction * slider.direction * (1 if slider.body == output else -1)
     return dot(line, body.origin.position), dot(line, body.origin.first)
 

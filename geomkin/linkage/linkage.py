@@ -188,39 +188,50 @@ class Linkage(AbstractLinkage):
     def __post_init__(self) -> None:
         names = list(self.bodies)
         if len(names) < 2:
-            raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")
+            raise DesignError(
+                "bodies", f"found {len(names)}", "give the fixed body first and at least one that moves", "out-of-range"
+            )
         check_names("bodies", names, "a body")
         self._check_body_names()
         check_names("bodies", (point for points in self.bodies.values() for point in points), "a point")
         check_names("sliders", (slider.name for slider in self.sliders), "a slider")
         if len({slider.name for slider in self.sliders}) < len(self.sliders):
-            raise DesignError("sliders", "two have the same name", "give each a different name")
+            raise DesignError("sliders", "two have the same name", "give each a different name", "conflict")
         drivers = [*names[1:], *(slider.name for slider in self.sliders)]
         if self.driver not in drivers:
-            raise DesignError("driver", f"found {shown(self.driver)}", f"give one of {', '.join(drivers)}")
+            raise DesignError(
+                "driver", f"found {shown(self.driver)}", f"give one of {', '.join(drivers)}", "unknown-key"
+            )
         for body, points in self.bodies.items():
             for point, place in points.items():
                 if not is_place(place):
                     problem = f"point {point} of {body} is {'not finite everywhere' if np.ndim(place) else place}"
-                    raise DesignError("bodies", problem, f"give finite coordinates below {LARGEST:g} mm")
+                    raise DesignError("bodies", problem, f"give finite coordinates below {LARGEST:g} mm", "not-finite")
         shapes = {np.shape(place) for points in self.bodies.values() for place in points.values()} - {(), (1,)}
         if len(shapes) > 1 or (0,) in shapes:
             problem = f"found points of {' and '.join(str(row[0]) for row in sorted(shapes))} linkages"
-            raise DesignError("bodies", problem, "give one place, or as many of each")
+            raise DesignError("bodies", problem, "give one place, or as many of each", "conflict")
         for slider in self.sliders:
             for body in (slider.body, slider.along):
                 if body not in names:
                     raise DesignError(
-                        "sliders", f"{slider.name} names {shown(body)}", f"give one of {', '.join(names)}"
+                        "sliders",
+                        f"{slider.name} names {shown(body)}",
+                        f"give one of {', '.join(names)}",
+                        "unknown-key",
                     )
             if slider.body == slider.along:
-                raise DesignError("sliders", f"{slider.name} slides {slider.body} on itself", "give two bodies")
+                raise DesignError(
+                    "sliders", f"{slider.name} slides {slider.body} on itself", "give two bodies", "conflict"
+                )
         self._check_driver()
 
     def _check_body_names(self) -> None:
         if taken := [name for name in self.bodies if name in MOTION_ATTRIBUTES or name.startswith("_")]:
             problem = f"a body is named {shown(taken[0])}, which is reserved for an attribute of Motion"
-            raise DesignError("bodies", problem, f"give it another name, such as {taken[0].lstrip('_')}_body")
+            raise DesignError(
+                "bodies", problem, f"give it another name, such as {taken[0].lstrip('_')}_body", "conflict"
+            )
 
     def _check_driver(self) -> None:
         """A driver that could be meant as an angle or as a displacement is refused."""
@@ -229,7 +240,10 @@ class Linkage(AbstractLinkage):
         namesakes = [slider.name for slider in self.sliders if slider.name == self.driver]
         if namesakes:
             raise DesignError(
-                "driver", f"{self.driver} is the name of a body and of a slider", "give the slider another name"
+                "driver",
+                f"{self.driver} is the name of a body and of a slider",
+                "give the slider another name",
+                "conflict",
             )
         sliding = {s.name: {s.body, s.along} - {self.driver} for s in self.sliders if self.driver in (s.body, s.along)}
         pinned = {body for bodies in self.pins.values() if self.ground in bodies for body in bodies}
@@ -242,6 +256,7 @@ class Linkage(AbstractLinkage):
             f"{self.driver} slides on {other} and is not pinned to the {self.ground}, so its angle may be meant or its "
             "displacement",
             f"give {name}, the slider, for its displacement{or_angle}",
+            "conflict",
         )
 
     @property

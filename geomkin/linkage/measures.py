@@ -313,7 +313,9 @@ def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tup
     """
     general = linkage.linkage
     if output not in general.bodies or output == general.ground:
-        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}")
+        raise DesignError(
+            "output", f"found {output!r}", f"give one of {', '.join(list(general.bodies)[1:])}", "unknown-key"
+        )
     if span is None:
         span = _whole(linkage, branch)
         if span is None:
@@ -348,7 +350,10 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
     if spec.follow or spec.branch_points or any(isinstance(placement, Loops) for placement in placements):
         cause = "such a branch" if spec.follow or spec.branch_points else "the estimate"
         raise DesignError(
-            "span", f"a slide drives, and {cause} needs a first position", "give a span that starts there"
+            "span",
+            f"a slide drives, and {cause} needs a first position",
+            "give a span that starts there",
+            "missing-key",
         )
     extent = extent_of(general)
     outwards = np.geomspace(extent, FARTHEST * extent, LOOKS // 2)
@@ -360,7 +365,10 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
     ends = looks[[0, -1]]
     if closed(ends).any():
         raise DesignError(
-            "span", "the linkage closes at unlimited displacements", f"give a span, such as {(-extent, extent)}"
+            "span",
+            "the linkage closes at unlimited displacements",
+            f"give a span, such as {(-extent, extent)}",
+            "missing-key",
         )
     drive_range = with_branches(general, placements, looks, (), spec)
     looks = np.concatenate(
@@ -526,7 +534,7 @@ def assembly_failure(motion: Motion) -> AssemblyFailure | None:
     Derived here, from the gaps by which each dyad is open.
     """
     if motion.assembled.ndim > 1:
-        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time", "wrong-type")
     if motion.assembled.all():
         return None
     frame = int(np.argmin(motion.assembled))

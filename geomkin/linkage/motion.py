@@ -291,7 +291,7 @@ class Motion:
         if name in self.bodies:
             return self.bodies[name]
         problem = f"found {shown(name)}, which is not the name of a body"
-        raise DesignError("name", problem, f"give one of {', '.join(self.bodies)}")
+        raise DesignError("name", problem, f"give one of {', '.join(self.bodies)}", "unknown-key")
 
     @checked
     def point(self, name: str) -> PointMotion:
@@ -319,7 +319,10 @@ class Motion:
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
         raise DesignError(
-            "name", f"found {shown(name)}, which is not the name of a point", f"give one of {', '.join(named)}"
+            "name",
+            f"found {shown(name)}, which is not the name of a point",
+            f"give one of {', '.join(named)}",
+            "unknown-key",
         )
 
     def slide(self, name: str) -> SlideMotion:
@@ -344,7 +347,10 @@ class Motion:
                 return _slide(self, slider)
         sliders = ", ".join(slider.name for slider in self.linkage.sliders)
         raise DesignError(
-            "name", f"found {shown(name)}, which is not the name of a slider", f"give one of {sliders or 'none'}"
+            "name",
+            f"found {shown(name)}, which is not the name of a slider",
+            f"give one of {sliders or 'none'}",
+            "unknown-key",
         )
 
     @checked
@@ -451,7 +457,9 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
     Derived here, from virtual work without friction.
     """
     if output not in motion.bodies or output == motion.linkage.ground:
-        raise DesignError("output", f"found {output!r}", f"give one of {', '.join(list(motion.bodies)[1:])}")
+        raise DesignError(
+            "output", f"found {output!r}", f"give one of {', '.join(list(motion.bodies)[1:])}", "unknown-key"
+        )
     body = motion.bodies[output]
     ground_sliders = [s for s in motion.linkage.sliders if {s.body, s.along} == {output, motion.linkage.ground}]
     if ground_sliders:
@@ -505,7 +513,7 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
     """
     linkage = motion.linkage
     if linkage.is_batch:
-        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time", "wrong-type")
     ground, driver = linkage.ground, linkage.driver
     if linkage.driven_slider:
         drive = Column(f"{driver}_place", "mm", f"displacement of the {driver} along its line", motion.drive)

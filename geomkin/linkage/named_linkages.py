@@ -79,6 +79,7 @@ class SliderCrank(AbstractLinkage):
                 f"found {self.offset:g} mm, but crank and coupler together reach only "
                 f"{self.crank + self.coupler:g} mm, so the loop cannot close",
                 f"give less than {self.crank + self.coupler:g} mm or lengthen the others",
+                "does-not-assemble",
             )
 
     @cached_property
@@ -163,6 +164,7 @@ class InvertedSliderCrank(AbstractLinkage):
                 "offset",
                 f"found {self.offset:g} mm, but the crank pin is at most {farthest:g} mm from the rocker pivot",
                 f"give less than {farthest:g} mm",
+                "does-not-assemble",
             )
 
     @cached_property
@@ -494,6 +496,7 @@ class FourBar(AbstractLinkage):
                 f"found {lengths[longest]:g} mm, but the other three links together reach only {others:g} mm, "
                 "so the loop cannot close",
                 f"give {longest} less than {others:g} mm or lengthen the others",
+                "does-not-assemble",
             )
 
     @cached_property

@@ -72,6 +72,7 @@ class Pantograph(AbstractLinkage):
                 "crank_pivot",
                 f"found {distance:g} mm from the pole, but the bars reach from {nearest:g} to {farthest:g} mm there",
                 f"give a distance within {self.crank:g} mm of that range",
+                "does-not-assemble",
             )
 
     @cached_property

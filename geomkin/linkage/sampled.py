@@ -183,7 +183,7 @@ def _row(name: str, numbers: ComplexOrNan, least: int) -> Array:
     """The numbers as floats or complex; DesignError if they are not one row, or too few."""
     z = np.asarray(numbers)
     if z.ndim != 1 or len(z) < least:
-        raise DesignError(name, f"found shape {z.shape}", f"give a 1-D array of at least {least}")
+        raise DesignError(name, f"found shape {z.shape}", f"give a 1-D array of at least {least}", "wrong-type")
     return z.astype(complex if np.iscomplexobj(z) else float)
 
 

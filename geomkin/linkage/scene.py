@@ -75,9 +75,9 @@ def linkage_scene(
     Derived here.
     """
     if motion.linkage.is_batch:
-        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time")
+        raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time", "wrong-type")
     if not len(motion.drive):
-        raise DesignError("motion", "it has no frames", "give at least one position of the driver")
+        raise DesignError("motion", "it has no frames", "give at least one position of the driver", "out-of-range")
     bodies = tuple(placed_bodies(motion, parts, layers or {}))
     marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *traced_points(motion))
     if rates:

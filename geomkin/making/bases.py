@@ -92,6 +92,7 @@ class BaseOpening:
                 self.key,
                 f"found {self.diameter:g} mm, but the base has a hole for {self.item}",
                 f"give at least {SMALLEST:g} mm, or omit base",
+                "conflict",
             )
         if self.motor:
             return MOTORS[self.motor].holes(clearance, self.points[0])

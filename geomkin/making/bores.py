@@ -84,7 +84,9 @@ def keyed_bore(
         return holes
     if width == 0 or depth == 0:
         missing = "width" if width == 0 else "depth"
-        raise DesignError(f"{key}.keyway_{missing}", "found 0 mm", "give width and depth of the keyway, or neither")
+        raise DesignError(
+            f"{key}.keyway_{missing}", "found 0 mm", "give width and depth of the keyway, or neither", "conflict"
+        )
     across = diameter + clearance
     if width >= across:
         raise DesignError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi, sqrt
 from typing import Literal
 
 from ..core.errors import DesignError
@@ -48,6 +49,8 @@ SIZES: dict[float, Size] = {
 # Largest height of a nut, in sheets. More would need stacks of many spacers on a pin; fewer would exclude screws in
 # thin card.
 MOST_SHEETS = 20
+# Difference of nominal and pitch diameter of a metric thread, in pitches (ISO 724).
+PITCH_DEPTH = 0.6495
 # Standard lengths of screws, mm (ISO 888).
 LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80)
 
@@ -103,13 +106,41 @@ class Fastener:
         ends = 1 if length else 2
         nuts = (f"{thread} washer ISO 7089", ends), (f"{thread} {self.size.nut}", ends)
         if length is None:
-            rod = self._threaded(self.size, grip) + self.size.washer[1] + self.size.nut_height + self.size.pitch
+            rod = self._rod_length(self.size, grip)
             return (f"{thread} threaded rod DIN 976-1, cut to {rod:.1f} mm", 1), *nuts
         return (f"{thread} x {length:g} {self.size.screw}", 1), *nuts
+
+    def volume(self, grip: float) -> float:
+        """Volume of the items of one joint through plates of a thickness `grip`, mm3: rod or screw, washers and nuts.
+
+        Threads count with their pitch diameter, sockets and rounded edges of heads not at all.
+        """
+        if self.form == "rod" or self.size is None:
+            return _disc(self.diameter) * (grip + self.play)
+        size, length = self.size, self.length(grip)
+        outer, thickness = size.washer
+        washer = (_disc(outer) - _disc(self.diameter)) * thickness
+        # Area of a hexagon from its width across corners.
+        nut = (3 * sqrt(3) / 8 * size.nut_width**2 - _disc(self.diameter)) * size.nut_height
+        thread = _disc(self.diameter - PITCH_DEPTH * size.pitch)
+        if length is None:
+            return thread * self._rod_length(size, grip) + 2 * (washer + nut)
+        across, high = size.head
+        # A button head is a segment of a ball.
+        head = pi * high * (across**2 / 8 + high**2 / 6) if size.screw == ROUND else _disc(across) * high
+        return head + thread * length + washer + nut
+
+    def _rod_length(self, size: Size, grip: float) -> float:
+        """Length of a threaded rod with washer and nut at both ends, mm."""
+        return self._threaded(size, grip) + size.washer[1] + size.nut_height + size.pitch
 
     def _threaded(self, size: Size, grip: float) -> float:
         """Least length under the head, mm: plates, play, washer, nut, and one pitch beyond the nut."""
         return grip + self.play + size.washer[1] + size.nut_height + size.pitch
+
+
+def _disc(diameter: float) -> float:
+    return pi / 4 * diameter**2
 
 
 def fastener_of(
@@ -126,6 +157,7 @@ def fastener_of(
             "fastener",
             f"found a screw, but there is no screw size of {diameter:g} mm",
             f'give pin_diameter as one of {sizes}, or fastener = "rod"',
+            "conflict",
         )
     screw = Fastener(diameter, "screw", play, head_height)
     is_too_high = max(screw.ends(thickness)) > MOST_SHEETS * thickness
@@ -135,6 +167,7 @@ def fastener_of(
             "fastener",
             f"found a screw, whose nut is as high as {sheets:.0f} sheets; the limit is {MOST_SHEETS}",
             'give a thicker sheet, a thinner pin, or fastener = "rod"',
+            "conflict",
         )
     fits = diameter in SIZES and not is_too_high
     return Fastener(diameter, form or ("screw" if fits else "rod"), play, head_height)

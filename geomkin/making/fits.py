@@ -22,6 +22,7 @@ from .bores import (
     shaft,
     widened,
 )
+from .materials import MaterialKey, material_entry
 from .motors import MOTORS, MotorName, motor_plate
 
 # mm. Twice the error of lasers and printers, so that the hole still grips. A hole of 5 mm is stretched by 2 %, which
@@ -96,6 +97,8 @@ class AbstractBored:
         How much wider a hole is than its pin or shaft, mm.
     motor : {"nema17"}, optional
         Motor that drives the part.
+    material : Material, optional
+        Material of the part.
 
     Raises
     ------
@@ -116,6 +119,7 @@ class AbstractBored:
         "motor that drives the part: adds the motor's mounting plate, or its holes in a base; none if omitted",
         default=None,
     )
+    material: MaterialKey = material_entry("the part")
 
     def __post_init__(self) -> None:
         self._check_bore()
@@ -191,10 +195,10 @@ class AbstractBored:
         """Refuse sizes that do not define a bore, whatever the part."""
         if self.bore_form != "round" and not self.bore:
             problem = f'found 0 mm, which means no hole, and bore_form = "{self.bore_form}"'
-            raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"')
+            raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"', "conflict")
         if self.flat is not None and self.bore_form != "D":
             problem = f"found {self.flat:g} mm for a bore without a flat"
-            raise DesignError("flat", problem, 'omit it, or give bore_form = "D"')
+            raise DesignError("flat", problem, 'omit it, or give bore_form = "D"', "conflict")
         if self.motor is not None and self.bore >= (boss := MOTORS[self.motor].boss_diameter):
             problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
             raise DesignError("bore", problem, f"give less than {boss:g} mm, or omit motor")
@@ -209,6 +213,7 @@ class AbstractBored:
                 "bore",
                 f"found {self.bore:g} mm, but DIN 6885-1 has keys for shafts of {THINNEST:g} to {thickest:g} mm only",
                 f'give {nearest} mm, your own keyway_width and keyway_depth, or bore_form = "D"',
+                "out-of-range",
             )
 
     def _check_interference(self) -> None:
@@ -227,13 +232,15 @@ class AbstractBored:
                 "bore",
                 f"found {self.bore:g} mm, which is no usual diameter of a D-shaft",
                 f"give one of {shafts}, or give flat, more than {half:g} and less than {self.bore:g} mm",
+                "out-of-range",
             )
         if not half < across < self.bore:
             raise DesignError(
                 "flat",
                 f"found {across:g} mm across a shaft of {self.bore:g} mm",
                 f"give more than {half:g} and less than {self.bore:g} mm",
+                "out-of-range",
             )
         for name, size in (("keyway_width", self.keyway_width), ("keyway_depth", self.keyway_depth)):
             if size:
-                raise DesignError(name, f"found {size:g} mm in a D bore", 'give 0, or bore_form = "keyed"')
+                raise DesignError(name, f"found {size:g} mm in a D bore", 'give 0, or bore_form = "keyed"', "conflict")

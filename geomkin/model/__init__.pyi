@@ -1,5 +1,7 @@
 # The public names of this package. Each is imported when it is first used.
 from .check import Check as Check
+from .mass import Mass as Mass
+from .material import Material as Material
 from .part import Bought as Bought
 from .part import HoleFit as HoleFit
 from .part import Part as Part

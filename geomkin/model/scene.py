@@ -84,6 +84,38 @@ class SceneMark:
             object.__setattr__(self, "direction", as_unit(self.direction))
 
 
+@record(checked=True, eq=False)
+class SceneHandle:
+    """A point that an editor lets a user drag, and the keys of the recipe that are changed so that it follows.
+
+    Parameters
+    ----------
+    id : str
+        Unique among the handles of a recipe, such as `point:crank_pin`.
+    label : str
+        For people.
+    keys : tuple of str
+        Keys of fields that a drag may change.
+    at : complex array, shape (frames,) or (1,)
+        Positions at the frames of the recipe's scene, mm; a single one if it stays. nan if the mechanism cannot be
+        there. For a circle the centre; for a plot x and y in the units of the plot.
+    shape : {"point", "circle", "plot"}
+        The point follows the pointer; the circle goes through the pointer; a point of a plot follows the pointer.
+    radius : float
+        Radius of the circle, mm.
+    column : str
+        Id of the column whose plot has the handle.
+    """
+
+    id: str
+    label: str
+    keys: tuple[str, ...]
+    at: Complex
+    shape: Literal["point", "circle", "plot"] = "point"
+    radius: float = 0.0
+    column: str = ""
+
+
 @record
 class Limit:
     """A line across the plot of a column, such as the limit of a check. column: its id."""
@@ -119,7 +151,7 @@ class Choice:
         _check_plots(self.plots, self.table)
         rows = len(self.table.columns[0].values)
         if not 0 <= self.chosen < rows:
-            raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}")
+            raise DesignError("chosen", f"found {self.chosen} of {rows} rows", f"give 0 to {rows - 1}", "out-of-range")
 
 
 def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
@@ -168,7 +200,7 @@ class Scene:
         for what, row in rows:
             if len(row) != frames:
                 problem = f"found {frames} rows, but {len(row)} frames of {what}"
-                raise DesignError("table", problem, "give as many of each")
+                raise DesignError("table", problem, "give as many of each", "conflict")
         _check_plots(self.plots, self.table)
 
     @property

@@ -53,7 +53,8 @@ class Column:
 
     def __post_init__(self) -> None:
         if np.shape(self.scale) not in ((), np.shape(self.values)):
-            raise DesignError("scale", f"found {len(self.scale)} numbers", f"give one, or {len(self.values)}")  # type: ignore[arg-type]
+            problem = f"found {np.size(self.scale)} numbers"
+            raise DesignError("scale", problem, f"give one, or {len(self.values)}", "conflict")
 
     @property
     def written(self) -> Array:

@@ -10,11 +10,14 @@ from importlib.resources import files
 from ..export.job import Job
 from ..export.still import MOST_FRAMES
 from ..export.text import capital, text
-from .scene_json import island
+from .scene_json import scene_json
 from .sections import all_of, verdict
 
 # Of the player, in an order in which each may use those before it; the plot library stands first.
-SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "names.js", "drawing.js", "hands.js", "plots.js", "player.js")
+SCRIPTS = (
+    "uplot/uPlot.iife.min.js",
+    *("shapes.js", "names.js", "pictures.js", "drawing.js", "hands.js", "plots.js", "player.js"),
+)
 START = (
     'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 )
@@ -45,7 +48,7 @@ def page(job: Job) -> bytes:
     start = START
     if job.scene.choice is not None:
         scripts, start = (*SCRIPTS, "rows.js"), f"{START}{CHOICE}"
-    return document(job.name, about + verdict(job.source.checks), body, island(job.scene, job.name), scripts, start)
+    return document(job.name, about + verdict(job.source.checks), body, scene_json(job.scene, job.name), scripts, start)
 
 
 def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:

@@ -11,7 +11,7 @@ from ..core.errors import harmless
 from ..export.job import Job
 from ..export.still import kept_frames
 from ..export.svg_path import bounding_box, thumbnail
-from ..export.text import DIGITS, _unit, capital, number, text, with_unit
+from ..export.text import DIGITS, capital, number, text, unit_sign, with_unit
 from ..model.check import Check
 from ..model.part import Part
 from ..model.scene import Scene
@@ -94,6 +94,7 @@ def parts(job: Job) -> str:
     walls = job.source.walls
     heads: tuple[str, ...] = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm")
     heads += ("Thinnest wall, mm",) if walls else ()
+    heads += ("Mass, g",) if any(part.mass for part in held) else ()
     head = "".join(f'<th scope="col">{one}</th>' for one in heads)
     rows = "".join(_part(part, tints.get(part.name, "t0"), walls) for part in held[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
@@ -123,6 +124,7 @@ def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
         number(area(part.outline) - sum(area(hole) for hole in part.holes)),
         number(sum(length(curve) for curve in curves)),
         *(number(walls[name]) if np.isfinite(walls[name]) else "none" for name in [part.name] if name in walls),
+        *([] if part.mass is None else [number(1000 * float(part.mass.mass))]),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
     return f'<tr><td>{small}</td><th scope="row">{text(part.name)}</th>{numbers}</tr>'
@@ -235,9 +237,9 @@ def _head(name: str) -> str:
 
 def _named(name: str) -> str:
     """A name of the summary, whose last word may be a unit."""
-    for unit in ("deg", "mm", "mm2", "N"):
+    for unit in ("deg", "mm", "mm2", "N", "kg"):
         if name.endswith(f"_{unit}"):
-            return f"{name.removesuffix(f'_{unit}')}, {_unit(unit)}"
+            return f"{name.removesuffix(f'_{unit}')}, {unit_sign(unit)}"
     return name
 
 

@@ -5,6 +5,8 @@ from .curve import Offset as Offset
 from .curve import Reversed as Reversed
 from .joined import Path as Path
 from .joined import PolarArray as PolarArray
+from .measure import AreaMoments as AreaMoments
+from .measure import area_moments as area_moments
 from .measure import centroid as centroid
 from .measure import convexity as convexity
 from .measure import signed_area as signed_area

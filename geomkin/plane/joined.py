@@ -42,7 +42,7 @@ class Path(AbstractCurve):
 
     def __post_init__(self) -> None:
         if not len(self.pieces):
-            raise DesignError("pieces", "found none", "give at least one")
+            raise DesignError("pieces", "found none", "give at least one", "out-of-range")
         gaps = np.abs(self._samples[1:, 0] - self._samples[:-1, 2])
         if len(gaps) and gaps.max() > self._rounding:
             worst = int(gaps.argmax())

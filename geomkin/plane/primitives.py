@@ -157,7 +157,7 @@ class Polyline(AbstractCurve):
 
     def __post_init__(self) -> None:
         if len(self.vertices) < 2:
-            raise DesignError("vertices", "found fewer than two points", "give at least two")
+            raise DesignError("vertices", "found fewer than two points", "give at least two", "out-of-range")
         edges = len(self.vertices) - (not self.is_closed)
         if self.bulges is not None and np.shape(self.bulges) != (edges,):
             raise DesignError(
@@ -259,7 +259,7 @@ def rounded_hull(centres: complex | ArrayLike, radius: PositiveFloat) -> Abstrac
     """
     z = np.atleast_1d(np.asarray(centres, dtype=complex))
     if z.ndim > 1 or not z.size:
-        raise DesignError("centres", f"found shape {z.shape}", "give a 1-D array of at least one point")
+        raise DesignError("centres", f"found shape {z.shape}", "give a 1-D array of at least one point", "wrong-type")
     corners = convex_hull(z)
     if len(corners) == 1:
         return Circle(corners[0], radius)

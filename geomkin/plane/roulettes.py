@@ -186,7 +186,9 @@ class Cycloid(Traced):
 
     def __post_init__(self) -> None:
         if not self.rolling:
-            raise DesignError("rolling", "found 0", "give a radius above 0 to roll outside, below 0 to roll inside")
+            raise DesignError(
+                "rolling", "found 0", "give a radius above 0 to roll outside, below 0 to roll inside", "out-of-range"
+            )
 
     def point(self, t: ArrayLike) -> Complex:
         t = np.asarray(t, dtype=float)

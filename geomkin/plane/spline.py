@@ -42,11 +42,11 @@ class Spline(AbstractCurve):
     def __post_init__(self) -> None:
         z = np.asarray(self.points)
         if len(z) < 2:
-            raise DesignError("points", "found fewer than two points", "give a list of at least two")
+            raise DesignError("points", "found fewer than two points", "give a list of at least two", "out-of-range")
         steps = np.abs(np.diff(z))
         if steps.min() <= 1e-12 * np.abs(z).max():
             k = int(steps.argmin())
-            raise DesignError("points", f"points {k + 1} and {k + 2} coincide", "omit one of them")
+            raise DesignError("points", f"points {k + 1} and {k + 2} coincide", "omit one of them", "conflict")
 
     @cached_property
     def breaks(self) -> Real:

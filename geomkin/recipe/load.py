@@ -16,6 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from ..core.arguments import checked
 from ..core.errors import DesignError, FileError, Problem, ProblemId, RecipeError, printable, shown
 from ..core.fields import KindTable
+from ..core.names import Folder
 from ..core.scaling import scaled
 from .kinds import kind_names, recipe_class
 from .recipe import AbstractRecipe
@@ -40,7 +41,7 @@ def table_of(path: Path) -> dict[str, Any]:
     return parsed(_text(path), str(path))
 
 
-def parse(text: str, file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+def parse(text: str, file: str = "recipe", folder: Folder = ".") -> AbstractRecipe:
     """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
     return from_table(parsed(text, file), file, folder)
 
@@ -64,7 +65,7 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named", "invalid-toml") from None
 
 
-def from_table(data: Mapping[str, Any], file: str = "recipe", folder: str = ".") -> AbstractRecipe:
+def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = ".") -> AbstractRecipe:
     """The recipe in a table as TOML gives it: tables as dicts, points as [x, y]."""
     name = data.get("kind")
     try:

@@ -5,20 +5,23 @@ from __future__ import annotations
 import copy
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, Self
 
 from ..core.arguments import checked
+from ..core.errors import DesignError
 from ..core.records import record
 from ..core.reprs import moving
 from ..core.scaling import with_lengths
 from ..model.check import Check
+from ..model.mass import Mass
 from ..model.part import Bought, Part
-from ..model.scene import Scene
+from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
+from ..plane.vec import Complex
 from .settings import Files
 
 # Tables of what is bought, cut from and written: a mechanism of another size has the same screws and sheets.
@@ -88,9 +91,27 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def assembly_summary(self) -> Mapping[str, object]:
-        """Bought items and steps, as entries of summary.json; empty ones are left out."""
+        """Bought items, steps and masses, as entries of summary.json; empty ones are left out."""
         entries = {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
-        return {name: lines for name, lines in entries.items() if lines}
+        return {**{name: lines for name, lines in entries.items() if lines}, **self.mass_summary}
+
+    @cached_property
+    def body_masses(self) -> Mapping[str, Mass]:
+        """Mass of each moving or fixed body, in its frame, by name; of bodies whose parts have a material."""
+        return part_masses(self.parts)
+
+    @property
+    def mass_summary(self) -> Mapping[str, object]:
+        """Masses as an entry of summary.json; empty without a material."""
+        bodies = {
+            name: {
+                "mass_kg": float(f"{mass.mass:.9g}"),
+                "centre_mm": [round(float(z), 6) + 0.0 for z in (mass.centre.real, mass.centre.imag)],
+                "inertia_kg_mm2": float(f"{mass.inertia:.9g}"),
+            }
+            for name, mass in self.body_masses.items()
+        }
+        return {"masses": bodies} if bodies else {}
 
     @property
     @abstractmethod
@@ -130,6 +151,15 @@ class AbstractRecipe(_Shared, ABC):
     def scene(self) -> Scene | None:
         """How it looks moving: None for a kind that shows nothing."""
         return None
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """What an editor lets a user drag. It needs no plates and no search, since a drag computes it repeatedly."""
+        return ()
+
+    def handle_position(self, id: str) -> Complex:
+        """Positions of the handle of this id at the frames, as `handles` has them."""
+        return next(handle.at for handle in self.handles if handle.id == id)
 
     @classmethod
     def has_scene(cls) -> bool:
@@ -187,6 +217,48 @@ class AbstractRecipe(_Shared, ABC):
         return other
 
 
+def part_masses(parts: Iterable[Part]) -> dict[str, Mass]:
+    """Sum of the masses of one copy of each part by body; without parts that have no body or no material."""
+    bodies: dict[str, Mass] = {}
+    for part in parts:
+        if part.body and part.mass is not None:
+            bodies[part.body] = bodies[part.body] + part.mass if part.body in bodies else part.mass
+    return bodies
+
+
+@checked
+def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
+    """Mass properties of the bodies of a recipe, from its parts as they are cut.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe
+        A recipe whose stock names a material.
+
+    Returns
+    -------
+    dict of str to Mass
+        Of each body, in its own frame: plates from their exact outlines and holes; in linkages and cams also screws,
+        rods and pins, of steel. A pin belongs to the body of its lowest plate. With several copies, of one.
+
+    Raises
+    ------
+    DesignError
+        If no part has a material.
+
+    Examples
+    --------
+    >>> recipe = gk.load({
+    ...     "kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "stock": {"material": "steel-C45"}
+    ... })
+    >>> gk.masses(recipe)["gear"]
+    Mass(mass=0.0841871, inertia=24.4984)
+    """
+    if not recipe.body_masses:
+        raise DesignError("stock.material", "is missing, so masses are unknown", "give a material", "missing-key")
+    return dict(recipe.body_masses)
+
+
 class AbstractGoal(AbstractRecipe):
     """A recipe that finds another one: its `design` is that recipe, and what is known of that one is handed on.
 
@@ -225,6 +297,10 @@ class AbstractGoal(AbstractRecipe):
         held = {part.name for part in self.design.parts}
         drawn = [part.name for part in self.parts if part.name not in held]
         return (*self.design.steps, *(f"{name} is a drawing, joined to nothing" for name in drawn))
+
+    @property
+    def body_masses(self) -> Mapping[str, Mass]:
+        return self.design.body_masses
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

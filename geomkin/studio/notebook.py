@@ -219,7 +219,7 @@ def _(found: Found) -> Job:
 def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float] | None) -> Job:
     """A linkage over a full turn, over the range `wanted`, or between its limits."""
     if linkage.linkage.is_batch:
-        raise DesignError("thing", "found an array of linkages", "give one at a time")
+        raise DesignError("thing", "found an array of linkages", "give one at a time", "wrong-type")
     slides = linkage.linkage.driven_slider is not None
     limits: tuple[tuple[float, float], ...] = ()
     try:
@@ -227,7 +227,7 @@ def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float]
     except DesignError as error:
         if wanted is None:
             raise DesignError(
-                "thing", error.problem, "show its motion over the range you want instead: move(...)"
+                "thing", error.problem, "show its motion over the range you want instead: move(...)", error.id
             ) from None
     if limits == (TURN,):
         drive = np.linspace(*TURN, FRAMES)
@@ -241,7 +241,7 @@ def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float]
 def _widest_range(limits: Sequence[tuple[float, float]], slides: bool) -> tuple[float, float]:
     """The widest range between two limits, without a small margin at each end."""
     if not limits:
-        raise DesignError("thing", "it cannot be assembled in any position", "change its lengths")
+        raise DesignError("thing", "it cannot be assembled in any position", "change its lengths", "does-not-assemble")
     spans = list(limits)
     (first, *_), (last, *_) = spans[0], spans[-1]
     if not slides and len(spans) > 1 and first == TURN[0] and spans[-1][1] == TURN[1]:

@@ -92,7 +92,7 @@ def _apart(found: Sequence[Column]) -> Iterator[Column]:
         yield column
 
 
-SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "plots.js", "rows.js")
+SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "pictures.js", "plots.js", "rows.js")
 START = 'mountRows(document.getElementById("plots"), JSON.parse(document.getElementById("scene").textContent));'
 # Most lines in a plot: as many as colours and dashes distinguish.
 MOST_LINES = 6
@@ -111,8 +111,8 @@ def report(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) 
     plots = f'<section id="plots" class="values" aria-label="Plots"></section>\n{note}' if data["plots"] else ""
     unplotted = "" if data["plots"] else '<section id="plots" hidden></section>'
     body = f"{plots}{unplotted}{_table(list(values), rows, found)}\n"
-    island = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    return document(f"{name}: a sweep", about, body, island, SCRIPTS, START)
+    json_text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return document(f"{name}: a sweep", about, body, json_text, SCRIPTS, START)
 
 
 def _plotted(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], found: Sequence[Column]) -> tuple[Any, str]:

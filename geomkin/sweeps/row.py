@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import hashlib
 import itertools
 import math
@@ -21,6 +20,7 @@ from ..core.progress import shown as told_to
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
+from ..recipe.keys import with_values
 from ..recipe.load import from_table
 from ..recipe.messages import nearest
 from ..recipe.recipe import AbstractRecipe
@@ -32,8 +32,6 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 RANGE = re.compile(rf"\s*({NUMBER})\s*:\s*({NUMBER})\s*:\s*({NUMBER})\s*")
 # Tables by name, rows of a list by number, as messages about recipes write them.
 KEY = re.compile(r"[^\W_][\w -]*(?:\[\d{1,6}\])*(?:\.[^\W_][\w -]*(?:\[\d{1,6}\])*)*")
-# Of a key: the number of a row, or a name.
-PART = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
 PLAIN = (str, int, float)
 # Of numbers as a person writes them: no step of a range is lost, and nothing overflows or takes long.
 EXACT = Context(prec=60, traps=[])
@@ -50,7 +48,7 @@ def listed(key: str, given: object) -> tuple[Any, ...]:
     else:
         values = [_plain(key, value) for value in _row(key, given)]
     if not values:
-        raise DesignError(key, "found no value", "give one or more, such as 8,12 or 8:120:4")
+        raise DesignError(key, "found no value", "give one or more, such as 8,12 or 8:120:4", "missing-key")
     # 1 and 1.0 are one number, true is none.
     return tuple({(isinstance(v, bool), repr(v) if isinstance(v, list) else v): v for v in values}.values())
 
@@ -69,36 +67,6 @@ def combinations(values: Mapping[str, Sequence[Any]]) -> Iterator[dict[str, Any]
     return (dict(zip(values, row)) for row in itertools.product(*values.values()))
 
 
-def with_values(recipe: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """A recipe's table with other values under dotted keys; what is missing on the way is made.
-
-    DesignError where a key leads through what is no table, or to a row that a list has not.
-    """
-    changed: dict[str, Any] = copy.deepcopy(dict(recipe))
-    for key, value in changes.items():
-        *way, last = [int(row) if row else name for row, name in PART.findall(key)]
-        place: Any = changed
-        for part in way:
-            _check_step(key, place, part)
-            place = place[part] if isinstance(part, int) else place.setdefault(part, {})
-        _check_step(key, place, last)
-        place[last] = copy.deepcopy(value)
-    return changed
-
-
-def _check_step(key: str, place: Any, part: str | int) -> None:
-    """Refuse one part of a key that leads through what is no table, or to a row that a list has not."""
-    kind, what = (list, "list") if isinstance(part, int) else (dict, "table")
-    if not isinstance(place, kind):
-        raise DesignError(
-            key, f"there is no {what} that [{part}] could be of", "give a key of the recipe", "unknown-key"
-        )
-    if isinstance(part, int) and part >= len(place):
-        raise DesignError(
-            key, f"found [{part}], but there are {len(place)}, from [0]", "give a smaller number", "out-of-range"
-        )
-
-
 def _pieces(key: str, text: str) -> list[str]:
     """A list's parts between the commas that stand in no brackets and no quotes."""
     parts, depth, quote = [""], 0, ""
@@ -110,7 +78,9 @@ def _pieces(key: str, text: str) -> list[str]:
         else:
             parts[-1] += sign
     if any(not part.strip() for part in parts):
-        raise DesignError(key, f"found {shown(text)}, in which a value is missing", "give one between any two")
+        raise DesignError(
+            key, f"found {shown(text)}, in which a value is missing", "give one between any two", "wrong-type"
+        )
     return parts
 
 
@@ -129,7 +99,9 @@ def _range(key: str, text: str, start: Decimal, stop: Decimal, step: Decimal) ->
     """From start in steps as far as stop, worked out in decimals: 0.1 three times is 0.3."""
     ways = EXACT.divide(EXACT.subtract(stop, start), step)
     if not ways.is_finite() or ways < 0:
-        raise DesignError(key, f"found {shown(text.strip())}", "give start:stop:step, the step towards the stop")
+        raise DesignError(
+            key, f"found {shown(text.strip())}", "give start:stop:step, the step towards the stop", "wrong-type"
+        )
     if ways >= MOST:
         least = Context(3, ROUND_CEILING, traps=[]).divide(abs(EXACT.subtract(stop, start)), Decimal(MOST - 1))
         problem = f"found {shown(text.strip())}, which is more than {MOST:,} values"

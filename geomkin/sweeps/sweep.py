@@ -325,7 +325,9 @@ def _by_executor(executor: Executor, task: Task, batches: Sequence[Sequence[Mapp
         raise
     except Exception as error:
         why = f"it failed ({type(error).__name__}: {printable(error, 200)})"
-        raise DesignError("executor", why, "give one that works; with `out`, what was found is kept") from error
+        raise DesignError(
+            "executor", why, "give one that works; with `out`, what was found is kept", "internal"
+        ) from error
     finally:
         for future in waiting:
             future.cancel()

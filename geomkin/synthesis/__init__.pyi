@@ -33,6 +33,7 @@ from .kinds.path_generator import PathGeneratorRecipe as PathGeneratorRecipe
 from .kinds.rockers import CrankRockerRecipe as CrankRockerRecipe
 from .kinds.rockers import DoubleRockerRecipe as DoubleRockerRecipe
 from .kinds.rockers import SliderCrankStrokeRecipe as SliderCrankStrokeRecipe
+from .path.nine_points import PathCount as PathCount
 from .path.path import path_generator as path_generator
 from .path.points import svg_path_points as svg_path_points
 from .path.search import PathFound as PathFound

@@ -151,5 +151,5 @@ def _contexts() -> tuple[Any, Any]:
     try:
         from mpmath import fp, mp
     except ImportError:
-        raise DesignError("mpmath", "it is not installed", "pip install 'geomkin[test]'") from None
+        raise DesignError("mpmath", "it is not installed", "pip install 'geomkin[test]'", "file-unreadable") from None
     return mp, fp

@@ -158,7 +158,9 @@ class Method(Generic[P, R]):
 
     def __post_init__(self) -> None:
         if bool(self.setting) != bool(len(self.settings)):
-            raise DesignError("settings", f"found {len(self.settings)} of {self.setting!r}", "give both or neither")
+            raise DesignError(
+                "settings", f"found {len(self.settings)} of {self.setting!r}", "give both or neither", "conflict"
+            )
 
     @property
     def is_default(self) -> bool:
@@ -220,4 +222,6 @@ class MethodFamily(Generic[P, R]):
     def __post_init__(self) -> None:
         names = [method.name for method in self.methods]
         if len(set(names)) < len(names):
-            raise DesignError("methods", f"found twins among {', '.join(names)}", "give each method its own name")
+            raise DesignError(
+                "methods", f"found twins among {', '.join(names)}", "give each method its own name", "conflict"
+            )

@@ -264,7 +264,7 @@ def chart(families: Sequence[str] = (), quick: bool = False) -> Chart:
     """
     for name in families:
         if name not in FAMILIES:
-            raise DesignError("families", f"found {shown(name)}", f"give some of {', '.join(FAMILIES)}")
+            raise DesignError("families", f"found {shown(name)}", f"give some of {', '.join(FAMILIES)}", "unknown-key")
     chosen = [FAMILIES[name] for name in dict.fromkeys(families or FAMILIES)]
     charts = []
     for k, family in enumerate(chosen):
@@ -316,7 +316,9 @@ def pareto_front(seconds: AnyFloat, errors: AnyFloat) -> Mask:
     """
     cost, miss = np.asarray(seconds, dtype=float), np.asarray(errors, dtype=float)
     if cost.ndim != 1 or cost.shape != miss.shape:
-        raise DesignError("errors", f"found shapes {cost.shape} and {miss.shape}", "give two rows of one length")
+        raise DesignError(
+            "errors", f"found shapes {cost.shape} and {miss.shape}", "give two rows of one length", "conflict"
+        )
     front = np.zeros(cost.shape, dtype=bool)
     known = np.flatnonzero(np.isfinite(cost) & np.isfinite(miss))
     least = np.inf

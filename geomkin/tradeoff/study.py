@@ -110,7 +110,9 @@ def stability(distances: float | ArrayLike | None = None) -> Stability:
     given = np.asarray([10.0**-k for k in POWERS] if distances is None else distances, dtype=float)
     falling = given.ndim == 1 and given.size > 0 and bool(np.all(np.diff(given) < 0))
     if not falling or not 1e-15 <= given.min() <= given.max() <= 0.1:
-        raise DesignError("distances", f"found {distances!r}", "give falling numbers from 0.1 down to 1e-15")
+        raise DesignError(
+            "distances", f"found {distances!r}", "give falling numbers from 0.1 down to 1e-15", "out-of-range"
+        )
     return Stability(tuple(tuple(measured(cell, x) for x in given.tolist()) for cell in CELLS))
 
 

@@ -343,7 +343,8 @@ def test_no_name_lies_over_another(name, width, folder, opened):
         for names in page.evaluate(SEEN):
             assert names
             for (a, b, c, d), (e, f, g, h) in combinations(names, 2):
-                assert a >= f or e >= b or c >= h or g >= d
+                # Positions are written in hundredths of a pixel.
+                assert a >= f or e >= b or c >= h - 0.01 or g >= d - 0.01
 
 
 @pytest.mark.parametrize("name", ["crank-rocker", "slider-crank", "walking-leg", "gear-pair"])

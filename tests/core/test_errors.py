@@ -1,9 +1,12 @@
 """Errors go through a pickle, as between processes, and stay what they are."""
 
+import ast
 import copy
 import pickle
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -58,3 +61,18 @@ def test_whatever_a_value_is_it_is_shown_on_one_line():
     assert errors.harmless("a\x1b\n\u202e\u2028é 漢") == "a????é 漢"
     assert repr(errors.Problem("k", "found\n1", "x" * 300)).startswith("Problem(k: found?1; xxx")
     assert len(repr(errors.Problem("k", "", "x" * 300))) <= 120
+
+
+def test_ids_of_problems_are_those_listed_and_each_is_in_use():
+    calls = [
+        node
+        for file in Path(gk.__file__).parent.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        if node.func.id in ("DesignError", "Problem", "FileError")
+    ]
+    ids = [call.args[3] for call in calls if len(call.args) > 3]
+    literal = {id.value for id in ids if isinstance(id, ast.Constant)}
+    assert literal <= set(get_args(errors.ProblemId))
+    # The general id is the default.
+    assert set(get_args(errors.ProblemId)) - literal == {"impossible-geometry"}

@@ -19,7 +19,7 @@ from geomkin.export.still import MOST_FRAMES, kept_frames
 from geomkin.export.svg_path import path
 from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from geomkin.page.page import page
-from geomkin.page.scene_json import island
+from geomkin.page.scene_json import scene_json
 from geomkin.recipe import Files
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -174,7 +174,7 @@ def test_curves_are_as_fine_as_a_screen_shows_and_no_finer(size):
     spline = gk.plane.Spline(corners)
     scene = dataclasses.replace(turning(radius=size), curves=(SceneCurve(spline, "traced"),))
     low, high = scene.box
-    data = json.loads(island(scene, "a"))
+    data = json.loads(scene_json(scene, "a"))
     text = data["paths"][data["scenes"][0]["curves"][0]["path"]]
     numbers = [float(n) for n in re.findall(r"-?\d*\.?\d+", text)]
     points = np.cumsum(np.array(numbers[::2]) + 1j * np.array(numbers[1::2]))
@@ -187,13 +187,13 @@ def test_a_long_table_is_thinned_and_keeps_its_ends():
     kept = kept_frames(50_000)
     assert len(kept) == MOST_FRAMES and kept[0] == 0 and kept[-1] == 49_999 and len(np.unique(kept)) == len(kept)
     assert list(kept_frames(5)) == [0, 1, 2, 3, 4]
-    assert json.loads(island(turning(frames=5000), "a"))["frames"] == MOST_FRAMES
+    assert json.loads(scene_json(turning(frames=5000), "a"))["frames"] == MOST_FRAMES
 
 
 def test_another_scene_beside_it_is_on_the_same_drive():
     scene = turning()
     with pytest.raises(gk.DesignError, match="9 rows"):
         dataclasses.replace(scene, others={"mode": turning(frames=5)})
-    data = json.loads(island(dataclasses.replace(scene, others={"other": scene}), "a"))
+    data = json.loads(scene_json(dataclasses.replace(scene, others={"other": scene}), "a"))
     # The same rows and outlines, told once.
     assert data["scenes"][1] | {"label": ""} == data["scenes"][0]

@@ -12,7 +12,7 @@ import geomkin as gk
 from geomkin.core.errors import Problem, ProblemId
 from geomkin.model.roles import ROLES, Role
 from geomkin.model.scene import Limit, Plot
-from geomkin.page.scene_json import island
+from geomkin.page.scene_json import scene_json
 from geomkin.page.sections import worst_frame
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -152,7 +152,7 @@ def test_plots_and_limits_refer_to_columns_of_the_table(recipes):
 def test_roles_have_one_home_that_pages_are_given():
     assert set(ROLES) == set(get_args(Role))
     scene = gk.load(RECIPES / "crank-rocker.toml").scene
-    roles = {role["id"]: role for role in json.loads(island(scene, "a"))["roles"]}
+    roles = {role["id"]: role for role in json.loads(scene_json(scene, "a"))["roles"]}
     used = {item.role for item in (*scene.marks, *scene.curves)}
     assert set(roles) == used and [role for role in ROLES if role in used] == list(roles)
     assert all((role["label"], role["shown"], role["room"]) == ROLES[id] for id, role in roles.items())

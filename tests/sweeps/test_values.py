@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.sweeps.row import MOST, combinations, listed, with_values
+from geomkin.recipe.keys import with_values
+from geomkin.sweeps.row import MOST, combinations, listed
 
 
 def test_rows_of_values_are_as_a_recipe_has_them():

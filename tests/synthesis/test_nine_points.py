@@ -1,4 +1,6 @@
-"""Four-bars through nine points: the equations, what is solved and followed, and each linkage moved by the solver."""
+"""Four-bars through nine points: the equations, the stored solutions, the paths, and each linkage moved by the solver."""
+
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -6,7 +8,21 @@ import pytest
 import geomkin as gk
 from geomkin.core.progress import Watch, shown
 from geomkin.linkage.coupler_curve import cognates
-from geomkin.synthesis.path.nine_points import _Nine, reached, through_nine, with_cognates
+from geomkin.synthesis.path.double_double import ComplexDoubleDouble
+from geomkin.synthesis.path.homotopy import follow, refine
+from geomkin.synthesis.path.nine_point_equations import (
+    cognates_of,
+    is_degenerate,
+    is_repeated,
+    keys_of,
+    may_be_degenerate,
+    precise_residuals,
+    residuals,
+    rotations_of,
+    slopes,
+    solve,
+)
+from geomkin.synthesis.path.nine_points import _starts, cranks_and_branches, special, through_nine, with_cognates
 from tests.speed.synthesis_path import NINE
 
 KNOWN = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j, ground_angle_deg=25)
@@ -15,7 +31,8 @@ SEEN = gk.move(KNOWN, DRIVE).point("coupler_point").position
 MIDDLE = SEEN.mean()
 SIZE = np.sqrt(np.mean(np.abs(SEEN - MIDDLE) ** 2))
 POINTS = (SEEN - MIDDLE) / SIZE
-NO_KEYS = np.zeros((0, 3), dtype=complex)
+OFFSETS = (POINTS - POINTS[0])[1:]
+PARAMETERS = np.concatenate([OFFSETS, np.conj(OFFSETS)])[None]
 
 
 def joints(cognate):
@@ -40,7 +57,7 @@ def bar_of(sizes):
 def is_through(row, points):
     """Moved by the general solver, it and both its cognates are at each point at the cranks and branches told."""
     for sizes in with_cognates(row, complex(points[0])):
-        cranks, sides = reached(sizes, points)
+        cranks, sides = cranks_and_branches(sizes, points)
         assert set(sides.tolist()) <= {1, -1}
         for side in (1, -1):
             moved = gk.move(bar_of(sizes), cranks[sides == side], side).point("coupler_point").position
@@ -49,54 +66,120 @@ def is_through(row, points):
     return True
 
 
-def test_the_equations_hold_of_a_known_linkage_and_its_cognates_only():
-    nine = _Nine(POINTS)
-    assert np.abs(nine(THREE)[0]).max() < 1e-12
-    rng = np.random.default_rng(1)
-    other, _ = nine(THREE + 0.1 * rng.normal(size=THREE.shape))
-    assert (np.abs(other).max(axis=1) > 1e-3).all() and np.abs(other).max() <= 1
+def as_solution(row):
+    """Pins and pivots (8,) of a real linkage as a solution of the equations (1, 16)."""
+    places = row.view(complex)
+    dyads = np.stack([places, np.conj(places)], axis=1).reshape(1, 8)
+    return np.concatenate([dyads, rotations_of(dyads, PARAMETERS)], axis=1)
 
 
-def test_derivatives_are_those_of_differences():
-    nine, x = _Nine(POINTS), np.random.default_rng(0).normal(size=(6, 8))
-    _, by = nine(x)
-    for k, step in enumerate(1e-6 * np.eye(8)):
-        assert (nine(x + step)[0] - nine(x - step)[0]) / 2e-6 == pytest.approx(by[..., k], abs=1e-6)
+SOLUTIONS = np.concatenate([as_solution(row) for row in THREE])
+P3 = np.repeat(PARAMETERS, 3, axis=0)
 
 
-def test_what_starts_nearby_comes_to_the_linkage():
-    nine, rng = _Nine(POINTS), np.random.default_rng(2)
-    starts = np.repeat(THREE, 5, axis=0) + 1e-2 * rng.normal(size=(15, 8))
-    found = nine.solved(starts, 40, Watch(60, ""))
-    assert len(found) == 15 and [np.abs(found - one).max(axis=1).min() < 1e-9 for one in THREE] == [True] * 3
-    assert np.abs(nine(found)[0]).max() < 1e-12
-    # In so many steps some of random starts come to a solution, and no row is anything else; the rest is given up.
-    found = nine.solved(np.vstack([THREE, np.full(8, np.nan), rng.normal(size=(200, 8))]), 150, Watch(60, ""))
-    assert len(found) > 10 and np.abs(nine(found)[0]).max() < 1e-12
-    # One step when time is over, which is enough for what is there.
-    late = Watch(0, "")
-    assert len(nine.solved(np.vstack([THREE, rng.normal(size=(50, 8))]), 150, late)) == 3 and late.cut
+def random_complex(seed, *shape):
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=shape) + 1j * rng.normal(size=shape)
 
 
-def test_cognates_are_one_and_what_is_no_linkage_is_none():
-    nine, rng = _Nine(POINTS), np.random.default_rng(3)
-    for order in ([0, 1, 2], [2, 0, 1], [1, 2, 0]):
-        # Either of its two sides first.
-        sides = np.concatenate([THREE[order], THREE[order][:, [4, 5, 6, 7, 0, 1, 2, 3]]])
-        new, keys = nine.new(sides + 1e-9 * rng.normal(size=(6, 8)), NO_KEYS)
-        assert len(new) == 1 == len(keys) and np.abs(new[0] - THREE[order[0]]).max() < 1e-7
-        again, more = nine.new(THREE[order], keys)
-        assert len(again) == 0 and len(more) == 1
-    apart, keys = nine.new(THREE[:1] + 1e-2 * rng.normal(size=(4, 8)), keys)
-    assert len(apart) == 4 and len(keys) == 5
-    # Pin, pivot, other pin, other pivot; the coupler point is at 0.
-    assert nine.real(np.array([1, 2j, 1 + 2j, 3]).view(float)[None]).all()
-    for none in (
-        [0, 2j, 1 + 2j, 3], [1, 2j, 0, 3], [1, 2j, 1, 3], [1, 1, 1 + 2j, 3], [1, 2j, 1 + 2j, 1 + 2j],
-        [1, 2j, 1 + 2j, 2j], [1, 2e3, 1 + 2j, 3], [np.nan, 2j, 1 + 2j, 3],
-    ):  # fmt: skip
-        row = np.array(none, dtype=complex).view(float)[None]
-        assert not nine.real(row).any() and len(nine.new(row, NO_KEYS)[0]) == 0
+def test_double_doubles_hold_what_exact_fractions_give():
+    a, a_low, b, b_low = random_complex(0, 4, 50)
+    a_low, b_low = 1e-17 * a_low, 1e-17 * b_low
+    one, other = ComplexDoubleDouble.of(a, a_low), ComplexDoubleDouble.of(b, b_low)
+    for result, exact in (
+        (one * other, lambda p, q, r, s: (p * r - q * s, p * s + q * r)),
+        (one + other, lambda p, q, r, s: (p + r, q + s)),
+        (one - other, lambda p, q, r, s: (p - r, q - s)),
+    ):
+        for k in range(50):
+            parts = [
+                Fraction(high) + Fraction(low)
+                for z, z_low in ((a[k], a_low[k]), (b[k], b_low[k]))
+                for high, low in ((z.real, z_low.real), (z.imag, z_low.imag))
+            ]
+            high, low = (part[k] for part in result.parts)
+            for got, wanted in zip(
+                (Fraction(high.real) + Fraction(low.real), Fraction(high.imag) + Fraction(low.imag)), exact(*parts)
+            ):
+                assert abs(got - wanted) < 1e-30 * (1 + abs(a[k])) * (1 + abs(b[k]))
+
+
+def test_the_equations_hold_for_a_moved_linkage_and_its_cognates_only():
+    motion = gk.move(KNOWN, DRIVE)
+    assert np.abs(residuals(SOLUTIONS, P3)).max() < 1e-11
+    assert SOLUTIONS[0, 8:] == pytest.approx((motion.coupler.direction / motion.coupler.direction[0])[1:], abs=1e-9)
+    off = np.abs(residuals(SOLUTIONS + 0.1 * random_complex(1, 3, 16), P3)).max(axis=(1, 2))
+    assert (off > 1e-2).all()
+    low = np.zeros_like(SOLUTIONS)
+    assert precise_residuals(SOLUTIONS, low, P3, 0 * P3) == pytest.approx(residuals(SOLUTIONS, P3), abs=1e-12)
+
+
+def test_derivatives_agree_with_central_differences():
+    x, p, step = random_complex(2, 4, 16), random_complex(3, 4, 16), 1e-6
+    by_place, by_rotation, by_d, by_conjugate = slopes(x, p)
+
+    def difference(k, of_parameters=False):
+        shift = step * np.eye(16)[k]
+        if of_parameters:
+            return (residuals(x, p + shift) - residuals(x, p - shift)) / (2 * step)
+        return (residuals(x + shift, p) - residuals(x - shift, p)) / (2 * step)
+
+    for k in range(8):
+        dyad = k // 4
+        assert by_place[:, dyad, :, k % 4] == pytest.approx(difference(k)[:, dyad], abs=1e-6)
+        assert by_rotation[..., k] == pytest.approx(difference(8 + k)[..., k], abs=1e-6)
+        assert by_d[..., k] == pytest.approx(difference(k, True)[..., k], abs=1e-6)
+        assert by_conjugate[..., k] == pytest.approx(difference(8 + k, True)[..., k], abs=1e-6)
+    right = random_complex(4, 4, 2, 8)
+    change = solve(by_place, by_rotation, right)
+    moved = (residuals(x + step * change, p) - residuals(x - step * change, p)) / (2 * step)
+    assert moved == pytest.approx(right, abs=1e-5)
+
+
+def test_cognates_are_one_class():
+    for k in range(3):
+        for cognate in cognates_of(SOLUTIONS[k : k + 1], PARAMETERS):
+            assert np.abs(residuals(cognate, PARAMETERS)).max() < 1e-9
+            # The same linkage as one of the three, with its dyads in either order.
+            swapped = cognate[:, [4, 5, 6, 7, 0, 1, 2, 3]]
+            off = [np.abs(SOLUTIONS[:, :8] - row).max(axis=1).min() for row in (cognate[:, :8], swapped)]
+            assert min(off) < 1e-9
+    assert is_repeated(SOLUTIONS).tolist() == [False, True, True]
+    others = SOLUTIONS * (1 + 1e-3 * random_complex(5, 3, 16))
+    assert not is_repeated(np.concatenate([SOLUTIONS[:1], others])).any()
+    assert keys_of(SOLUTIONS) == pytest.approx(keys_of(SOLUTIONS)[0], rel=1e-9)
+
+
+def test_degenerate_sets_are_recognised():
+    assert not may_be_degenerate(SOLUTIONS).any() and not is_degenerate(SOLUTIONS).any()
+    for capital in (0, 1):
+        x = random_complex(6, 5, 16)
+        x[:, [capital, 2 + capital, 4 + capital, 6 + capital]] = random_complex(7, 5, 1)
+        assert is_degenerate(x).all() and may_be_degenerate(x).all()
+    x = SOLUTIONS[:1].copy()
+    x[0, 2] = x[0, 0] * (1 + 1e-9)
+    assert may_be_degenerate(x).all() and not is_degenerate(x).any()
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_each_stored_set_has_the_published_number_of_solutions(number):
+    """1442: Wampler, Morgan and Sommese 1992."""
+    x, parameters = _starts(number)
+    assert len(x) == 1442 and not is_repeated(x).any() and not may_be_degenerate(x).any()
+    sizes = np.abs(slopes(x, np.broadcast_to(parameters, x.shape))[1])
+    assert (np.abs(residuals(x, np.broadcast_to(parameters, x.shape))) < 1e-11 * (1 + sizes)).all()
+
+
+def test_paths_lead_back_to_their_start():
+    x, parameters = _starts(1)
+    corner = random_complex(8, 16)
+    there = follow(x[:6], parameters, corner, lambda share: False)
+    assert there.reached.all()
+    back = follow(there.x, corner, parameters, lambda share: False, precise=True)
+    assert back.reached.all() and back.x == pytest.approx(x[:6], rel=1e-9, abs=1e-9)
+    near = refine(there.x * (1 + 1e-6), corner)
+    assert near.reached.all() and near.x == pytest.approx(there.x, rel=1e-12, abs=1e-12)
+    assert not follow(x[:6], parameters, corner, lambda share: True).reached.any()
 
 
 def test_cranks_and_branches_of_points_and_cognates_as_the_general_solver_has_them():
@@ -109,37 +192,51 @@ def test_cranks_and_branches_of_points_and_cognates_as_the_general_solver_has_th
         turn = np.exp(1j * np.radians(bar.ground_angle_deg - other.ground_angle_deg))
         assert turn == pytest.approx(1, abs=1e-9)
         crank = gk.move(other, DRIVE + cognate.drive_offset, cognate.branch).crank.direction / turn
-        assert np.exp(1j * (reached(sizes, SEEN)[0] + sizes[8])) == pytest.approx(crank, abs=1e-6)
+        assert np.exp(1j * (cranks_and_branches(sizes, SEEN)[0] + sizes[8])) == pytest.approx(crank, abs=1e-6)
 
 
-def test_random_starts_find_linkages_through_points_anywhere(monkeypatch):
-    for name, value in {"STARTS": 60, "AT_ONCE": 200, "IDLE": 3}.items():
-        monkeypatch.setattr(f"geomkin.synthesis.path.nine_points.{name}", value)
-    points, told = (NINE - NINE.mean()) / 0.8, []
-    with shown(lambda share, what: told.append((share, what))):
-        rows = through_nine(points, np.random.default_rng(0), Watch(60, "of nine"))
-    assert len(rows) > 20 and all(is_through(row, points) for row in rows)
-    pivots = [with_cognates(row, complex(points[0])) for row in rows]
-    threes = {frozenset(complex(round(x[6], 4), round(x[7], 4)) for x in three) for three in pivots}
-    assert len(threes) == len(rows)
-    shares = [share for share, _ in told]
-    assert shares == sorted(shares) and shares[0] < shares[-1] <= 1 and {what for _, what in told} == {"of nine"}
-    # With no time it says what it came to.
-    assert len(through_nine(points, np.random.default_rng(0), Watch(0, ""))) < len(rows)
+def test_points_in_special_positions_are_recognised():
+    turn = np.exp(1j * np.sort(np.random.default_rng(0).uniform(0, 6, 9)))
+    line = 3 + (2 - 1j) * np.linspace(0, 1, 9)
+    for place in (1.0, 1e6 + 1j):
+        assert special(place + turn) and special(place + line)
+        assert special(place + np.where(np.arange(9) < 7, line, turn))
+        assert not special(place + np.where(np.arange(9) < 6, line, turn))
+    assert special(np.where(np.arange(9) == 4, POINTS[2], POINTS)) and not special(POINTS)
+
+
+def test_all_real_linkages_of_the_published_problem_are_found():
+    """64 of 1442: Wampler, Morgan and Sommese 1992, problem 3."""
+    reports = []
+    with shown(lambda share, what: reports.append((share, what))):
+        rows, count = through_nine(NINE, Watch(600, "of nine"))
+    assert (count.real, count.not_real, count.repeated, count.lost) == (64, 1378, 0, 0) and count.is_complete
+    assert len(rows) == 64 and all(is_through(row, NINE) for row in rows)
+    pivots = [with_cognates(row, complex(NINE[0])) for row in rows]
+    assert len({frozenset(complex(round(x[6], 4), round(x[7], 4)) for x in three) for three in pivots}) == 64
+    shares = [share for share, _ in reports]
+    assert shares == sorted(shares) and shares[0] < shares[-1] <= 1 and {what for _, what in reports} == {"of nine"}
+
+
+def test_without_time_all_paths_are_lost():
+    watch = Watch(0, "")
+    rows, count = through_nine(NINE, watch)
+    assert len(rows) == 0 and count.lost == count.total == 1442 and watch.cut and not count.is_complete
 
 
 @pytest.mark.campaign
-def test_other_seeds_find_nearly_the_same_linkages(monkeypatch):
-    """Of a set with 80 real linkages in several families, of which one seed found 27 and another one."""
-    monkeypatch.setattr("geomkin.synthesis.path.nine_points.IDLE", 2)
-    drive = np.sort(np.random.default_rng(12).uniform(0.2, 5.5, 9))
-    points = gk.move(gk.FourBar(100, 35, 90, 70, 40 + 30j), drive).point("coupler_point").position
-    points = points - points.mean()
-    points = points / np.sqrt(np.mean(np.abs(points) ** 2))
-    first, second = (through_nine(points, np.random.default_rng(seed), Watch(600, "")) for seed in (0, 1))
-    assert len(first) > 25 and len(second) > 25
-    assert all(is_through(row, points) for row in (*first, *second))
-    problem, start = _Nine(points), np.tile([points[0].real, points[0].imag], 4)
-    _, keys = problem.new(first - start, NO_KEYS)
-    missing, _ = problem.new(second - start, keys)
-    assert len(second) - len(missing) > 0.8 * max(len(first), len(second))
+def test_the_linkage_that_the_points_come_from_is_found():
+    """From a set with 80 real linkages, and from random crank-rockers."""
+    rng = np.random.default_rng(12)
+    bars = [gk.FourBar(100, 35, 90, 70, 40 + 30j)]
+    while len(bars) < 4:
+        bar = gk.FourBar(*rng.uniform(1, 3, 3), 3.0, complex(*rng.normal(size=2)))
+        if gk.move(bar, np.linspace(0, 2 * np.pi, 361)).assembled.all():
+            bars.append(bar)
+    for k, bar in enumerate(bars):
+        drive = np.sort((rng if k else np.random.default_rng(12)).uniform(0.2, 5.5, 9))
+        points = gk.move(bar, drive).point("coupler_point").position
+        rows, count = through_nine(points, Watch(600, ""))
+        assert count.is_complete and (k or count.real == 80)
+        lengths = [x[:4] for row in rows for x in with_cognates(row, complex(points[0]))]
+        assert min(np.abs(four - [bar.ground, bar.crank, bar.coupler, bar.rocker]).max() for four in lengths) < 1e-6

@@ -1,22 +1,20 @@
 """The search for linkages of paths part by part: many points, nine of them, defects, refusals, what it starts from."""
 
 import dataclasses
-from functools import cache
 from itertools import permutations, product
 
 import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import Watch
 from geomkin.linkage.coupler_curve import cognates
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.fits import Fit, Linearised, PathTask, least_squares
-from geomkin.synthesis.path.nine_points import _Nine
+from geomkin.synthesis.path.nine_points import PathCount
 from geomkin.synthesis.path.path import _turns
 from geomkin.synthesis.path.search import crank_motion
 from geomkin.synthesis.path.starts import loop, short_tour
-from tests.synthesis.test_nine_points import KNOWN, NO_KEYS, POINTS, SEEN, SIZE, THREE
+from tests.synthesis.test_nine_points import KNOWN, POINTS, SEEN, SIZE, THREE
 
 SLIDER = gk.SliderCrank(30, 90, 12, 50 + 20j, origin=5 + 5j, ground_angle_deg=-20)
 
@@ -103,38 +101,23 @@ def nothing_else(monkeypatch):
 
 
 def through(monkeypatch, rows):
-    """Rows from the first of the points, for what goes through nine of them."""
-    first = [POINTS[0].real, POINTS[0].imag]
-    monkeypatch.setattr(search, "through_nine", lambda wanted, rng, watch: np.asarray(rows) + np.tile(first, 4))
+    """Rows from the first of the points as all linkages through nine of them."""
+    first, count = [POINTS[0].real, POINTS[0].imag], PathCount(len(rows), 0, 0, 0)
+    monkeypatch.setattr(search, "through_nine", lambda wanted, watch: (np.asarray(rows) + np.tile(first, 4), count))
 
 
-@cache
-def others():
-    """What else goes through the nine points, but for the cognates of the known one."""
-    nine, watch = _Nine(POINTS), Watch(60, "")
-    known, keys = nine.new(THREE, NO_KEYS)
-    return nine.new(nine.reached(np.repeat(known, 8, axis=0), np.tile(np.eye(8), (len(known), 1)), watch), keys)[0]
-
-
-def test_of_three_cognates_through_nine_points_the_best_is_told(monkeypatch, nothing_else):
+def test_the_best_of_three_cognates_through_nine_points_is_ranked(monkeypatch, nothing_else):
     bars = [one.linkage for one in cognates(KNOWN)]
     least = [np.degrees(gk.least_transmission_angle(gk.move(bar, np.linspace(0, 7, 2000)))) for bar in bars[:1]]
-    # Whichever of the three the equations gave; one that only comes near is none.
+    # Whichever of the three is found; one that only comes near is not listed.
     for row in THREE:
-        through(monkeypatch, [*others()[::-1], THREE[0] + 1e-4, row])
+        through(monkeypatch, [THREE[0] + 1e-3, row])
         found = gk.path_generator(SEEN)
         assert nothing_else == [] and not found.defects and found.square_error < 1e-16 * SIZE**2
         assert np.abs(traced(found.linkage, found.drive, found.branch) - SEEN).max() < 1e-7
-        sound = [one for one in found.ranked if not one.defects]
-        assert (
-            found.linkage == found.ranked[0].linkage
-            and len(found.ranked) > len(sound)
-            and len(found.ranked) <= 1 + len(others())
-        )
-        assert [bool(one.defects) for one in found.ranked] == sorted(bool(one.defects) for one in found.ranked)
-        assert all(one.square_error < 1e-16 * SIZE**2 for one in found.ranked)
-        mine = [one for one in sound if any(abs(one.linkage.crank - bar.crank) < 1e-6 for bar in bars)]
-        assert len(mine) == 1 and mine[0].transmission_angle_deg >= least[0] - 1e-6
+        assert len(found.ranked) == 1 and found.path_count.is_complete and not found.special
+        assert any(abs(found.linkage.crank - bar.crank) < 1e-6 for bar in bars)
+        assert found.transmission_angle_deg >= least[0] - 1e-6
 
 
 def test_a_coupler_point_at_a_pin_has_no_cognates(monkeypatch, nothing_else):

@@ -15,10 +15,11 @@ from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
 from ...model.check import Check
+from ...model.mass import Mass
 from ...model.part import Part
 from ...model.scene import Limit, Scene
 from ...model.table import Table
-from ...recipe.recipe import AbstractAssembledRecipe
+from ...recipe.recipe import AbstractAssembledRecipe, part_masses
 from ...recipe.settings import Drive, Files
 from ...recipe.template import example
 from ..base_circle import least_base_circle
@@ -26,7 +27,7 @@ from ..cam import Cam
 from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
 from ..followers.follower import FOLLOWERS
 from ..measures import cam_table
-from ..parts import CamStock, cam_assembly, cam_parts
+from ..parts import CamStock, cam_assembly, cam_parts, pin_masses
 from ..program.program import Program
 from ..program.segments import (
     Dwell,
@@ -92,7 +93,9 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
             remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
-            raise DesignError("drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy)
+            raise DesignError(
+                "drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy, "out-of-range"
+            )
         self.drive.check_rows()
 
     @property
@@ -117,6 +120,15 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     def parts(self) -> tuple[Part, ...]:
         """The plates of cam, follower and base."""
         return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
+
+    @cached_property
+    def body_masses(self) -> Mapping[str, Mass]:
+        """Mass of cam, roller and follower; that of the follower with the pins that are glued into it."""
+        bodies = part_masses(self.parts)
+        if bodies:
+            for body, mass in pin_masses(self.cam, self.stock, self.base).items():
+                bodies[body] += mass
+        return bodies
 
     @cached_property
     def assembly(self) -> Assembly:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST
-from ...core.names import csv_cells, read_text_file
+from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...plane.vec import Real, Whole
 from .laws import Ends, Law, PiecewisePolynomial
@@ -34,7 +34,7 @@ MOTION = 3.0
 SAMPLES = 8
 
 
-def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, bool]:
+def read_rows(segment: Pointed, folder: Folder) -> tuple[str, Real, bool]:
     """The name of the field with rows, the rows (n, 2) of angles in deg and lifts, and whether lifts are in degrees."""
     offered = (
         {"rows": segment.rows, "rows_deg": segment.rows_deg, "file": segment.file}
@@ -44,7 +44,7 @@ def read_rows(segment: Pointed, folder: str | Path | None) -> tuple[str, Real, b
     given = [name for name, rows in offered.items() if rows is not None]
     if len(given) != 1:
         found = "none" if not given else " and ".join(given)
-        raise DesignError(next(iter(offered)), f"of {', '.join(offered)} found {found}", "give one of them")
+        raise DesignError(next(iter(offered)), f"of {', '.join(offered)} found {found}", "give one of them", "conflict")
     field = given[0]
     if field == "file":
         points, swings = _from_csv(offered[field], folder)
@@ -62,14 +62,17 @@ def checked_rows(rows: object, field: str) -> Real:
         fits = False
     if not fits:
         raise DesignError(
-            field, f"found {shown(rows)}", f"give at most {MOST_ROWS} rows [angle in deg, lift] of numbers"
+            field,
+            f"found {shown(rows)}",
+            f"give at most {MOST_ROWS} rows [angle in deg, lift] of numbers",
+            "wrong-type",
         )
     return points
 
 
-def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
+def _from_csv(name: object, folder: Folder) -> tuple[Real, bool]:
     if not isinstance(name, str | Path):
-        raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file")
+        raise DesignError("file", f"found {shown(name)}", "give the name of a CSV file", "wrong-type")
     text = read_text_file(name, folder, "a CSV file")
     # Counted first: a much larger file would need a gigabyte as lists of numbers.
     count = text.count("\n")
@@ -86,6 +89,7 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
             "file",
             f"the first line of {printable(name)} does not name {lacking}",
             f"name its columns: {ANGLE} and one of {' and '.join(LIFTS)}, separated by commas or semicolons",
+            "missing-key",
         )
     columns = header.index(ANGLE), header.index(lifts[0])
     points = []
@@ -94,7 +98,9 @@ def _from_csv(name: object, folder: str | Path | None) -> tuple[Real, bool]:
             continue
         if "".join(line[len(header) :]).strip():
             problem = f"line {k} of {printable(name)} has {len(line)} cells, the first line {len(header)}"
-            raise DesignError("file", problem, "give the same number; decimal commas need semicolons between the cells")
+            raise DesignError(
+                "file", problem, "give the same number; decimal commas need semicolons between the cells", "wrong-type"
+            )
         points.append(
             [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
         )
@@ -106,7 +112,9 @@ def _number(line: list[str], column: int, place: str) -> float:
     try:
         return float(cell)
     except ValueError:
-        raise DesignError("file", f"{place} holds {printable(repr(cell), 20)}", "give a number there") from None
+        raise DesignError(
+            "file", f"{place} holds {printable(repr(cell), 20)}", "give a number there", "wrong-type"
+        ) from None
 
 
 @record(eq=False)

@@ -186,13 +186,13 @@ def law_of(law: LawName | Law) -> Law:
     """A law by name, or a callable after checks of its shape, its ends, and of each row as derivative of the last."""
     if isinstance(law, str):
         if law not in LAWS:
-            raise DesignError("law", f"found {law!r}", f"give {', '.join(LAWS)} or a callable")
+            raise DesignError("law", f"found {law!r}", f"give {', '.join(LAWS)} or a callable", "wrong-type")
         return LAWS[law]
     if not callable(law):
-        raise DesignError("law", f"found {shown(law)}", f"give {', '.join(LAWS)} or a callable")
+        raise DesignError("law", f"found {shown(law)}", f"give {', '.join(LAWS)} or a callable", "out-of-range")
     breaks = breaks_of(law)
     if breaks.ndim != 1 or breaks.size < 2 or breaks[0] != 0 or breaks[-1] != 1 or np.any(np.diff(breaks) <= 0):
-        raise DesignError("law.breaks", f"found {breaks}", "give rising numbers from 0 to 1")
+        raise DesignError("law.breaks", f"found {breaks}", "give rising numbers from 0 to 1", "out-of-range")
     nodes, weights = np.polynomial.legendre.leggauss(8)
     # Sixteen steps in each piece, eight nodes in each step: polynomials to degree 15 pass exactly.
     edges = np.concatenate([np.linspace(a, b, 17)[:-1] for a, b in pairwise(breaks)] + [[1.0]])
@@ -201,12 +201,14 @@ def law_of(law: LawName | Law) -> Law:
     inside, ends = np.asarray(law(x), dtype=float), np.asarray(law(edges), dtype=float)
     if inside.shape != (4, *x.shape) or ends.shape != (4, *edges.shape):
         raise DesignError(
-            "law", f"it returns the shape {inside.shape} for {x.shape}", "return f, f', f'', f''' stacked"
+            "law", f"it returns the shape {inside.shape} for {x.shape}", "return f, f', f'', f''' stacked", "wrong-type"
         )
     if not (np.isfinite(inside).all() and np.isfinite(ends).all()):
-        raise DesignError("law", "it is not finite everywhere in 0 to 1", "give finite derivatives")
+        raise DesignError("law", "it is not finite everywhere in 0 to 1", "give finite derivatives", "not-finite")
     if abs(ends[0, 0]) > TRUST or abs(ends[0, -1] - 1) > TRUST:
-        raise DesignError("law", f"it runs from {ends[0, 0]:g} to {ends[0, -1]:g}", "make it run from 0 to 1")
+        raise DesignError(
+            "law", f"it runs from {ends[0, 0]:g} to {ends[0, -1]:g}", "make it run from 0 to 1", "out-of-range"
+        )
     for k in range(3):
         # At a jump the law returns the values of the piece after it, so steps that end there are checked for f only.
         last = np.isin(edges[1:], breaks[1:-1]) & (k > 0)
@@ -216,6 +218,7 @@ def law_of(law: LawName | Law) -> Law:
                 "law",
                 f"its row {k + 1} is not the derivative of its row {k}",
                 "correct it, or list the x of its jumps in its attribute `breaks`",
+                "conflict",
             )
     return law
 
@@ -263,6 +266,7 @@ def polynomial_from(conditions: Sequence[tuple[float, int, float]]) -> Chebyshev
             "",
             "its conditions do not determine one polynomial",
             "give the lower derivatives too, or fewer intermediate points",
+            "conflict",
         )
     f = np.linalg.solve(rows / size[:, None], np.array([v for _, _, v in conditions]) / size)
     return chebyshev_law([derive(f, k) for k in range(4)])

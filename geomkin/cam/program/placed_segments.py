@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from ...core.errors import DesignError, shown
 from ...core.fields import check_quantities
+from ...core.names import Folder
 from ...core.records import record
 from ...plane.vec import Real
 from .given_lifts import MOST_ROWS, checked_rows, read_rows
@@ -59,7 +59,7 @@ def naming(place: str) -> Iterator[None]:
         raise DesignError(field, error.problem, error.remedy, error.id) from None
 
 
-def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> list[PlacedSegment]:
+def place_segments(segments: Sequence[Segment], folder: Folder) -> list[PlacedSegment]:
     """Limits of the segments from 0 to 360 deg. folder: of files of tables. Raises DesignError if they do not fit."""
     made: list[PlacedSegment] = []
     angle, lift, rows = 0.0, 0.0, 0
@@ -71,7 +71,7 @@ def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> li
         place = f"program[{k}]"
         with naming(place):
             if not isinstance(segment, Segment):
-                raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise")
+                raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise", "wrong-type")
             check_quantities(segment)
             if isinstance(segment, Pointed):
                 placed = _given(place, segment, angle, lift if k else None, folder, alone=len(segments) == 1)
@@ -100,13 +100,16 @@ def place_segments(segments: Sequence[Segment], folder: str | Path | None) -> li
 
 def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
     if abs(angle - 360) > SLIP:
-        raise DesignError("program", f"the segments end at {angle:g} deg", "make the last one end at 360 deg")
+        raise DesignError(
+            "program", f"the segments end at {angle:g} deg", "make the last one end at 360 deg", "out-of-range"
+        )
     swings = {placed.oscillates: placed.place for placed in made if placed.oscillates is not None}
     if len(swings) == 2:
         raise DesignError(
             "program",
             f"{swings[False]} has its lift in mm and {swings[True]} in degrees",
             "give all in mm for a translating follower, or all in degrees for an oscillating one",
+            "conflict",
         )
     unit = "deg" if True in swings else "mm"
     if abs(lift - made[0].lift) > max(SLIP, band(made[-1].segment)):
@@ -114,6 +117,7 @@ def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
             "program",
             f"the lift ends at {lift:g} {unit}, not at {made[0].lift:g}",
             "add a return, or correct its end_lift",
+            "conflict",
         )
 
 
@@ -125,10 +129,13 @@ def _end(segment: Timed, before: float) -> float:
     known = [e for e in ends if e is not None]
     if not known or (len(known) == 2 and abs(known[0] - known[1]) > SLIP):
         found = "neither" if not known else "two that disagree"
-        raise DesignError("end_deg", f"of end_deg and duration_deg found {found}", "give one of them")
+        raise DesignError("end_deg", f"of end_deg and duration_deg found {found}", "give one of them", "conflict")
     if known[0] - before <= SLIP:
         raise DesignError(
-            "end_deg", f"the segment runs from {before:g} to {known[0]:g} deg", "give an end after its start"
+            "end_deg",
+            f"the segment runs from {before:g} to {known[0]:g} deg",
+            "give an end after its start",
+            "out-of-range",
         )
     # The last segment ends exactly at the end of the turn.
     return 360.0 if abs(known[0] - 360) <= SLIP else known[0]
@@ -148,7 +155,7 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
         return before, None
     if isinstance(segment, Return):
         if segment.end_lift and segment.end_lift_deg is not None:
-            raise DesignError("end_lift", "of end_lift and end_lift_deg found both", "give one of them")
+            raise DesignError("end_lift", "of end_lift and end_lift_deg found both", "give one of them", "conflict")
         end, oscillates = segment.end_lift, False if segment.end_lift else None
         if segment.end_lift_deg is not None:
             end, oscillates = segment.end_lift_deg, True
@@ -162,23 +169,29 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
         given = [(start + value, swings) for value, start, swings in candidates if value is not None]
         if len(given) != 1:
             found = "neither" if not given else "both" if len(given) == 2 else "more"
-            raise DesignError("rise", f"of rise and end_lift found {found}", "give one of them, in mm or in degrees")
+            raise DesignError(
+                "rise", f"of rise and end_lift found {found}", "give one of them, in mm or in degrees", "conflict"
+            )
         end, oscillates = given[0]
     unit = "deg" if oscillates else "mm"
     names = ("rise", "rise_deg", "end_lift", "end_lift_deg")
     field = next((name for name in names if getattr(segment, name, None) not in (None, 0)), "")
     field = field or next((name for name in names if getattr(segment, name, None) is not None), "rise")
     if isinstance(segment, Rise) and end <= before:
-        raise DesignError(field, f"it ends at {end:g} {unit}, not above its start", "use a return to go down")
+        raise DesignError(
+            field, f"it ends at {end:g} {unit}, not above its start", "use a return to go down", "out-of-range"
+        )
     if isinstance(segment, Return) and end >= before:
-        raise DesignError(field, f"found {end:g} {unit}, not below its start", "use a rise to go up")
+        raise DesignError(field, f"found {end:g} {unit}, not below its start", "use a rise to go up", "out-of-range")
     if end < 0:
-        raise DesignError(field, f"it ends at {end:g} {unit}, below the base circle", f"give 0 {unit} or more")
+        raise DesignError(
+            field, f"it ends at {end:g} {unit}, below the base circle", f"give 0 {unit} or more", "out-of-range"
+        )
     return end, oscillates
 
 
 def _given(
-    place: str, segment: Pointed, before: float, lift: float | None, folder: str | Path | None, alone: bool
+    place: str, segment: Pointed, before: float, lift: float | None, folder: Folder, alone: bool
 ) -> PlacedSegment:
     """A segment with its own points. lift: of the segment before, None for the first."""
     field, points, oscillates = read_rows(segment, folder)
@@ -186,12 +199,12 @@ def _given(
     row = "" if field == "file" else "[{}]"
     unit = "deg" if oscillates else "mm"
     if len(points) < 2:
-        raise DesignError(field, f"found {len(points)}", "give at least two rows, for start and end")
+        raise DesignError(field, f"found {len(points)}", "give at least two rows, for start and end", "out-of-range")
     falls = np.flatnonzero(np.diff(points[:, 0]) <= 0)
     if len(falls):
         k = int(falls[0])
         problem = f"the angle {points[k + 1, 0]:g} deg follows {points[k, 0]:g} deg"
-        raise DesignError(field + row.format(k + 1), problem, "give rising angles")
+        raise DesignError(field + row.format(k + 1), problem, "give rising angles", "out-of-range")
     if alone and isinstance(segment, LiftTable):
         # With equal steps, the next row would be the first one again.
         steps = np.diff([*points[:, 0], 360.0])
@@ -200,19 +213,21 @@ def _given(
     start, end = points[[0, -1], 0]
     if abs(start - before) > SLIP:
         problem, _ = _apart(start, before)
-        raise DesignError(field + row.format(0), problem, f"start the angles at {before:g} deg")
+        raise DesignError(field + row.format(0), problem, f"start the angles at {before:g} deg", "out-of-range")
     start, end = before, 360.0 if abs(end - 360) <= SLIP else float(end)
     slip = band(segment) or SLIP
     if lift is None:
         lift = float(points[0, 1])
     if abs(points[0, 1] - lift) > slip:
         problem = f"the lift starts at {points[0, 1]:g} {unit}, but the segment before ends at {lift:g}"
-        raise DesignError(field + row.format(0), problem, "give equal lifts")
+        raise DesignError(field + row.format(0), problem, "give equal lifts", "conflict")
     low = int(points[:, 1].argmin())
     # Measured rows of a dwell deviate to both sides.
     if points[low, 1] < -band(segment):
         problem = f"the lift is {points[low, 1]:g} {unit} at {points[low, 0]:g} deg, below the base circle"
-        raise DesignError(field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius")
+        raise DesignError(
+            field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius", "out-of-range"
+        )
     points[[0, -1], 0], points[0, 1] = (start, end), lift
     return PlacedSegment(place, segment, start, end, lift, float(points[-1, 1]), oscillates, points)
 
@@ -227,7 +242,7 @@ def band(segment: Segment) -> float:
     if segment.within is not None:
         return segment.within
     if segment.decimals is None:
-        raise DesignError("decimals", "of decimals and within found neither", "give one of them")
+        raise DesignError("decimals", "of decimals and within found neither", "give one of them", "missing-key")
     return 0.75 * 10.0**-segment.decimals if segment.decimals < 10 else 0.0
 
 
@@ -241,6 +256,9 @@ def _between(segment: Timed, start: float, end: float) -> Real:
     if len(outside):
         k = int(outside[0])
         raise DesignError(
-            f"through[{k}]", f"found {points[k, 0]:g} deg", f"give an angle between {start:g} and {end:g} deg"
+            f"through[{k}]",
+            f"found {points[k, 0]:g} deg",
+            f"give an angle between {start:g} and {end:g} deg",
+            "out-of-range",
         )
     return points

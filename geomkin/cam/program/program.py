@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, field, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
+from ...core.names import Folder
 from ...core.records import record
 from ...core.scaling import with_lengths
 from ...plane.vec import Real, Whole
@@ -126,14 +127,16 @@ def _optimal(
     # Solved for a rise of 1, so that equal shapes are solved once.
     size = rise or max(map(abs, [*sides[0], *sides[1]]))
     if size == 0:
-        raise DesignError("rise", "the follower does not move", "use a dwell")
+        raise DesignError("rise", "the follower does not move", "use a dwell", "out-of-range")
     if segment.jerk_limit and not rise:
-        raise DesignError("jerk_limit", "it is a multiple of the rise, which is 0", "omit it")
+        raise DesignError("jerk_limit", "it is a multiple of the rise, which is 0", "omit it", "conflict")
     first, last = (tuple(value / size for value in side) for side in sides)
     if isinstance(segment, OptimisedSpline):
         optimum = optimal_spline(segment.intervals, rise / size, first, last, segment.jerk_limit)
     elif segment.match_jerk and segment.degree < 7:
-        raise DesignError("degree", f"found {segment.degree}, too low to match the jerk", "give at least 7")
+        raise DesignError(
+            "degree", f"found {segment.degree}, too low to match the jerk", "give at least 7", "out-of-range"
+        )
     else:
         optimum = optimal_polynomial(segment.degree, rise / size, first, last, segment.jerk_limit)
     unit = np.radians(1) if placed.oscillates else 1.0
@@ -212,7 +215,7 @@ class Program:
 
     segments: Sequence[Segment]
     # Not compared: the same recipe read from two folders is equal.
-    folder: str | Path | None = field(default=None, compare=False)
+    folder: Folder = field(default=None, compare=False)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
@@ -229,9 +232,11 @@ class Program:
 
     def __post_init__(self) -> None:
         if not isinstance(self.segments, (tuple, list)):
-            raise DesignError("segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell")
-        if not isinstance(self.folder, (str, Path, type(None))):
-            raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder")
+            raise DesignError(
+                "segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell", "wrong-type"
+            )
+        if not isinstance(self.folder, (str, Path, Mapping, type(None))):
+            raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder", "wrong-type")
         # Raises for inconsistent segments.
         _ = self._stretches
 

@@ -157,13 +157,14 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         b = self.flank.breaks
         z = self.flank.point(np.concatenate([b, 0.5 * (b[:-1] + b[1:])]))
         if self.flank.closed or not np.isfinite(z).all():
-            raise DesignError("flank", "it is closed, or not finite", "give one open side of a tooth")
+            raise DesignError("flank", "it is closed, or not finite", "give one open side of a tooth", "wrong-type")
         most = FARTHEST_OUT * self.pitch_radius
         if (far := float(np.abs(z).max())) > most:
             raise DesignError(
                 "flank",
                 f"it extends {far:.5g} mm from the axis, but the pitch radius is {self.pitch_radius:.5g} mm",
                 f"keep it within {most * (1 - 1e-5):.6g} mm of the axis",
+                "out-of-range",
             )
 
 
@@ -357,6 +358,7 @@ class PointToothGear(AbstractFlankGear):
                 f"point {far[0] + 1} is {abs(points[far[0]]):.5g} mm from the axis, but the pitch radius is "
                 f"{self.pitch_radius:.5g} mm",
                 f"give points within {most * (1 - 1e-5):.6g} mm of the axis",
+                "out-of-range",
             )
 
     @property
@@ -399,7 +401,9 @@ class LanternPinion(AbstractShaper):
     def __post_init__(self) -> None:
         settle_module(self)
         if self.pin_diameter is None:
-            raise DesignError("pin_diameter", "is missing", f"give it in mm, about {1.25 * self.module:.3g}")
+            raise DesignError(
+                "pin_diameter", "is missing", f"give it in mm, about {1.25 * self.module:.3g}", "missing-key"
+            )
         chord = 2 * self.pitch_radius * np.sin(np.pi / self.pins)
         if self.pin_diameter >= chord:
             raise DesignError(

@@ -13,14 +13,16 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
-from ...making.assembly import Assembly
+from ...making.assembly import PLAY, Assembly
 from ...making.bases import BaseStock
+from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
+from ...model.mass import Mass
 from ...model.part import Part
 from ...model.scene import Scene
 from ...model.table import Table
 from ...plane.curve import AbstractCurve
-from ...recipe.recipe import AbstractAssembledRecipe
+from ...recipe.recipe import AbstractAssembledRecipe, part_masses
 from ...recipe.settings import Files
 from ..checks import conjugate_checks, touch_check
 from ..conjugate.conjugate import Conjugate, conjugate, flank_table, pin_table
@@ -103,7 +105,7 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
             return *parts, *self.stock.motor_parts
         mate, stock = self.design, self.stock
         if mate.is_ring:
-            raise DesignError("base", "found a base for a ring, which has no shaft", "omit base")
+            raise DesignError("base", "found a base for a ring, which has no shaft", "omit base", "conflict")
         reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
         keys = ("stock.bore", "stock.mate_bore")
         plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
@@ -276,6 +278,20 @@ class LanternGearsRecipe(AbstractShapedRecipe):
         self.check_points([])
         disc, wheel = lantern_parts(self.pinion, self.design, self.stock)
         return self.on_base((disc, wheel), float(np.abs(disc.outline.point(0.0))))
+
+    @cached_property
+    def body_masses(self) -> Mapping[str, Mass]:
+        """Mass of the pinion, two discs and its steel pins, and of the wheel."""
+        bodies = part_masses(self.parts)
+        if disc := bodies.get("pinion"):
+            stock, pinion = self.stock, self.pinion
+            # A pin passes both discs and the wheel between them.
+            length = 3 * stock.thickness + PLAY
+            pin = np.pi / 4 * pinion.pin_diameter**2 * length * STEEL_DENSITY * 1e-9
+            radius = float(abs(pinion.circles[0].centre))
+            inertia = pinion.pins * pin * (radius**2 + pinion.pin_diameter**2 / 8)
+            bodies["pinion"] = disc + disc + Mass(pinion.pins * pin, 0j, inertia)
+        return bodies
 
     @cached_property
     def assembly(self) -> Assembly:

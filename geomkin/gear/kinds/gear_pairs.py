@@ -85,7 +85,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         self.check_faces({"first_stock": self.first_stock.thickness, "second_stock": self.second_stock.thickness})
         if self.second_stock.motor is not None:
             problem = "found a motor for the driven gear"
-            raise DesignError("second_stock.motor", problem, "give first_stock.motor instead")
+            raise DesignError("second_stock.motor", problem, "give first_stock.motor instead", "conflict")
         self.design  # noqa: B018  raises for gears that cannot mesh
 
     @cached_property
@@ -144,7 +144,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
             axes = [0j, complex(self.design.centre_distance)]
             keys = ("first_stock.bore", "second_stock.bore")
             bar = base_plate("base", axes, holes, max(holes), self.first_stock.thickness, keys)
-            bar = replace(bar, fits=(*self.first_stock.running_fits, *self.second_stock.running_fits))
+            fits = (*self.first_stock.running_fits, *self.second_stock.running_fits)
+            bar = replace(bar, fits=fits, material=self.first_stock.material)
             parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
         return *parts, *self.first_stock.motor_parts
 

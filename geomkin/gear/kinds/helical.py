@@ -103,6 +103,7 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
                     f"{key}.thickness",
                     f"found {thickness:g} mm, but the first gear has {first:g} mm; herringbones need equal faces",
                     f"give {first:g} mm",
+                    "conflict",
                 )
 
 
@@ -125,6 +126,7 @@ def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[Abs
             f"found {files.tolerance:g} mm, for which {teeth:,} teeth count as {count:,} points; the limit is {MOST:,}",
             # With fewer teeth, each has more curvature.
             _remedy(files.tolerance, points, teeth * MOST // count * 9 // 10),
+            "too-much-work",
         )
 
 

@@ -77,7 +77,9 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
         self.check_faces({"sun_stock": sun, "planet_stock": planet, "ring_stock": ring})
         if self.planet_stock.motor is not None:
-            raise DesignError("planet_stock.motor", "found a motor for the planets", "give sun_stock.motor instead")
+            raise DesignError(
+                "planet_stock.motor", "found a motor for the planets", "give sun_stock.motor instead", "conflict"
+            )
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
 
     @cached_property
@@ -157,6 +159,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         holes = sun.hole_diameter, planet.hole_diameter
         fits = (*sun.running_fits, *(gears.planets * planet.running_fits))
         plate = replace(carrier(gears, holes, planet.hole_diameter, planet.thickness), fits=fits)
+        plate = replace(plate, material=planet.material)
         if self.base is not None:
             plate = replace(plate, hole_names=("A", *"C" * gears.planets))
         return (*parts, plate)

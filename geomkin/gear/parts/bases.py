@@ -193,7 +193,7 @@ def planetary_base(
     Derived here.
     """
     if not stock.screw:
-        raise DesignError("base.screw", "found 0 mm, but the ring is held by screws", "give their diameter")
+        raise DesignError("base.screw", "found 0 mm, but the ring is held by screws", "give their diameter", "conflict")
     outer = gears.ring.root_radius + rim
     places = (outer - rim / 2) * np.exp(2j * np.pi * (np.arange(RING_SCREWS) + 0.5) / RING_SCREWS)
     # The ring is rotated by a part of a pitch, so that its teeth mesh with the planets.

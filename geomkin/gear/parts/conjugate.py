@@ -59,6 +59,7 @@ class AbstractMated(AbstractBored):
             fit=self.mate_fit,
             interference=self.interference,
             clearance=self.clearance,
+            material=self.material,
         )
 
     def mate_hole(self, towards: complex, widest: float, key: str) -> tuple[AbstractCurve, ...]:
@@ -85,7 +86,7 @@ class PairStock(AbstractMated):
 
     Parameters
     ----------
-    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor : optional
+    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor, material : opt.
         As of `AbstractBored`: thickness of both sheets, and bore of the gear, mm.
     mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit : optional
         Bore of the mate, mm.
@@ -100,7 +101,7 @@ class LanternStock(AbstractMated):
 
     Parameters
     ----------
-    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor : optional
+    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor, material : opt.
         As of `AbstractBored`: thickness of all sheets, and bore of the discs, mm.
     mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit : optional
         Bore of the wheel, mm.
@@ -140,7 +141,7 @@ def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[P
     """
     holes = stock.hole(1j, gear.hole_room, "stock")
     plate = plate_of(gear, "gear", holes, stock.thickness, stock.rim)
-    return replace(plate, fits=() if gear.is_ring else stock.fits), _mate(mate, stock)
+    return replace(plate, fits=() if gear.is_ring else stock.fits, material=stock.material), _mate(mate, stock)
 
 
 @checked
@@ -180,12 +181,14 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
     middle = stock.hole(first / abs(first), 2 * (pinion.pitch_radius - hole), "stock")
     outer = Circle(0j, pinion.pitch_radius + pinion.pin_diameter / 2 + stock.clearance / 2 + stock.edge)
     fits = (*stock.fits, *(len(pins) * fits_of(pinion.pin_diameter, stock.clearance)))
-    disc = Part("disc", outer, (*middle, *pins), stock.thickness, count=2, body="pinion", fits=fits)
+    holes = (*middle, *pins)
+    disc = Part("disc", outer, holes, stock.thickness, count=2, body="pinion", fits=fits, material=stock.material)
     return disc, _mate(mate, stock)
 
 
 def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
     if mate.is_ring:
-        return plate_of(mate, "ring", (), stock.thickness, stock.rim)
+        return replace(plate_of(mate, "ring", (), stock.thickness, stock.rim), material=stock.material)
     hole = stock.mate_hole(1j, mate.hole_room, "stock")
-    return replace(plate_of(mate, "mate", hole, stock.thickness, stock.rim), fits=stock.mate.fits)
+    plate = plate_of(mate, "mate", hole, stock.thickness, stock.rim)
+    return replace(plate, fits=stock.mate.fits, material=stock.material)

@@ -13,6 +13,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...making.fits import AbstractBored
+from ...making.materials import MaterialKey, material_entry
 from ...model.part import HoleFit, Part, Twist
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, Polyline, rounded_hull
@@ -53,7 +54,7 @@ class GearStock(AbstractBored):
 
     Parameters
     ----------
-    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor : optional
+    thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor, material : opt.
         As of `AbstractBored`: thickness of the sheet, and bore of the shaft, mm.
     web : Web, optional
         Openings between hub and rim; none if omitted.
@@ -64,7 +65,7 @@ class GearStock(AbstractBored):
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material under the teeth of a gear, mm."""
         if gear.solid_rim is None:
-            raise DesignError("stock", "found the stock of a wheel for a ring", "give a RingStock")
+            raise DesignError("stock", "found the stock of a wheel for a ring", "give a RingStock", "wrong-type")
         if not gear.hole_room:
             return gear.solid_rim
         return gear.solid_rim - self.hole_reach if self.web is None else self.web.rim
@@ -93,10 +94,13 @@ class RingStock:
         Thickness of the sheet, mm.
     rim : float, optional
         Thickness of the ring outside its teeth, mm.
+    material : Material, optional
+        Material of the ring.
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     rim: float = quantity("thickness of the ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
+    material: MaterialKey = material_entry("the ring")
 
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material outside the teeth, mm."""
@@ -105,7 +109,7 @@ class RingStock:
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
         """No holes."""
         if not gear.is_ring:
-            raise DesignError(key, "found the stock of a ring for a wheel", "give a GearStock")
+            raise DesignError(key, "found the stock of a ring for a wheel", "give a GearStock", "wrong-type")
         return ()
 
     def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
@@ -156,7 +160,8 @@ def gear_parts(
     ('gear', 6.0)
     """
     plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
-    return (replace(plate, fits=stock.hole_fits(gear), twist=_twist(gear, helix, stock.thickness)),)
+    twist = _twist(gear, helix, stock.thickness)
+    return (replace(plate, fits=stock.hole_fits(gear), twist=twist, material=stock.material),)
 
 
 def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
@@ -216,7 +221,7 @@ def base_plate(
     """
     for field, given in (("axes", axes), ("holes", holes)):
         if len(given) != 2:
-            raise DesignError(field, f"found {len(given)}", "give two")
+            raise DesignError(field, f"found {len(given)}", "give two", "wrong-type")
     apart = abs(axes[0] - axes[1])
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(

@@ -109,7 +109,9 @@ def shaking_force(motion: Motion, masses: SliderCrankMasses, counterbalance: com
     Derived here.
     """
     if not {"crank", "coupler", "slider"} <= set(motion.bodies):
-        raise DesignError("motion", f"its bodies are {', '.join(motion.bodies)}", "give the motion of a slider-crank")
+        raise DesignError(
+            "motion", f"its bodies are {', '.join(motion.bodies)}", "give the motion of a slider-crank", "wrong-type"
+        )
     parts = (
         (masses.crank, "crank", masses.crank_centre),
         (masses.coupler, "coupler", masses.coupler_centre),

@@ -86,9 +86,9 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
     """
     for name in (body, other):
         if name not in motion.bodies:
-            raise DesignError("body", f"found {name!r}", f"give one of {', '.join(motion.bodies)}")
+            raise DesignError("body", f"found {name!r}", f"give one of {', '.join(motion.bodies)}", "unknown-key")
     if body == other:
-        raise DesignError("other", f"found {other!r} twice", "give two different bodies")
+        raise DesignError("other", f"found {other!r} twice", "give two different bodies", "conflict")
     one, two = motion.bodies[body], motion.bodies[other]
     pin, rail = pin_between(motion.linkage, body, other), slider_between(motion.linkage, body, other)
     if pin is not None:

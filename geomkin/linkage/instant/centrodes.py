@@ -102,9 +102,11 @@ class Centrodes:
             If `reach` is not above 0, or the motion is of arrays of linkages.
         """
         if not reach > 0:
-            raise DesignError("reach", f"found {reach}", "give a distance above 0, in mm")
+            raise DesignError("reach", f"found {reach}", "give a distance above 0, in mm", "out-of-range")
         if self.motion.assembled.ndim > 1:
-            raise DesignError("motion", "found many linkages at once", "give one, for the runs of each differ")
+            raise DesignError(
+                "motion", "found many linkages at once", "give one, for the runs of each differ", "wrong-type"
+            )
         with np.errstate(invalid="ignore"):
             within = abs(self._arm) <= reach
         weight, arm = self.centre.weight, self.centre.arm
@@ -159,10 +161,10 @@ class CentrodeCurve(AbstractCurve):
 
     def __post_init__(self) -> None:
         if not self.span[0] < self.span[1]:
-            raise DesignError("span", f"found {self.span}", "give a rising pair")
+            raise DesignError("span", f"found {self.span}", "give a rising pair", "out-of-range")
         bodies = self.linkage.linkage.bodies
         if self.body not in bodies:
-            raise DesignError("body", f"found {self.body!r}", f"give one of {', '.join(bodies)}")
+            raise DesignError("body", f"found {self.body!r}", f"give one of {', '.join(bodies)}", "unknown-key")
 
     def _centrodes(self, t: ArrayLike) -> tuple[Centrodes, Whole]:
         motion, frames = motion_at(self.linkage, t, self.branch, self.start)

@@ -127,10 +127,13 @@ def path_curvature(motion: Motion, body: str, local: ComplexOrArray) -> PathCurv
     here.
     """
     if body not in motion.bodies:
-        raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
+        raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}", "unknown-key")
     if np.shape(local) not in ((), motion.assembled.shape):
         raise DesignError(
-            "local", f"found shape {np.shape(local)}", f"give one point, or {motion.assembled.shape} of them"
+            "local",
+            f"found shape {np.shape(local)}",
+            f"give one point, or {motion.assembled.shape} of them",
+            "wrong-type",
         )
     carrier, local = _guided(motion, body, local)
     moved, ground = motion.bodies[carrier], motion.linkage.ground
@@ -250,7 +253,7 @@ def euler_savary(
     missing = [name for name, place in places.items() if place is None]
     if len(missing) != 1:
         found = ", ".join(name for name in places if name not in missing) or "none"
-        raise DesignError("euler_savary", f"found {found}", f"give exactly three of {', '.join(places)}")
+        raise DesignError("euler_savary", f"found {found}", f"give exactly three of {', '.join(places)}", "conflict")
     wanted = missing[0]
     known = {name: np.asarray(place, dtype=float) for name, place in places.items() if place is not None}
     with np.errstate(all="ignore"):
@@ -322,7 +325,9 @@ class DirectContact:
     def __post_init__(self) -> None:
         if (self.follower_pivot is None) == (self.follower_direction is None):
             found = "neither" if self.follower_pivot is None else "both"
-            raise DesignError("follower_pivot", f"of it and follower_direction found {found}", "give one of them")
+            raise DesignError(
+                "follower_pivot", f"of it and follower_direction found {found}", "give one of them", "conflict"
+            )
         if np.any(np.isinf(self.driver_radius) & np.isinf(self.follower_radius)):
             raise DesignError("follower_radius", "both surfaces are straight", "give at least one a finite radius")
 
@@ -384,7 +389,7 @@ class DirectContact:
         """
         for field, given in vars(self).items():
             if np.ndim(given) and field in self.__dataclass_fields__:
-                raise DesignError(field, f"found {np.shape(given)} positions", "give one position")
+                raise DesignError(field, f"found {np.shape(given)} positions", "give one position", "wrong-type")
         pivot, c1, c2 = complex(self.driver_pivot), complex(self.driver_centre), complex(self.follower_centre)
         ground, driver = {"driver_pivot": pivot}, {"driver_pivot": 0j}
         coupler: dict[str, complex] = {}

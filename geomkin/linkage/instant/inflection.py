@@ -182,7 +182,7 @@ def inflection_circle(motion: Motion, body: str) -> InflectionCircle:
     Derived here.
     """
     if body not in motion.bodies:
-        raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}")
+        raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}", "unknown-key")
     return InflectionCircle(motion.bodies[body].origin.position, *second_order(motion, body))
 
 

@@ -141,16 +141,19 @@ def acceleration_polygon(
 def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scale: float | None) -> VectorPolygon:
     for field, given in (("size", size), ("scale", scale)):
         if given is not None and not 0 < given < np.inf:
-            raise DesignError(field, f"found {given}", "give a number above 0")
+            raise DesignError(field, f"found {given}", "give a number above 0", "out-of-range")
     frames = len(motion.drive)
     if not -frames <= frame < frames:
-        raise DesignError("frame", f"found {frame}", f"give 0 to {frames - 1}: the motion has {frames} frames")
+        raise DesignError(
+            "frame", f"found {frame}", f"give 0 to {frames - 1}: the motion has {frames} frames", "out-of-range"
+        )
     parts, value, members = polygon_parts(motion, order, frame)
     if not np.isfinite(np.array(list(value.values()))).all():
         raise DesignError(
             "frame",
             f"frame {frame} is open or at a dead centre",
             "give a frame at which the linkage is assembled and moves",
+            "does-not-assemble",
         )
     reached = np.array([0j, *(part.tip for part in parts)])
     least = ROUNDING * float(np.abs(reached).max())
@@ -239,7 +242,7 @@ def polygon_parts(
 def round_scale(extent: float, size: float) -> float:
     """The largest of 1, 2 or 5 times a power of 10 that scales an extent to within a size."""
     if extent == 0:
-        raise DesignError("motion", "found every point at rest", "give the driver a speed, or a scale")
+        raise DesignError("motion", "found every point at rest", "give the driver a speed, or a scale", "out-of-range")
     largest = size / extent
     ten = 10.0 ** np.floor(np.log10(largest))
     return float(next(step * ten for step in (5, 2, 1) if step * ten <= largest * (1 + 1e-12)))

@@ -95,7 +95,7 @@ class AbstractBodyRecipe(AbstractMovedRecipe):
         general = self.linkage.linkage
         moving = [name for name in general.bodies if name != general.ground]
         if self.body not in moving:
-            raise DesignError("body", f"found {shown(self.body)}", f"give one of {', '.join(moving)}")
+            raise DesignError("body", f"found {shown(self.body)}", f"give one of {', '.join(moving)}", "unknown-key")
 
     @property
     def drive_column(self) -> Column:

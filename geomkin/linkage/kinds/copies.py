@@ -107,12 +107,14 @@ def check_copies(copies: tuple[Copy, ...], linkage: AbstractLinkage, input_range
     if not copies:
         return
     if len(copies) > MOST:
-        raise DesignError("copies", f"found {len(copies)}", f"give at most {MOST}")
+        raise DesignError("copies", f"found {len(copies)}", f"give at most {MOST}", "out-of-range")
     if linkage.linkage.driver_pivot is None:
-        raise DesignError("copies", "the driver turns on no fixed shaft that they could share", "omit them")
+        raise DesignError("copies", "the driver turns on no fixed shaft that they could share", "omit them", "conflict")
     turn = input_range.turn_deg if isinstance(input_range, Turn) else 0.0
     if abs(turn - 360) > 360 * WHOLE:
-        raise DesignError("copies", "the driver makes no whole turn", "let it turn by 360 deg, or omit copies")
+        raise DesignError(
+            "copies", "the driver makes no whole turn", "let it turn by 360 deg, or omit copies", "conflict"
+        )
 
 
 def copied(

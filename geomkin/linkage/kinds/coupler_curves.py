@@ -63,6 +63,7 @@ class Grid:
                     "chosen",
                     f"found [{row}, {column}]",
                     f"give rows from 1 to {self.rows}, columns from 1 to {self.columns}",
+                    "out-of-range",
                 )
 
     @cached_property
@@ -79,7 +80,7 @@ class Grid:
             remedy = f"give at least {rounded_up(turn / (2 * most), 4)} deg"
             if turn > 180 * most:
                 remedy = f"give 90 deg and at most {MOST_DASHES // int(np.ceil(turn / 180))} points"
-            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy)
+            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy, "too-much-work")
         drive.check_rows(1 + 2 * points + 4 * len(self.chosen))
 
 
@@ -173,7 +174,9 @@ class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
 
     def __post_init__(self) -> None:
         if self.linkage.driver == "slider":
-            raise DesignError("linkage.driver", "found slider", "give crank or coupler: dashes are steps of an angle")
+            raise DesignError(
+                "linkage.driver", "found slider", "give crank or coupler: dashes are steps of an angle", "conflict"
+            )
         super().__post_init__()
 
 
@@ -287,7 +290,9 @@ class CognatesRecipe(AbstractMovedRecipe):
             turn, limits = self.drive, np.degrees(driver_limits(self.linkage, self.branch))
             closes = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in limits.tolist()) or "nowhere"
             problem = f"found {turn.start_deg:g} to {turn.end_deg:g} deg, and the linkage closes only from {closes} deg"
-            raise DesignError("drive", problem, "give start_deg and end_deg inside it, or other lengths") from None
+            raise DesignError(
+                "drive", problem, "give start_deg and end_deg inside it, or other lengths", "does-not-assemble"
+            ) from None
         shown = {"drawing": self.figure} | {f"{name}_drawing": motion for name, motion in zip(NAMES, self.motions)}
         drawings = (engraved(name, [curve, *skeleton(motion, 0, plate)], plate) for name, motion in shown.items())
         return (*link_parts(self.figure, self.stock, self.stack), *drawings)

@@ -42,7 +42,9 @@ class DwellBand:
         driven = [name for name in moving if name in on_ground(linkage) and name != linkage.driver]
         if self.output in moving or (driven and not self.output):
             return self.output or driven[-1]
-        raise DesignError("dwell.output", f"found {shown(self.output)}", f"give one of {', '.join(moving)}")
+        raise DesignError(
+            "dwell.output", f"found {shown(self.output)}", f"give one of {', '.join(moving)}", "unknown-key"
+        )
 
     def found(self, motion: Motion) -> Mapping[str, object]:
         """The longest dwell, as entries of the summary."""
@@ -52,7 +54,7 @@ class DwellBand:
         band = self.band_mm if slides else self.band_deg
         if band is None:
             verb = "slides" if slides else "turns"
-            raise DesignError(f"dwell.band_{unit}", "is missing", f"give band_{unit}: {output} {verb}")
+            raise DesignError(f"dwell.band_{unit}", "is missing", f"give band_{unit}: {output} {verb}", "missing-key")
         by, driver_factor = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
         dwell = longest_dwell(motion, output, band / factor)
         values = {

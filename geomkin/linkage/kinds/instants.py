@@ -79,7 +79,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         wrong, other, does = ("deg", "mm", "slides") if self.stroke else ("mm", "deg", "turns")
         if (given := getattr(self, f"position_{wrong}")) is not None:
             problem = f"found {given:g}, but the driver {does}"
-            raise DesignError(f"position_{wrong}", problem, f"give position_{other} instead")
+            raise DesignError(f"position_{wrong}", problem, f"give position_{other} instead", "conflict")
 
     @property
     def position_key(self) -> str:
@@ -103,7 +103,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
             alone = move(general, [self.place], self.signs)
             given = self.place if self.stroke else np.degrees(self.place)
             problem = f"found {given:g}, which is not reached: {assembly_failure(alone)}"
-            raise DesignError(self.position_key, problem, "give another")
+            raise DesignError(self.position_key, problem, "give another", "does-not-assemble")
         if general.estimate:
             pins = {pin: complex(motion.point(pin).position[1]) for pin in general.pins}
             general = replace(general, estimate=pins)
@@ -231,7 +231,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
         if pin_between(*pair) or slider_between(*pair):
             does = "turns about a pin of" if pin_between(*pair) else "slides on"
             problem = f"found {self.body}, which {does} the {general.ground} and has no centrodes"
-            raise DesignError("body", problem, "give a body that is not joined to the ground")
+            raise DesignError("body", problem, "give a body that is not joined to the ground", "conflict")
 
     @cached_property
     def centrodes(self) -> Centrodes:
@@ -244,9 +244,13 @@ class CentrodesRecipe(AbstractBodyRecipe):
         drive = self.motion.drive
         runs = [drive[run] for run in self.centrodes.runs(self.reach)]
         if not runs and self.motion.assembled.any() and is_translating(self.motion, self.body):
-            raise DesignError("body", f"found {self.body}, which does not turn and has no centrodes", "give another")
+            raise DesignError(
+                "body", f"found {self.body}, which does not turn and has no centrodes", "give another", "conflict"
+            )
         if not runs:
-            raise DesignError("reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one")
+            raise DesignError(
+                "reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one", "out-of-range"
+            )
         return [(float(part.min()), float(part.max())) for part in runs]
 
     @cached_property

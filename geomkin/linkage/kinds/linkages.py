@@ -13,9 +13,11 @@ from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
 from ...model.check import Check
+from ...model.mass import Mass
 from ...model.part import Bought, Part
 from ...model.scene import Limit, Scene
 from ...model.table import Table
+from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..linkage import AbstractLinkage
@@ -32,7 +34,7 @@ from ..named_linkages import (
     StephensonSixBar,
     WattSixBar,
 )
-from ..parts.stack import Stack, link_parts, stack_links
+from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
 from ..solve.branch import Branch
@@ -66,7 +68,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         check_copies(self.copies, self.linkage, self.input_range)
         if self.copies and self.stock.motor is not None:
             problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
-            raise DesignError("stock.motor", problem, "omit motor or copies")
+            raise DesignError("stock.motor", problem, "omit motor or copies", "conflict")
         # Upper limit of the columns of the bodies, the slides and the points that are not pins.
         linkage = self.linkage.linkage
         points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
@@ -78,7 +80,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             self.dwell.body(linkage)
         if self.both_modes and self.other is None:
             problem = "found true, but there is no other mode: it cannot be assembled, or there are more than two dyads"
-            raise DesignError("both_modes", problem, "omit it")
+            raise DesignError("both_modes", problem, "omit it", "conflict")
 
     @cached_property
     def fine_motion(self) -> Motion:
@@ -160,6 +162,15 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             tuple(dataclasses.replace(part, count=self.count * part.count) for part in parts) if self.copies else parts
         )
 
+    @cached_property
+    def body_masses(self) -> Mapping[str, Mass]:
+        """Mass of each body, with its screws or rods; of one linkage if there are copies."""
+        bodies = part_masses(self.parts)
+        if bodies:
+            for body, mass in fastener_masses(self.fine_motion, self.stock, self.stack).items():
+                bodies[body] = bodies[body] + mass if body in bodies else mass
+        return bodies
+
     @property
     def notes(self) -> Mapping[str, object]:
         """Summary: range of the driver, links that turn fully, and the stack of plates."""
@@ -167,7 +178,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
-        return {**self._reached(self.signs), **self.turning, **self._other_mode(), **dwell, "stack": stack}
+        return {
+            **self._reached(self.signs),
+            **self.turning,
+            **self._other_mode(),
+            **dwell,
+            **self.mass_summary,
+            "stack": stack,
+        }
 
     def _reached(self, branch: Branch) -> Mapping[str, object]:
         """The ranges of the driver in which the linkage closes."""

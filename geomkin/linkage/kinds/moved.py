@@ -14,12 +14,14 @@ from ...core.errors import DesignError
 from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, check_sizes, entry, quantity
 from ...core.names import check_names
 from ...core.records import record
-from ...plane.vec import Real
+from ...model.scene import SceneHandle
+from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
 from ..motion import Motion
 from ..moving import move
+from ..scene_handles import handle_position, linkage_handles
 from ..solve.branch import BranchSpec, as_branch_spec
 
 # The branch of all dyads; the same with "follow"; the branches of single joints.
@@ -86,9 +88,13 @@ class AbstractMovedRecipe(AbstractRecipe):
         """Refuse a stroke if the driver turns, and a missing one if it slides."""
         slides = self.linkage.linkage.driven_slider is not None
         if slides and self.stroke is None:
-            raise DesignError("stroke", "is missing although a slide drives", "give a table with start and end")
+            raise DesignError(
+                "stroke", "is missing although a slide drives", "give a table with start and end", "missing-key"
+            )
         if not slides and self.stroke is not None:
-            raise DesignError("stroke", "is given, but the driver turns", "omit it, or let the slider drive")
+            raise DesignError(
+                "stroke", "is given, but the driver turns", "omit it, or let the slider drive", "conflict"
+            )
 
     @property
     def design(self) -> AbstractLinkage:
@@ -112,6 +118,14 @@ class AbstractMovedRecipe(AbstractRecipe):
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
         return self.moved(self.input_range.frames, self.signs)
+
+    @cached_property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The points, pivots and slides of the linkage."""
+        return tuple(linkage_handles(self.linkage, self.motion))
+
+    def handle_position(self, id: str) -> Complex:
+        return handle_position(self.motion, id)
 
     @cached_property
     def other(self) -> tuple[str, Motion] | None:
@@ -239,6 +253,7 @@ class BodyList(AbstractLinkage):
                     f"corners[{k}]",
                     f"{corner.body} has no point {missing[0]}",
                     f"give it under bodies.{corner.body}",
+                    "unknown-key",
                 )
             bodies[corner.body][corner.point] = _corner(k, corner, *(bodies[corner.body][p] for p in corner.base))
         sliders = tuple(

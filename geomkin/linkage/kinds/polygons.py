@@ -76,7 +76,7 @@ class PolygonsRecipe(AbstractRecipe):
         motion = move(self.linkage, [place], branch_of(self.branch, self.branches), self.speed, self.acceleration)
         if not motion.assembled[0]:
             problem = f"found {self.position:g}, which is not reached: {assembly_failure(motion)}"
-            raise DesignError("position", problem, "give another")
+            raise DesignError("position", problem, "give another", "does-not-assemble")
         return motion
 
     @cached_property

@@ -12,6 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
 from ...model.check import Check
+from ...model.material import Material
 from ...model.part import HoleFit, Part
 from ...model.roles import Role
 from ...model.scene import Limit, Plot, Scene
@@ -70,7 +71,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         self.drive.check_rows()
         if self.linkage.driver != "crank":
             raise DesignError(
-                "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn"
+                "linkage.driver", f"found {self.linkage.driver}", "give crank: the force is over its turn", "conflict"
             )
 
     @cached_property
@@ -171,16 +172,29 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             return []
         if stock.motor is not None:
             problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
-            raise DesignError("stock.motor", problem, "omit it")
+            raise DesignError("stock.motor", problem, "omit it", "conflict")
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
         fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance),)
         disc, letters = Circle(complex(-radius / 2), radius), ("A", "")
-        return [Part("counterweight", disc, holes, stock.thickness, body="crank", hole_names=letters, fits=fits)]
+        material = Material("counterweight", self.weight_density)
+        return [
+            Part(
+                "counterweight",
+                disc,
+                holes,
+                stock.thickness,
+                body="crank",
+                hole_names=letters,
+                fits=fits,
+                material=material if stock.material else None,
+            )
+        ]
 
     @property
     def notes(self) -> Mapping[str, object]:
         return {
             "best_counterbalance_kg_mm": float(f"{self.best.product.real:.9g}"),
             "largest_force_N": {name: float(f"{force:.9g}") for name, force in self.largest.items()},
+            **self.mass_summary,
             "stack": {**self.stack.summary(), "steps": list(self.steps)},
         }

@@ -171,6 +171,7 @@ def meeting(motion: Motion, pairs: Sequence[Pair]) -> Mask:
             "motion",
             f"found {frames} frames, and in each {distances} distances of the plates' corners",
             f"give at most {MOST // distances} frames, or fewer points",
+            "too-much-work",
         )
     poses, met = Poses(motion), np.zeros(len(pairs), dtype=bool)
     by_shape: dict[tuple[int, int], list[int]] = {}

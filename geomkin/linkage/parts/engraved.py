@@ -70,7 +70,9 @@ def engraved(name: str, marks: Sequence[AbstractCurve], stock: PlateStock = Plat
     """
     curves = tuple(marks)
     if not curves:
-        raise DesignError(name, "there is nothing to draw", "give a position that the linkage reaches")
+        raise DesignError(
+            name, "there is nothing to draw", "give a position that the linkage reaches", "does-not-assemble"
+        )
     # Sixteenths of each smooth piece locate its extremes to far less than the margin.
     sampled = np.concatenate(
         [curve.point(np.linspace(curve.breaks[:-1], curve.breaks[1:], 17).ravel()) for curve in curves]

@@ -124,6 +124,7 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
             "stock.motor",
             f"found {stock.motor}, but {linkage.driver}, which drives, turns on no pin of the {linkage.ground}",
             "drive a crank on the ground, or omit the motor",
+            "conflict",
         )
     crank, ground = linkage.driver, linkage.ground
     on_crank = linkage.bodies[crank]
@@ -148,6 +149,7 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
                 "stock.motor",
                 f"found {stock.motor}, on whose shaft the {body} would turn as well",
                 "give it a separate pin, or omit motor",
+                "conflict",
             )
     return seats_by_body
 
@@ -248,7 +250,14 @@ class Plate:
             tuple(hole_letters) if any(hole_letters) else (),
         )
         return Part(
-            name, outline, tuple(holes), stock.thickness, body=self.body, hole_names=hole_names, fits=tuple(fits)
+            name,
+            outline,
+            tuple(holes),
+            stock.thickness,
+            body=self.body,
+            hole_names=hole_names,
+            fits=tuple(fits),
+            material=stock.material,
         )
 
 
@@ -293,7 +302,9 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     linkages.
     """
     if motion.linkage.is_batch:
-        raise DesignError("motion", "found arrays of linkages", "give one linkage, since the plates of each differ")
+        raise DesignError(
+            "motion", "found arrays of linkages", "give one linkage, since the plates of each differ", "wrong-type"
+        )
     if not motion.assembled.any():
         raise assembly_error(motion)
     linkage = motion.linkage

@@ -16,7 +16,9 @@ from ...core.records import record
 from ...making.assembly import Bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
+from ...making.materials import STEEL_DENSITY
 from ...making.motors import fixed_under
+from ...model.mass import Mass
 from ...model.part import Bought, Part
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, dot
@@ -276,7 +278,10 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     meetings = Meetings(motion, stock, assemble(motion, stock))
     if len(meetings.moving) > LARGEST:
         raise DesignError(
-            "bodies", f"found {len(meetings.moving)} plates that move", f"give at most {LARGEST}, or make it in pieces"
+            "bodies",
+            f"found {len(meetings.moving)} plates that move",
+            f"give at most {LARGEST}, or make it in pieces",
+            "too-much-work",
         )
     # If openings overlap whatever the bridge carries, `link_parts` reports which.
     options = bridge_options(meetings.assembly, meetings.ground)
@@ -288,6 +293,28 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     least = _order(meetings, fitting[0], clean=False)
     assert least is not None
     return _stack(meetings, fitting[0], least)
+
+
+def fastener_masses(motion: Motion, stock: LinkStock, stack: Stack) -> dict[str, Mass]:
+    """Masses of the screws or rods of a stack, with the discs on them, by the body of the lowest plate of each.
+
+    Their inertia about themselves is left out. A motor's shaft belongs to the motor, not to a body.
+    """
+    disc = np.pi / 4 * (stock.bar_width**2 - stock.hole_diameter**2) * stock.thickness
+    spacer = disc * stock.material.density if stock.material else 0.0
+    bodies: dict[str, Mass] = {}
+    for pin in stack.pins:
+        if pin.holes:
+            plate = stack.plates[min(pin.holes, key=stack.layers.__getitem__)]
+            body, place = plate.body, plate.openings[pin.name][0]
+        else:
+            # A pin that slides in all its plates is a body of its own.
+            body = motion.linkage.pins[pin.name][0]
+            place = complex(motion.linkage.bodies[body][pin.name])
+        steel = 0.0 if pin.motor else STEEL_DENSITY * stack.fastener.volume(pin.length)
+        mass = Mass(1e-9 * (steel + spacer * len(pin.spacers)), place)
+        bodies[body] = bodies[body] + mass if body in bodies else mass
+    return bodies
 
 
 @checked
@@ -325,7 +352,9 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
         disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
         fits = fits_of(stock.pin_diameter, stock.clearance)
         name = unused("spacer", plates)
-        parts.append(Part(name, disc, (hole,), stock.thickness, count=stack.spacers, fits=fits))
+        parts.append(
+            Part(name, disc, (hole,), stock.thickness, count=stack.spacers, fits=fits, material=stock.material)
+        )
     return tuple(parts)
 
 

@@ -10,6 +10,7 @@ from ...core.records import record
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, fastener_of
 from ...making.fits import AbstractBored, Fit, fit, interference
+from ...making.materials import MaterialKey, material_entry
 from ...making.motors import MOTORS, MotorName
 
 
@@ -40,6 +41,8 @@ class LinkStock:
         Fit of the crank's bore on the motor's shaft.
     interference : float
         Interference of a press-fit bore, mm.
+    material : Material, optional
+        Material of the sheet.
 
     Raises
     ------
@@ -66,6 +69,7 @@ class LinkStock:
     )
     fit: Fit = fit("the crank's bore on a motor")
     interference: float = interference()
+    material: MaterialKey = material_entry("the sheet")
 
     def __post_init__(self) -> None:
         # Raises DesignError if no such screw exists.
@@ -106,7 +110,7 @@ class LinkStock:
     def _check_motor(self) -> None:
         if (shaft := self.shaft) is None or self.motor is None:
             if self.fit == "press":
-                raise DesignError("fit", "found press, but no motor", "give motor, or omit fit")
+                raise DesignError("fit", "found press, but no motor", "give motor, or omit fit", "conflict")
             return
         MOTORS[self.motor].check_plate(self.motor, self.thickness, "motor")
         if self.bar_width <= (widest := shaft.bore + shaft.play):

@@ -105,7 +105,7 @@ def _parsed(start: object, field: str, follow: bool) -> BranchSpec:
         return BranchSpec(1 if start == 1 else -1, {}, {}, follow)
     words = "+1, -1" if follow else '+1, -1, "follow"'
     remedy = f"give {words}, or a table of signs by joint or of places of pins as complex numbers"
-    raise DesignError(field, f"found {shown(start)}", remedy)
+    raise DesignError(field, f"found {shown(start)}", remedy, "wrong-type")
 
 
 def _is_sign(value: object) -> bool:

@@ -144,7 +144,7 @@ def _numbers(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Real:
         return np.asarray(given, dtype=float).reshape(shape)
     except (TypeError, ValueError):
         wanted = " x ".join(map(str, shape))
-        raise DesignError(name, f"returned {shown(given)}", f"return {wanted} real numbers") from None
+        raise DesignError(name, f"returned {shown(given)}", f"return {wanted} real numbers", "wrong-type") from None
 
 
 def solved(matrices: Real, right: Real) -> Real:

@@ -38,7 +38,9 @@ class Loops(Placement):
 
     def __post_init__(self) -> None:
         if self.linkage.is_batch:
-            raise DesignError("bodies", "found arrays in a linkage that is not a chain of dyads", "give one at a time")
+            raise DesignError(
+                "bodies", "found arrays in a linkage that is not a chain of dyads", "give one at a time", "conflict"
+            )
         rows, columns = self.equations.rows, len(self.equations.columns)
         # Never more: the mobility of the whole linkage is right, and the placed bodies have all the joints they need.
         if rows < columns:
@@ -53,6 +55,7 @@ class Loops(Placement):
                 "estimate",
                 f"{', '.join(self.waiting)} are not a chain of dyads and need a start; missing: {', '.join(missing)}",
                 "give the approximate position of each of these pins with the driver at its first position",
+                "missing-key",
             )
 
     def __getstate__(self) -> dict[str, object]:
@@ -84,6 +87,7 @@ class Loops(Placement):
                     "drive",
                     f"goes {distance:.6g} from its first value in a linkage that is not a chain of dyads",
                     f"give drives within {FARTHEST * self._unit:.6g} of the first",
+                    "out-of-range",
                 )
             trace = self._trace(p0, state)
             if trace is not None:

@@ -2,32 +2,41 @@
 import { Names } from "./names.js";
 import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, see, spaced, STAND } from "./shapes.js";
 
-// Pixels kept free around the drawing, and below it for its scale; how many times closer than all of it one may look.
+// Pixels kept free around the drawing, and below it for its scale; largest zoom, relative to the whole drawing.
 export const MARGIN = 26, FOOT = 18;
 const CLOSEST = 60, DEG = Math.PI / 180;
-// Pixels between a name, with its own free ends, and what it stands beside.
+// Pixels between a name and the thing that it names.
 const BESIDE = 6;
-// Share of the drawing that is seen around a contact that stays in one place.
+// Share of the drawing that is shown around a contact that stays in one place.
 const NEAR = 0.05;
+// Share of the drawing's width or height below which an edited mechanism is enlarged to fit again.
+const SMALL = 0.35;
+const LAYERS = ["guides", "plates", "world", "trails", "above", "names", "scaleBar"];
 let drawings = 0;
 
 export class Drawing {
-  // stage: what the drawing fills; scene, data: as in the page, rows unpacked in data.rows; drive: row of the driver,
-  // every: its step between two dashes of a trail.
-  constructor(stage, scene, data, drive, every) {
-    Object.assign(this, { scene, data, frames: data.frames, by: 1, hidden: new Set(), open: new Set(scene.open) });
-    // Roles that may reach far beyond the mechanism: the drawing grows for those that are on.
-    this.far = data.roles.filter(({ room }) => room).map(({ id }) => id);
-    this.id = `hatch${drawings++}`;
-    const title = scene.label ? `${data.name}, ${spaced(scene.label)}` : data.name;
-    this.svg = make(stage, "svg", { class: "drawing", tabindex: 0, role: "application", "aria-roledescription": "drawing",
-      "aria-label": `${title}: plus and minus zoom, 0 shows all, arrows step it or, where it is zoomed, move what is seen` });
+  // An empty drawing that fills `stage`; `hidden`: roles that it does not show. Its `overlays` have a method show(frame).
+  constructor(stage, hidden = []) {
+    Object.assign(this, { by: 1, hidden: new Set(hidden), overlays: [], id: `hatch${drawings++}` });
+    this.svg = make(stage, "svg", { class: "drawing", tabindex: 0, role: "application", "aria-roledescription": "drawing" });
     this.pattern = make(make(this.svg, "defs"), "pattern", { id: this.id, patternUnits: "userSpaceOnUse", width: 6, height: 6 });
     make(this.pattern, "path", { d: "M0 0V6", class: "hatch" });
-    for (const layer of ["guides", "plates", "world", "trails", "above", "names", "scaleBar"]) {
-      this[layer] = make(this.svg, "g", { class: layer });
-    }
+    for (const layer of LAYERS) this[layer] = make(this.svg, "g", { class: layer });
     this.notice = make(this.svg, "text", { class: "notice", x: 12, y: 24 });
+  }
+
+  // Draws a scene in place of the last one; the view stays until `fit` or `look` is called.
+  // scene, data: as in the page, rows unpacked in data.rows; drive: row of the driver, every: its step between two
+  // dashes of a trail.
+  load(scene, data, drive, every) {
+    Object.assign(this, { scene, data, frames: data.frames, open: new Set(scene.open) });
+    // Roles that may reach far beyond the mechanism: the drawing grows for those that are on.
+    this.far = data.roles.filter(({ room }) => room).map(({ id }) => id);
+    const title = scene.label ? `${data.name}, ${spaced(scene.label)}` : data.name;
+    this.svg.setAttribute("aria-label", `${title}: plus and minus zoom, 0 shows all, arrows step it or, if zoomed, move the view`);
+    for (const layer of LAYERS) this[layer].replaceChildren();
+    // Texts that are not displayed have no size.
+    this.names.classList.remove("off");
     this.named = new Names(this);
     this.bodies = scene.bodies.map((body) => this.unpacked(body));
     let tint = 0;
@@ -37,11 +46,12 @@ export class Drawing {
     this.marks = scene.marks.map((mark) => this.drawMark({ label: "", role: "construction", ...mark, ...this.rows(mark) }));
     for (const curve of scene.curves) this.drawCurve(curve);
     this.bounds = this.extent();
-    // Trails are told in ten-thousandths of the drawing, so that few decimals will do whatever its size.
+    // Trails are in ten-thousandths of the drawing, so that few decimals suffice for any size.
     this.fine = 1e4 / max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1], 1e-9);
     for (const mark of this.marks) if (mark.trail) this.drawTrail(mark, drive, every);
     this.sizePins();
     this.nameAll();
+    for (const role of this.hidden) this.toggle(role, false);
   }
 
   // A pin fills the hole that it sits in.
@@ -67,7 +77,7 @@ export class Drawing {
   }
 
   drawBody(body) {
-    // What of the ground lies over something that moves must not hide it.
+    // A ground plate that lies over a moving body must not hide it.
     const over = body.fixed && this.bodies.some((other) => !other.fixed && other.layer < body.layer);
     body.group = make(this.plates, "g", { class: `body ${body.fixed ? "fixed" : "moving"}${over ? " over" : ""}` });
     make(body.group, "title", {}, spaced(body.name));
@@ -100,7 +110,7 @@ export class Drawing {
     this.marks.push(this.drawMark(mark));
   }
 
-  // What of a mark is told by rows.
+  // The rows of numbers of a mark.
   rows({ at, vector = [], turn, radius }) {
     const [x, y, turned, r, u, v] = [...at, turn, radius, ...vector].map((index) => this.data.rows[index]);
     return { x, y, turned: turned?.map((deg) => deg * DEG), r, u, v };
@@ -144,13 +154,13 @@ export class Drawing {
     mark.rail = { c, s, low, high, beside: beside[0], path: make(this.guides, "path", { class: "rail" }) };
   }
 
-  // Every second of the equal steps of the drive: where a dash is long, the point is fast.
+  // Every second one of equal steps of the drive is drawn: a long dash means a fast point.
   drawTrail(mark, drive, every) {
     let d = "", drawn = false;
     for (let k = 1; k < this.frames; k++) {
       const from = abs(drive[k - 1] - drive[0]), to = abs(drive[k] - drive[0]);
       if (!isFinite(mark.x[k] + mark.x[k - 1])) { drawn = false; continue; }
-      // Steps may end between two frames: the way there is straight.
+      // A step that ends between two frames is interpolated linearly.
       for (let at = from; at < to - 1e-9 * every;) {
         const step = floor(at / every + 1e-6), next = min(to, (step + 1) * every);
         if (step % 2 === 0) {
@@ -170,7 +180,7 @@ export class Drawing {
     return [...mark.x.keys()].filter((k) => isFinite(mark.x[k] + mark.y[k]));
   }
 
-  // Left, lower, right and upper end, mm, of all that is always shown, over all frames.
+  // Left, lower, right and upper end, mm, of everything that is always shown, over all frames.
   extent() {
     const ends = [Infinity, Infinity, -Infinity, -Infinity];
     const take = (x, y) => {
@@ -219,12 +229,12 @@ export class Drawing {
     return always;
   }
 
-  // Where a point of a body is, mm.
+  // Position of a point of a body, mm.
   place(body, u, v, k) {
     return [body.x[k] + u * body.cos[k] - v * body.sin[k], body.y[k] + u * body.sin[k] + v * body.cos[k]];
   }
 
-  // Names of bodies and points, with the places among which each may stand, the best first; all places in pixels.
+  // Names of bodies and points, each with its possible positions, the best first, in pixels.
   nameAll() {
     const on = (body, u, v) => (k) => this.screen(...this.place(body, u, v, k));
     // At a share of a mark's line, on it or so far to one of its sides.
@@ -235,7 +245,7 @@ export class Drawing {
     const { marks } = this, lines = new Set();
     for (const body of this.bodies) {
       const points = body.drawn.flatMap(({ points }) => points);
-      // What nothing is cut of is named beside its block.
+      // A body without parts is named beside its block.
       const spots = points.length ? spotsOn(body, points).map(([u, v]) => on(body, u, v))
         : !body.fixed && marks.some(({ sort }) => sort === "slide")
         && !marks.some(({ sort, label }) => sort === "line" && label === body.name)
@@ -257,12 +267,12 @@ export class Drawing {
           .map(([side, down]) => at(mark, 0, side, down)));
       }
     }
-    // What was asked for displaces what is always shown.
+    // Names that a user has switched on take precedence over those that are always shown.
     const off = this.data.roles.filter(({ shown }) => !shown).map(({ id }) => id);
     this.named.all.sort((a, b) => off.includes(b.role) - off.includes(a.role));
   }
 
-  // Across and up, mm, of what is on.
+  // Width and height, mm, of the visible elements.
   size() {
     const boxes = [this.bounds, ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
     this.box = this.bounds.map((_, k) => (k < 2 ? min : max)(...boxes.map((box) => box[k])));
@@ -270,7 +280,7 @@ export class Drawing {
     return [max(right - left, 1e-9), max(high - low, 1e-9)];
   }
 
-  // So many pixels wide and tall, all of it shown at `scale`, px/mm; what was looked at more closely still is.
+  // Resizes it to `wide` by `tall` pixels, `scale` px/mm if not zoomed; a zoom stays.
   fit(wide, tall, scale) {
     Object.assign(this, { wide, tall, scale });
     this.svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
@@ -279,7 +289,7 @@ export class Drawing {
     this.look(this.by, this.at);
   }
 
-  // So many times as close as all of it, with a place, mm, in the middle.
+  // Shows it `by` times as large as the whole, with the position `at`, mm, in the middle.
   look(by, at) {
     const [left, low, right, high] = this.box;
     this.by = min(CLOSEST, max(1, by));
@@ -301,14 +311,21 @@ export class Drawing {
     this.show(this.frame ?? 0, true);
   }
 
-  // Closer so many times, what is at a place on the stage, px, staying there.
+  // Whether the whole mechanism is in view and not tiny, or the user has zoomed in.
+  get isFitting() {
+    const [left, low, right, high] = this.bounds, [x, y] = this.screen(left, high), [u, v] = this.screen(right, low);
+    const inside = min(x, y, this.wide - u, this.tall - FOOT - v) > 0;
+    return this.by > 1 || (inside && max((u - x) / this.wide, (v - y) / this.tall) > SMALL);
+  }
+
+  // Zooms in `times` about a position on the stage, px.
   zoom(times, [x, y] = [this.wide / 2, (this.tall - FOOT) / 2]) {
-    const [u, v] = [(x - this.tx) / this.s, (this.ty - y) / this.s];
+    const [u, v] = this.plane([x, y]);
     const by = min(CLOSEST, max(1, this.by * times)), s = this.scale * by;
     this.look(by, [u + (this.wide / 2 - x) / s, v - ((this.tall - FOOT) / 2 - y) / s]);
   }
 
-  // What is seen moves by so many pixels; all of it stays where it is.
+  // Moves the view by so many pixels, if zoomed.
   pan(x, y) {
     if (this.at) this.look(this.by, [this.at[0] - x / this.s, this.at[1] + y / this.s]);
   }
@@ -342,7 +359,7 @@ export class Drawing {
     make(this.scaleBar, "text", { x: px(end + 7), y: y + 4 }, `${+length.toPrecision(3)} mm`);
   }
 
-  // Where an event is on the stage, px; where a place, mm, is.
+  // Position of an event on the stage, px; of a point, mm, in pixels, and back.
   onStage(event) {
     const box = this.svg.getBoundingClientRect(), zoom = this.wide / box.width;
     return [zoom * (event.clientX - box.left), zoom * (event.clientY - box.top)];
@@ -350,12 +367,14 @@ export class Drawing {
 
   screen(x, y) { return [this.tx + this.s * x, this.ty - this.s * y]; }
 
+  plane([x, y]) { return [(x - this.tx) / this.s, (this.ty - y) / this.s]; }
+
   toggle(role, on) {
     for (const shown of this.svg.querySelectorAll(`.${role}:not(.pin, .fixed-pin, .slide)`)) shown.classList.toggle("off", !on);
     if (on) this.hidden.delete(role); else this.hidden.add(role);
   }
 
-  // All of it as it is at frame k.
+  // Shows frame k.
   show(k, anew) {
     if (k === this.frame && !anew) return;
     this.frame = k;
@@ -372,7 +391,8 @@ export class Drawing {
       if ((!this.hidden.has(mark.role) || mark.always) && (anew || mark.sort !== "fixed pin")) this.showMark(mark, k);
     }
     if (!this.hidden.has("names")) this.named.show(k);
-    this.notice.textContent = this.open.has(k) ? "It cannot be put together here." : "";
+    this.notice.textContent = this.open.has(k) ? "It cannot be assembled here." : "";
+    for (const overlay of this.overlays) overlay.show(k);
   }
 
   showMark(mark, k) {

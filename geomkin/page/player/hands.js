@@ -1,11 +1,11 @@
-// What hands do on a drawing: drag a body, which turns the driver; move what is seen; look closer by wheel or two fingers.
+// Pointers on a drawing: dragging a body turns the driver; dragging a zoomed view moves it; a wheel or two fingers zoom.
 import { hypot, max } from "./shapes.js";
 
-// How much closer a wheel's step takes one: more, and what was looked at is lost.
+// Zoom per unit of a wheel's movement. With a larger value the point of interest is easily lost.
 const WHEEL = 0.0015;
 
-// player: play(on), goTo(frame), frame, data; said(drawing): called where it is looked at more or less closely.
-export function handle(drawing, player, said) {
+// player: play(on), goTo(frame), frame, data; zoomed(drawing): called when its zoom changes.
+export function followPointers(drawing, player, zoomed) {
   const { svg } = drawing, fingers = new Map();
   let held = null;
   svg.addEventListener("pointerdown", (event) => {
@@ -24,11 +24,11 @@ export function handle(drawing, player, said) {
     fingers.set(event.pointerId, now);
     const [, other] = [...fingers].find(([id]) => id !== event.pointerId) ?? [];
     if (held) {
-      player.goTo(drawing.nearestFrame(held, worldOf(drawing, now), player.frame, player.data.cyclic));
+      player.goTo(drawing.nearestFrame(held, drawing.plane(now), player.frame, player.data.cyclic));
     } else if (other) {
       const [from, to] = [before, now].map(([x, y]) => hypot(x - other[0], y - other[1]));
       drawing.zoom(to / max(from, 1), other);
-      said(drawing);
+      zoomed(drawing);
     } else drawing.pan(now[0] - before[0], now[1] - before[1]);
   });
   for (const end of ["pointerup", "pointercancel"]) {
@@ -38,25 +38,23 @@ export function handle(drawing, player, said) {
       svg.classList.remove("held");
     });
   }
-  // Only where the drawing was taken up before, so that whoever scrolls past it is not held up.
+  // Only if the drawing has the focus, so that it does not catch a page that is being scrolled.
   svg.addEventListener("wheel", (event) => {
     const closer = Math.exp(-WHEEL * event.deltaY * (event.deltaMode ? 20 : 1));
     if ((!event.ctrlKey && document.activeElement !== svg) || (closer < 1 && drawing.by === 1)) return;
     event.preventDefault();
     drawing.zoom(closer, drawing.onStage(event));
-    said(drawing);
+    zoomed(drawing);
   }, { passive: false });
 }
 
-const worldOf = (drawing, [x, y]) => [(x - drawing.tx) / drawing.s, (drawing.ty - y) / drawing.s];
-
-// The body that is under the pointer, and where on it that is, (u, v); a pin moves along, as a body that does not turn.
+// The body under the pointer, and the pointer's position on it, (u, v); a pin counts as a body that does not turn.
 function taken(drawing, event, k) {
   const group = event.target.closest?.(".body.moving, .mark");
   const mark = drawing.marks.find((other) => other.group === group && other.sort !== "fixed pin");
   const body = drawing.bodies.find((other) => other.group === group)
     ?? (mark && { x: mark.x, y: mark.y, cos: mark.x.map(() => 1), sin: mark.x.map(() => 0) });
   if (!body) return null;
-  const [x, y] = worldOf(drawing, drawing.onStage(event)), [dx, dy] = [x - body.x[k], y - body.y[k]];
+  const [x, y] = drawing.plane(drawing.onStage(event)), [dx, dy] = [x - body.x[k], y - body.y[k]];
   return { body, u: dx * body.cos[k] + dy * body.sin[k], v: dy * body.cos[k] - dx * body.sin[k] };
 }

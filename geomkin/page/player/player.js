@@ -1,17 +1,18 @@
-// The player: takes a scene as data and shows it moving, beside its plots, with what turns it by mouse, touch and keys.
+// The player: shows a scene moving, with its plots; mouse, touch and keys move the driver.
 import { Drawing, FOOT, MARGIN } from "./drawing.js";
-import { handle } from "./hands.js";
+import { followPointers } from "./hands.js";
+import { drawingFile, drawingImage, offer } from "./pictures.js";
 import { measured, Plots, read, shown, unitOf } from "./plots.js";
 import { abs, floor, make, max, min, spaced } from "./shapes.js";
 
-// Seconds that one pass takes at first, nearly: what turns faster cannot be followed.
+// Seconds of one pass at the first speed, approximately: a faster motion cannot be followed.
 const FIRST_PASS = 5;
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
-// Turn of the driver, deg, between two dashes of a trail; a driver that slides makes so many steps over its stroke.
+// Rotation of the driver, deg, between two dashes of a trail; number of steps over the stroke of a sliding driver.
 const DASH_DEG = 5, STROKE_DASHES = 72;
-// Milliseconds between two times that values are written while it plays: eyes read no faster.
+// Milliseconds between updates of the values while it plays: eyes read no faster.
 const READING = 120;
-// How much closer a key or a button takes one, and how far the arrows move what is seen, px.
+// Zoom of one press of a key or button, and movement of the view by an arrow key, px.
 const CLOSER = 1.4, MOVE = 40;
 const DRAG = "Drag a link and the rest follows. ";
 const HINT = "+ and − look closer, or the wheel once it is clicked; 0 shows all.";
@@ -19,50 +20,82 @@ const HINT = "+ and − look closer, or the wheel once it is clicked; 0 shows al
 const GAP = 12;
 
 export function mount(root, data) {
-  read(data);
-  const player = new Player(root, data);
+  const player = new Player(root, read(data));
   root.dataset.ready = "";
   return player;
 }
 
 class Player {
   constructor(root, data) {
-    Object.assign(this, { root, data, frame: 0, playing: false, written: 0, spent: 0, drawn: 0 });
-    this.drive = data.columns[0];
-    this.time = data.rows[data.time];
-    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.build();
+    Object.assign(this, { root, frame: 0, playing: false, written: 0, spent: 0, drawn: 0, scenes: 0, drawings: [] });
+    this.left = make(root, "div", { class: "left" });
+    this.stages = make(this.left, "div", { class: "stages" });
+    this.controls();
+    this.set = make(this.left, "fieldset", { class: "switches" });
+    this.hint = make(this.left, "p", { class: "hint" });
+    this.live = make(root, "p", { class: "unseen", "aria-live": "polite" });
+    this.right = make(root, "div", { class: "right" });
+    this.load(data);
+    this.plots = new Plots(this.right, data, (frame) => { this.play(false); this.goTo(frame); });
+    const save = make(this.right, "button", { type: "button", class: "save" }, "Data as CSV");
+    save.addEventListener("click", () => offer(this.csv(), `${this.data.name}.csv`, "text/csv"));
+    this.addTable();
+    this.fillTable();
     this.wire();
     this.fit();
     this.goTo(0);
-    if (!calm) this.play(true);
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.play(true);
   }
 
-  build() {
-    const { root, data, drive } = this;
-    const span = abs(drive.row[data.frames - 1] - drive.row[0]);
+  // Shows another scene in place of this one: view, driver position, speed and the chosen plots stay, and it plays on.
+  replace(data) {
+    const { drive } = this, at = drive.row[this.frame], drawings = this.drawings.length;
+    this.load(read(data));
+    const same = this.drive.name === drive.name && isFinite(at);
+    const off = same ? [...this.drive.row].map((value) => abs(value - at)) : [];
+    this.frame = same ? off.indexOf(min(...off)) : min(this.frame, data.frames - 1);
+    this.clock = this.time[this.frame];
+    this.plots.load(data);
+    this.fillTable();
+    if (drawings === this.drawings.length) for (const drawing of this.drawings) drawing.look(drawing.by, drawing.at);
+    else this.fit(true);
+    this.show(true);
+  }
+
+  load(data) {
+    const drive = data.columns[0], { row } = drive;
+    Object.assign(this, { data, drive, time: data.rows[data.time] });
+    const span = abs(row[data.frames - 1] - row[0]), several = data.scenes.length > 1;
     const every = drive.unit === "deg" ? DASH_DEG : span / STROKE_DASHES || 1;
-    this.left = make(root, "div", { class: "left" });
-    this.stages = make(this.left, "div", { class: "stages" });
-    this.drawings = data.scenes.map((scene, k) => {
-      const figure = make(this.stages, "figure", k ? { class: "other" } : {});
-      const stage = make(figure, "div", { class: "stage" });
-      if (data.scenes.length > 1) make(figure, "figcaption", {}, k ? spaced(scene.label) : "as asked for");
-      return new Drawing(stage, scene, data, drive.row, every);
+    data.scenes.forEach((scene, k) => {
+      const drawing = this.drawings[k] ?? this.addDrawing();
+      drawing.caption.textContent = k ? spaced(scene.label) : "as asked for";
+      drawing.caption.hidden = !several;
+      drawing.load(scene, data, row, every);
     });
-    this.controls();
+    for (const { svg } of this.drawings.splice(data.scenes.length)) svg.closest("figure").remove();
+    // Something that stands still cannot be played.
+    this.root.classList.toggle("still", data.frames < 2);
+    this.hint.textContent = data.frames > 1 ? DRAG + HINT : HINT;
+    this.label.textContent = drive.name;
+    this.slider.max = data.frames - 1;
+    this.contact.hidden = !this.drawings[0].contacts.length;
+    if (!this.speed.value) this.speed.value = this.firstSpeed();
     this.switches();
-    make(this.left, "p", { class: "hint" }, data.frames > 1 ? DRAG + HINT : HINT);
-    this.live = make(root, "p", { class: "unseen", "aria-live": "polite" });
-    this.right = make(root, "div", { class: "right" });
-    this.plots = new Plots(this.right, data, (frame) => { this.play(false); this.goTo(frame); });
-    const save = make(this.right, "button", { type: "button", class: "save" }, "Data as CSV");
-    save.addEventListener("click", () => offer(this.csv(), `${data.name}.csv`, "text/csv"));
-    this.tabulate();
+    this.root.dataset.scenes = this.scenes += 1;
+  }
+
+  addDrawing() {
+    const figure = make(this.stages, "figure", this.drawings.length ? { class: "other" } : {});
+    const drawing = new Drawing(make(figure, "div", { class: "stage" }), this.drawings[0]?.hidden);
+    drawing.caption = make(figure, "figcaption");
+    followPointers(drawing, this, () => this.announceZoom(drawing));
+    this.drawings.push(drawing);
+    return drawing;
   }
 
   controls() {
-    const { drive, data } = this, bar = make(this.left, "div", { class: "controls" });
+    const bar = make(this.left, "div", { class: "controls" });
     const button = (label, sign, act) => {
       const made = make(bar, "button", { type: "button", "aria-label": label, title: label }, sign);
       made.addEventListener("click", act);
@@ -74,61 +107,74 @@ class Player {
     button("Zoom out", "−", () => this.zoom(1 / CLOSER));
     button("Zoom in", "+", () => this.zoom(CLOSER));
     button("Show all of it", "⤢", () => this.zoom(0));
-    if (this.drawings[0].contacts.length) button("Zoom on the contact", "contact", () => {
-      this.drawings[0].lookAtContact();
-      this.closer(this.drawings[0]);
+    const picture = (label, sign, tail, make) => button(label, sign, async () => {
+      for (const [k, drawing] of this.shownDrawings.entries()) {
+        offer(await make(drawing), `${this.data.name}-${this.frame}${k ? `-${k + 1}` : ""}.${tail}`, "image/svg+xml");
+      }
     });
-    // What stands still has nothing to be played.
-    this.root.classList.toggle("still", data.frames < 2);
-    const pass = this.time[data.frames - 1] - this.time[0] || 1;
-    const first = SPEEDS.reduce((a, b) => (abs(Math.log(pass / b / FIRST_PASS)) < abs(Math.log(pass / a / FIRST_PASS)) ? b : a));
+    picture("Drawing at this frame as SVG", "SVG", "svg", drawingFile);
+    picture("Drawing at this frame as PNG", "PNG", "png", drawingImage);
+    this.contact = button("Zoom on the contact", "contact", () => {
+      this.drawings[0].lookAtContact();
+      this.announceZoom(this.drawings[0]);
+    });
     const pace = make(bar, "label", { class: "speed" });
     make(pace, "span", {}, "Speed ");
     this.speed = make(pace, "select");
     for (const speed of SPEEDS) make(this.speed, "option", { value: speed }, `${speed} × real`);
-    this.speed.value = first;
+    this.speed.value = "";
     const label = make(this.left, "label", { class: "drive" });
-    make(label, "span", {}, drive.name);
-    this.slider = make(label, "input", { type: "range", min: 0, max: data.frames - 1, step: 1, value: 0 });
+    this.label = make(label, "span");
+    this.slider = make(label, "input", { type: "range", min: 0, step: 1, value: 0 });
     this.value = make(label, "output");
     this.slider.addEventListener("input", () => { this.play(false); this.goTo(+this.slider.value); });
   }
 
+  firstSpeed() {
+    const pass = this.time[this.data.frames - 1] - this.time[0] || 1, off = (speed) => abs(Math.log(pass / speed / FIRST_PASS));
+    return SPEEDS.reduce((a, b) => (off(b) < off(a) ? b : a));
+  }
+
+  // A switch for each role that the drawings use; they stay as they are if the next scene uses the same ones.
   switches() {
-    const found = new Set(["names", ...this.drawings.flatMap((drawing) => [...drawing.roles])]);
-    const roles = [{ id: "names", label: "names", shown: true }, ...this.data.roles];
-    const set = make(this.left, "fieldset", { class: "switches" });
+    const { drawings } = this, used = new Set(["names", ...drawings.flatMap((drawing) => [...drawing.roles])]);
     const scaleOf = (role) => {
-      const told = this.drawings[0].marks.flatMap((mark) => (mark.role === role ? mark.label.match(/1 mm is .*/) ?? [] : []));
-      return new Set(told).size === 1 ? unitOf(told[0]) : "";
+      const scales = new Set(drawings[0].marks.flatMap((mark) => (mark.role === role ? mark.label.match(/1 mm is .*/) ?? [] : [])));
+      return scales.size === 1 ? ` (${unitOf([...scales][0])})` : "";
     };
-    make(set, "legend", {}, "Shown");
+    const roles = [{ id: "names", label: "names", shown: true }, ...this.data.roles].filter(({ id }) => used.has(id))
+      .map((role) => ({ ...role, label: role.label + scaleOf(role.id) }));
+    const key = JSON.stringify([roles, drawings.length > 1]);
+    if (key === this.switched) return;
+    this.switched = key;
+    const before = Object.fromEntries([...this.set.querySelectorAll("input")].map((box) => [box.name, box.checked]));
+    this.set.replaceChildren();
+    make(this.set, "legend", {}, "Shown");
     const add = (name, key, on, act) => {
-      const label = make(set, "label", { class: `switch ${key}` });
-      const box = make(label, "input", { type: "checkbox" });
-      box.checked = on;
+      const label = make(this.set, "label", { class: `switch ${key}` });
+      const box = make(label, "input", { type: "checkbox", name: key });
+      box.checked = before[key] ?? on;
       const sign = make(label, "svg", { width: 18, height: 10, viewBox: "0 0 18 10", "aria-hidden": "true" });
       if (key !== "names") make(sign, "path", { d: "M0 5H18" });
       label.append(name);
       box.addEventListener("change", () => { act(box.checked); this.fit(true); });
-      act(on);
+      act(box.checked);
     };
-    for (const { id, label, shown } of roles) {
-      const scale = scaleOf(id);
-      if (found.has(id)) add(scale ? `${label} (${scale})` : label, id, shown, (on) => {
-        for (const drawing of this.drawings) drawing.toggle(id, on);
-      });
-    }
-    if (this.drawings.length > 1) add("others beside", "others", true, (on) => this.stages.classList.toggle("alone", !on));
+    for (const { id, label, shown } of roles) add(label, id, shown, (on) => { for (const drawing of drawings) drawing.toggle(id, on); });
+    if (drawings.length > 1) add("others beside", "others", true, (on) => this.stages.classList.toggle("alone", !on));
   }
 
-  // What the plots show for readers who see none: every quantity now, its least and its largest value and where.
-  tabulate() {
-    const { data, drive } = this, { columns } = data;
-    // The table stands after what folds it away, so that it prints in either case.
+  // The content of the plots as a table: every quantity now, its least and its largest value and their positions.
+  addTable() {
+    // The table is not inside the element that folds it away, so that it prints in either case.
     const section = make(this.root, "section", { class: "values" });
     make(make(section, "details"), "summary", {}, "Every quantity, now and at its least and largest");
-    const table = make(make(section, "div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Values" }), "table");
+    this.table = make(make(section, "div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Values" }), "table");
+  }
+
+  fillTable() {
+    const { drive, table, data: { columns } } = this;
+    table.replaceChildren();
     const head = make(make(table, "thead"), "tr"), body = make(table, "tbody");
     const at = `at ${drive.name}, ${unitOf(drive.unit)}`;
     for (const title of ["Quantity", "Unit", "Now", "Least", at, "Largest", at]) make(head, "th", { scope: "col" }, title);
@@ -147,7 +193,6 @@ class Player {
   }
 
   wire() {
-    this.drawings.forEach((drawing) => handle(drawing, this, () => this.closer(drawing)));
     document.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.fit()).observe(this.left);
     const rebuild = () => this.plots.rebuild();
@@ -167,14 +212,14 @@ class Player {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const at = event.target, own = at.closest?.("button, select, summary, a, .wide, pre, input[type=checkbox]");
+    const at = event.target, own = at.closest?.("button, select, summary, a, .wide, pre, textarea, [data-handle], input:not([type=range])");
     const times = { "+": CLOSER, "=": CLOSER, "-": 1 / CLOSER, 0: 0 }[event.key];
-    if (times !== undefined && !at.closest?.("select, input[type=range]")) { this.zoom(times); return; }
+    if (times !== undefined && !at.closest?.("select, textarea, input:not([type=checkbox])")) { this.zoom(times); return; }
     if (event.key === " " && !own) { event.preventDefault(); this.play(!this.playing); return; }
     const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
-    const seen = this.drawings.find(({ svg, by }) => svg === at && by > 1);
+    const zoomed = this.drawings.find(({ svg, by }) => svg === at && by > 1);
     const move = { ArrowLeft: [MOVE, 0], ArrowRight: [-MOVE, 0], ArrowDown: [0, -MOVE], ArrowUp: [0, MOVE] }[event.key];
-    if (seen && move) { event.preventDefault(); seen.pan(...move); return; }
+    if (zoomed && move) { event.preventDefault(); zoomed.pan(...move); return; }
     const sideways = event.key === "ArrowLeft" || event.key === "ArrowRight";
     if (!step || own || (!sideways && at.getAttribute?.("role") !== "slider") || at === this.slider) return;
     event.preventDefault();
@@ -182,15 +227,17 @@ class Player {
     this.step(event.shiftKey ? 10 * step : step);
   }
 
-  // Drawings as large as there is room for, all at one scale; at once where they changed.
+  get shownDrawings() { return this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings; }
+
+  // Makes the drawings as large as there is room for, all at one scale.
   fit(changed) {
     const room = this.stages.clientWidth;
     if (room < 50 || (room === this.room && !changed)) return;
     this.room = room;
-    const drawings = this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings;
+    const drawings = this.shownDrawings;
     const columns = room > 620 ? min(2, drawings.length) : 1;
     const sizes = drawings.map((drawing) => drawing.size()), widest = max(...sizes.map(([across]) => across));
-    // Two side by side share the width by what they need; of any other number all are as wide.
+    // Two side by side share the width in proportion to their needs; any other number have equal widths.
     const needs = sizes.map(([across]) => (columns === drawings.length ? max(across, widest / 4) : widest));
     const sum = columns === drawings.length ? needs.reduce((a, b) => a + b) : columns * widest;
     const free = room - GAP * (columns - 1) - 2 * MARGIN * columns, foot = 2 * MARGIN + FOOT;
@@ -201,10 +248,10 @@ class Player {
 
   zoom(times) {
     for (const drawing of this.drawings) drawing.zoom(times);
-    this.closer(this.drawings[0]);
+    this.announceZoom(this.drawings[0]);
   }
 
-  closer({ by }) { this.live.textContent = by > 1 ? `Shown ${by.toPrecision(2)} times as large` : "All of it is shown"; }
+  announceZoom({ by }) { this.live.textContent = by > 1 ? `Shown ${by.toPrecision(2)} times as large` : "All of it is shown"; }
 
   play(on) {
     if (on === this.playing || this.data.frames < 2) return;
@@ -221,7 +268,7 @@ class Player {
     requestAnimationFrame((now) => this.tick(now));
   }
 
-  // On by the time that has passed; what cannot go round goes back again.
+  // Advances by the time that has passed; a motion that is not cyclic runs back again.
   tick(now) {
     if (!this.playing) return;
     const start = performance.now();
@@ -237,7 +284,7 @@ class Player {
     this.show(now - this.written > READING);
     this.spent += performance.now() - start;
     this.drawn += 1;
-    // Milliseconds of script that a frame takes, for whoever measures it.
+    // Milliseconds of script per frame, for measurements.
     if (this.drawn % 30 === 0) this.root.dataset.cost = (this.spent / this.drawn).toFixed(3);
     requestAnimationFrame((next) => this.tick(next));
   }
@@ -264,12 +311,12 @@ class Player {
     this.show(true);
   }
 
-  show(told) {
+  show(values) {
     const { frame } = this;
     for (const drawing of this.drawings) drawing.show(frame);
-    this.plots.show(frame, told);
+    this.plots.show(frame, values);
     this.slider.value = frame;
-    if (!told) return;
+    if (!values) return;
     this.written = performance.now();
     this.value.textContent = measured(this.drive.row[frame], this.drive.unit);
     this.root.dataset.frame = frame;
@@ -286,12 +333,4 @@ class Player {
     for (let k = 0; k < frames; k++) lines.push(columns.map(({ row }) => (isFinite(row[k]) ? +row[k].toPrecision(7) : "")).join(","));
     return `${lines.join("\n")}\n`;
   }
-}
-
-function offer(text, name, type) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }

@@ -1,9 +1,10 @@
 // Plots of the table's columns over the drive, one to four at a time. uPlot is used here and nowhere else.
 /* global uPlot */
+import { inPrint, offer, plotFile } from "./pictures.js";
 import { abs, make, max, min, round, spaced, unpack } from "./shapes.js";
 
 export const MOST_PLOTS = 4;
-// Dashes of the curves of one plot: colour is never all that tells them apart.
+// Dashes of the curves of one plot: colour alone never distinguishes them.
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
 const STROKES = ["wanted", "traced", "velocity", "acceleration", "s4", "s5"];
 const DEGREES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360, 720];
@@ -14,6 +15,7 @@ export function read(data) {
   for (const column of data.columns) {
     column.row = data.rows[column.row];
     column.header = column.unit ? `${column.name}_${column.unit.replaceAll("/", "_per_")}` : column.name;
+    column.id = column.name;
     column.name = spaced(column.name);
   }
   return data;
@@ -33,19 +35,45 @@ export const measured = (value, unit) =>
   isFinite(value) ? `${shown(value)}${unit && unit !== "deg" ? " " : ""}${unitOf(unit)}` : "–";
 
 export class Plots {
-  // root: what holds them; data.spots: whether values stand alone; seek(frame): called where a reader points at another place of the drive.
+  // root: their parent element; data.spots: whether values are drawn as points; seek(frame): called when a reader points
+  // at another position of the drive. A later `drawn(card)` is called whenever a plot was drawn.
   constructor(root, data, seek) {
     Object.assign(this, { data, seek, frame: 0, cards: [] });
     this.grid = make(root, "div", { class: "plots" });
     this.more = make(root, "button", { type: "button", class: "more" }, "Another plot");
     this.more.addEventListener("click", () => this.add());
     this.resized = new ResizeObserver(() => this.cards.forEach((card) => this.resize(card)));
+    this.read(data);
+    const first = document.documentElement.clientWidth > 900 ? 2 : 1;
+    for (let k = 0; k < min(first, data.plots.length); k++) this.add();
+    this.count();
+  }
+
+  read(data) {
+    this.data = data;
     // Curves run from left to right; a driver that turns clockwise comes from the right.
     const { row } = data.columns[0];
     this.falls = row[row.length - 1] < row[0];
-    const first = document.documentElement.clientWidth > 900 ? 2 : 1;
-    for (let k = 0; k < min(first, data.plots.length); k++) this.add();
-    if (!data.plots.length) this.more.hidden = true;
+  }
+
+  // Plots other data. A card keeps its plot, or the first one if that has no counterpart.
+  load(data) {
+    const titles = this.data.plots.map(({ title }) => title);
+    const looks = this.cards.map(({ chosen }) => lookOf(this.data, this.data.plots[chosen].columns));
+    this.read(data);
+    const same = titles.length === data.plots.length && data.plots.every(({ title }, k) => title === titles[k]);
+    for (const card of this.cards.splice(data.plots.length)) this.discard(card);
+    this.cards.forEach((card, k) => {
+      card.chosen = max(0, data.plots.findIndex(({ title }) => title === titles[card.chosen]));
+      if (!same) this.offerPlots(card);
+      const { columns } = data.plots[card.chosen];
+      if (lookOf(data, columns) !== looks[k]) { this.build(card); return; }
+      card.columns = columns.map((column) => data.columns[column]);
+      card.plot.over.setAttribute("aria-valuemax", data.frames - 1);
+      card.plot.setData(this.curves(card));
+    });
+    if (!this.cards.length && data.plots.length) this.add();
+    this.count();
   }
 
   add() {
@@ -54,9 +82,10 @@ export class Plots {
     const card = { chosen: max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": "Plot" }) };
     const head = make(card.root, "div", { class: "head" });
     card.select = make(head, "select", { "aria-label": "What is plotted" });
-    this.data.plots.forEach((plot, k) => make(card.select, "option", { value: k }, plot.title));
-    card.select.value = card.chosen;
+    this.offerPlots(card);
     card.select.addEventListener("change", () => { card.chosen = +card.select.value; this.build(card); });
+    const picture = make(head, "button", { type: "button", "aria-label": "This plot as SVG", title: "This plot as SVG" }, "SVG");
+    picture.addEventListener("click", () => offer(this.picture(card), `${this.data.name ?? "plot"}-${this.titleOf(card)}.svg`, "image/svg+xml"));
     const close = make(head, "button", { type: "button", "aria-label": "Remove this plot", class: "close" }, "×");
     close.addEventListener("click", () => this.remove(card));
     card.chart = make(card.root, "div", { class: "chart" });
@@ -67,10 +96,20 @@ export class Plots {
     this.count();
   }
 
-  remove(card) {
+  offerPlots(card) {
+    card.select.replaceChildren();
+    this.data.plots.forEach((plot, k) => make(card.select, "option", { value: k }, plot.title));
+    card.select.value = card.chosen;
+  }
+
+  discard(card) {
     card.plot.destroy();
     this.resized.unobserve(card.chart);
     card.root.remove();
+  }
+
+  remove(card) {
+    this.discard(card);
     this.cards = this.cards.filter((other) => other !== card);
     this.count();
   }
@@ -90,35 +129,45 @@ export class Plots {
   build(card) {
     card.plot?.destroy();
     const style = getComputedStyle(card.root), colour = (name) => style.getPropertyValue(name).trim();
-    const { data } = this, told = data.plots[card.chosen], drive = data.columns[0];
-    const columns = told.columns.map((k) => data.columns[k]);
+    const { data } = this, drive = data.columns[0];
+    const columns = data.plots[card.chosen].columns.map((k) => data.columns[k]);
     const font = `12px ${style.fontFamily}`, grid = { stroke: colour("--grid"), width: 1 }, stroke = colour("--soft");
     const strokes = columns.map((_, k) => colour(`--${STROKES[k % 6]}`));
     const axis = { stroke, grid, ticks: grid, font, labelFont: font, labelSize: 18 };
     const label = [drive.name, unitOf(drive.unit)].filter(Boolean).join(", ");
     const unit = columns[0].unit === "deg" ? "degrees" : unitOf(columns[0].unit) || (data.spots ? "" : "ratio");
-    card.columns = columns;
+    // The ticks of both axes, for pictures.
+    const write = (axis) => (_, ticks) => { card.ticks[axis] = ticks.map((value) => [value, shown(value)]); return ticks.map(shown); };
+    Object.assign(card, { columns, ticks: {}, labels: { x: label, y: unit } });
     card.plot = new uPlot({
       ...this.sizeOf(card),
       padding: [10, 12, 0, 0],
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 } },
-      scales: { x: { time: false }, y: { range: (_, low, high) => this.range(told, low, high) } },
+      scales: { x: { time: false }, y: { range: (_, low, high) => this.range(card, low, high) } },
       axes: [
-        { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: (_, ticks) => ticks.map(shown) },
-        { ...axis, label: unit, size: 58, values: (_, ticks) => ticks.map(shown) },
+        { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: write("x") },
+        { ...axis, label: unit, size: 58, values: write("y") },
       ],
       series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!column.spot, size: 6 } }))],
-      hooks: { draw: [(plot) => { limits(plot, told, colour("--wanted"), colour("--paper"), font); this.show(this.frame); }], setCursor: [(plot) => this.hover(card, plot)] },
-    }, [this.rising([...drive.row]), ...columns.map((column) => this.rising(Array.from(column.row, (y) => (isFinite(y) ? y : null))))], card.chart);
+      hooks: { draw: [(plot) => { drawLimits(plot, this.limitsOf(card), colour("--wanted"), colour("--paper"), font); this.show(this.frame); this.drawn?.(card); }], setCursor: [(plot) => this.hover(card, plot)] },
+    }, this.curves(card), card.chart);
     this.label(card, strokes);
     this.point(card);
     this.show(this.frame, true);
   }
 
-  range(told, low, high) {
+  // The columns of a card as uPlot takes them.
+  curves(card) {
+    const known = ({ row }) => this.rising(Array.from(row, (y) => (isFinite(y) ? y : null)));
+    return [this.rising([...this.data.columns[0].row]), ...card.columns.map(known)];
+  }
+
+  limitsOf(card) { return this.data.plots[card.chosen].limits ?? []; }
+
+  range(card, low, high) {
     let [from, to] = [low ?? 0, high ?? 1];
-    for (const [value] of told.limits ?? []) [from, to] = [min(from, value), max(to, value)];
+    for (const [value] of this.limitsOf(card)) [from, to] = [min(from, value), max(to, value)];
     const room = 0.06 * (to - from) || abs(to) || 1;
     return [from - room, to + room];
   }
@@ -145,12 +194,29 @@ export class Plots {
     const take = (event) => this.seek(this.frameOf(card.plot.posToIdx(event.clientX - over.getBoundingClientRect().left)));
     over.addEventListener("pointerdown", (event) => { over.setPointerCapture(event.pointerId); take(event); });
     over.addEventListener("pointermove", (event) => { if (event.buttons) take(event); });
-    over.addEventListener("pointerleave", () => { card.hovered = null; this.tell(card); });
+    over.addEventListener("pointerleave", () => { card.hovered = null; this.write(card); });
+  }
+
+  titleOf(card) { return this.data.plots[card.chosen].title.replace(/\W+/g, "-"); }
+
+  // The plot as the text of an SVG file.
+  picture(card) {
+    const { plot, ticks, labels, columns } = card, dpr = devicePixelRatio || 1, drive = this.data.columns[0];
+    const { left, top, width, height } = plot.bbox, bounds = [left, top, width, height].map((length) => length / dpr);
+    const at = (axis, start) => (value) => start + plot.valToPos(value, axis);
+    const style = getComputedStyle(document.documentElement);
+    return inPrint(() => plotFile({
+      width: plot.width, height: plot.height, bounds, ticks, labels, x: at("x", bounds[0]), y: at("y", bounds[1]), now: drive.row[this.frame],
+      limits: this.limitsOf(card).map(([value, label]) => [value, unitOf(label).replace(" °", "°")]),
+      curves: columns.map((column, k) => ({ name: column.name, points: [...column.row].map((value, row) => [drive.row[row], value]), isSpot: column.spot,
+        stroke: style.getPropertyValue(`--${STROKES[k % 6]}`), dash: DASHES[k % 6] })),
+      colours: { ink: style.getPropertyValue("--ink"), grid: style.getPropertyValue("--grid"), limit: style.getPropertyValue("--wanted") },
+    }));
   }
 
   hover(card, plot) {
     card.hovered = plot.cursor.left >= 0 ? this.frameOf(plot.cursor.idx) : null;
-    if (card.values) this.tell(card);
+    if (card.values) this.write(card);
   }
 
   sizeOf(card) {
@@ -165,33 +231,36 @@ export class Plots {
     this.show(this.frame, true);
   }
 
-  tell(card) {
+  write(card) {
     const frame = card.hovered ?? this.frame;
     card.columns.forEach((column, k) => { card.values[k].textContent = measured(column.row[frame], column.unit); });
   }
 
-  // Cursors to a frame; values too where `told`.
-  show(frame, told) {
+  // Moves the cursors to a frame, and writes its values if `values`.
+  show(frame, values) {
     this.frame = frame;
     const at = this.data.columns[0];
     for (const card of this.cards) {
       if (!card.now) continue;
       card.now.style.transform = `translateX(${card.plot.valToPos(at.row[frame], "x").toFixed(1)}px)`;
-      if (!told) continue;
+      if (!values) continue;
       card.plot.over.setAttribute("aria-valuenow", frame);
       card.plot.over.setAttribute("aria-valuetext", `${shown(at.row[frame])} ${at.unit}: ${card.columns.map((c) => `${c.name} ${shown(c.row[frame])} ${c.unit}`).join(", ")}`);
-      this.tell(card);
+      this.write(card);
     }
   }
 }
 
-// Lines of limits, dashed, each with what it says.
-function limits(plot, told, stroke, paper, font) {
+// What decides how a plot is built: its axes and the curves in it.
+const lookOf = (data, columns) => JSON.stringify([0, ...columns].map((k) => [data.columns[k].name, data.columns[k].unit]));
+
+// Dashed lines of limits with their labels.
+function drawLimits(plot, limits, stroke, paper, font) {
   const { ctx, bbox } = plot, dpr = devicePixelRatio || 1;
   ctx.save();
   ctx.font = font.replace("12px", `${12 * dpr}px`);
   ctx.lineWidth = 1.5 * dpr;
-  for (const [value, label] of told.limits ?? []) {
+  for (const [value, label] of limits) {
     const y = plot.valToPos(value, "y", true);
     ctx.strokeStyle = stroke;
     ctx.setLineDash([8 * dpr, 4 * dpr]);

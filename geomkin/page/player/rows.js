@@ -1,10 +1,10 @@
-// Plots of rows that do not move: a sweep's, over the key that was varied, or what a mechanism was chosen from.
+// Plots of rows that do not move: a sweep's, over the key that was varied, or the candidates of a synthesis.
 import { Plots } from "./plots.js";
 
 export function mountRows(root, data) {
   for (const column of data.columns) {
     column.row = column.row.map((value) => value ?? NaN);
-    // A value that stands alone is no line.
+    // A single value is drawn as a point.
     column.spot = data.spots || column.row.filter((value) => isFinite(value)).length === 1;
   }
   const plots = new Plots(root, data, (frame) => plots.show(frame, true));
@@ -13,10 +13,11 @@ export function mountRows(root, data) {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!step || event.target.getAttribute("role") !== "slider") return;
     event.preventDefault();
-    // The keys turn the mechanism elsewhere.
+    // Elsewhere these keys turn the mechanism.
     event.stopPropagation();
     plots.show(Math.min(Math.max(plots.frame + step, 0), data.frames - 1), true);
   });
   root.dataset.ready = "";
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.rebuild());
+  return plots;
 }

@@ -15,7 +15,7 @@ export function make(parent, name, attributes = {}, text = "") {
   return element;
 }
 
-// A row of numbers as export/island.py stores it; nan if there is none.
+// A row of numbers as scene_json.py stores it; nan if there is none.
 export function unpack(row, frames) {
   // Single precision as base64.
   if (typeof row === "string") return new Float32Array(Uint8Array.from(atob(row), (sign) => sign.charCodeAt(0)).buffer);
@@ -68,10 +68,10 @@ export function axisOf(points) {
   return { x, y, u: half * c, v: half * s };
 }
 
-// Shown or not, told to the browser only where it changes.
+// Shows or hides an element; the browser hears of changes only.
 export function see(element, there) {
-  if (element.seen === there) return;
-  element.seen = there;
+  if (element.isThere === there) return;
+  element.isThere = there;
   element.setAttribute("visibility", there ? "inherit" : "hidden");
 }
 

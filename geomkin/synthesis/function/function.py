@@ -486,6 +486,7 @@ def _check_output_range(wanted: WantedFunction, output_deg: float) -> None:
             "output_deg",
             f"found {output_deg:g}, with which the output would cover {turn:.6g} deg",
             f"give at most {rounded_down(359 / float(np.ptp(shares)), 4)} deg, or a range in which it rises or falls",
+            "out-of-range",
         )
 
 
@@ -502,6 +503,7 @@ def _through(
             "points",
             f"found {len(x)}, but three lengths and the free starts can meet only {most}",
             "give no start, or fewer points",
+            "conflict",
         )
     shares = (x - wanted.x0) / (wanted.x1 - wanted.x0)
     if not ((shares >= 0) & (shares <= 1)).all() or (np.diff(shares) < 1e-3).any():
@@ -509,6 +511,7 @@ def _through(
             "points",
             f"found {', '.join(f'{one:g}' for one in x)}",
             f"give rising values from {wanted.x0:g} to {wanted.x1:g}, at least a thousandth of that apart",
+            "out-of-range",
         )
     return tuple(shares.tolist())
 
@@ -518,7 +521,12 @@ def _best(task: AbstractGenerator, method: str, to_result: Callable[[Optimum], G
     squares = method == "least-squares"
     optima = searched(task, squares)
     if not optima:
-        raise DesignError("input_start_deg", "no linkage was found that closes from these starts", "leave a start free")
+        raise DesignError(
+            "input_start_deg",
+            "no linkage was found that closes from these starts",
+            "leave a start free",
+            "does-not-assemble",
+        )
     best = optima[0]
     if best.broken > KEPT or not np.isfinite(best.worst):
         # A search with the smallest allowed angle shows whether this limit is the reason.
@@ -618,8 +626,8 @@ def chebyshev_points(span: tuple[float, float], count: PositiveInt = 3) -> Real:
     """
     x0, x1 = (float(x) for x in span)
     if not x0 < x1:
-        raise DesignError("span", f"found {x0:g} to {x1:g}", "give a rising pair")
+        raise DesignError("span", f"found {x0:g} to {x1:g}", "give a rising pair", "out-of-range")
     if count > 100:
-        raise DesignError("count", f"found {count}", "give at most 100")
+        raise DesignError("count", f"found {count}", "give at most 100", "out-of-range")
     points: Real = 0.5 * (x0 + x1) - 0.5 * (x1 - x0) * np.cos((np.arange(count) + 0.5) * np.pi / count)
     return points

@@ -102,7 +102,9 @@ class Expression:
 
     def _wrong(self, place: int, problem: str, remedy: str = "") -> DesignError:
         remedy = remedy or f"give numbers, + - * / ** (power), brackets and {KNOWN}; write * between factors"
-        return DesignError("function", f"{problem} at character {place} of {shown(self.text.strip())}", remedy)
+        return DesignError(
+            "function", f"{problem} at character {place} of {shown(self.text.strip())}", remedy, "wrong-type"
+        )
 
 
 # Name: formula, and least and greatest number of coefficients.
@@ -146,12 +148,14 @@ def named_function(name: str, coefficients: float | ArrayLike) -> Expression:
     [16.0]
     """
     if name not in NAMED:
-        raise DesignError("name", f"found {shown(name)}", f"give one of {', '.join(NAMED)}")
+        raise DesignError("name", f"found {shown(name)}", f"give one of {', '.join(NAMED)}", "unknown-key")
     formula, least, most = NAMED[name]
     c = np.atleast_1d(np.asarray(coefficients, dtype=float))
     if c.ndim != 1 or not least <= len(c) <= most:
         count = f"{least}" if least == most else f"{least} to {most}"
-        raise DesignError("coefficients", f"found shape {np.shape(coefficients)}", f"give {count}, of {formula}")
+        raise DesignError(
+            "coefficients", f"found shape {np.shape(coefficients)}", f"give {count}, of {formula}", "wrong-type"
+        )
     values = [f"({float(coefficient)!r})" for coefficient in c]
     if name == "polynomial":
         text = values[-1]
@@ -213,7 +217,7 @@ def wanted_function(f: Function, span: tuple[float, float]) -> WantedFunction:
     """
     x0, x1 = (float(x) for x in span)
     if not x0 < x1 or not x1 - x0 > 1e-12 * max(abs(x0), abs(x1)):
-        raise DesignError("span", f"found {x0:g} to {x1:g}", "give a rising pair")
+        raise DesignError("span", f"found {x0:g} to {x1:g}", "give a rising pair", "out-of-range")
     if isinstance(f, str):
         called: Callable[[Real], Real] = Expression(f)
     elif callable(f):
@@ -224,7 +228,10 @@ def wanted_function(f: Function, span: tuple[float, float]) -> WantedFunction:
     y = called(x)
     if not np.isfinite(y).all():
         raise DesignError(
-            "function", f"found no finite value at x = {x[~np.isfinite(y)][0]:.6g}", "give a range in which it has one"
+            "function",
+            f"found no finite value at x = {x[~np.isfinite(y)][0]:.6g}",
+            "give a range in which it has one",
+            "not-finite",
         )
     height = float(np.ptp(y))
     _check_continuity(called, x, y, height)
@@ -253,6 +260,7 @@ def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real]
                 "function",
                 f"called at {x:g} it fails, {type(error).__name__}: {printable(error, 60)}",
                 "give a function of one number that gives one",
+                "wrong-type",
             ) from None
 
     def call_each(x: Real) -> Real:
@@ -276,14 +284,19 @@ def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real]
 def _through(rows: Real, x0: float, x1: float) -> Callable[[Real], Real]:
     """The spline through rows of x and y."""
     if len(rows) < 2:
-        raise DesignError("function", f"found {len(rows)} rows", "give at least two, of x and y")
+        raise DesignError("function", f"found {len(rows)} rows", "give at least two, of x and y", "out-of-range")
     x, y = rows.T
     gaps = np.diff(x)
     if not (gaps > 1e-12 * np.abs(x).max()).all():
-        raise DesignError("function", f"x does not rise from row {int(gaps.argmin()) + 1} on", "give rows of rising x")
+        raise DesignError(
+            "function", f"x does not rise from row {int(gaps.argmin()) + 1} on", "give rows of rising x", "out-of-range"
+        )
     if x0 < x[0] or x1 > x[-1]:
         raise DesignError(
-            "span", f"found {x0:g} to {x1:g}", f"give a range within that of the rows, {x[0]:g} to {x[-1]:g}"
+            "span",
+            f"found {x0:g} to {x1:g}",
+            f"give a range within that of the rows, {x[0]:g} to {x[-1]:g}",
+            "out-of-range",
         )
     # The table is flattened so that the chord length, which is the spline's parameter, equals x.
     flat = 1e-9 * gaps.min() / (np.abs(y).max() or 1.0)
@@ -310,5 +323,8 @@ def _check_continuity(f: Callable[[Real], Real], x: Real, y: Real, height: float
         if jumps or np.abs(values - y[0]).max() > LARGEST_OVERSHOOT * height:
             position = 0.0 if abs(low) < 1e-9 * (x[-1] - x[0]) else low
             raise DesignError(
-                "function", f"it jumps or has a pole near x = {position:.6g}", "give a range in which it is continuous"
+                "function",
+                f"it jumps or has a pole near x = {position:.6g}",
+                "give a range in which it is continuous",
+                "not-finite",
             )

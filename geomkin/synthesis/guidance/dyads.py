@@ -326,7 +326,7 @@ def dyads_through(
     """
     z, u = placed(poses, 3)
     if fixed is not None and moving is not None:
-        raise DesignError("moving", "found both fixed and moving", "give one of them")
+        raise DesignError("moving", "found both fixed and moving", "give one of them", "conflict")
     if moving is not None:
         return as_dyads(z, u, partners(z, u, _row("moving", moving)))
     if fixed is not None:
@@ -447,5 +447,5 @@ def _size(z: Complex, u: Complex, found: Pairs) -> Real:
 def _row(name: str, given: complex | ArrayLike) -> Complex:
     points = np.atleast_1d(np.asarray(given, dtype=complex))
     if points.ndim > 1:
-        raise DesignError(name, f"found shape {points.shape}", "give one point or a row of them")
+        raise DesignError(name, f"found shape {points.shape}", "give one point or a row of them", "wrong-type")
     return points

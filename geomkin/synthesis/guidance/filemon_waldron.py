@@ -90,7 +90,9 @@ class Rectification:
             If no driven pin was given.
         """
         if self.driven is None:
-            raise DesignError("driven", "is missing", "give the driven link's pin when the regions are made")
+            raise DesignError(
+                "driven", "is missing", "give the driven link's pin when the regions are made", "missing-key"
+            )
         side = cross(self.driven - np.asarray(points, dtype=complex)[..., None], self.directions)
         return np.asarray((side > 0).all(axis=-1) | (side < 0).all(axis=-1))
 
@@ -134,7 +136,9 @@ class Rectification:
 
         diagonal, centre = high - low, (low + high) / 2
         if not diagonal.real or not diagonal.imag:
-            raise DesignError("high", f"found {shown(high)}, on a line with {shown(low)}", "give the opposite corner")
+            raise DesignError(
+                "high", f"found {shown(high)}, on a line with {shown(low)}", "give the opposite corner", "conflict"
+            )
         box = low + np.array([0, diagonal.real, diagonal, 1j * diagonal.imag])
         lines = []
         for border in borders:

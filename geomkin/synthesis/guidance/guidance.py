@@ -127,7 +127,7 @@ def body_guides(
     least_transmission_angle_deg: Annotated[float, between(0, 89, "deg")] = 0.0,
     largest_ratio: Annotated[float, between(1, 1e9)] | None = None,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
-    time_limit: Annotated[float, between(0, 3600, "s")] = 10.0,
+    time_limit: Annotated[float, between(0, 3600, "s")] = 30.0,
     driving_point: Literal["first", "either"] = "first",
 ) -> tuple[BodyGuide, ...]:
     """Find linkages that carry a body through three or more poses.
@@ -223,7 +223,9 @@ def body_guides(
     if guides:
         return guides
     if watch.cut:
-        raise DesignError("time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more")
+        raise DesignError(
+            "time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more", "out-of-range"
+        )
     problem = f"found no {' or '.join(kinds)} through them that keeps the limits"
     # Chosen points for three poses, and dyads of more than four, are not limited by a default region.
     if region is not None or not (has_points or len(origins) > 4):

@@ -167,13 +167,17 @@ class GuideRequest:
         if self.region is not None:
             low, high = (complex(z) for z in self.region)
             if not (low.real < high.real and low.imag < high.imag):
-                raise DesignError("region", f"found corners {low:g} and {high:g}", "give the lower left one first")
+                raise DesignError(
+                    "region", f"found corners {low:g} and {high:g}", "give the lower left one first", "out-of-range"
+                )
             return low, high
         origins, directions = self.body.origins, self.body.directions
         middle = origins.mean()
         extent = float(np.abs(origins - middle).max())
         if extent == 0:
-            raise DesignError("poses", "all have the same origin, which determines no region", "give the region")
+            raise DesignError(
+                "poses", "all have the same origin, which determines no region", "give the region", "missing-key"
+            )
         places = [*origins]
         for j in range(len(origins)):
             turn = directions[j] - directions[:j]
@@ -239,9 +243,11 @@ def of_chosen(
     """Linkages with the two given points, the first driving, or either of them."""
     body, kind = request.body, request.kinds[0]
     if moving is not None and fixed is not None:
-        raise DesignError("fixed_points", "are given together with moving_points", "give only one of them")
+        raise DesignError("fixed_points", "are given together with moving_points", "give only one of them", "conflict")
     if fixed is not None and kind != "four-bar":
-        raise DesignError("fixed_points", f"are given for a {kind}, which does not have two", "give moving_points")
+        raise DesignError(
+            "fixed_points", f"are given for a {kind}, which does not have two", "give moving_points", "conflict"
+        )
     if len(body.origins) > 3:
         poses = list(zip(body.origins.tolist(), np.angle(body.directions).tolist()))
         pins, pivots = (None if points is None else np.array(points) for points in (moving, fixed))

@@ -52,7 +52,10 @@ class BodyState:
     def __post_init__(self) -> None:
         if not (self.velocity or self.omega):
             raise DesignError(
-                "velocity", "found 0, and omega 0", "give one of them; a body at rest does not determine a linkage"
+                "velocity",
+                "found 0, and omega 0",
+                "give one of them; a body at rest does not determine a linkage",
+                "conflict",
             )
 
     def velocity_of(self, points: ArrayLike) -> Complex:
@@ -175,13 +178,17 @@ def velocity_state_four_bar(
     """
     w: Real = np.asarray(speeds, dtype=float)
     if w.shape != (2,) or not w.all():
-        raise DesignError("speeds", f"found {np.asarray(speeds).tolist()}", "give two, of crank and rocker, not 0")
+        raise DesignError(
+            "speeds", f"found {np.asarray(speeds).tolist()}", "give two, of crank and rocker, not 0", "out-of-range"
+        )
     name, given = _two_points(moving, fixed)
     if name == "moving":
         pins, pivots = given, given + 1j * state.velocity_of(given) / w
     else:
         if (np.abs(w - state.omega) <= IN_LINE * np.abs(w)).any():
-            raise DesignError("speeds", f"found {state.omega:g} rad/s, at which the body turns", "give another speed")
+            raise DesignError(
+                "speeds", f"found {state.omega:g} rad/s, at which the body turns", "give another speed", "conflict"
+            )
         moment = state.omega * state.position + 1j * state.velocity
         pivots, pins = given, (moment - w * given) / (state.omega - w)
     return _four_bar(state, name, pins, pivots, 0.0)
@@ -239,11 +246,16 @@ def acceleration_state_four_bar(
 
 def _two_points(moving: complex | ArrayLike | None, fixed: complex | ArrayLike | None) -> tuple[str, Complex]:
     if (moving is None) == (fixed is None):
-        raise DesignError("moving", "found both, or neither, of moving and fixed", "give one of them")
+        raise DesignError("moving", "found both, or neither, of moving and fixed", "give one of them", "conflict")
     name, given = ("moving", moving) if fixed is None else ("fixed", fixed)
     points: Complex = np.asarray(given, dtype=complex)
     if points.shape != (2,) or points[0] == points[1]:
-        raise DesignError(name, f"found {points.tolist()}", "give two different points: the crank's, then the rocker's")
+        raise DesignError(
+            name,
+            f"found {points.tolist()}",
+            "give two different points: the crank's, then the rocker's",
+            "out-of-range",
+        )
     return name, points
 
 

@@ -51,7 +51,7 @@ def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, C
     count = len(poses)
     if not least <= count <= most:
         allowed = f"{least}" if least == most else f"at least {least}" if count < least else f"at most {most}"
-        raise DesignError("poses", f"found {count}", f"give {allowed} of them")
+        raise DesignError("poses", f"found {count}", f"give {allowed} of them", "out-of-range")
     origins: Complex = np.array([complex(pair[0]) for pair in poses])
     directions: Complex = np.exp(1j * angles(poses))
     spread = np.abs(origins - origins.mean()).max()
@@ -60,7 +60,10 @@ def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, C
     if np.count_nonzero(is_equal) > count:
         first, second = np.nonzero(np.triu(is_equal, 1))
         raise DesignError(
-            "poses", f"poses {first[0] + 1} and {second[0] + 1} are the same", "leave one of them out, or move it"
+            "poses",
+            f"poses {first[0] + 1} and {second[0] + 1} are the same",
+            "leave one of them out, or move it",
+            "conflict",
         )
     return origins, directions
 
@@ -145,7 +148,7 @@ def image_poles(poses: Poses, reference: int = 0) -> Mapping[tuple[int, int], In
     """
     origins, directions = placed(poses, 2)
     if not 0 <= reference < len(origins):
-        raise DesignError("reference", f"found {reference}", f"give 0 to {len(origins) - 1}")
+        raise DesignError("reference", f"found {reference}", f"give 0 to {len(origins) - 1}", "out-of-range")
     on_body = _poles(inverse(origins, directions)[0], -angles(poses))
     origin, direction = origins[reference], directions[reference]
     return {

@@ -92,7 +92,7 @@ class WantedPoses:
 
     def __post_init__(self) -> None:
         if not 3 <= len(self.poses) <= MOST_POSES:
-            raise DesignError("poses", f"found {len(self.poses)}", f"give 3 to {MOST_POSES} of them")
+            raise DesignError("poses", f"found {len(self.poses)}", f"give 3 to {MOST_POSES} of them", "out-of-range")
 
     @cached_property
     def pairs(self) -> list[tuple[complex, float]]:

@@ -58,7 +58,7 @@ class FourWanted:
 
     def __post_init__(self) -> None:
         if len(self.poses) != 4:
-            raise DesignError("poses", f"found {len(self.poses)}", "give four")
+            raise DesignError("poses", f"found {len(self.poses)}", "give four", "out-of-range")
 
     @cached_property
     def pairs(self) -> list[tuple[complex, float]]:
@@ -111,14 +111,18 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         """Largest distance of the curves from the middle, mm."""
         wanted = self.wanted
         if wanted.reach is None and not wanted.size:
-            raise DesignError("wanted.reach", "is missing where all poses have one origin", "give it, in mm")
+            raise DesignError(
+                "wanted.reach", "is missing where all poses have one origin", "give it, in mm", "missing-key"
+            )
         return REACH * wanted.size if wanted.reach is None else wanted.reach
 
     @cached_property
     def design(self) -> Burmester:
         curves = burmester_curves(self.wanted.pairs, self.reach)
         if not curves.fixed:
-            raise DesignError("wanted.reach", f"found {self.reach:g} mm, within which no pivot lies", "give more")
+            raise DesignError(
+                "wanted.reach", f"found {self.reach:g} mm, within which no pivot lies", "give more", "out-of-range"
+            )
         return curves
 
     @cached_property

@@ -74,22 +74,27 @@ class Wanted:
 
     def __post_init__(self) -> None:
         if not self.x_start < self.x_end:
-            raise DesignError("x_end", f"found {self.x_end:g}", f"give more than {self.x_start:g}, the start")
+            raise DesignError(
+                "x_end", f"found {self.x_end:g}", f"give more than {self.x_start:g}, the start", "out-of-range"
+            )
         if bool(self.rows) != (self.function == "table"):
             given = "is given" if self.rows else "is missing"
             raise DesignError(
-                "rows", f"{given}, with function = {self.function!r}", "give rows with function = 'table'"
+                "rows", f"{given}, with function = {self.function!r}", "give rows with function = 'table'", "conflict"
             )
         if self.coefficients and self.function not in NAMED:
             raise DesignError(
-                "coefficients", f"is given, with function = {self.function!r}", f"give them with {', '.join(NAMED)}"
+                "coefficients",
+                f"is given, with function = {self.function!r}",
+                f"give them with {', '.join(NAMED)}",
+                "conflict",
             )
         if (self.points != 3 or self.points_at) and self.method != "points":
             raise DesignError(
-                "method", f"found {self.method}, with precision points", "give points, or leave those out"
+                "method", f"found {self.method}, with precision points", "give points, or leave those out", "conflict"
             )
         if self.points_at and not 3 <= len(self.points_at) <= 5:
-            raise DesignError("points_at", f"found {len(self.points_at)}", "give three to five")
+            raise DesignError("points_at", f"found {len(self.points_at)}", "give three to five", "out-of-range")
         # A wrong function is refused when the recipe is read.
         _ = self.read
 

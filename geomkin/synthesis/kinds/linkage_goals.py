@@ -43,7 +43,7 @@ class Search:
 
     seed: int = quantity("seed of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
     time_limit: float = quantity(
-        "time after which the best linkage so far is taken", "s", default=10.0, above=0, at_most=3600
+        "time after which the best linkage so far is taken", "s", default=30.0, above=0, at_most=3600
     )
 
 
@@ -80,7 +80,10 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         """The chosen linkage with short decimal numbers as its sizes."""
         if self.choose > len(self.ranked):
             raise DesignError(
-                "choose", f"found {self.choose}", f"give at most {len(self.ranked)}, the number of linkages found"
+                "choose",
+                f"found {self.choose}",
+                f"give at most {len(self.ranked)}, the number of linkages found",
+                "out-of-range",
             )
         return self.shortened(self.ranked[self.choose - 1])
 

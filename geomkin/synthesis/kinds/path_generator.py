@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity
-from ...core.names import csv_cells, read_text_file
+from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
 from ...linkage.coupler_curve import CouplerCurve
@@ -43,7 +42,7 @@ class FileName:
 
     __slots__ = ("folder", "name")
 
-    def __init__(self, name: str, folder: str | Path | None = None):
+    def __init__(self, name: str, folder: Folder = None):
         self.name, self.folder = name, folder
 
     def __eq__(self, other: object) -> bool:
@@ -102,11 +101,17 @@ def _rows(text: str, name: str) -> Complex:
                 continue
             problem = f"row {k} of {name} holds {printable(repr(','.join(line)), 30)}"
             raise DesignError(
-                "file", problem, "give two numbers in each row, x and y in mm, separated by a comma or a semicolon"
+                "file",
+                problem,
+                "give two numbers in each row, x and y in mm, separated by a comma or a semicolon",
+                "wrong-type",
             ) from None
         if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
             raise DesignError(
-                "file", f"row {k} of {name} holds {x:g}, {y:g}", f"give coordinates within {FARTHEST:g} of 0"
+                "file",
+                f"row {k} of {name} holds {x:g}, {y:g}",
+                f"give coordinates within {FARTHEST:g} of 0",
+                "out-of-range",
             )
         points.append(complex(x, y))
     return np.array(points, dtype=complex)
@@ -171,9 +176,9 @@ class WantedPath:
         given = [name for name in ("points", "file", "svg") if getattr(self, name) is not None]
         if len(given) != 1:
             found = " and ".join(given) or "none"
-            raise DesignError("points", f"of points, file and svg found {found}", "give one of them")
+            raise DesignError("points", f"of points, file and svg found {found}", "give one of them", "conflict")
         if self.drive_deg is not None and self.step_deg is not None:
-            raise DesignError("step_deg", "is given, and drive_deg too", "give one of them")
+            raise DesignError("step_deg", "is given, and drive_deg too", "give one of them", "conflict")
 
     @cached_property
     def places(self) -> Complex:
@@ -362,12 +367,15 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """A warning if linkages through nine points may be missing."""
-        if not self.best.may_be_incomplete:
+        """Whether all linkages through nine points are listed."""
+        best = self.best
+        if best.special:
+            return (f"Nine points of which {best.special} have no finite number of linkages; these are some.",)
+        if (count := best.path_count) is None or count.is_complete:
             return ()
-        reason = "of its time limit" if self.best.cut_short else "new starts found nothing new"
-        listed = f"{len(self.ranked)} linkages through the nine points are listed"
-        return (f"The list of linkages may be incomplete: {listed}, and the search ended because {reason}.",)
+        missing = f"{count.lost + count.repeated} of {count.total}"
+        reason = "the time limit" if best.cut_short else "points in a special position"
+        return (f"The list of linkages may be incomplete: {missing} paths did not end at a solution, due to {reason}.",)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -379,9 +387,10 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "points": len(self.wanted.places),
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
             "cut_short": best.cut_short,
-            "may_be_incomplete": best.may_be_incomplete,
             "drive_at_points_deg": [ten_digits(q) for q in self.found.drive_deg],
             "usable": None if usable is None else self.shortened(usable).summary(),
             "cognates": cognates,
         }
+        if best.path_count is not None:
+            entries["paths"] = asdict(best.path_count)
         return entries | dict(super().notes)

@@ -208,7 +208,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
             is_ratio_limited = self.found.at_largest_ratio and key != "stroke"
             ratio_advice = f", a largest_ratio below {self.found.largest_ratio:g}" if is_ratio_limited else ""
             remedy = f"give a larger {key} than {given[key]:g} mm{ratio_advice}, or a smaller stock.pin_diameter"
-            raise DesignError(f"wanted.{key}", link, remedy) from None
+            raise DesignError(f"wanted.{key}", link, remedy, error.id) from None
 
     @property
     def choice(self) -> Choice:
@@ -306,7 +306,9 @@ class WantedSwing(AbstractTimed):
     def __post_init__(self) -> None:
         check_turn(self.swing_deg, self.turn_deg, self.sense, self.turn_key)
         if all(length is None for length in (self.ground, self.crank, self.coupler, self.rocker)):
-            raise DesignError("ground", "no length is given", "give one of ground, crank, coupler, rocker, in mm")
+            raise DesignError(
+                "ground", "no length is given", "give one of ground, crank, coupler, rocker, in mm", "missing-key"
+            )
 
     @property
     def is_free(self) -> bool:

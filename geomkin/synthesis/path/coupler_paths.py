@@ -165,16 +165,21 @@ def bounds_of(
     for name, pair in (bounds or {}).items():
         if name not in allowed:
             untimed = "; start_deg needs drive_deg" if name == "start_deg" and not timed else ""
-            raise DesignError("bounds", f"found {shown(name)}", f"give any of {', '.join(allowed)}{untimed}")
+            raise DesignError(
+                "bounds", f"found {shown(name)}", f"give any of {', '.join(allowed)}{untimed}", "unknown-key"
+            )
         least, most = float(pair[0]), float(pair[1])
         if not least <= most:
             raise DesignError(
-                "bounds", f"{name} from {least:g} to {most:g} is not a range", "give the lower value first"
+                "bounds",
+                f"{name} from {least:g} to {most:g} is not a range",
+                "give the lower value first",
+                "out-of-range",
             )
         k = names.index(name)
         is_length = CRANK <= k <= ROCKER or (k == GROUND and not slides)
         if is_length and most <= 0:
-            raise DesignError("bounds", f"{name} is at most {most:g} mm", "give a length above 0")
+            raise DesignError("bounds", f"{name} is at most {most:g} mm", "give a length above 0", "out-of-range")
         if name.endswith("_deg"):
             least, most = np.radians(least), np.radians(most)
         elif name.startswith("origin"):
@@ -188,6 +193,7 @@ def bounds_of(
                 "bounds",
                 f"{name} is out of proportion to the points, which are {size:.3g} mm wide",
                 "give bounds nearer to their size",
+                "out-of-range",
             )
     return low, high
 

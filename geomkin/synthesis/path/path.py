@@ -68,7 +68,7 @@ def path_generator(
     largest_ratio: Annotated[float, between(1, 1e6)] | None = None,
     bounds: Bounds | None = None,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
-    time_limit: PositiveFloat = 10,
+    time_limit: PositiveFloat = 30,
     slides: bool = False,
 ) -> PathFound:
     """Find the four-bar or slider-crank whose coupler point passes through given points.
@@ -116,9 +116,10 @@ def path_generator(
     The search minimises the sum of squared distances. It compares tens of thousands of random linkages with the points
     in closed form and improves the best of them by least squares.
 
-    Nine points without other conditions have a finite number of four-bars through them. All that are found are ranked,
-    one of each three cognates. The list may be incomplete (`may_be_incomplete`): the search ends when new starts find
-    nothing new, or after three quarters of its time.
+    Nine points without other conditions have a finite number of four-bars through them, up to 150. All are found, in 3
+    to 30 s, and ranked, one of each three cognates. `path_count` states where the 1442 paths that lead to them ended.
+    Points in a special position, such as seven on a line, have no finite number; `special` then says why, and the
+    search proceeds as for other points.
 
     The method is derived here; the modules of each step cite their sources.
 
@@ -131,11 +132,11 @@ def path_generator(
     """
     targets = np.asarray(points, dtype=complex)
     if not 3 <= len(targets) <= MOST_POINTS:
-        raise DesignError("points", f"found {len(targets):,}", f"give from 3 to {MOST_POINTS:,} points")
+        raise DesignError("points", f"found {len(targets):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
     centre = complex(targets.mean())
     size = float(np.sqrt(np.mean(np.abs(targets - centre) ** 2)))
     if not size > max(SMALLEST, 1e-12 * abs(centre)):
-        raise DesignError("points", "all are the same", "give points apart from each other")
+        raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
     crank_angles = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(targets))
     low, high = bounds_of(bounds, slides, crank_angles is not None, centre, size)
     is_bounded = bound_all_links(bounds, slides)
@@ -164,7 +165,9 @@ def path_generator(
     ranked, was_cut = path_search.ranked(0)
     if not ranked:
         if was_cut:
-            raise DesignError("time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more")
+            raise DesignError(
+                "time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more", "out-of-range"
+            )
         raise DesignError(
             "bounds" if bounds else "points",
             "no linkage was found that moves within the limits",
@@ -175,9 +178,11 @@ def path_generator(
 
 def _turns(drive_deg: Real, count: int) -> Real:
     if len(drive_deg) != count:
-        raise DesignError("drive_deg", f"found {len(drive_deg)} angles for {count} points", "give one for each point")
+        raise DesignError(
+            "drive_deg", f"found {len(drive_deg)} angles for {count} points", "give one for each point", "conflict"
+        )
     steps = np.diff(drive_deg)
     if not ((steps > 0).all() or (steps < 0).all()):
-        raise DesignError("drive_deg", "the angles neither all rise nor all fall", "give them in order")
+        raise DesignError("drive_deg", "the angles neither all rise nor all fall", "give them in order", "out-of-range")
     turns: Real = np.radians(drive_deg - drive_deg[0])
     return turns

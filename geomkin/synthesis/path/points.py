@@ -66,7 +66,7 @@ def evenly_spaced(line: Complex, closed: bool, count: int) -> tuple[Complex, boo
     """Points at equal lengths along a polyline, mirrored so that y goes up; and `closed`."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
     if not 0 < length[-1] < FARTHEST:
-        raise DesignError("path", f"is {length[-1]:g} mm long", "give a path with a length")
+        raise DesignError("path", f"is {length[-1]:g} mm long", "give a path with a length", "out-of-range")
     is_distinct = np.append(True, np.diff(length) > 0)
     positions = np.linspace(0, length[-1], count, endpoint=not closed)
     return np.conj(np.interp(positions, length[is_distinct], line[is_distinct])), closed
@@ -94,11 +94,16 @@ class _Reader:
             if number is None:
                 found = printable(repr(self.text[self.at : self.at + 20]))
                 raise DesignError(
-                    "path", f"at character {self.at} holds {found}", f"give {ARGUMENT_COUNTS[command]} numbers"
+                    "path",
+                    f"at character {self.at} holds {found}",
+                    f"give {ARGUMENT_COUNTS[command]} numbers",
+                    "wrong-type",
                 )
             values.append(float(number))
             if abs(values[-1]) > FARTHEST:
-                raise DesignError("path", f"holds {printable(number, 30)}", f"give numbers within {FARTHEST:g} of 0")
+                raise DesignError(
+                    "path", f"holds {printable(number, 30)}", f"give numbers within {FARTHEST:g} of 0", "out-of-range"
+                )
         return values
 
 
@@ -110,7 +115,10 @@ def first_subpath(path: str) -> tuple[Complex, bool]:
     first = reader.take(COMMAND)
     if first is None or first.lower() != "m":
         raise DesignError(
-            "path", f"found {printable(repr(path[:20]))}", "give the text of a path, as M 0 0 L 10 5 C ..."
+            "path",
+            f"found {printable(repr(path[:20]))}",
+            "give the text of a path, as M 0 0 L 10 5 C ...",
+            "wrong-type",
         )
     here = start = complex(*reader.numbers("m"))
     command, handle, previous = ("L" if first == "M" else "l"), here, ""
@@ -123,14 +131,16 @@ def first_subpath(path: str) -> tuple[Complex, bool]:
         kind = command.lower()
         if kind not in ARGUMENT_COUNTS:
             found = printable(repr(reader.text[reader.at - 1 : reader.at + 10]))
-            raise DesignError("path", f"at character {reader.at} holds {found}", "give the commands of SVG paths")
+            raise DesignError(
+                "path", f"at character {reader.at} holds {found}", "give the commands of SVG paths", "wrong-type"
+            )
         if kind == "z":
             return _within_range([*points, start]), True
         if kind == "m":
             break
         commands += 1
         if commands > MOST_COMMANDS:
-            raise DesignError("path", f"has more than {MOST_COMMANDS:,} commands", "simplify it")
+            raise DesignError("path", f"has more than {MOST_COMMANDS:,} commands", "simplify it", "too-much-work")
         piece, handle = _piece(kind, reader.numbers(kind), here, 0 if command.isupper() else here, handle, previous)
         points.extend(piece)
         here, previous = points[-1], kind
@@ -142,7 +152,7 @@ def first_subpath(path: str) -> tuple[Complex, bool]:
 def _within_range(line: list[complex]) -> Complex:
     points = np.array(line)
     if not (np.abs(points) < FARTHEST).all():
-        raise DesignError("path", "has points too far away", f"give places within {FARTHEST:g} of 0")
+        raise DesignError("path", "has points too far away", f"give places within {FARTHEST:g} of 0", "out-of-range")
     return points
 
 

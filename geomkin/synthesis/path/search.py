@@ -35,7 +35,7 @@ from .coupler_paths import (
     points_of,
 )
 from .fits import PathTask, nearest, polished, refined
-from .nine_points import reached, through_nine, with_cognates
+from .nine_points import PathCount, cranks_and_branches, special, through_nine, with_cognates
 from .starts import free_starts, timed_starts
 
 # Limits of a usable linkage: transmission angle, deg, and ratio of links.
@@ -67,8 +67,11 @@ class PathFound(Found):
         The limits that are active, in words.
     cut_short : bool
         Whether the time limit ended the search.
-    may_be_incomplete : bool
-        Whether four-bars through nine points may be missing from `ranked`; another seed or more time may find them.
+    path_count : PathCount, optional
+        For nine points without other conditions, where the paths of the continuation ended. If it `is_complete`,
+        `ranked` has every four-bar through the points.
+    special : str
+        Why nine points without other conditions have no finite number of four-bars; empty otherwise.
     least_squares : bool
         Whether there are more points than a linkage can meet exactly.
     ranked : tuple of PathFound
@@ -83,7 +86,8 @@ class PathFound(Found):
     closed: bool = False
     at_limits: tuple[str, ...] = ()
     cut_short: bool = False
-    may_be_incomplete: bool = False
+    path_count: PathCount | None = None
+    special: str = ""
     least_squares: bool = False
     ranked: tuple[PathFound, ...] = ()
     again: Callable[[], PathFound | None] | None = field(default=None, repr=False)
@@ -234,8 +238,10 @@ SEARCH_POINTS = 60
 ZERO_ERROR = 1e-24
 # Relative difference of all sizes below which two linkages are the same.
 SAME_LINKAGE = 1e-3
-# Largest number of ranked linkages.
-RANKED = 100
+# Distance of a four-bar through nine points from them, as a share of their size; rounding of extreme ones is less.
+EXACT = 1e-6
+# Largest number of ranked linkages; nine random points have up to 150.
+RANKED = 300
 # Share of the time for linkages exactly through nine points; the rest is for linkages near them if all exact ones have
 # defects.
 NINE_POINT_SHARE = 0.75
@@ -268,15 +274,16 @@ class PathSearch:
     def ranked(self, number: int) -> tuple[tuple[PathFound, ...], bool]:
         """Distinct linkages, the best first, and whether the time limit ended the search; `number` varies the seed."""
         task, watch = self.task, Watch(self.time_limit, "linkages for the path")
-        rng = np.random.default_rng([self.seed, number])
         linkages: list[PathFound] = []
-        is_nine_points = self.all_nine and task.free and not task.closed and not task.slides and len(task.wanted) == 9
-        if is_nine_points:
-            nine_point_watch = Watch(NINE_POINT_SHARE * self.time_limit, watch.what)
-            linkages = self.through_nine(rng, nine_point_watch)
-            watch.cut = nine_point_watch.cut
+        count, arrangement = None, ""
+        if self.all_nine and task.free and not task.closed and not task.slides and len(task.wanted) == 9:
+            arrangement = special(task.wanted)
+            if not arrangement:
+                nine_point_watch = Watch(NINE_POINT_SHARE * self.time_limit, watch.what)
+                linkages, count = self.through_nine(nine_point_watch)
+                watch.cut = nine_point_watch.cut
         if not any(not linkage.defects for linkage in linkages):
-            x, t, branch = self.searched(rng, watch)
+            x, t, branch = self.searched(np.random.default_rng([self.seed, number]), watch)
             cranks = task.cranks(x, t)
             linkages += [
                 linkage
@@ -297,7 +304,7 @@ class PathSearch:
         distinct: list[PathFound] = []
         for linkage in linkages:
             if not any(_is_same(linkage, other) for other in distinct):
-                distinct.append(replace(linkage, cut_short=watch.cut, may_be_incomplete=is_nine_points))
+                distinct.append(replace(linkage, cut_short=watch.cut, path_count=count, special=arrangement))
         watch.report(1.0)
         return tuple(distinct[:RANKED]), watch.cut
 
@@ -319,20 +326,18 @@ class PathSearch:
             t = _nearest_on_path(task, x, nearest(task, x, t, branch), branch)
         return x, t, branch
 
-    def through_nine(self, rng: np.random.Generator, watch: Watch) -> list[PathFound]:
-        """The best of each three cognates through nine points."""
-        linkages = []
-        for row in through_nine(self.task.wanted, rng, watch):
-            cognates_found = [
-                one
-                for x in with_cognates(row, complex(self.task.wanted[0]))
-                if (one := self.made(x, *reached(x, self.task.wanted)))
-            ]
-            if cognates_found:
+    def through_nine(self, watch: Watch) -> tuple[list[PathFound], PathCount]:
+        """The best of each three cognates through nine points, and where all paths to them ended."""
+        wanted, linkages = self.task.wanted, []
+        rows, count = through_nine(wanted, watch)
+        for row in rows:
+            three = [self.made(x, *cranks_and_branches(x, wanted)) for x in with_cognates(row, complex(wanted[0]))]
+            exact = [one for one in three if one is not None and one.square_error <= EXACT**2 * self.size**2]
+            if exact:
                 linkages.append(
-                    min(cognates_found, key=lambda one: (len(one.defects), -_zero_if_nan(one.transmission_angle_deg)))
+                    min(exact, key=lambda one: (len(one.defects), -_zero_if_nan(one.transmission_angle_deg)))
                 )
-        return [one for one in linkages if one.square_error <= 1e-16 * self.size**2 and self.is_within(one)]
+        return linkages, count
 
     def made(self, x: Real, cranks: Real, branch: Whole) -> PathFound | None:
         """The linkage x (10,) at its crank angles (n,), in mm; None if its sizes are out of range."""
@@ -373,13 +378,6 @@ class PathSearch:
             largest_distance=float(distances.max()),
             at_limits=self.active_limits(x, motion),
             least_squares=self.more_than_can_be_met,
-        )
-
-    def is_within(self, linkage: PathFound) -> bool:
-        """Whether a linkage keeps the limits; always true with a defect, for which they do not apply."""
-        least = float(np.degrees(self.task.least_transmission))
-        return bool(linkage.defects) or (
-            linkage.transmission_angle_deg >= least and linkage.ratio <= self.task.largest_ratio
         )
 
     @property

@@ -86,14 +86,16 @@ def drawing_points(text: str, count: int) -> Complex:
         line, closed = first_subpath(data)
         line = placement.place(line)
         if not (np.abs(line) < FARTHEST).all():
-            raise DesignError("path", "has points too far away", f"give places within {FARTHEST:g} mm of 0")
+            raise DesignError(
+                "path", "has points too far away", f"give places within {FARTHEST:g} mm of 0", "out-of-range"
+            )
         return evenly_spaced(line, closed, count)[0]
     except DesignError as error:
         raise _refused(f"its path {error.problem}", error.remedy) from None
 
 
 def _refused(problem: str, remedy: str = "save it as plain SVG without that") -> DesignError:
-    return DesignError("file", problem, remedy)
+    return DesignError("file", problem, remedy, "file-unreadable")
 
 
 def _tree(text: str) -> ElementTree.Element:

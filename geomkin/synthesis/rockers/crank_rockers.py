@@ -179,7 +179,7 @@ def crank_rocker(
         free = float(np.radians(free_angle_deg))
         if not low < free < high:
             ends = f"more than {rounded_up(family.range_deg[0])} deg and less than 45"
-            raise DesignError("free_angle_deg", f"found {free_angle_deg:g}", f"give {ends}")
+            raise DesignError("free_angle_deg", f"found {free_angle_deg:g}", f"give {ends}", "out-of-range")
     sizes = {k: float(size) for k, size in _sizes(float(swing), float(turn), np.array(free)).items()}
     scale = scale_of(sizes, name, length)
     lengths = {k: length if k == name else scale * size for k, size in sizes.items()}

@@ -287,7 +287,9 @@ def double_rocker(
     """
     for name, swing in (("crank_swing_deg", crank_swing_deg), ("rocker_swing_deg", rocker_swing_deg)):
         if abs(swing) < MIN_SWING_DEG:
-            raise DesignError(name, f"found {swing:g} deg", f"give at least {MIN_SWING_DEG:g} deg in either sense")
+            raise DesignError(
+                name, f"found {swing:g} deg", f"give at least {MIN_SWING_DEG:g} deg in either sense", "out-of-range"
+            )
     wanted = TwoPositions(*np.radians([crank_start_deg, crank_swing_deg, rocker_start_deg, rocker_swing_deg]).tolist())
     ends = _ends(wanted)
     family = _family(wanted, ends, ground)
@@ -382,7 +384,7 @@ def _weights_for_size(name: str, value: float, ground: float, ends: tuple[Real, 
     """Weights of both ends in the linkage that has a given size; DesignError if there is none."""
     if name == "free_angle_deg":
         if not 0 < value < 90:
-            raise DesignError(name, f"found {value:g}", "give more than 0 and less than 90 deg")
+            raise DesignError(name, f"found {value:g}", "give more than 0 and less than 90 deg", "out-of-range")
         return float(np.cos(np.radians(value))), float(np.sin(np.radians(value)))
     k, length = 1 if name == "crank" else 2, value / ground
     weights = [float(end[k] * length - end[0]) for end in ends]

@@ -131,7 +131,9 @@ def given_choice(given: Mapping[str, float | None]) -> tuple[str, float] | None:
     chosen = {name: value for name, value in given.items() if value is not None}
     if len(chosen) > 1:
         first, second, *_ = chosen
-        raise DesignError(second, f"is given together with {first}", "give only one of them; the others follow from it")
+        raise DesignError(
+            second, f"is given together with {first}", "give only one of them; the others follow from it", "conflict"
+        )
     return next(iter(chosen.items()), None)
 
 
@@ -140,7 +142,7 @@ def turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
     if time_ratio is None:
         return 180.0 if crank_turn_deg is None else crank_turn_deg
     if crank_turn_deg is not None:
-        raise DesignError("time_ratio", "is given together with crank_turn_deg", "give only one of them")
+        raise DesignError("time_ratio", "is given together with crank_turn_deg", "give only one of them", "conflict")
     return 360 * time_ratio / (1 + time_ratio)
 
 
@@ -150,11 +152,16 @@ def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:
     longest, shortest = max(sizes.values()), min(sizes.values())
     if longest * scale > FARTHEST:
         most = rounded_down(FARTHEST * sizes[name] / longest)
-        raise DesignError(name, f"found {length:g} mm, which makes a link of {longest * scale:g} mm", f"give {most} mm")
+        raise DesignError(
+            name,
+            f"found {length:g} mm, which makes a link of {longest * scale:g} mm",
+            f"give {most} mm",
+            "out-of-range",
+        )
     if shortest * scale < SMALLEST:
         least = rounded_up(SMALLEST * sizes[name] / shortest)
         found = f"found {length:g} mm, which makes a link of {shortest * scale:g} mm"
-        raise DesignError(name, found, f"give at least {least} mm")
+        raise DesignError(name, found, f"give at least {least} mm", "out-of-range")
     return scale
 
 

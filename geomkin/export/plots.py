@@ -1,0 +1,160 @@
+"""The plots of a scene as SVG files for reports: one file per plot, light, with units at the axes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..model.scene import Limit, Plot
+from ..model.table import Column, Table
+from ..plane.vec import Real
+from .job import Job
+from .still import kept_frames, palette
+from .text import number, text, unit_sign
+
+# Width of a file, mm, that of a text column; sizes inside it in units of which it has `WIDE`. Letters are 2.8 mm high.
+WIDTH, WIDE = 160, 640
+# Room left, above, right and below of the axes, height of the axes, and of a line of the legend.
+LEFT, TOP, RIGHT, BELOW, HIGH, ROW = 74, 34, 18, 46, 240, 18
+# Most intervals between the ticks of an axis across and upwards.
+MOST_ACROSS, MOST_UP = 9, 6
+# Steps between ticks of an axis in deg, and of any other one in a decade.
+DEGREES, STEPS = (1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360), (1, 2, 5, 10)
+# Colours in the page's palette and dashes of the curves, which differ without colour too.
+STROKES = ("wanted", "traced", "velocity", "acceleration", "s4", "s5")
+DASHES = ("none", "7 3", "2 3", "9 3 2 3", "13 4", "4 2 1 2")
+# Room above and below the curves as a share of their range.
+MARGIN = 0.06
+
+
+def write_plots(job: Job) -> dict[str, bytes]:
+    """One file per plot, named after the recipe and the plot's title."""
+    scene = job.scene
+    tables: list[tuple[Table, Sequence[Plot]]] = [(scene.table, scene.plots)]
+    if scene.choice is not None:
+        tables.append((scene.choice.table, scene.choice.plots))
+    contents: dict[str, bytes] = {}
+    for table, plots in tables:
+        for plot in plots:
+            title = re.sub(r"\W+", "-", plot.title).strip("-")
+            names = (f"{job.name}-{title}{suffix}-plot.svg" for suffix in ("", *(f"-{k}" for k in range(2, 100))))
+            contents[next(name for name in names if name not in contents)] = plot_file(table, plot)
+    return contents
+
+
+def plot_file(table: Table, plot: Plot) -> bytes:
+    """A plot of columns of a table over its first column, as an SVG file."""
+    drive, columns = table.columns[0], [table.column(id) for id in plot.columns]
+    frames = kept_frames(len(drive.values))
+    x = np.asarray(drive.values, dtype=float)[frames]
+    rows = [np.asarray(column.values, dtype=float)[frames] for column in columns]
+    low, high = _range(rows, plot.limits)
+    height = TOP + HIGH + BELOW + ROW * (len(rows) + 1) // 2
+    across = _Axis(*_ends(x), LEFT, WIDE - RIGHT)
+    up = _Axis(low, high, TOP + HIGH, TOP)
+    colours = palette()
+    body = [
+        f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(plot.title)}</text>',
+        *_grid(across, up, drive.unit, columns[0].unit, colours["grid"]),
+        f'<text x="{(LEFT + WIDE - RIGHT) / 2:g}" y="{TOP + HIGH + 36}" text-anchor="middle">{_named(drive)}</text>',
+        f'<text transform="translate(16 {TOP + HIGH / 2:g}) rotate(-90)" text-anchor="middle">',
+        f"{_quantity(columns)}</text>",
+        *(_limit(limit, up, colours["wanted"]) for limit in plot.limits),
+        *(_curve(across, up, x, row, _look(k, colours)) for k, row in enumerate(rows)),
+        *_legend(columns, colours),
+    ]
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}mm" height="{WIDTH * height / WIDE:g}mm" '
+        f'viewBox="0 0 {WIDE} {height}" style="background:#fff" font-family="DejaVu Sans, Verdana, sans-serif" '
+        f'font-size="12" fill="{colours["ink"]}">\n<title>{text(plot.title)}</title>'
+    )
+    return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *body, "</svg>\n"]).encode()
+
+
+class _Axis:
+    """Values from `low` to `high` between two positions in the picture."""
+
+    def __init__(self, low: float, high: float, start: float, end: float):
+        self.low, self.high, self.start, self.end = low, high, start, end
+
+    def at(self, value: float | Real) -> float | Real:
+        return self.start + (value - self.low) / (self.high - self.low) * (self.end - self.start)
+
+    def ticks(self, unit: str, most: int) -> Iterator[float]:
+        """Round values, at most `most` intervals."""
+        size = self.high - self.low
+        power = 10.0 ** np.floor(np.log10(size / most))
+        steps = [*(DEGREES if unit == "deg" and size / most >= 0.5 else ()), *(step * power for step in STEPS)]
+        step = next((step for step in steps if size / step <= most), steps[-1])
+        for k in range(int(np.ceil(self.low / step - 1e-9)), int(np.floor(self.high / step + 1e-9)) + 1):
+            yield k * step
+
+
+def _ends(values: Real) -> tuple[float, float]:
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    return (low, high) if high > low else (low - 1, low + 1)
+
+
+def _range(rows: Sequence[Real], limits: Sequence[Limit]) -> tuple[float, float]:
+    values = np.concatenate([*rows, np.array([limit.value for limit in limits])])
+    values = values[np.isfinite(values)]
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+    room = MARGIN * (high - low) or abs(high) or 1.0
+    return low - room, high + room
+
+
+def _grid(across: _Axis, up: _Axis, drive_unit: str, unit: str, colour: str) -> Iterator[str]:
+    for value in across.ticks(drive_unit, MOST_ACROSS):
+        x = f"{across.at(value):.2f}"
+        yield f'<path d="M{x} {TOP}v{HIGH}" stroke="{colour}"/>'
+        yield f'<text x="{x}" y="{TOP + HIGH + 16}" text-anchor="middle">{number(value, 5)}</text>'
+    for value in up.ticks(unit, MOST_UP):
+        y = f"{up.at(value):.2f}"
+        yield f'<path d="M{LEFT} {y}H{WIDE - RIGHT}" stroke="{colour}"/>'
+        yield f'<text x="{LEFT - 6}" y="{up.at(value) + 4:.2f}" text-anchor="end">{number(value, 5)}</text>'
+
+
+def _limit(limit: Limit, up: _Axis, colour: str) -> str:
+    y = float(up.at(limit.value))
+    return (
+        f'<path d="M{LEFT} {y:.2f}H{WIDE - RIGHT}" stroke="{colour}" stroke-width="1.5" stroke-dasharray="8 4"/>\n'
+        f'<text x="{WIDE - RIGHT - 6}" y="{y - 5:.2f}" text-anchor="end" fill="{colour}">'
+        f"{text(unit_sign(limit.label).replace(' °', '°'))}</text>"
+    )
+
+
+def _curve(across: _Axis, up: _Axis, x: Real, row: Real, look: str) -> str:
+    """A line through the known values, with gaps where there are none; a value without neighbours is a dot."""
+    known = np.isfinite(x + row)
+    path = ""
+    for run in np.split(np.arange(len(row)), np.flatnonzero(np.diff(known)) + 1):
+        if known[run[0]]:
+            points = [f"{u:.2f} {v:.2f}" for u, v in zip(across.at(x[run]), up.at(row[run]))]  # type: ignore[arg-type]
+            path += f"M{'L'.join(points if len(points) > 1 else points * 2)}"
+    return f'<path d="{path}" {look} stroke-linecap="round" stroke-linejoin="round"/>'
+
+
+def _look(k: int, colours: dict[str, str]) -> str:
+    dashes = DASHES[k % len(DASHES)]
+    stroke = f'fill="none" stroke="{colours[STROKES[k % len(STROKES)]]}" stroke-width="1.75"'
+    return stroke if dashes == "none" else f'{stroke} stroke-dasharray="{dashes}"'
+
+
+def _legend(columns: Sequence[Column], colours: dict[str, str]) -> Iterator[str]:
+    """The curves with their names, two in a line."""
+    for k, column in enumerate(columns):
+        x, y = LEFT + k % 2 * (WIDE - LEFT - RIGHT) // 2, TOP + HIGH + BELOW + 6 + k // 2 * ROW
+        yield f'<path d="M{x} {y}h28" {_look(k, colours)}/>'
+        yield f'<text x="{x + 36}" y="{y + 4}">{text(column.id.replace("_", " "))}</text>'
+
+
+def _named(column: Column) -> str:
+    return text(", ".join(filter(None, (column.id.replace("_", " "), unit_sign(column.unit)))))
+
+
+def _quantity(columns: Sequence[Column]) -> str:
+    """The axis title upwards: the name if there is one curve, and the unit, which all curves share."""
+    unit = "degrees" if columns[0].unit == "deg" else unit_sign(columns[0].unit) or "ratio"
+    return _named(columns[0]) if len(columns) == 1 else text(unit)

@@ -1,0 +1,281 @@
+"""Inverse dynamics: the driver's effort and the forces in all joints for a given motion."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from ...core.arguments import ArgumentType, checked, is_complex
+from ...core.errors import DesignError, shown
+from ...core.records import record
+from ...plane.vec import Complex, Mask, Real, cross
+from ..motion import Motion
+from .equilibrium import BLOCK, Equilibrium
+from .loads import Loads
+from .wrenches import NEWTON, Wrenches, known_place
+
+# N mm/s in W.
+WATT = 1e-3
+AboutPoint = Annotated[
+    Any,
+    ArgumentType(
+        lambda value: value is None or isinstance(value, str) or is_complex(value),
+        "a point of the fixed body, or a position x + yj",
+    ),
+]
+
+
+@record(eq=False)
+class SlideForces:
+    """Force and moment with which a guide presses on a sliding body; arrays have the shape of the motion.
+
+    Parameters
+    ----------
+    normal : array
+        N along the left normal of the line's direction.
+    moment : array
+        N mm about the slider's point.
+    """
+
+    normal: Real
+    moment: Real
+
+
+@record(eq=False)
+class ForceAnalysis:
+    """Forces of a motion, as returned by `forces`; arrays have the shape of the motion.
+
+    They are nan where the linkage is open, at dead centres, where dry friction locks it, and for reactions that
+    equilibrium does not determine.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion that the driver enforces.
+    loads : Loads
+        The loads.
+    about : complex
+        Point of the shaking moment, mm on the ground.
+    """
+
+    motion: Motion
+    loads: Loads
+    about: complex | Complex = 0j
+
+    @cached_property
+    def wrenches(self) -> Wrenches:
+        """Forces and moments of all loads on the bodies, without joints, driver and dry friction."""
+        return self.loads.wrenches(self.motion)
+
+    @cached_property
+    def _equilibrium(self) -> Equilibrium:
+        dry = [friction for friction in self.loads.friction if friction.coefficient]
+        return Equilibrium(self.wrenches, dry)
+
+    @cached_property
+    def driver(self) -> Real:
+        """Torque on the driver, N mm, counterclockwise positive; if a slider drives, the force along its line, N.
+
+        Without dry friction it follows from virtual work alone, so that no joint force is needed.
+        """
+        if not self._equilibrium.frictions:
+            return np.where(np.isfinite(self.wrenches.generalised), -self.wrenches.generalised, np.nan)
+        effort = self._unknown(-1)
+        return effort * self._equilibrium.size if self.motion.linkage.driven_slider is None else effort
+
+    def pin(self, name: str, on: str, frame: Literal["ground", "body"] = "ground") -> Complex:
+        """Force at a pin: the sum of what the other bodies exert on a body there.
+
+        Parameters
+        ----------
+        name : str
+            Name of the pin.
+        on : str
+            The body that the force acts on.
+        frame : {"ground", "body"}
+            Frame of the components: the ground's or that body's.
+
+        Returns
+        -------
+        array of complex
+            N.
+
+        Raises
+        ------
+        DesignError
+            If the linkage has no such pin, or the body is not at it.
+        """
+        bodies = self.motion.linkage.pins.get(name)
+        if bodies is None:
+            problem, names = f"found {shown(name)}, which is not a pin", ", ".join(self.motion.linkage.pins)
+            raise DesignError("name", problem, f"give one of {names}", "unknown-key")
+        if on not in bodies:
+            problem = f"found {shown(on)}, which is not at {name}"
+            raise DesignError("on", problem, f"give one of {', '.join(bodies)}", "unknown-key")
+        forces = {body: self._force(self._equilibrium.pins[name, body]) for body in bodies[1:]}
+        force = forces[on] if on in forces else -np.sum(list(forces.values()), axis=0)
+        return force * np.conj(self.motion.bodies[on].direction) if frame == "body" else force
+
+    def slide(self, name: str) -> SlideForces:
+        """Normal force and moment of a guide on the body that slides.
+
+        Parameters
+        ----------
+        name : str
+            Name of the slider.
+
+        Returns
+        -------
+        SlideForces
+
+        Raises
+        ------
+        DesignError
+            If the linkage has no such slider.
+        """
+        column = self._equilibrium.slides.get(name)
+        if column is None:
+            problem, names = f"found {shown(name)}, which is not a slider", ", ".join(self._equilibrium.slides)
+            raise DesignError("name", problem, f"give one of {names or 'none'}", "unknown-key")
+        return SlideForces(self._unknown(column), self._equilibrium.size * self._unknown(column + 1))
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Names of the joints of which equilibrium leaves a force open, since they hold the same direction."""
+        columns = np.flatnonzero(self._equilibrium.undetermined)
+        joints = {pin: column for (pin, _), column in self._equilibrium.pins.items()} | self._equilibrium.slides
+        return tuple(name for name, column in joints.items() if {column, column + 1} & set(columns.tolist()))
+
+    @cached_property
+    def shaking_force(self) -> Complex:
+        """Force of the moving masses on the frame, N: -sum m a. Weights and loads are not in it."""
+        return self._shaking[0]
+
+    @cached_property
+    def shaking_moment(self) -> Real:
+        """Moment of the moving masses on the frame about the point `about`, N mm: -sum (c x m a + J alpha)."""
+        return self._shaking[1]
+
+    @cached_property
+    def _shaking(self) -> tuple[Complex, Real]:
+        shape = self.motion.assembled.shape
+        total: tuple[Complex, Real] = np.zeros(shape, dtype=complex), np.zeros(shape)
+        for name, mass in self.loads.masses.items():
+            if name != self.motion.linkage.ground:
+                force = -NEWTON * mass.mass * self.wrenches.acceleration(name, mass.centre)
+                arm = self.wrenches.position(name, mass.centre) - self.about
+                couple = -NEWTON * mass.inertia * self.motion.bodies[name].alpha
+                total = total[0] + force, total[1] + cross(arm, force) + couple
+        return total
+
+    @cached_property
+    def power(self) -> Real:
+        """Power of the driver, W; negative where the loads drive it."""
+        return WATT * self.driver * self.motion.timing.speed
+
+    @cached_property
+    def work(self) -> Real:
+        """Work of the driver over all frames, N mm: over a whole turn, the energy that it supplies, by trapezoids."""
+        return np.asarray(np.trapezoid(self.driver, self.motion.drive, axis=0))
+
+    @cached_property
+    def friction_power(self) -> Real:
+        """Power that dry and viscous friction dissipate, W."""
+        without = ForceAnalysis(self.motion, self.loads.without_friction)
+        return self.power - without.power
+
+    @cached_property
+    def efficiency(self) -> Real:
+        """Mechanical efficiency over all frames: 1 less the energy dissipated over the energy that the driver supplies.
+
+        nan if it supplies none.
+        """
+        drive, speed = self.motion.drive, self.motion.timing.speed
+        with np.errstate(invalid="ignore", divide="ignore"):
+            seconds = 1 / speed + np.zeros_like(self.power)
+            supplied = np.trapezoid(np.maximum(self.power, 0) * seconds, drive, axis=0)
+            lost = np.trapezoid(self.friction_power * seconds, drive, axis=0)
+            return np.asarray(1 - lost / supplied)
+
+    @property
+    def self_locking(self) -> Mask:
+        """Where loads that drive the linkage cannot overcome its friction, so that it stays at rest by itself.
+
+        There the driver must supply power although, without friction, it would have to brake; or no force of the driver
+        moves the linkage at all, and its forces are nan.
+        """
+        without = ForceAnalysis(self.motion, self.loads.without_friction)
+        with np.errstate(invalid="ignore"):
+            locked: Mask = (without.power < 0) & ~(self.power < 0)
+        return locked | (np.isfinite(without.power) & np.isnan(self.power))
+
+    @cached_property
+    def condition(self) -> Real:
+        """Condition number of the equations, lengths relative to the linkage's size: joint forces lose so many digits.
+
+        It grows without limit towards a dead centre. inf if a reaction is undetermined, nan where the linkage is open.
+        """
+        equilibrium = self._equilibrium
+        condition = np.full(self.motion.assembled.size, np.nan)
+        for frame in np.array_split(equilibrium.solvable, 1 + len(equilibrium.solvable) // BLOCK):
+            condition[frame] = np.linalg.cond(equilibrium.matrix(frame))
+        return condition.reshape(self.motion.assembled.shape)
+
+    def _unknown(self, column: int) -> Real:
+        return self._equilibrium.unknowns[:, column].reshape(self.motion.assembled.shape)
+
+    def _force(self, column: int) -> Complex:
+        return self._unknown(column) + 1j * self._unknown(column + 1)
+
+
+@checked
+def forces(motion: Motion, loads: Loads, about: AboutPoint = None) -> ForceAnalysis:
+    """Driver effort, joint forces and shaking forces of a linkage in a given motion.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion with its speed and acceleration; with speed 0 the result is that of statics.
+    loads : Loads
+        Masses, gravity, forces, springs, friction.
+    about : str or complex, optional
+        Point of the shaking moment: a point of the fixed body, or a position, mm. By default the driver's pivot, or the
+        fixed body's origin if it has none.
+
+    Returns
+    -------
+    ForceAnalysis
+        Each quantity is computed on first use.
+
+    Raises
+    ------
+    DesignError
+        If a load names a body, point or joint that the linkage does not have, or has another number of frames.
+
+    Notes
+    -----
+    Newton's and Euler's equations of all bodies are solved as one linear system for each frame; the driver's effort
+    follows from virtual power (Uicker, Pennock, Shigley, Theory of Machines and Mechanisms, chapters on static and
+    dynamic force analysis).
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> motion = gk.move(gk.FourBar(100, 30, 90, 70), [1.0], speed=10.0)
+    >>> loads = gk.Loads(gravity=-9810j, masses={"coupler": gk.Mass(0.5, centre=45, inertia=350)})
+    >>> result = gk.forces(motion, loads)
+    >>> result.driver.round(3)
+    array([53.369])
+    >>> result.pin("crank_pin", on="coupler").round(3)
+    array([-1.02+1.704j])
+    """
+    linkage = motion.linkage
+    about = linkage.driver_pivot if about is None else about
+    if about is None or isinstance(about, str):
+        place = known_place(linkage, linkage.ground, about or 0j, "about.")
+        about = linkage.origin + linkage.ground_direction * place
+    result = ForceAnalysis(motion, loads, about)
+    result.wrenches  # noqa: B018  so that errors of the loads are raised here
+    return result

@@ -1,0 +1,115 @@
+"""Handles of a linkage: its points, pivots and slides, each with the sizes that place it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import groupby
+
+import numpy as np
+
+from ..core.dotted_keys import numbers_in, with_number
+from ..core.errors import DesignError
+from ..model.scene import SceneHandle
+from ..plane.vec import Complex
+from .linkage import AbstractLinkage, Linkage
+from .motion import Motion
+
+# Change of a size by which the points that it places are recognised, as a share of the linkage's size.
+CHANGE = 1e-3
+# Distances of handles from the reference point of a direction, a line and an origin, as shares of that size: no pin is
+# likely to be there.
+ARMS = {"direction": 0.6 + 0j, "slide": 0.35 + 0j, "origin": -0.15 - 0.15j}
+# What a handle is called: that of a point by the point's name alone.
+LABELS = {"point": "{}", "slide": "line of {}", "direction": "direction of {}", "origin": "position of {}"}
+
+
+def linkage_handles(linkage: AbstractLinkage, motion: Motion, key: str = "linkage") -> Iterator[SceneHandle]:
+    """Handles of all points, slide lines and directions of a linkage that some of its sizes place.
+
+    A size belongs to the handle of each point whose position in its own body it changes, so a pin has the lengths of
+    the bars that meet there. A pivot on the ground has only the sizes of the ground.
+
+    Parameters
+    ----------
+    linkage : AbstractLinkage
+        The linkage as the recipe has it.
+    motion : Motion
+        Its motion, at the frames of the scene.
+    key : str
+        Key of the linkage's table in the recipe.
+
+    Returns
+    -------
+    iterator of SceneHandle
+        Their ids are `point:NAME`, `slide:NAME` and `direction:NAME`, of points and sliders; `origin:NAME` and
+        `direction:NAME` of the fixed body.
+    """
+    general = motion.linkage
+    step = CHANGE * float(np.max(general.size) or 1.0)
+    edits: dict[str, list[str]] = {}
+    for field, group in groupby(numbers_in(linkage), lambda number: number.field):
+        number = next(group)
+        for change in (step, -step):
+            try:
+                changed = with_number(linkage, number.key, number.value + change).linkage
+            except DesignError:
+                continue
+            placed = list(_differences(general, changed))
+            # The x and y of a point are its own; others, such as a corner that is given by distances, go with it.
+            for id in filter(None, placed[:1] if number.key != field else placed):
+                edits.setdefault(id, []).append(field)
+            break
+    taken: list[Complex] = []
+    for id, fields in edits.items():
+        sort, _, name = id.partition(":")
+        # A pivot at one length from another one also turns about it.
+        if name in general.bodies[general.ground] and len(fields) == 1 and fields[0].endswith("ground"):
+            fields.append(f"{fields[0]}_angle_deg")
+        label = LABELS[sort].format(name.replace("_", " "))
+        keys = tuple(f"{key}.{field}" for field in dict.fromkeys(fields))
+        at = handle_position(motion, id)
+        # A point that is not used lies on a pin, whose handle it would hide.
+        if not any(np.allclose(at, other, rtol=0, atol=1e-9 * step, equal_nan=True) for other in taken):
+            taken.append(at)
+            yield SceneHandle(id, label, keys, at)
+
+
+def _differences(one: Linkage, other: Linkage) -> Iterator[str]:
+    """Ids of the handles that a change places elsewhere; "" for a point that is no handle of the changed size."""
+    ground = one.ground
+    pivots = one.bodies[ground]
+    if one.origin != other.origin:
+        yield "origin:" + ground
+    if one.ground_angle_deg != other.ground_angle_deg:
+        yield "direction:" + ground
+    for body, points in one.bodies.items():
+        for name, place in points.items():
+            if place == other.bodies[body][name]:
+                continue
+            # A pivot is placed by the ground. A pin at the origin of a body's frame is placed by the other bodies.
+            elsewhere = [one.bodies[b][name] for b in one.pins.get(name, ()) if b != body]
+            is_hidden = body != ground and (name in pivots or (place == 0 and any(z != 0 for z in elsewhere)))
+            yield "" if is_hidden else f"point:{name}"
+    for slider, changed in zip(one.sliders, other.sliders):
+        if slider.through != changed.through:
+            yield f"slide:{slider.name}"
+            if slider.along == ground:
+                on_line = (name for name, place in one.bodies[slider.body].items() if place == slider.point)
+                yield from (f"point:{name}" for name in on_line)
+        if slider.direction_deg != changed.direction_deg:
+            yield f"direction:{slider.name}"
+
+
+def handle_position(motion: Motion, id: str) -> Complex:
+    """Positions of the handle of this id at the frames of a motion, mm; nan if the linkage cannot be assembled."""
+    sort, _, name = id.partition(":")
+    linkage = motion.linkage
+    if sort == "point":
+        return np.where(motion.assembled, motion.point(name).position, np.nan)
+    arm = ARMS[sort] * float(np.max(linkage.size))
+    if name in linkage.bodies:
+        position = motion.bodies[name].point(arm).position
+    else:
+        slider = next(s for s in linkage.sliders if s.name == name)
+        position = motion.bodies[slider.along].point(slider.through + arm * slider.direction).position
+    return np.where(motion.assembled, position, np.nan)

@@ -1,0 +1,417 @@
+// The editor of the studio: the player with handles, the form, and what becomes of the recipe's text.
+import { make } from "../player/shapes.js";
+import { mount } from "../player/player.js";
+import { read } from "../player/plots.js";
+import { mountRows } from "../player/rows.js";
+import { chooseName, showGallery } from "./dialogs.js";
+import { Form } from "./form.js";
+import { Ghost } from "./ghost.js";
+import { Handles } from "./handles.js";
+import { History } from "./history.js";
+import { finished, get, post } from "./server.js";
+
+// Milliseconds without input after which checks are computed.
+const PAUSE = 150;
+// Milliseconds within which presses of arrow keys on one handle are one step of undo.
+const ONE_STEP = 1000;
+const at = (id) => document.getElementById(id);
+
+class Editor {
+  constructor() {
+    // text: the recipe as it is; recipe, base: name and mark of its file; savedText, saved, savedScene: as it was saved.
+    Object.assign(this, { text: "", recipe: "", base: "", savedText: "", saved: {}, savedScene: null, locks: new Set() });
+    Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [] });
+    this.history = new History((undo, redo) => { at("undo").disabled = !undo; at("redo").disabled = !redo; });
+    this.form = new Form(at("form"), this);
+    const acts = {
+      gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
+      undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
+    };
+    for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
+    document.addEventListener("keydown", (event) => this.key(event));
+    addEventListener("beforeunload", (event) => { if (this.isDirty) event.preventDefault(); });
+  }
+
+  get isDirty() { return this.text !== this.savedText; }
+
+  async start() {
+    const { first } = await get("start");
+    if (first) await this.open(first); else await showGallery(this);
+    this.watch();
+  }
+
+  // --- the recipe's text -------------------------------------------------------------------------------------------
+
+  async open(recipe) {
+    const { text, base } = await post("open", { recipe });
+    this.load(text, recipe, base);
+  }
+
+  async startNew(kind) {
+    const { text } = await post("new", { kind });
+    this.load(text, "", "");
+  }
+
+  // Another text, which counts as saved unless it is a new recipe.
+  load(text, recipe, base, keepHistory = false) {
+    if (!keepHistory) this.history.clear();
+    Object.assign(this, { text, recipe, base, savedText: recipe ? text : "", savedScene: null, kind: "", fresh: true });
+    this.locks.clear();
+    at("conflict").hidden = true;
+    this.ask({});
+  }
+
+  // Changes of a field while it is typed in: the first one opens a step of undo, `close` ends it.
+  set(changes, name) {
+    if (this.typing !== name) { this.close(); this.history.begin(this.text); }
+    this.typing = name;
+    this.ask({ set: changes });
+  }
+
+  close() {
+    if (this.typing) this.whenIdle(() => this.history.end(this.text));
+    this.typing = "";
+  }
+
+  reset(key, field) {
+    const was = this.saved[key];
+    const usual = was === undefined || (field.optional && JSON.stringify(was) === JSON.stringify(field.default));
+    this.set({ [key]: usual ? null : was }, key);
+    this.close();
+  }
+
+  // A drag is answered from the text at its start, so that it leaves nothing behind where it came by.
+  startDrag() {
+    this.close();
+    this.resume = this.player.playing;
+    this.player.play(false);
+    this.origin = this.text;
+    this.history.begin(this.text);
+  }
+
+  drag({ id }, change) { this.ask({ drag: { handle: id, ...change } }, this.origin); }
+
+  endDrag({ label }) {
+    this.whenIdle(() => {
+      if (this.problems.length) { this.ask({}, this.origin); }
+      this.whenIdle(() => {
+        if (this.history.end(this.text)) this.announceChange(label);
+        this.origin = null;
+        if (!this.player.drawings.every((drawing) => drawing.isFitting)) this.player.fit(true);
+        if (this.resume) this.player.play(true);
+      });
+    });
+  }
+
+  nudge({ id, label }, change) {
+    this.player.play(false);
+    const now = performance.now(), goesOn = this.nudged === id && now - this.nudgedAt < ONE_STEP;
+    if (!goesOn) { this.close(); this.history.begin(this.text); }
+    Object.assign(this, { nudged: id, nudgedAt: now, target: { id, to: change.to } });
+    this.ask({ drag: { handle: id, ...change } });
+    this.whenIdle(() => { this.target = null; this.history.end(this.text, goesOn); this.announceChange(label); });
+  }
+
+  // Where a handle is going whose movement is not answered yet.
+  pending({ id }) { return this.target?.id === id ? this.target.to : null; }
+
+  choose(row) {
+    this.history.begin(this.text);
+    this.ask({ choose: row });
+    this.whenIdle(() => this.history.end(this.text));
+  }
+
+  relock() { this.ask({}); }
+
+  travel(direction) {
+    this.close();
+    this.whenIdle(() => {
+      const text = this.history[direction](this.text);
+      if (text === null) return;
+      this.text = text;
+      this.ask({});
+      this.whenIdle(() => this.announce(direction === "undo" ? "Undone" : "Done again"));
+    });
+  }
+
+  // --- requests: one at a time, the newest wins --------------------------------------------------------------------
+
+  ask(change, text) {
+    const before = this.queued?.change;
+    // Nothing that was typed is lost: fields changed since the last answer are sent together.
+    if (before?.set && change.set) change = { set: { ...before.set, ...change.set } };
+    if (!before || Object.keys(change).length) this.queued = { change, text };
+    clearTimeout(this.pause);
+    this.pump();
+  }
+
+  async pump() {
+    if (this.busy || !this.queued) return;
+    const { change, text = this.text } = this.queued;
+    this.queued = null;
+    this.busy = true;
+    document.body.classList.add("solving");
+    try {
+      let reply = await this.answer({ text, ...change, lane: "scene" });
+      // A search may take long; another change ends it.
+      if (reply.job) reply = await this.search(reply.job);
+      if (reply) this.show(reply);
+    } catch (error) { this.fail(error); }
+    this.busy = false;
+    if (this.queued) { this.pump(); return; }
+    document.body.classList.remove("solving");
+    const waiting = this.waiting ?? [];
+    this.waiting = [];
+    for (const act of waiting) this.whenIdle(act);
+    if (!this.busy) this.pause = setTimeout(() => this.check(), PAUSE);
+  }
+
+  answer(body) { return post("answer", { recipe: this.recipe, locks: [...this.locks], ...body }); }
+
+  async search(id) {
+    const job = await this.follow(id, () => this.queued);
+    return job.result;
+  }
+
+  // Calls `act` when every request is answered.
+  whenIdle(act) {
+    if (this.busy) (this.waiting ??= []).push(act); else act();
+  }
+
+  async check() {
+    const { text } = this;
+    if (!text || this.problems.length) return;
+    try {
+      let reply = await this.answer({ text, lane: "checks" });
+      if (reply.job) reply = (await finished(reply.job, () => {})).result;
+      if (reply && text === this.text && !this.busy) this.showChecks(reply);
+    } catch (error) { this.fail(error); }
+  }
+
+  fail(error) {
+    if (!error.problems) throw error;
+    this.showProblems(error.problems);
+  }
+
+  // --- what is shown -----------------------------------------------------------------------------------------------
+
+  async show(reply) {
+    this.text = reply.text;
+    this.reply = reply;
+    document.body.classList.toggle("unchecked", this.text !== this.checkedText);
+    if (reply.kind && reply.kind !== this.kind) {
+      this.kind = reply.kind;
+      const { groups } = await get("form", { kind: reply.kind });
+      this.form.describe(groups);
+    }
+    if (Object.keys(reply.values).length) this.values = reply.values;
+    if (this.text === this.savedText || this.fresh) this.saved = this.values;
+    if (reply.scene) this.showScene(reply);
+    this.form.show(this.values, this.saved, this.text);
+    this.showProblems(reply.problems);
+    this.showQuantities(reply.quantities);
+    at("limit").hidden = !reply.limit;
+    at("limit").textContent = reply.limit ? `${reply.limit.reason} (${reply.limit.keys.join(", ")})` : "";
+    this.showState();
+  }
+
+  showScene({ scene, handles, choosable }) {
+    const copy = this.text === this.savedText || this.fresh ? structuredClone(scene) : null;
+    if (!this.player) {
+      this.player = mount(at("player"), scene);
+      this.handles = new Handles(this.player, this);
+      this.ghost = new Ghost(this.player.drawings[0]);
+    } else {
+      this.player.replace(scene);
+      if (this.fresh) { this.player.fit(true); this.player.zoom(0); }
+    }
+    if (copy) this.savedScene = read(copy);
+    this.handles.load(handles);
+    if (this.fresh) this.showHandlesOfPlots(handles);
+    this.fresh = false;
+    this.ghost.load(this.isDirty ? this.savedScene : null);
+    this.showChoice(scene.choice, choosable);
+  }
+
+  // The first plot is one that can be edited, if there is one.
+  showHandlesOfPlots(handles) {
+    const { plots } = this.player, ids = new Set(handles.map(({ plot }) => plot)), [card] = plots.cards;
+    const k = plots.data.plots.findIndex(({ columns }) => columns.some((column) => ids.has(plots.data.columns[column].id)));
+    if (k < 0 || !card || card.chosen === k) return;
+    card.select.value = card.chosen = k;
+    plots.build(card);
+  }
+
+  showChoice(choice, choosable) {
+    const root = at("choice");
+    root.hidden = !choice;
+    root.replaceChildren(root.firstElementChild);
+    if (!choice) return;
+    const plots = mountRows(root, read(choice));
+    if (!choosable) return;
+    const button = make(root, "button", { type: "button", class: "choose" }, "Use the candidate at the line");
+    button.addEventListener("click", () => this.choose(plots.frame));
+  }
+
+  showProblems(problems) {
+    this.problems = problems;
+    document.body.classList.toggle("stale", problems.length > 0);
+    at("problems").replaceChildren();
+    for (const { key, problem, remedy } of this.form.showProblems(problems)) {
+      make(at("problems"), "li", {}, `${key ? `${key}: ` : ""}${[problem, remedy].filter(Boolean).join("; ")}`);
+    }
+  }
+
+  showQuantities(quantities) {
+    if (!quantities.length && this.problems.length) return;
+    at("quantities").replaceChildren();
+    for (const { label, text } of quantities) {
+      make(at("quantities"), "dt", {}, label);
+      make(at("quantities"), "dd", {}, text);
+    }
+  }
+
+  showChecks({ checks, problems }) {
+    if (problems.length) { this.showProblems(problems); return; }
+    this.checkedText = this.text;
+    document.body.classList.remove("unchecked");
+    const failed = checks.filter(({ state }) => state === "fail").length;
+    at("checks-title").textContent = !checks.length ? "No checks" : failed ? `Checks: ${failed} of ${checks.length} fail` : `Checks: all ${checks.length} pass`;
+    at("checks").replaceChildren();
+    for (const { text, state, key } of checks) {
+      const item = make(at("checks"), "li", { class: state });
+      make(item, "b", {}, { pass: "pass", fail: "fail", expected: "fails as expected" }[state]);
+      make(item, "span", {}, ` ${text}`);
+      if (key) make(item, "button", { type: "button" }, key).addEventListener("click", () => this.form.focus(key));
+    }
+    document.body.dataset.checked = this.player?.scenes ?? 0;
+  }
+
+  showState() {
+    at("name").textContent = this.recipe || `new ${this.kind}`;
+    at("dirty").hidden = !this.isDirty;
+    document.title = `${this.isDirty ? "• " : ""}${this.recipe || this.kind || "geomkin"} – studio`;
+  }
+
+  announce(text) { at("status").textContent = text; }
+
+  // States the keys of a handle with their new values.
+  announceChange(label) {
+    const handle = this.reply?.handles.find((other) => other.label === label);
+    const values = (handle?.keys ?? []).map((key) => `${key} ${JSON.stringify(this.values[key] ?? "")}`);
+    this.announce(`${label}: ${values.join(", ")}`);
+  }
+
+  // --- files -------------------------------------------------------------------------------------------------------
+
+  async save(name = this.recipe, base = this.base) {
+    this.close();
+    if (!name) { await this.saveAs(); return; }
+    if (this.problems.length) { this.announce("Not saved: correct the marked values first, or undo"); return; }
+    const { text } = this;
+    try {
+      const saved = await post("save", { recipe: name, text, base });
+      Object.assign(this, { recipe: name, base: saved.base, savedText: text });
+      at("conflict").hidden = true;
+      if (this.text === text) { this.saved = this.values; this.ask({}); }
+      this.showState();
+      this.announce(`Saved ${name}.toml`);
+    } catch (error) {
+      if (error.status === 409) this.showConflict(`${name}.toml is not the file that was opened: it was changed or exists already.`, name);
+      else { this.announce(`Not saved: ${error.message}`); if (!error.problems) throw error; }
+    }
+  }
+
+  async saveAs() {
+    const name = await chooseName(this.recipe || this.kind);
+    if (name) await this.save(name, name === this.recipe ? this.base : "");
+  }
+
+  // Two versions: the user decides which one stays.
+  showConflict(reason, name) {
+    const root = at("conflict");
+    root.replaceChildren();
+    root.hidden = false;
+    make(root, "p", {}, reason);
+    const choice = (label, act) => make(root, "button", { type: "button" }, label).addEventListener("click", () => { root.hidden = true; act(); });
+    choice("Overwrite the file", async () => { const { base } = await post("open", { recipe: name }); await this.save(name, base); });
+    choice("Load the file", () => this.loadFile(name));
+    choice("Save under another name", () => this.saveAs());
+    root.querySelector("button").focus();
+  }
+
+  // The file's text in place of the edited one, which undo brings back.
+  async loadFile(name) {
+    const { text, base } = await post("open", { recipe: name }), before = this.text;
+    this.history.begin(before);
+    Object.assign(this, { recipe: name, base, text, savedText: text });
+    this.history.end(text);
+    this.ask({});
+  }
+
+  // Changes of the file from outside are shown at once; if there are unsaved changes, the user decides.
+  async watch() {
+    for (;;) {
+      const { recipe, base } = this;
+      if (!recipe) { await new Promise((resolve) => { setTimeout(resolve, 500); }); continue; }
+      try {
+        const { base: now } = await get("changed", { recipe, base });
+        if (recipe !== this.recipe || base !== this.base || now === base) continue;
+        this.base = now;
+        if (!now) { this.announce(`${recipe}.toml was deleted; Save writes it again`); this.savedText = ""; this.showState(); continue; }
+        if (this.isDirty) this.showConflict(`${recipe}.toml was changed by another program.`, recipe);
+        else { await this.loadFile(recipe); this.announce(`${recipe}.toml was changed by another program and is shown anew`); }
+      } catch (error) {
+        if (!error.problems) throw error;
+        await new Promise((resolve) => { setTimeout(resolve, 2000); });
+      }
+    }
+  }
+
+  async make() {
+    if (this.problems.length) { this.announce("No files made: correct the marked values first"); return; }
+    try {
+      const { job } = await post("make", { text: this.text, recipe: this.recipe || this.kind });
+      const { state, result } = await this.follow(job);
+      if (state === "stopped" || !result) { this.announce("Stopped"); return; }
+      if (result.problems.length) { this.showProblems(result.problems); return; }
+      at("files-part").hidden = false;
+      at("files").replaceChildren();
+      for (const { name, bytes, url } of result.files) {
+        const item = make(at("files"), "li");
+        make(item, "a", { href: url, target: "_blank", rel: "noopener" }, name);
+        make(item, "span", {}, ` ${(bytes / 1000).toPrecision(3)} kB`);
+      }
+      for (const remark of result.remarks ?? []) make(at("files"), "li", {}, String(remark));
+      this.announce(`${result.files.length} files made`);
+      at("files-part").scrollIntoView({ block: "nearest" });
+    } catch (error) { this.fail(error); }
+  }
+
+  // Shows the progress of a job until it ends, or is stopped because `isVain()`.
+  async follow(id, isVain = () => false) {
+    const work = at("work");
+    this.job = id;
+    work.hidden = false;
+    try {
+      return await finished(id, ({ share, what, state }) => {
+        work.querySelector("progress").value = share ?? 0;
+        work.querySelector("span").textContent = what ?? "";
+        if (state === "running" && isVain()) this.stop();
+      });
+    } finally { work.hidden = true; this.job = ""; }
+  }
+
+  stop() { if (this.job) post("stop", { id: this.job }).catch(() => {}); }
+
+  key(event) {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || document.querySelector("dialog[open]")) return;
+    const act = { s: () => this.save(), z: () => this.travel(event.shiftKey ? "redo" : "undo"), y: () => this.travel("redo") }[event.key.toLowerCase()];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  }
+}
+
+const editor = new Editor();
+editor.start().catch((error) => editor.announce(error.message));

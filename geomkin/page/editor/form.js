@@ -1,0 +1,264 @@
+// The form of a recipe: an input for every key, which has the key's path as its name.
+import { make, niceLength } from "../player/shapes.js";
+import { measured, unitOf } from "../player/plots.js";
+
+const LOCK = "M4 8V5.5a3 3 0 0 1 6 0V8M2.5 8h9v6h-9z", OPEN = "M4 8V5.5a3 3 0 0 1 5.6-1.5M2.5 8h9v6h-9z";
+const RESET = "M3 5a5 5 0 1 1-.6 4.500M3 1.500V5h3.500";
+let ids = 0;
+
+export class Form {
+  // editor: set(changes, key), close(), locks (a set of keys), reset(key), announce(text).
+  constructor(root, editor) {
+    Object.assign(this, { root, editor, values: {}, saved: {}, fields: new Map(), problems: [] });
+    root.addEventListener("input", (event) => this.input(event.target));
+    root.addEventListener("change", () => this.editor.close());
+  }
+
+  // groups: as the server describes a kind.
+  describe(groups) {
+    this.groups = groups;
+    this.shape = "";
+  }
+
+  // Shows values by key, those of the saved recipe for comparison; `text`: the recipe.
+  show(values, saved, text) {
+    Object.assign(this, { values, saved, text });
+    const shape = JSON.stringify(Object.entries(values).map(([key, value]) => [key, shapeOf(value)]));
+    if (shape !== this.shape) this.build(shape);
+    else for (const field of this.fields.values()) this.refresh(field);
+  }
+
+  build(shape) {
+    const focus = this.root.contains(document.activeElement) && document.activeElement.name, { scrollTop } = this.root;
+    const closed = new Map([...this.root.querySelectorAll("details")].map((part) => [part.dataset.key, part.open]));
+    this.shape = shape;
+    this.fields.clear();
+    this.root.replaceChildren();
+    for (const group of this.groups) for (const [path, index] of this.tables(group)) this.addGroup(group, path, index, closed);
+    if (focus) this.root.querySelector(`[name="${CSS.escape(focus)}"]`)?.focus();
+    this.root.scrollTop = scrollTop;
+    this.showProblems(this.problems);
+  }
+
+  below(path) { return Object.keys(this.values).filter((key) => key.startsWith(`${path}.`)); }
+
+  // Paths of the tables of a group that exist, with their index in a list; and the place for another one.
+  tables(group) {
+    const { key, rows } = group;
+    if (!rows) return [[key, null]];
+    const list = key.slice(0, -2);
+    let count = 0;
+    while (this.below(`${list}[${count}]`).length) count++;
+    return [...Array.from({ length: count }, (_, k) => [`${list}[${k}]`, k]), [list, count]];
+  }
+
+  addGroup(group, path, index, closed) {
+    const isNew = group.rows && path === group.key.slice(0, -2);
+    const there = path === "" || this.below(path).length > 0;
+    if (group.within && this.values[`${path.replace(/\[\d+\]$/, "").split(".").slice(0, -1).join(".")}.kind`] !== group.within) return;
+    if (isNew || !there) {
+      const add = make(this.root, "button", { type: "button", class: "add" }, `Add ${group.title}`);
+      add.addEventListener("click", () => { this.editor.set({ [isNew ? `${path}[${index}]` : path]: this.example(group, index) }, path); this.editor.close(); });
+      return;
+    }
+    const part = make(this.root, "details", { "data-key": path });
+    part.open = closed.get(path) ?? !["files", "files.title", ""].includes(path);
+    const head = make(part, "summary", {}, group.rows ? `${group.title} ${index + 1}` : group.title);
+    if (group.rows || (group.optional && new RegExp(`^\\s*\\[+\\s*${CSS.escape(path)}\\s*\\]`, "m").test(this.text))) {
+      const remove = make(head, "button", { type: "button", class: "remove", "aria-label": `Remove ${head.textContent}` }, "Remove");
+      remove.addEventListener("click", (event) => { event.preventDefault(); this.editor.set({ [path]: null }, path); this.editor.close(); });
+    }
+    if (group.help) make(part, "p", { class: "about" }, group.help);
+    const kind = this.values[`${path}.kind`];
+    const fields = group.kinds ? group.kinds[kind] ?? Object.values(group.kinds)[0] : group.fields;
+    if (group.kinds && kind !== undefined && !fields.some(({ key }) => key.endsWith(".kind"))) {
+      this.addField(part, { key: `${path}.kind`, type: "choice", choices: Object.keys(group.kinds), help: "", unit: "" });
+    }
+    for (const field of fields) this.addField(part, { ...field, key: path ? path + field.key.slice(group.key.length) : field.key });
+    make(part, "p", { class: "problem", "data-of": path, role: "alert" });
+  }
+
+  // A new row repeats the row before it; a new table starts empty, with the values that its fields demand.
+  example(group, index) {
+    if (group.rows && index > 0) {
+      const last = `${group.key.slice(0, -2)}[${index - 1}]`;
+      return nested(this.below(last).map((key) => [key.slice(last.length + 1), this.values[key]]));
+    }
+    const [kind, fields] = group.kinds ? Object.entries(group.kinds)[0] : ["", group.fields];
+    const wanted = fields.filter(({ optional }) => !optional).map((field) => [field.key.slice(group.key.length + 1), blank(field)]);
+    return { ...(kind ? { kind } : {}), ...Object.fromEntries(wanted) };
+  }
+
+  addField(part, field) {
+    const { key, help } = field, entry = { ...field, inputs: [], id: `f${ids++}` };
+    const keys = field.type === "table" ? this.below(key) : [];
+    if (keys.length) {
+      const box = make(part, "fieldset", {});
+      make(box, "legend", {}, key.slice(part.dataset.key.length + (part.dataset.key ? 1 : 0)));
+      for (const one of keys) {
+        this.addField(box, { key: one, label: one.slice(key.length + 1), type: typeOf(this.values[one]), unit: "", help, optional: true });
+      }
+      return;
+    }
+    if (field.type === "table") return;
+    entry.row = make(part, "div", { class: "field" });
+    const name = field.label ?? key.split(".").at(-1);
+    make(entry.row, "label", { for: entry.id }, name.replaceAll("_", " ").replace(/ (deg|rpm)$/, ""));
+    entry.slots = make(entry.row, "div", { class: "slots" });
+    this.addInputs(entry);
+    make(entry.row, "span", { class: "unit" }, unitOf(field.unit ?? ""));
+    entry.lock = this.icon(entry.row, "lock", OPEN, () => this.toggleLock(entry));
+    entry.lock.hidden = !["number", "integer", "point"].includes(field.type) && !entry.inputs.some(({ type }) => type === "number");
+    entry.undo = this.icon(entry.row, "reset", RESET, () => this.editor.reset(key, field));
+    make(entry.row, "p", { class: "help", id: `${entry.id}h` }, help);
+    entry.problem = make(entry.row, "p", { class: "problem", id: `${entry.id}p`, "data-of": key, role: "alert" });
+    this.fields.set(key, entry);
+    this.refresh(entry);
+  }
+
+  // One input for a value; for a list one for each number in it, a line for each list inside.
+  addInputs(entry) {
+    const value = this.values[entry.key], { key, type, slots, id } = entry;
+    const add = (parent, name, held, label) => {
+      const input = this.makeInput(parent, entry, held);
+      Object.entries({ name, "aria-describedby": `${id}h ${id}p` }).forEach(([attribute, text]) => input.setAttribute(attribute, text));
+      if (label) input.setAttribute("aria-label", label); else input.id = id;
+      entry.inputs.push(input);
+    };
+    const list = Array.isArray(value) ? value : type === "point" ? [0, 0] : null;
+    if (!list) { add(slots, key, value); return; }
+    list.forEach((item, k) => {
+      const line = Array.isArray(item) ? make(slots, "div", { class: "line" }) : slots;
+      [item].flat().forEach((held, n) => add(line, `${key}[${k}]${line === slots ? "" : `[${n}]`}`, held, `${key}, item ${k + 1}${line === slots ? "" : `, number ${n + 1}`}`));
+      if (line !== slots && type === "list") this.listButton(line, `Remove item ${k + 1}`, "×", entry, list.filter((_, other) => other !== k));
+    });
+    if (type !== "list" || !list.length) return;
+    if (!Array.isArray(list[0]) && list.length > 1) this.listButton(slots, "Remove the last item", "−", entry, list.slice(0, -1));
+    this.listButton(slots, "Add an item", "+", entry, [...list, list.at(-1)]);
+  }
+
+  listButton(parent, label, sign, { key }, value) {
+    const button = make(parent, "button", { type: "button", class: "small-button", "aria-label": `${label} of ${key}`, title: label }, sign);
+    button.addEventListener("click", () => { this.editor.set({ [key]: value }, key); this.editor.close(); });
+  }
+
+  makeInput(parent, { type, choices, least, most, optional }, held) {
+    if (type === "choice" || (choices?.length && typeof held !== "number" && type !== "list")) {
+      const select = make(parent, "select");
+      if (held === null || held === undefined || optional) make(select, "option", { value: "null" }, "–");
+      for (const choice of choices) make(select, "option", { value: JSON.stringify(choice) }, String(choice));
+      return select;
+    }
+    if (type === "boolean") return make(parent, "input", { type: "checkbox" });
+    const numeric = ["number", "integer", "point"].includes(type) || typeof held === "number";
+    const limits = { ...(typeof least === "number" ? { min: least } : {}), ...(typeof most === "number" ? { max: most } : {}) };
+    return make(parent, "input", numeric ? { type: "number", inputmode: "decimal", ...limits } : { type: "text", spellcheck: "false" });
+  }
+
+  icon(parent, look, d, act) {
+    const button = make(parent, "button", { type: "button", class: `icon ${look}` });
+    make(make(button, "svg", { viewBox: "0 0 14 15", width: 14, height: 15, "aria-hidden": "true" }), "path", { d });
+    button.addEventListener("click", act);
+    return button;
+  }
+
+  // The values of a field as they now are, but for one that is being typed.
+  refresh(entry) {
+    const { key, inputs, type } = entry, value = this.values[key], flat = Array.isArray(value) ? value.flat() : [value];
+    inputs.forEach((input, k) => {
+      const held = flat[k] ?? null;
+      if (input.type === "number") input.step = type === "integer" ? 1 : stepOf(held);
+      if (input === document.activeElement && this.editor.typing === input.name) return;
+      if (input.type === "checkbox") input.checked = held === true;
+      else if (input.tagName === "SELECT") input.value = JSON.stringify(held);
+      else if (input.type !== "number" || held === null || +input.value !== held || !input.value) {
+        input.value = held === null ? "" : typeof held === "object" ? JSON.stringify(held) : held;
+      }
+    });
+    const locked = this.editor.locks.has(key), changed = JSON.stringify(value) !== JSON.stringify(this.saved[key]);
+    entry.row.classList.toggle("changed", changed);
+    entry.undo.hidden = !changed;
+    const was = this.saved[key];
+    entry.undo.title = `Reset ${key}${typeof was === "number" ? ` to ${measured(was, entry.unit ?? "")}` : ""}`;
+    entry.undo.setAttribute("aria-label", entry.undo.title);
+    entry.lock.setAttribute("aria-pressed", locked);
+    entry.lock.title = locked ? `Unlock ${key}` : `Lock ${key}: no drag changes it`;
+    entry.lock.setAttribute("aria-label", `Lock ${key}`);
+    entry.lock.querySelector("path").setAttribute("d", locked ? LOCK : OPEN);
+  }
+
+  toggleLock(entry) {
+    const { locks } = this.editor;
+    if (!locks.delete(entry.key)) locks.add(entry.key);
+    this.refresh(entry);
+    this.editor.relock();
+  }
+
+  input(input) {
+    if (!input.name) return;
+    const entry = [...this.fields.values()].find(({ inputs }) => inputs.includes(input));
+    if (!entry) return;
+    const value = valueOf(input);
+    if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5" }]); return; }
+    if (value === null && !entry.optional) { this.showProblems([{ key: entry.key, problem: "a value is needed", remedy: entry.help }]); return; }
+    const point = entry.type === "point" && !Array.isArray(this.values[entry.key]);
+    const changes = point ? { [entry.key]: entry.inputs.map((other) => valueOf(other) ?? 0) } : { [input.name]: value };
+    this.editor.set(changes, input.name);
+  }
+
+  // Problems at their fields; those of a key that is not shown stay with the editor.
+  showProblems(problems) {
+    this.problems = problems;
+    for (const place of this.root.querySelectorAll(".problem")) place.textContent = "";
+    for (const { inputs, row } of this.fields.values()) {
+      row.classList.remove("wrong");
+      for (const input of inputs) input.removeAttribute("aria-invalid");
+    }
+    return problems.filter(({ key, problem, remedy }) => {
+      const at = [...this.root.querySelectorAll(".problem")].filter(({ dataset: { of } }) => of && (key === of || key.startsWith(`${of}.`) || key.startsWith(`${of}[`)))
+        .reduce((best, place) => (!best || place.dataset.of.length > best.dataset.of.length ? place : best), null);
+      if (!at) return true;
+      at.textContent = [problem, remedy].filter(Boolean).join("; ");
+      const part = at.closest("details");
+      if (part) part.open = true;
+      const entry = this.fields.get(at.dataset.of);
+      entry?.row.classList.add("wrong");
+      for (const input of entry?.inputs ?? []) if (key === entry.key || input.name === key) input.setAttribute("aria-invalid", "true");
+      return false;
+    });
+  }
+
+  focus(key) {
+    const entry = [...this.fields.values()].find((field) => key === field.key || key.startsWith(`${field.key}[`));
+    const part = entry?.row.closest("details");
+    if (part) part.open = true;
+    entry?.inputs[0].focus();
+  }
+}
+
+// The value of an input: null if it is empty, undefined if it is no number.
+function valueOf(input) {
+  if (input.type === "checkbox") return input.checked;
+  if (input.tagName === "SELECT") return JSON.parse(input.value);
+  if (input.type !== "number") return input.value;
+  if (input.validity.badInput) return undefined;
+  return input.value === "" ? null : Number(input.value);
+}
+
+const stepOf = (value) => (value ? niceLength(Math.abs(value) / 20) : 1);
+const typeOf = (value) => (Array.isArray(value) ? "list" : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
+const blank = ({ type, least, default: usual, choices }) =>
+  usual ?? choices?.[0] ?? ({ number: Math.max(least ?? 0, 10), integer: Math.max(least ?? 0, 10), boolean: false, point: [0, 0], list: [] }[type] ?? "");
+const shapeOf = (value) => (Array.isArray(value) ? value.map(shapeOf) : value === null ? null : 0);
+
+// Values by dotted key as nested tables.
+function nested(entries) {
+  const table = {};
+  for (const [key, value] of entries) {
+    const path = key.split("."), last = path.pop();
+    let at = table;
+    for (const name of path) at = at[name] ??= {};
+    if (value !== null) at[last] = value;
+  }
+  return table;
+}

@@ -1,0 +1,142 @@
+// Handles: marks on the drawing and its plots that edit keys of the recipe when they are dragged or moved by arrow keys.
+import { make, niceLength, px, see } from "../player/shapes.js";
+
+// Radius of the area that takes a pointer, px, which a finger's tip needs.
+const GRAB = matchMedia("(pointer: coarse)").matches ? 22 : 14;
+// Pixels that one press of an arrow key moves a handle, rounded to a round length; with Shift ten times as much.
+const NUDGE = 5;
+const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
+
+export class Handles {
+  // editor: startDrag(handle), drag(handle, { to, frame, step, snap }), endDrag(handle), nudge(handle, drag).
+  constructor(player, editor) {
+    Object.assign(this, { player, editor, elements: new Map(), list: [], held: null });
+    const [drawing] = player.drawings;
+    drawing.overlays.push(this);
+    this.onDrawing = {
+      root: make(drawing.svg.parentNode, "svg", { class: "handles" }),
+      screen: (x, y) => drawing.screen(x, y),
+      plane: (event) => drawing.plane(drawing.onStage(event)),
+      get pixel() { return 1 / drawing.s; },
+    };
+    player.plots.drawn = () => this.show(player.frame);
+  }
+
+  // Shows these handles in place of the last ones. Elements of the same id stay, with their focus and pointer.
+  load(handles) {
+    this.list = handles;
+    const ids = new Set(handles.map(({ id }) => id));
+    for (const [id, element] of this.elements) {
+      if (ids.has(id)) continue;
+      element.root.remove();
+      this.elements.delete(id);
+    }
+    this.show(this.player.frame);
+  }
+
+  show(frame) {
+    for (const handle of this.list) {
+      const surface = handle.shape === "plot" ? this.plotSurface(handle.plot) : this.onDrawing;
+      const element = this.elements.get(handle.id) ?? (surface && this.add(handle, surface));
+      if (!surface) { element?.root.remove(); continue; }
+      Object.assign(element, { handle, surface });
+      if (element.root.parentNode !== surface.root) surface.root.append(element.root);
+      this.describe(element);
+      const [x, y] = surface.screen(...placeOf(handle, frame)), there = isFinite(x + y);
+      see(element.root, there);
+      if (!there) continue;
+      element.root.setAttribute("transform", `translate(${px(x)} ${px(y)})`);
+      const r = handle.shape === "circle" ? handle.radius / surface.pixel : 0;
+      for (const rim of element.rims) rim.setAttribute("r", px(r));
+    }
+  }
+
+  // The plot that shows a column, as a surface with handles; undefined if none does.
+  plotSurface(id) {
+    const card = this.player.plots.cards.find(({ columns, plot }) => plot && columns.some((column) => column.id === id));
+    if (!card) return undefined;
+    const { plot } = card, { over } = plot;
+    return {
+      root: over.querySelector(".handles") ?? make(over, "svg", { class: "handles" }),
+      screen: (x, y) => [plot.valToPos(x, "x"), plot.valToPos(y, "y")],
+      plane: (event) => {
+        const { left, top } = over.getBoundingClientRect();
+        return [plot.posToVal(event.clientX - left, "x"), plot.posToVal(event.clientY - top, "y")];
+      },
+      get pixel() { return ["x", "y"].map((axis, k) => Math.abs(plot.posToVal(1, axis) - plot.posToVal(0, axis)) || k); },
+    };
+  }
+
+  add(handle, surface) {
+    const root = make(surface.root, "g", { class: `handle ${handle.shape}`, tabindex: 0, role: "button", "aria-roledescription": "handle" });
+    const element = { root, rims: [] };
+    if (handle.shape === "circle") {
+      element.rims = ["grab", "rim"].map((look) => make(root, "circle", { class: look }));
+      element.rims[0].setAttribute("stroke-width", 1.2 * GRAB);
+    } else {
+      make(root, "circle", { class: "grab", r: GRAB });
+      make(root, "path", { class: "knob", d: "M-7 0 0-7 7 0 0 7z" });
+    }
+    make(root, "title");
+    root.addEventListener("keydown", (event) => this.key(element, event));
+    this.followPointer(element);
+    this.elements.set(handle.id, element);
+    return element;
+  }
+
+  describe({ root, handle }) {
+    const { id, keys, label, locked } = handle, text = `${label}: ${keys.join(", ")}${locked ? " (locked)" : ""}`;
+    if (root.dataset.handle === id && root.getAttribute("aria-label") === text) return;
+    Object.assign(root.dataset, { handle: id, keys: keys.join(" ") });
+    root.setAttribute("aria-label", text);
+    root.setAttribute("aria-disabled", locked);
+    root.querySelector("title").textContent = `${text}. Drag it, or use the arrow keys; Shift snaps.`;
+  }
+
+  followPointer(element) {
+    const { root } = element;
+    let off = [0, 0];
+    root.addEventListener("pointerdown", (event) => {
+      event.stopPropagation();
+      event.preventDefault();
+      root.focus({ preventScroll: true });
+      if (element.handle.locked || this.held || event.button) return;
+      this.held = element;
+      root.setPointerCapture(event.pointerId);
+      root.classList.add("held");
+      // A circle follows the pointer itself: its radius is the distance of the pointer.
+      const at = element.surface.plane(event), place = placeOf(element.handle, this.player.frame);
+      off = element.handle.shape === "circle" ? [0, 0] : [place[0] - at[0], place[1] - at[1]];
+      this.editor.startDrag(element.handle);
+    });
+    root.addEventListener("pointermove", (event) => {
+      if (this.held !== element) return;
+      const [x, y] = element.surface.plane(event);
+      this.editor.drag(element.handle, this.change(element, [x + off[0], y + off[1]], event.shiftKey));
+    });
+    for (const end of ["pointerup", "pointercancel"]) {
+      root.addEventListener(end, () => {
+        if (this.held !== element) return;
+        this.held = null;
+        root.classList.remove("held");
+        this.editor.endDrag(element.handle);
+      });
+    }
+  }
+
+  key(element, event) {
+    const { handle, surface } = element, way = KEYS[event.key];
+    if (!way || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    if (handle.locked) return;
+    // Presses add up while the answer to the last one is under way.
+    const place = this.editor.pending(handle) ?? placeOf(handle, this.player.frame).map((at, k) => at + (k || handle.shape !== "circle" ? 0 : handle.radius));
+    const steps = [surface.pixel].flat().map((pixel) => niceLength(NUDGE * pixel) * (event.shiftKey ? 10 : 1));
+    const to = place.map((at, k) => at + way[k] * (steps[k] ?? steps[0]));
+    this.editor.nudge(handle, { ...this.change(element, to, false), step: steps.length > 1 ? steps : steps[0] });
+  }
+
+  change({ surface }, to, snap) { return { to, frame: this.player.frame, step: surface.pixel, snap }; }
+}
+
+const placeOf = ({ at }, frame) => at.map((row) => (Array.isArray(row) ? row[frame] : row));

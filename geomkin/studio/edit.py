@@ -1,0 +1,260 @@
+"""One step of editing as a pure function: from a recipe's text and a change to the new text and all that is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..build import errors_named_by_key
+from ..core.dotted_keys import key_parts, numbers_in
+from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable
+from ..export.still import kept_frames
+from ..export.summary import as_json
+from ..model.check import Check
+from ..model.scene import SceneHandle
+from ..page.scene_json import scene_data
+from ..plane.vec import Real
+from ..recipe.keys import edited_text, with_values
+from ..recipe.load import adapter, from_table, parsed
+from ..recipe.recipe import AbstractRecipe
+from .drag import drag, is_locked
+
+# Digits of positions of handles: a millionth of their size is far below a pixel.
+DIGITS = 7
+Answer = dict[str, Any]
+
+
+class Draft:
+    """A recipe's text that is being edited, and the texts of the files that it names.
+
+    Parameters
+    ----------
+    text : str
+        TOML; it may be wrong.
+    files : mapping of str to str
+        Texts of files by their names in the recipe.
+    name : str
+        Name of the recipe.
+    """
+
+    def __init__(self, text: str, files: Mapping[str, str], name: str = ""):
+        self.text, self.files, self.name = text, files, name
+
+    def table(self) -> dict[str, Any]:
+        """The parsed text; raises RecipeError."""
+        return parsed(self.text.replace("\r\n", "\n"))
+
+    def opened(self, table: Mapping[str, Any]) -> AbstractRecipe:
+        """The recipe in a table; raises RecipeError."""
+        recipe = from_table(table, "recipe", self.files)
+        return recipe.with_name(self.name) if self.name else recipe
+
+    def as_written(self, table: Mapping[str, Any], recipe: AbstractRecipe) -> AbstractRecipe:
+        """The recipe with the sizes that the text states, before its `scale` multiplies them."""
+        if "scale" not in table or not recipe.can_be_scaled:
+            return recipe
+        return self.opened({key: value for key, value in table.items() if key != "scale"})
+
+
+def answer(
+    text: str,
+    files: Mapping[str, str],
+    request: Mapping[str, Any],
+    name: str = "",
+    opened: Callable[[Draft], AbstractRecipe] | None = None,
+) -> Answer:
+    """Apply one change to a recipe's text and compute what an editor shows.
+
+    It opens no file, starts no thread and keeps nothing, so the same request always has the same answer.
+
+    Parameters
+    ----------
+    text : str
+        The recipe, TOML.
+    files : mapping of str to str
+        Texts of the files that it names.
+    request : mapping
+        `set`, values by dotted key, None to remove one; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
+        `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
+    name : str
+        Name of the recipe, by default its kind.
+    opened : callable, optional
+        Gives the recipe of a draft; by default it is read anew. A caller may keep the last one.
+
+    Returns
+    -------
+    dict
+        The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, and for the lane "checks" also
+        `checks` and `parts`. The text is never lost: if it is wrong, `problems` says where.
+
+    Examples
+    --------
+    >>> from geomkin.studio.edit import answer
+    >>> text = 'kind = "four-bar"\\n[linkage]\\nground = 100\\ncrank = 30\\ncoupler = 90\\nrocker = 70  # output\\n'
+    >>> answer(text, {}, {"set": {"linkage.rocker": 75}})["text"].splitlines()[-1]
+    'rocker = 75  # output'
+    """
+    reply = _replied(Draft(text, files, name), request, opened)
+    if reply["problems"] and request.get("drag"):
+        # The plates, which a drag does not compute, are impossible there: it stops where it was.
+        before = _replied(Draft(text, files, name), {**request, "drag": None}, opened)
+        if not before["problems"]:
+            problem = reply["problems"][0]
+            reason = f"{problem['key']}: {problem['problem']}; {problem['remedy']}"
+            return before | {"limit": {"keys": [problem["key"]], "reason": reason}}
+    return reply
+
+
+def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft], AbstractRecipe] | None) -> Answer:
+    text, name = draft.text, draft.name
+    reply: Answer = {
+        "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
+        "limit": None, "quantities": [], "checks": None, "parts": None,
+    }  # fmt: skip
+    try:
+        if changes := request.get("set"):
+            draft.text = reply["text"] = edited_text(text, changes)
+        if request.get("drag"):
+            _drag(draft, request["drag"], request.get("locks") or (), reply)
+            draft.text = reply["text"]
+        table = draft.table()
+        kind = table.get("kind")
+        reply["kind"] = kind if isinstance(kind, str) else ""
+        recipe = opened(draft) if opened else draft.opened(table)
+        reply["values"] = _values(draft.as_written(table, recipe))
+        with errors_named_by_key("recipe", recipe):
+            (_checks if request.get("lane") == "checks" else _scene)(recipe, request.get("locks") or (), reply)
+    except RecipeError as error:
+        reply["problems"] = [_entry(problem) for problem in error.problems]
+    except DesignError as error:
+        reply["problems"] = [_entry(Problem(error.field, error.problem, error.remedy, error.id))]
+    except GeomkinError as error:
+        reply["problems"] = [_entry(Problem("", str(error), ""))]
+    except (MemoryError, RecursionError) as error:
+        reply["problems"] = [_entry(Problem("", f"too much work ({type(error).__name__})", "", "too-much-work"))]
+    if reply["problems"]:
+        reply["scene"] = None
+    return reply
+
+
+def _entry(problem: Problem) -> dict[str, str]:
+    return {name: harmless(getattr(problem, name)) for name in ("key", "problem", "remedy", "id")}
+
+
+def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply: Answer) -> None:
+    """Change the text so that a handle follows the pointer."""
+    table = draft.table()
+    recipe = draft.opened(table)
+    written = draft.as_written(table, recipe)
+    with errors_named_by_key("recipe", recipe):
+        handle = next((h for h in recipe.handles if h.id == wanted.get("handle")), None)
+        if handle is None:
+            problem = f"found {printable(repr(wanted.get('handle')))}"
+            raise DesignError("drag.handle", problem, f"give one of {', '.join(h.id for h in recipe.handles)}")
+        step = wanted.get("step", 0.1)
+        steps = (float(step[0]), float(step[1])) if isinstance(step, Sequence) else (float(step), float(step))
+        values = _values(written)
+        found = drag(
+            lambda changes: draft.opened(with_values(table, _whole_points(changes, table, values))),
+            numbers_in(written), handle, _frame_of_table(handle, int(wanted.get("frame", 0))),
+            complex(*wanted["to"]), steps, locks, bool(wanted.get("snap")),
+        )  # fmt: skip
+    if found.changes:
+        reply["text"] = edited_text(draft.text, _whole_points(found.changes, table, values))
+    if found.reason:
+        reply["limit"] = {"keys": list(handle.keys), "reason": harmless(found.reason)}
+
+
+def _frame_of_table(handle: SceneHandle, frame: int) -> int:
+    frames = kept_frames(len(handle.at))
+    return int(frames[min(max(frame, 0), len(frames) - 1)])
+
+
+def _whole_points(
+    changes: Mapping[str, float | int], table: Mapping[str, Any], values: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The changes, with whole points for those that the text leaves out."""
+    whole: dict[str, Any] = {}
+    for key, value in changes.items():
+        field, _, item = key.rpartition("[")
+        if item and field in values and not _is_there(table, field):
+            point = whole.setdefault(field, [int(v) if v == int(v) else v for v in values[field]])
+            point[int(item[:-1])] = value
+        else:
+            whole[key] = value
+    return whole
+
+
+def _is_there(table: Mapping[str, Any], field: str) -> bool:
+    place: Any = table
+    try:
+        for part in key_parts(field):
+            place = place[part]
+    except (LookupError, TypeError):
+        return False
+    return True
+
+
+def _values(recipe: AbstractRecipe) -> dict[str, Any]:
+    """Every key with its value as it stands, also those that the text leaves out."""
+    return dict(_flat(adapter(type(recipe)).dump_python(recipe, mode="json"), ""))
+
+
+def _flat(value: Any, key: str) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, dict) and (value or not key):
+        for name, held in value.items():
+            yield from _flat(held, f"{key}.{name}" if key else name)
+    elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+        for k, item in enumerate(value):
+            yield from _flat(item, f"{key}[{k}]")
+    else:
+        yield key, value
+
+
+def _scene(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> None:
+    name = recipe.name or recipe.kind
+    scene = recipe.scene
+    reply["name"] = name
+    reply["handles"] = [_handle(handle, locks) for handle in recipe.handles]
+    reply["quantities"] = [
+        {"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.design_checks
+    ]
+    reply["scene"] = None if scene is None else scene_data(scene, name)
+
+
+def _stated(check: Check) -> str:
+    return f"{check.value:.{check.digits(4)}g} {check.unit}".strip()
+
+
+def _handle(handle: SceneHandle, locks: Collection[str]) -> dict[str, Any]:
+    at = handle.at[kept_frames(len(handle.at))]
+    is_fixed = bool(np.isfinite(at).all() and (at == at[0]).all())
+    x, y = (_row(part[:1] if is_fixed else part) for part in (at.real, at.imag))
+    return {
+        "id": handle.id, "label": harmless(handle.label), "keys": list(handle.keys), "shape": handle.shape,
+        "at": [x[0], y[0]] if is_fixed else [x, y], "radius": handle.radius or None, "plot": handle.column or None,
+        "locked": all(is_locked(key, locks) for key in handle.keys),
+    }  # fmt: skip
+
+
+def _row(values: Real) -> list[float | None]:
+    return [float(f"{v:.{DIGITS}g}") if np.isfinite(v) else None for v in values.tolist()]
+
+
+def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> None:
+    _ = locks
+    reply["name"] = recipe.name or recipe.kind
+    reply["checks"] = [
+        {
+            "id": check.id,
+            "text": harmless(check),
+            "state": "pass" if check.passed else "expected" if check.expected else "fail",
+            "column": check.column or None,
+        }
+        for check in recipe.checks
+    ]
+    parts = [{"name": p.name, "count": p.count, "thickness": p.thickness} for p in recipe.parts]
+    bought = [item.data for item in recipe.bought]
+    reply["parts"] = as_json({"parts": parts, "bought": bought, "steps": list(recipe.steps)})

@@ -1,0 +1,81 @@
+"""Long work apart from requests: a search or the making of files, with progress, which can be stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from threading import Event, Lock, Thread
+from typing import Any
+
+from ..core.progress import shown
+
+# Jobs that are remembered; the oldest is forgotten.
+MOST_JOBS = 20
+
+
+class _Stopped(BaseException):
+    """Raised inside the work at its next report of progress. It is no Exception, so that no work swallows it."""
+
+
+class Job:
+    """Work in a thread of its own.
+
+    Parameters
+    ----------
+    work : callable
+        Returns the result, a dict; reports its progress as long work does.
+    """
+
+    def __init__(self, work: Callable[[], dict[str, Any]]):
+        self.share, self.what = 0.0, ""
+        self.result: dict[str, Any] | None = None
+        self.done, self._stop = Event(), Event()
+        self._work = work
+        Thread(target=self._run, daemon=True).start()
+
+    def stop(self) -> None:
+        """Stop the work at its next report of progress."""
+        self._stop.set()
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """Progress, and the result once it is there."""
+        word = "stopped" if self._stop.is_set() else "done" if self.done.is_set() else "running"
+        return {"state": word, "share": self.share, "what": self.what, "result": self.result}
+
+    def _run(self) -> None:
+        with shown(self._report), suppress(_Stopped):
+            self.result = self._work()
+        self.done.set()
+
+    def _report(self, share: float, what: str) -> None:
+        if self._stop.is_set():
+            raise _Stopped
+        self.share, self.what = share, what
+
+
+class Jobs:
+    """The jobs of a server, by number."""
+
+    def __init__(self) -> None:
+        self._jobs: dict[str, Job] = {}
+        self._lock, self._count = Lock(), 0
+
+    def start(self, work: Callable[[], dict[str, Any]]) -> tuple[str, Job]:
+        """Start a job, and return its number and itself."""
+        job = Job(work)
+        with self._lock:
+            self._count += 1
+            self._jobs[str(self._count)] = job
+            while len(self._jobs) > MOST_JOBS:
+                self._jobs.pop(next(iter(self._jobs))).stop()
+            return str(self._count), job
+
+    def get(self, id: str) -> Job | None:
+        """The job of this number; None if there is none."""
+        return self._jobs.get(id)
+
+    def stop_all(self) -> None:
+        """Stop all jobs."""
+        for job in self._jobs.values():
+            job.stop()

@@ -1,0 +1,451 @@
+"""The studio's server, on this machine only: pages and answers for one browser tab or several."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
+from hmac import compare_digest
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib.resources import files
+from pathlib import Path
+from secrets import token_urlsafe
+from threading import BoundedSemaphore, Lock
+from typing import Any
+from urllib.parse import parse_qsl, unquote, urlsplit
+
+from ..build import make
+from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, printable
+from ..core.names import file_name_flaw
+from ..export.assembly_svg import assembly
+from ..export.job import Job as ExportJob
+from ..recipe.kinds import KINDS, all_kinds, recipe_class
+from ..recipe.load import parse
+from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.template import template
+from .edit import Draft, answer
+from .form import form
+from .jobs import Job, Jobs
+from .workspace import ConflictError, Workspace
+
+HOST = "127.0.0.1"
+# The first port that is tried, and how many after it.
+PORT, MOST_PORTS = 8017, 50
+# Largest body of a request, bytes: a recipe is at most half of it.
+LARGEST_BODY = 1_000_000
+# Requests in any one second, and at the same time: a drag sends fewer than 60 a second.
+MOST_A_SECOND, MOST_AT_ONCE = 200, 24
+# Seconds after which an idle connection is closed.
+IDLE = 60
+# Seconds that an answer may take before it goes on as a job.
+AT_ONCE = 0.4
+# Seconds for which a request for changes of a file waits, and between two looks at it.
+LONGEST_WAIT, LOOK = 25.0, 0.3
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+# For files that were made, whose texts come from recipes.
+FILE_POLICY = "sandbox allow-scripts allow-downloads"
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".json": "application/json",
+}
+
+
+class _RefusedError(Exception):
+    """A request that is answered by a status and a reason."""
+
+    def __init__(self, status: HTTPStatus, problem: str, remedy: str = ""):
+        super().__init__(problem)
+        self.status, self.problem, self.remedy = status, problem, remedy
+
+
+class Studio:
+    """What the server answers, without HTTP: one method for each request, from a mapping to data for JSON.
+
+    Parameters
+    ----------
+    workspace : Workspace
+        The folder.
+    first : str
+        Name of the recipe that is opened first; "" for the gallery.
+    """
+
+    def __init__(self, workspace: Workspace, first: str = ""):
+        self.workspace, self.first, self.jobs = workspace, first, Jobs()
+        self._lock = Lock()
+        # The last recipe, whose checks are asked for after its scene, and the search that goes on.
+        self._last: tuple[tuple[Any, ...], AbstractRecipe] | None = None
+        self._search: Job | None = None
+        self._pictures: dict[str, bytes] = {}
+
+    def get(self, name: str, query: Mapping[str, str]) -> Any:
+        """The answer to a GET request."""
+        match name:
+            case "start":
+                return {"first": self.first, "recipes": self.workspace.recipes}
+            case "form":
+                return self._known_kind(query, form)
+            case "gallery":
+                kinds = [
+                    {"kind": kind, "group": row.group, "about": recipe_class(kind).about()}
+                    for kind, row in all_kinds().items()
+                ]
+                return {"kinds": kinds, "recipes": self.workspace.recipes}
+            case "picture":
+                return self._picture(query)
+            case "job":
+                return self._job(query).state
+            case "changed":
+                return self._changed(query)
+        raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such page")
+
+    def post(self, name: str, body: Mapping[str, Any]) -> Any:
+        """The answer to a POST request."""
+        match name:
+            case "answer":
+                return self._answer(body)
+            case "open":
+                opened = self.workspace.open(_text(body, "recipe"))
+                return {"recipe": body["recipe"], "text": opened.text, "base": opened.base}
+            case "save":
+                name = _text(body, "recipe")
+                return {"recipe": name, "base": self.workspace.save(name, _text(body, "text"), _text(body, "base"))}
+            case "new":
+                options = [str(option) for option in body.get("options") or ()]
+                return {"text": self._known_kind(body, lambda kind: template(recipe_class(kind), options))}
+            case "make":
+                id, _ = self.jobs.start(partial(self._made, _text(body, "text"), _text(body, "recipe")))
+                return {"job": id}
+            case "stop":
+                self._job(body).stop()
+                return {}
+        raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such page")
+
+    def close(self) -> None:
+        """Stop all jobs."""
+        self.jobs.stop_all()
+
+    def _answer(self, body: Mapping[str, Any]) -> Any:
+        """An answer at once, or the job of a search that takes longer; a new request ends the search before it."""
+        text, name = _text(body, "text"), str(body.get("recipe") or "")
+        work = partial(self._answered, text, self.workspace.files_of(text), dict(body), name)
+        if not _is_search(text):
+            return work()
+        with self._lock:
+            if self._search is not None:
+                self._search.stop()
+            id, self._search = self.jobs.start(work)
+            job = self._search
+        job.done.wait(AT_ONCE)
+        return job.result if job.result is not None else {"job": id}
+
+    def _answered(self, text: str, files: dict[str, str], request: dict[str, Any], name: str) -> dict[str, Any]:
+        try:
+            return answer(text, files, request, name, self._opened)
+        except Exception as error:
+            # A fault of ours must not lose the user's text.
+            problem = f"geomkin failed by a fault of its own ({printable(f'{type(error).__name__}: {error}', 200)})"
+            entry = {"key": "", "problem": problem, "remedy": "please report it", "id": "internal"}
+            return {**answer("", {}, {}), "text": text, "problems": [entry]}
+
+    def _opened(self, draft: Draft) -> AbstractRecipe:
+        key = (draft.text, draft.name, tuple(sorted(draft.files.items())))
+        last = self._last
+        if last is None or last[0] != key:
+            last = (key, draft.opened(draft.table()))
+            self._last = last
+        return last[1]
+
+    def _made(self, text: str, name: str) -> dict[str, Any]:
+        try:
+            recipe = parse(text, name, str(self.workspace.folder)).with_name(name)
+            made = make(recipe, self.workspace.folder / "out")
+        except GeomkinError as error:
+            return {"problems": _problems(error)}
+        files = [
+            {"name": path.name, "bytes": size, "url": f"out/{name}/{path.name}"} for path, size in made.files.items()
+        ]
+        return {"problems": [], "files": files, "remarks": list(made.remarks)}
+
+    def made_file(self, folder: str, name: str) -> bytes:
+        """The content of a file that was made."""
+        home = self.workspace.folder / "out" / folder
+        path = home / name
+        if file_name_flaw(folder) or file_name_flaw(name) or not path.resolve().is_relative_to(home):
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file")
+        try:
+            return path.read_bytes()
+        except OSError:
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file") from None
+
+    def _picture(self, query: Mapping[str, str]) -> bytes:
+        """A small picture of a recipe of the folder, or of a kind; empty for one that takes a search."""
+        if "recipe" in query:
+            name, text = query["recipe"], self.workspace.open(query["recipe"]).text
+        else:
+            name, text = "", self._known_kind(query, lambda kind: template(recipe_class(kind)))
+        if text not in self._pictures:
+            self._pictures[text] = b"" if _is_search(text) else self._drawn(text, name)
+        return self._pictures[text]
+
+    def _drawn(self, text: str, name: str) -> bytes:
+        recipe = parse(text, "recipe", str(self.workspace.folder)).with_name(name)
+        if recipe.scene is None:
+            return b""
+        return assembly(ExportJob(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
+
+    def _changed(self, query: Mapping[str, str]) -> dict[str, str]:
+        """The mark of a recipe's file once it is another one, or after a while."""
+        name, base, end = query.get("recipe", ""), query.get("base", ""), time.monotonic() + LONGEST_WAIT
+        while (mark := self.workspace.mark(name)) == base and time.monotonic() < end:
+            time.sleep(LOOK)
+        return {"base": mark}
+
+    def _job(self, query: Mapping[str, Any]) -> Job:
+        job = self.jobs.get(str(query.get("id", "")))
+        if job is None:
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such job")
+        return job
+
+    def _known_kind(self, query: Mapping[str, Any], use: Callable[[str], Any]) -> Any:
+        kind = query.get("kind")
+        try:
+            return use(kind if isinstance(kind, str) else "")
+        except KeyError:
+            raise _RefusedError(
+                HTTPStatus.NOT_FOUND, f"there is no kind {printable(kind)}", "give one of the list"
+            ) from None
+
+
+def _is_search(text: str) -> bool:
+    """Whether a recipe's kind finds its mechanism by a search."""
+    for line in text.splitlines():
+        name, equals, value = line.partition("=")
+        if equals and name.strip() == "kind":
+            kind = value.partition("#")[0].strip().strip("\"'")
+            return kind in KINDS and issubclass(recipe_class(kind), AbstractGoal)
+    return False
+
+
+def _text(body: Mapping[str, Any], name: str) -> str:
+    value = body.get(name)
+    if not isinstance(value, str):
+        raise _RefusedError(HTTPStatus.BAD_REQUEST, f"{name} is missing", "give a text")
+    return value
+
+
+def _problems(error: GeomkinError) -> list[dict[str, str]]:
+    match error:
+        case RecipeError():
+            problems = list(error.problems)
+        case DesignError():
+            problems = [Problem(error.field, error.problem, error.remedy, error.id)]
+        case FileError():
+            problems = [Problem("", f"{error.file} {error.problem}", error.remedy, error.id)]
+        case _:
+            problems = [Problem("", str(error), "")]
+    return [{name: harmless(getattr(p, name)) for name in ("key", "problem", "remedy", "id")} for p in problems]
+
+
+class StudioServer(ThreadingHTTPServer):
+    """The HTTP server of a studio.
+
+    Parameters
+    ----------
+    studio : Studio
+        What it answers.
+    port : int
+        The first port that is tried; if it is taken, the next ones.
+    """
+
+    daemon_threads = True
+    # On some systems a second server could otherwise take over the port of a running one.
+    allow_reuse_address = False
+
+    def __init__(self, studio: Studio, port: int = PORT):
+        self.studio, self.token = studio, token_urlsafe(24)
+        self._slots, self._times, self._lock = (
+            BoundedSemaphore(MOST_AT_ONCE),
+            deque[float](maxlen=MOST_A_SECOND),
+            Lock(),
+        )
+        for tried in range(port, port + MOST_PORTS):
+            try:
+                super().__init__((HOST, tried), _Handler)
+                return
+            except OSError:
+                continue
+        raise FileError(f"port {port}", "and the next ones are taken", "give another --port", "file-unwritable")
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with the token without which nothing is answered."""
+        return f"http://{HOST}:{self.server_port}/{self.token}/"
+
+    def admit(self) -> bool:
+        """Whether a request may be answered now: few in a second, few at the same time."""
+        with self._lock:
+            now = time.monotonic()
+            if len(self._times) == MOST_A_SECOND and now - self._times[0] < 1:
+                return False
+            self._times.append(now)
+        return self._slots.acquire(blocking=False)
+
+    def release(self) -> None:
+        """A request was answered."""
+        self._slots.release()
+
+    def server_close(self) -> None:
+        """Stop all work and give the port back."""
+        self.studio.close()
+        super().server_close()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that leaves in the middle of an answer is no fault."""
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: StudioServer
+    protocol_version = "HTTP/1.1"
+    timeout = IDLE
+
+    def do_GET(self) -> None:
+        self._answer(self._get)
+
+    def do_POST(self) -> None:
+        self._answer(self._post)
+
+    def version_string(self) -> str:
+        return "geomkin"
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """The terminal shows the address and nothing else."""
+
+    def _answer(self, work: Callable[[str, dict[str, str]], tuple[bytes, str, str]]) -> None:
+        status, policy = HTTPStatus.OK, POLICY
+        admitted = self.server.admit()
+        try:
+            if not admitted:
+                raise _RefusedError(HTTPStatus.TOO_MANY_REQUESTS, "too many requests", "wait")
+            content, kind, policy = work(*self._checked())
+        except _RefusedError as error:
+            status = error.status
+            entry = {"key": "", "problem": harmless(error.problem), "remedy": error.remedy, "id": ""}
+            content, kind = _json({"problems": [entry]})
+        except ConflictError as error:
+            status = HTTPStatus.CONFLICT
+            entry = {
+                "key": "",
+                "problem": harmless(error),
+                "remedy": "save under another name, or over it",
+                "id": "conflict",
+            }
+            content, kind = _json({"problems": [entry]})
+        except GeomkinError as error:
+            status = HTTPStatus.UNPROCESSABLE_ENTITY
+            content, kind = _json({"problems": _problems(error)})
+        except Exception as error:
+            status = HTTPStatus.INTERNAL_SERVER_ERROR
+            problem = f"geomkin failed by a fault of its own ({printable(f'{type(error).__name__}: {error}', 200)})"
+            content, kind = _json(
+                {"problems": [{"key": "", "problem": problem, "remedy": "please report it", "id": "internal"}]}
+            )
+        finally:
+            if admitted:
+                self.server.release()
+        if status >= HTTPStatus.BAD_REQUEST:
+            # The body may not have been read.
+            self.close_connection = True
+        with suppress(OSError):
+            self._send(status, content, kind, policy)
+
+    def _checked(self) -> tuple[str, dict[str, str]]:
+        """The name of the page and its query, if the request comes from the studio's own page."""
+        port = self.server.server_port
+        hosts = {f"{HOST}:{port}", f"localhost:{port}"}
+        if self.headers.get("Host") not in hosts:
+            raise _RefusedError(HTTPStatus.FORBIDDEN, "the request is for another host")
+        origin = self.headers.get("Origin")
+        if origin is not None and origin not in {f"http://{host}" for host in hosts}:
+            raise _RefusedError(HTTPStatus.FORBIDDEN, "the request comes from another page")
+        parts = urlsplit(self.path)
+        _, token, *rest = unquote(parts.path).split("/", 2)
+        if not rest or not compare_digest(token.encode(), self.server.token.encode()):
+            raise _RefusedError(
+                HTTPStatus.NOT_FOUND, "the address is not that of the studio", "open the one in the terminal"
+            )
+        return rest[0], dict(parse_qsl(parts.query))
+
+    def _get(self, name: str, query: dict[str, str]) -> tuple[bytes, str, str]:
+        if name.startswith("out/"):
+            _, folder, file = f"{name}//".split("/")[:3]
+            kind = TYPES.get(Path(file).suffix, "application/octet-stream")
+            return self.server.studio.made_file(folder, file), kind, FILE_POLICY
+        if not name or "/" in name:
+            return (*_page_file(name), POLICY)
+        reply = self.server.studio.get(name, query)
+        if isinstance(reply, bytes):
+            return reply, TYPES[".svg"], FILE_POLICY
+        return (*_json(reply), POLICY)
+
+    def _post(self, name: str, query: dict[str, str]) -> tuple[bytes, str, str]:
+        del query
+        if self.headers.get_content_type() != "application/json":
+            raise _RefusedError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the body is not JSON", "send application/json")
+        length = self.headers.get("Content-Length", "")
+        if not length.isdecimal():
+            raise _RefusedError(HTTPStatus.LENGTH_REQUIRED, "the length of the body is missing")
+        if int(length) > LARGEST_BODY:
+            # A browser shows the answer only if its request was read.
+            self.rfile.read(min(int(length), 10 * LARGEST_BODY))
+            raise _RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the body is larger than {LARGEST_BODY:,} bytes")
+        try:
+            body = json.loads(self.rfile.read(int(length)))
+        except (ValueError, RecursionError):
+            raise _RefusedError(HTTPStatus.BAD_REQUEST, "the body is not JSON") from None
+        if not isinstance(body, dict):
+            raise _RefusedError(HTTPStatus.BAD_REQUEST, "the body is not an object")
+        return (*_json(self.server.studio.post(name, body)), POLICY)
+
+    def _send(self, status: HTTPStatus, content: bytes, kind: str, policy: str) -> None:
+        self.send_response(status)
+        for name, value in {
+            "Content-Type": kind,
+            "Content-Length": str(len(content)),
+            "Content-Security-Policy": policy,
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Cache-Control": "no-store",
+        }.items():
+            self.send_header(name, value)
+        if self.close_connection:
+            self.send_header("Connection", "close")
+        self.end_headers()
+        self.wfile.write(content)
+
+
+def _json(data: Any) -> tuple[bytes, str]:
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.encode("utf-8", "replace"), TYPES[".json"]
+
+
+def _page_file(name: str) -> tuple[bytes, str]:
+    """A file of the editor's page or of the player."""
+    folder, *inner = (name or "editor/index.html").split("/")
+    path = files("geomkin.page").joinpath(folder, *inner)
+    known = folder in ("editor", "player") and inner and not any(map(file_name_flaw, inner))
+    if not known or Path(inner[-1]).suffix not in TYPES or not path.is_file():
+        if name:
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such page")
+        return b"<!doctype html><title>geomkin studio</title><p>The studio is running.</p>", TYPES[".html"]
+    return path.read_bytes(), TYPES[Path(inner[-1]).suffix]

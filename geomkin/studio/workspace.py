@@ -1,0 +1,124 @@
+"""The folder in which the studio works: its recipes and the files that they name. No path leads out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..core.errors import DesignError, FileError, GeomkinError, printable, shown
+from ..core.names import file_name_flaw, read_text_file
+from ..export.files import write_whole
+from ..recipe.load import LARGEST, parsed
+
+# Texts of a recipe that may be names of files; a longer one is no name.
+LONGEST_NAME = 255
+
+
+class ConflictError(GeomkinError):
+    """The file changed since it was opened."""
+
+
+class Opened(NamedTuple):
+    """A recipe's text, and the mark by which a later change of the file is recognised."""
+
+    text: str
+    base: str
+
+
+class Workspace:
+    """A folder with recipes.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; only files in it or below are read, and only recipes in it are written.
+    """
+
+    def __init__(self, folder: Path):
+        self.folder = folder.resolve()
+
+    @property
+    def recipes(self) -> list[str]:
+        """Names of the recipes, without their ending."""
+        return sorted(path.stem for path in self.folder.glob("*.toml") if path.is_file())
+
+    def open(self, name: str) -> Opened:
+        """A recipe's text; raises FileError."""
+        content = self._content(name)
+        try:
+            return Opened(content.decode("utf-8-sig"), mark_of(content))
+        except UnicodeDecodeError:
+            raise FileError(f"{name}.toml", "is not UTF-8 text", "save it as UTF-8", "file-unreadable") from None
+
+    def save(self, name: str, text: str, base: str) -> str:
+        """Write a recipe whole, and return its new mark.
+
+        base: the mark of the file when it was opened; "" for a new file. Raises ConflictError if the file is another
+        one by now, and FileError if it cannot be written.
+        """
+        path = self._path(name)
+        if path.exists() and mark_of(self._content(name)) != base:
+            raise ConflictError(f"{name}.toml was changed since it was opened")
+        content = text.encode()
+        write_whole(self.folder, {path.name: content})
+        return mark_of(content)
+
+    def mark(self, name: str) -> str:
+        """The mark of a recipe's file as it is now; "" if it is gone."""
+        try:
+            return mark_of(self._content(name))
+        except FileError:
+            return ""
+
+    def files_of(self, text: str) -> dict[str, str]:
+        """Texts of the files that a recipe names; those that cannot be read are left out."""
+        try:
+            table = parsed(text)
+        except GeomkinError:
+            return {}
+        texts = {}
+        for name in _texts(table):
+            try:
+                if (self.folder / name).is_file():
+                    texts[name] = read_text_file(name, self.folder, "a file")
+            except (DesignError, OSError, ValueError):
+                continue
+        return texts
+
+    def _content(self, name: str) -> bytes:
+        path = self._path(name)
+        try:
+            with path.open("rb") as file:
+                content = file.read(LARGEST + 1)
+        except OSError as error:
+            problem = f"cannot be read ({error.strerror})"
+            raise FileError(path.name, problem, "give a recipe of the folder", "file-unreadable") from None
+        if len(content) > LARGEST:
+            raise FileError(path.name, f"is larger than {LARGEST:,} bytes", "give a recipe", "too-much-work")
+        return content
+
+    def _path(self, name: str) -> Path:
+        """The file of a recipe, in the folder itself and no link that leads out."""
+        flaw = file_name_flaw(f"{name}.toml") if isinstance(name, str) else "it is no text"
+        path = self.folder / f"{name}.toml"
+        if flaw or path.parent != self.folder or not path.resolve().is_relative_to(self.folder):
+            raise FileError(printable(shown(name)), "is no name of a recipe", "give a plain name", "file-unreadable")
+        return path
+
+
+def mark_of(content: bytes) -> str:
+    """The mark of a file's content."""
+    return sha256(content).hexdigest()
+
+
+def _texts(held: Any) -> Iterator[str]:
+    if isinstance(held, Mapping):
+        for value in held.values():
+            yield from _texts(value)
+    elif isinstance(held, list):
+        for value in held:
+            yield from _texts(value)
+    elif isinstance(held, str) and "\0" not in held and 0 < len(held) <= LONGEST_NAME:
+        yield held

@@ -1,0 +1,192 @@
+"""Editing as a pure function: text in, text and scene out; drags that follow the pointer as far as the recipe allows."""
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.page.scene_json import scene_data
+from geomkin.recipe.kinds import kind_names, recipe_class
+from geomkin.recipe.template import template
+from geomkin.studio.edit import _values, answer
+from geomkin.studio.form import form
+
+FOUR_BAR = """# A comment at the top.
+kind = "four-bar"
+
+[linkage]  # lengths in mm
+ground = 100
+crank = 30.00  # driven
+coupler = 90
+rocker = 70
+coupler_point = [40, 25]  # the pen
+"""
+SLIDER = 'kind = "slider-crank"\n[linkage]\ncrank = 30\ncoupler = 100\noffset = 15\n'
+
+
+def handle_at(reply, id, frame):
+    handle = next(handle for handle in reply["handles"] if handle["id"] == id)
+    return np.array([row[frame] if isinstance(row, list) else row for row in handle["at"]])
+
+
+def dragged(text, id, by, frame=40, **more):
+    """The reply to a drag of a handle by so many mm, and where it was to go."""
+    to = handle_at(answer(text, {}, {}), id, frame) + by
+    drag = {"handle": id, "to": to.tolist(), "frame": frame, "step": 0.25, **more.pop("drag", {})}
+    return answer(text, {}, {"drag": drag, **more}), to
+
+
+def test_the_scene_is_that_of_the_page():
+    reply = answer(FOUR_BAR, {}, {}, "pen")
+    assert reply["scene"] == scene_data(gk.load(FOUR_BAR).scene, "pen") and not reply["problems"]
+    assert json.loads(json.dumps(reply, allow_nan=False)) == reply
+
+
+@pytest.mark.parametrize("text", [FOUR_BAR, SLIDER])
+@pytest.mark.parametrize("by", [(3, 4), (-0.7, 2)])
+def test_a_dragged_point_read_back_is_under_the_pointer(text, by):
+    for id in [handle["id"] for handle in answer(text, {}, {})["handles"]]:
+        reply, to = dragged(text, id, by)
+        at = handle_at(answer(reply["text"], {}, {}), id, 40)
+        keys = next(handle["keys"] for handle in reply["handles"] if handle["id"] == id)
+        two = len(keys) > 1 or keys[0] in ("linkage.coupler_point", "linkage.origin")
+        before = to - by
+        # With one length the point can only approach the pointer.
+        assert np.linalg.norm(at - to) < (0.25 if two else np.linalg.norm(by)), id
+        assert not np.allclose(at, before) and reply["limit"] is None
+
+
+def test_a_drag_changes_only_unlocked_keys_of_its_handle():
+    reply, _ = dragged(FOUR_BAR, "point:rocker_pin", (3, 4), locks=["linkage.coupler"])
+    before, after = (tomllib.loads(text)["linkage"] for text in (FOUR_BAR, reply["text"]))
+    assert {key for key in after if after[key] != before[key]} == {"rocker"}
+    reply, _ = dragged(FOUR_BAR, "point:rocker_pin", (3, 4), locks=["linkage"])
+    assert reply["text"] == FOUR_BAR and reply["limit"]["keys"] == ["linkage.coupler", "linkage.rocker"]
+    assert all(handle["locked"] for handle in reply["handles"])
+
+
+def test_a_drag_stops_where_the_linkage_could_no_longer_turn():
+    reply, _ = dragged(FOUR_BAR, "point:crank_pin", (60, 60))
+    crank = tomllib.loads(reply["text"])["linkage"]["crank"]
+    # Grashof: crank + ground <= coupler + rocker, so 60 mm is the most.
+    assert 59 < crank <= 60 and reply["limit"]["reason"] and not reply["problems"]
+    assert gk.load(reply["text"]).motion.assembled.all()
+
+
+@pytest.mark.parametrize("step", [0.25, 0.004, 3.0])
+def test_a_drag_writes_as_many_digits_as_a_pixel_resolves(step):
+    reply, to = dragged(FOUR_BAR, "point:coupler_point", (3.14159, 2.71828), drag={"step": step})
+    assert np.linalg.norm(handle_at(reply, "point:coupler_point", 40) - to) < step
+    written = reply["text"].split("coupler_point = [")[1].split("]")[0].split(", ")
+    digits = max(len(number.partition(".")[2]) for number in written)
+    assert digits <= max(0, np.ceil(-np.log10(step / 4)))
+
+
+def test_a_snapped_drag_gives_round_values():
+    reply, _ = dragged(FOUR_BAR, "point:coupler_point", (3.3, 2.2), drag={"snap": True})
+    x, y = tomllib.loads(reply["text"])["linkage"]["coupler_point"]
+    assert x % 1 == y % 1 == 0 and (x, y) != (40, 25)
+
+
+def test_comments_order_and_typed_numbers_stay():
+    reply = answer(FOUR_BAR, {}, {"set": {"linkage.coupler": 91.5, "drive.speed_rpm": 90}})
+    lines = FOUR_BAR.replace("coupler = 90", "coupler = 91.5").splitlines()
+    assert reply["text"].splitlines()[: len(lines)] == lines
+    assert tomllib.loads(reply["text"])["drive"] == {"speed_rpm": 90}
+    assert (
+        answer(reply["text"], {}, {"set": {"drive": None, "linkage.coupler": 90}})["text"].strip() == FOUR_BAR.strip()
+    )
+
+
+def test_a_drag_of_a_scaled_recipe_writes_sizes_before_scaling():
+    text = FOUR_BAR.replace('kind = "four-bar"', 'kind = "four-bar"\nscale = 0.5')
+    reply, to = dragged(text, "point:coupler_point", (2, 1))
+    assert np.linalg.norm(handle_at(reply, "point:coupler_point", 40) - to) < 0.25
+    x, y = tomllib.loads(reply["text"])["linkage"]["coupler_point"]
+    assert abs(np.hypot(x - 40, y - 25) - 2 * np.hypot(2, 1)) < 0.5
+
+
+def test_a_point_that_is_left_out_is_written_whole():
+    text = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
+    reply, _ = dragged(text, "origin:ground", (0, 5))
+    assert tomllib.loads(reply["text"])["linkage"]["origin"] == [0, 5]
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"linkage.crank": -3}, "linkage.crank"),
+        ({"linkage.crank": "wide"}, "linkage.crank"),
+        ({"linkage.crank": None}, "linkage.crank"),
+        ({"linkage.no_such": 1}, "linkage.no_such"),
+        ({"linkage.crank.deep": 1}, "linkage.crank.deep"),
+        ({"linkage.coupler_point[7]": 1}, "linkage.coupler_point[7]"),
+        ({"kind": "six-pack"}, "kind"),
+    ],
+)
+def test_a_wrong_value_is_reported_at_its_key(change, key):
+    reply = answer(FOUR_BAR, {}, {"set": change})
+    assert [problem["key"] for problem in reply["problems"]] == [key] and reply["scene"] is None
+    assert "# A comment at the top." in reply["text"]
+
+
+def test_a_text_that_is_not_toml_is_kept():
+    for text in ("", "kind = ", "[[", "\0", "x" * 5000, '"' * 99):
+        for request in ({}, {"set": {"linkage.crank": 3}}, {"drag": {"handle": "point:A", "to": [0, 0], "frame": 0}}):
+            reply = answer(text, {}, request)
+            assert reply["problems"] and (text in reply["text"] or not text)
+
+
+def test_rows_can_be_added_and_removed():
+    text = answer(FOUR_BAR, {}, {"set": {"copies[0]": {"phase_deg": 180}}})["text"]
+    assert tomllib.loads(text)["copies"] == [{"phase_deg": 180}]
+    assert "copies" not in tomllib.loads(answer(text, {}, {"set": {"copies": None}})["text"])
+
+
+def test_checks_and_parts_come_in_their_own_lane():
+    recipe, reply = gk.load(FOUR_BAR), answer(FOUR_BAR, {}, {"lane": "checks"})
+    assert [check["id"] for check in reply["checks"]] == [check.id for check in recipe.checks]
+    assert [part["name"] for part in reply["parts"]["parts"]] == [part.name for part in recipe.parts]
+    assert reply["scene"] is None and not reply["problems"]
+
+
+PURE = """
+import sys
+from pathlib import Path
+from geomkin.studio.edit import answer
+text = Path("recipes/{0}.toml").read_text()
+files = {{path.name: path.read_text() for path in Path("recipes").glob("*.csv")}}
+def work():
+    first = answer(text, files, {{}})
+    drags = [{{"drag": {{"handle": h["id"], "to": [31, 7], "frame": 3}}}} for h in first["handles"]]
+    return [answer(text, files, request) for request in (*drags[:2], {{"lane": "checks"}}, {{"set": {{"files.kerf": 0.1}}}})]
+before = work()
+events = []
+sys.addaudithook(lambda name, args: events.append(name))
+assert work() == before
+print(*sorted(set(events)))
+"""
+
+
+@pytest.mark.parametrize("recipe", ["crank-rocker", "table-cam"])
+def test_it_opens_no_file_socket_or_thread(recipe):
+    run = subprocess.run([sys.executable, "-c", PURE.format(recipe)], capture_output=True, text=True, check=True)
+    forbidden = ("open", "os.", "socket.", "_thread", "subprocess", "import", "shutil", "tempfile")
+    assert not [event for event in run.stdout.split() if event.startswith(forbidden)]
+
+
+@pytest.mark.parametrize("kind", kind_names())
+def test_the_form_of_a_kind_has_every_key_that_a_recipe_can_have(kind):
+    groups = form(kind)["groups"]
+    json.dumps(groups, allow_nan=False)
+    fields = [f for group in groups for some in (group["fields"], *group.get("kinds", {}).values()) for f in some]
+    known = {field["key"] for field in fields} | {group["key"] for group in groups} | {"kind"}
+    tables = tuple(f"{field['key']}." for field in fields if field["type"] == "table")
+    for key in _values(gk.load(template(recipe_class(kind)))):
+        key = re.sub(r"\[\d+\]", "[]", key)
+        assert key in known or f"{key}[]" in known or key.startswith(tables), key

@@ -1,0 +1,222 @@
+"""The studio's server: it answers its own page only, stays in one folder, and loses no file."""
+
+import http.client
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from geomkin.studio import server as module
+from geomkin.studio.server import HOST, LARGEST_BODY, MOST_A_SECOND, Studio, StudioServer
+from geomkin.studio.workspace import Workspace
+
+FOUR_BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
+
+
+@pytest.fixture
+def running(tmp_path):
+    (tmp_path / "work").mkdir()
+    (tmp_path / "work" / "bar.toml").write_text(FOUR_BAR)
+    (tmp_path / "secret.toml").write_text(FOUR_BAR)
+    server = StudioServer(Studio(Workspace(tmp_path / "work"), "bar"), 18200)
+    thread = threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True)
+    thread.start()
+    yield server
+    server.shutdown()
+    server.server_close()
+
+
+def ask(server, name, body=None, path=None, **headers):
+    """Status, headers and content of an answer."""
+    connection = http.client.HTTPConnection(HOST, server.server_port, timeout=20)
+    content = None if body is None else body if isinstance(body, bytes) else json.dumps(body).encode()
+    given = {"Content-Type": "application/json"} if body is not None else {}
+    given |= {name.replace("_", "-"): value for name, value in headers.items()}
+    connection.request("GET" if body is None else "POST", path or f"/{server.token}/{name}", content, given)
+    answer = connection.getresponse()
+    read = answer.read()
+    connection.close()
+    return answer.status, answer.headers, read
+
+
+def test_it_listens_on_this_machine_only_and_takes_the_next_port(running):
+    assert running.server_address[0] == "127.0.0.1"
+    other = StudioServer(running.studio, running.server_port)
+    assert other.server_port > running.server_port and other.token != running.token
+    other.server_close()
+
+
+def test_it_answers_its_own_page_only(running):
+    port, body = running.server_port, {"text": FOUR_BAR}
+    assert ask(running, "start")[0] == 200
+    for path in ("/", "/start", "/wrong/start", f"/{running.token[:-1]}/start", f"/{running.token}x/start", "//"):
+        assert ask(running, "", path=path)[0] == 404, path
+    for host in ("evil.example", f"evil.example:{port}", "127.0.0.1", f"127.0.0.1:{port + 1}"):
+        assert ask(running, "start", Host=host)[0] == 403, host
+    for origin in ("http://evil.example", "null", f"https://127.0.0.1:{port}", f"http://127.0.0.1:{port + 1}"):
+        assert ask(running, "answer", body, Origin=origin)[0] == 403, origin
+    assert ask(running, "answer", body, Origin=f"http://127.0.0.1:{port}", Host=f"localhost:{port}")[0] == 200
+
+
+def test_a_form_of_another_page_cannot_post(running):
+    for kind in ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data"):
+        assert ask(running, "answer", {"text": FOUR_BAR}, Content_Type=kind)[0] == 415
+    status, headers, _ = ask(running, "start")
+    assert status == 200 and not any(name.lower().startswith("access-control") for name in headers)
+
+
+def test_every_answer_has_a_strict_policy(running):
+    for name, body in (
+        ("", None),
+        ("start", None),
+        ("no-such", None),
+        ("answer", {"text": FOUR_BAR}),
+        ("answer", b"{"),
+    ):
+        _, headers, _ = ask(running, name, body)
+        policy = headers["Content-Security-Policy"]
+        assert "default-src 'none'" in policy and "unsafe" not in policy and "frame-ancestors 'none'" in policy
+        assert headers["X-Content-Type-Options"] == "nosniff" and headers["Referrer-Policy"] == "no-referrer"
+
+
+def test_bodies_are_bounded_and_must_be_objects(running):
+    for body, status in (
+        (b"x" * (LARGEST_BODY + 1), 413),
+        (b"[1]", 400),
+        (b"{", 400),
+        (b"[" * 100_000, 400),
+        (b"\xff", 400),
+    ):
+        assert ask(running, "answer", body)[0] == status
+    for body in ({}, {"text": 3}, {"text": None}):
+        assert ask(running, "answer", body)[0] == 400
+
+
+def test_too_many_requests_are_refused(running, monkeypatch):
+    monkeypatch.setattr(time, "monotonic", lambda: 5.0)
+    assert [running.admit() for _ in range(module.MOST_AT_ONCE + 1)].count(True) == module.MOST_AT_ONCE
+    for _ in range(module.MOST_AT_ONCE):
+        running.release()
+    admitted = 0
+    while running.admit():
+        running.release()
+        admitted += 1
+    assert admitted <= MOST_A_SECOND
+    monkeypatch.setattr(time, "monotonic", lambda: 6.5)
+    assert running.admit()
+
+
+NAMES = [
+    "../secret",
+    "..",
+    ".",
+    "",
+    "/etc/passwd",
+    "a/b",
+    "C:x",
+    "bar\0",
+    "..\\secret",
+    "x" * 300,
+    7,
+    None,
+    ["bar"],
+    "link",
+]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_name_leads_out_of_the_folder(running, tmp_path, name):
+    (tmp_path / "work" / "link.toml").symlink_to(tmp_path / "secret.toml")
+    assert ask(running, "open", {"recipe": name})[0] in (400, 422)
+    assert ask(running, "save", {"recipe": name, "text": "x", "base": ""})[0] in (400, 422)
+    assert (tmp_path / "secret.toml").read_text() == FOUR_BAR
+    for path in (f"out/{name}/x", f"out/x/{name}", f"editor/{name}", f"player/../{name}"):
+        assert ask(running, "", path=f"/{running.token}/{path}".replace(" ", "%20").replace("\0", "%00"))[0] == 404
+
+
+def test_files_that_a_recipe_names_stay_in_the_folder(running, tmp_path):
+    (tmp_path / "outside.csv").write_text("x")
+    (tmp_path / "work" / "inside.csv").write_text("y")
+    text = 'kind = "disk-cam"\na = ["../outside.csv", "inside.csv", "no.csv", "", "/etc/hostname"]\n'
+    assert running.studio.workspace.files_of(text) == {"inside.csv": "y"}
+
+
+def test_the_later_of_two_saves_is_refused(running, tmp_path):
+    opened = json.loads(ask(running, "open", {"recipe": "bar"})[2])
+    first = {"recipe": "bar", "text": FOUR_BAR + "# one\n", "base": opened["base"]}
+    status, _, content = ask(running, "save", first)
+    assert status == 200
+    assert ask(running, "save", first | {"text": "# two"})[0] == 409
+    assert (tmp_path / "work" / "bar.toml").read_text() == first["text"]
+    assert ask(running, "save", first | {"text": "# two", "base": json.loads(content)["base"]})[0] == 200
+    assert ask(running, "save", {"recipe": "bar", "text": "", "base": ""})[0] == 409
+    assert ask(running, "save", {"recipe": "new one", "text": FOUR_BAR, "base": ""})[0] == 200
+    # A file deleted underneath is written again.
+    (tmp_path / "work" / "bar.toml").unlink()
+    assert ask(running, "save", first)[0] == 200
+
+
+def test_a_save_that_fails_leaves_the_old_file(running, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    base = json.loads(ask(running, "open", {"recipe": "bar"})[2])["base"]
+    monkeypatch.setattr("os.fsync", full)
+    status, _, content = ask(running, "save", {"recipe": "bar", "text": "# lost", "base": base})
+    assert status == 422 and "space" in json.loads(content)["problems"][0]["problem"]
+    assert (tmp_path / "work" / "bar.toml").read_text() == FOUR_BAR
+    assert [path.name for path in (tmp_path / "work").iterdir()] == ["bar.toml"]
+
+
+def test_a_change_of_the_file_is_reported(running, tmp_path):
+    base = json.loads(ask(running, "open", {"recipe": "bar"})[2])["base"]
+    threading.Timer(0.2, (tmp_path / "work" / "bar.toml").write_text, ["# by an editor"]).start()
+    changed = json.loads(ask(running, f"changed?recipe=bar&base={base}")[2])
+    assert changed["base"] != base == running.studio.workspace.mark("bar") or changed["base"]
+
+
+def test_a_search_goes_on_as_a_job_that_can_be_stopped(running, monkeypatch):
+    monkeypatch.setattr(module, "AT_ONCE", 0.0)
+    text = 'kind = "body-guidance"\n[wanted]\nposes = [[0, 0, 0], [-20, 60, 35], [-85, 80, 90]]\n'
+    job = json.loads(ask(running, "answer", {"text": text})[2])["job"]
+    end = time.monotonic() + 30
+    while (state := json.loads(ask(running, f"job?id={job}")[2]))["state"] == "running" and time.monotonic() < end:
+        time.sleep(0.05)
+    assert state["result"]["scene"] and not state["result"]["problems"]
+    slow = text.replace("[wanted]", "[search]\ntime_limit = 100\n[wanted]\nlargest_ratio = 1.01")
+    first, second = (json.loads(ask(running, "answer", {"text": slow})[2])["job"] for _ in range(2))
+    assert running.studio.jobs.get(first).done.wait(20)
+    assert ask(running, "stop", {"id": second})[0] == 200 and running.studio.jobs.get(second).done.wait(20)
+    assert ask(running, "job?id=99")[0] == 404
+
+
+def test_files_are_made_and_can_be_opened(running):
+    job = json.loads(ask(running, "make", {"recipe": "bar", "text": FOUR_BAR})[2])["job"]
+    assert running.studio.jobs.get(job).done.wait(60)
+    result = json.loads(ask(running, f"job?id={job}")[2])["result"]
+    page = next(file for file in result["files"] if file["name"] == "bar.html")
+    status, headers, content = ask(running, page["url"])
+    assert status == 200 and len(content) == page["bytes"] and "sandbox" in headers["Content-Security-Policy"]
+
+
+def test_new_recipes_and_pictures(running):
+    text = json.loads(ask(running, "new", {"kind": "slider-crank"})[2])["text"]
+    assert 'kind = "slider-crank"' in text
+    assert ask(running, "picture?kind=slider-crank")[2].startswith(b"<?xml")
+    assert ask(running, "picture?recipe=bar")[2].startswith(b"<?xml") and ask(running, "new", {"kind": "x"})[0] == 404
+    assert {row["kind"] for row in json.loads(ask(running, "gallery")[2])["kinds"]} > {"four-bar", "spur-gear"}
+
+
+def test_the_command_ends_with_ctrl_c(tmp_path):
+    (tmp_path / "bar.toml").write_text(FOUR_BAR)
+    command = [sys.executable, "-m", "geomkin", "studio", str(tmp_path / "bar.toml"), "--no-browser", "--port", "18300"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline().startswith("http://127.0.0.1:183")
+        process.send_signal(signal.SIGINT)
+        out, error = process.communicate(timeout=20)
+    assert process.returncode == 0 and not out.strip() and not error.strip()
+    assert [path.name for path in tmp_path.iterdir()] == ["bar.toml"]
