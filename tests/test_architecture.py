@@ -37,7 +37,6 @@ ALONE = {
     "ezdxf": {"export/dxf.py"},
     "trimesh": {"export/glb.py"},
     "click": {"cli.py", "__main__.py"},
-    "numba": {"linkage/solve/compiled.py"},
     "highspy": {"cam/program/optimise.py"},
     "mpmath": {"tradeoff/cell.py"},
 }
@@ -127,7 +126,7 @@ def loaded_by(code, depth=1):
     return set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())
 
 
-HEAVY = {"highspy", "shapely", "trimesh", "ezdxf", "pydantic", "click", "scipy", "matplotlib", "numba", "pandas"}
+HEAVY = {"highspy", "shapely", "trimesh", "ezdxf", "pydantic", "click", "scipy", "matplotlib", "pandas"}
 
 
 def test_importing_geomkin_loads_nothing_heavier_than_numpy():
@@ -149,5 +148,5 @@ def test_a_recipe_loads_only_what_it_writes(tmp_path, formats):
     recipe = PACKAGE.parent / "recipes" / "spur-gear.toml"
     code = f"from geomkin.build import make\nmake({str(recipe)!r}, {str(tmp_path)!r}, [{formats!r}])"
     loaded = loaded_by(code, 2)
-    assert not {name.split(".")[0] for name in loaded} & (UNLOADED[formats] | {"scipy", "numba", "click", "highspy"})
+    assert not {name.split(".")[0] for name in loaded} & (UNLOADED[formats] | {"scipy", "click", "highspy"})
     assert not loaded & {"geomkin.cam", "geomkin.linkage", "geomkin.synthesis"}

@@ -252,8 +252,8 @@ def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
 
 def are_reals(value: Any) -> bool:
     """Whether a value is one or more finite real numbers, of any shape."""
-    if type(value) is float:
-        return -LARGEST < value < LARGEST
+    if isinstance(value, float):
+        return bool(-LARGEST < value < LARGEST)
     return _bounded(numbers(value, "iuf"))
 
 
@@ -269,8 +269,9 @@ def are_points(value: Any) -> bool:
 
 def is_place(value: Any) -> bool:
     """Whether a value is a finite complex number or an array of them; a list is not, since it cannot be multiplied."""
-    if type(value) in (int, float, complex):
-        return is_complex(value)
+    if isinstance(value, (float, complex)) or type(value) is int:
+        # Most are one number, also of NumPy, whose functions take ten times as long.
+        return bool(-LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST)
     return not isinstance(value, (list, tuple)) and are_points(value)
 
 

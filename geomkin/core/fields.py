@@ -157,8 +157,9 @@ _TESTS: dict[str, Callable[[Any, Any], Any]] = {"gt": gt, "ge": ge, "lt": lt, "l
 
 
 def _fits(value: Any, about: Any, many: bool) -> bool:
-    if type(value) is float and not about.get("whole"):
-        # Most are: NumPy takes ten times as long over one number.
+    if isinstance(value, float) and not about.get("whole"):
+        # Most are, also those of NumPy, whose functions take ten times as long over one number.
+        value = float(value)
         return isfinite(value) and all(test(value, about[key]) for key, test in _TESTS.items() if key in about)
     number = numbers(value, "iu" if about.get("whole") else "iuf")
     if number is None or isinstance(value, (list, tuple)) or (number.ndim and not many):
@@ -180,8 +181,8 @@ def _is_tiny(value: Any, about: Any) -> bool:
     """Whether a size of one sign is too small to calculate with, though not 0."""
     if about.get("whole") or about.get("gt", about.get("ge")) != 0:
         return False
-    if type(value) is float:
-        return 0 < value < SMALLEST
+    if isinstance(value, float):
+        return bool(0 < value < SMALLEST)
     number = np.abs(np.asarray(value, dtype=float))
     return bool(((number > 0) & (number < SMALLEST)).any())
 
@@ -203,6 +204,8 @@ class PointXY(ArgumentType):
 
     def __init__(self, many: bool = False) -> None:
         def fits(value: Any) -> bool:
+            if isinstance(value, complex):
+                return abs(value.real) <= FARTHEST and abs(value.imag) <= FARTHEST
             if not is_place(value) or (np.ndim(value) and not many):
                 return False
             return bool((np.abs([np.real(value), np.imag(value)]) <= FARTHEST).all())
