@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import field, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -186,78 +186,20 @@ class Linkage(AbstractLinkage):
     estimate: Mapping[str, complex] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        names = list(self.bodies)
-        if len(names) < 2:
-            raise DesignError(
-                "bodies", f"found {len(names)}", "give the fixed body first and at least one that moves", "out-of-range"
-            )
-        check_names("bodies", names, "a body")
-        self._check_body_names()
-        check_names("bodies", (point for points in self.bodies.values() for point in points), "a point")
-        check_names("sliders", (slider.name for slider in self.sliders), "a slider")
-        if len({slider.name for slider in self.sliders}) < len(self.sliders):
-            raise DesignError("sliders", "two have the same name", "give each a different name", "conflict")
-        drivers = [*names[1:], *(slider.name for slider in self.sliders)]
-        if self.driver not in drivers:
-            raise DesignError(
-                "driver", f"found {shown(self.driver)}", f"give one of {', '.join(drivers)}", "unknown-key"
-            )
+        joints = tuple((slider.name, slider.body, slider.along) for slider in self.sliders)
+        _check_structure(tuple((body, *points) for body, points in self.bodies.items()), joints, self.driver)
+        shapes = set()
         for body, points in self.bodies.items():
             for point, place in points.items():
                 if not is_place(place):
                     problem = f"point {point} of {body} is {'not finite everywhere' if np.ndim(place) else place}"
-                    raise DesignError("bodies", problem, f"give finite coordinates below {LARGEST:g} mm", "not-finite")
-        shapes = {np.shape(place) for points in self.bodies.values() for place in points.values()} - {(), (1,)}
+                    raise DesignError("bodies", problem, f"give finite coordinates below {LARGEST:g} mm")
+                if isinstance(place, np.ndarray):
+                    shapes.add(place.shape)
+        shapes -= {(), (1,)}
         if len(shapes) > 1 or (0,) in shapes:
             problem = f"found points of {' and '.join(str(row[0]) for row in sorted(shapes))} linkages"
-            raise DesignError("bodies", problem, "give one place, or as many of each", "conflict")
-        for slider in self.sliders:
-            for body in (slider.body, slider.along):
-                if body not in names:
-                    raise DesignError(
-                        "sliders",
-                        f"{slider.name} names {shown(body)}",
-                        f"give one of {', '.join(names)}",
-                        "unknown-key",
-                    )
-            if slider.body == slider.along:
-                raise DesignError(
-                    "sliders", f"{slider.name} slides {slider.body} on itself", "give two bodies", "conflict"
-                )
-        self._check_driver()
-
-    def _check_body_names(self) -> None:
-        if taken := [name for name in self.bodies if name in MOTION_ATTRIBUTES or name.startswith("_")]:
-            problem = f"a body is named {shown(taken[0])}, which is reserved for an attribute of Motion"
-            raise DesignError(
-                "bodies", problem, f"give it another name, such as {taken[0].lstrip('_')}_body", "conflict"
-            )
-
-    def _check_driver(self) -> None:
-        """A driver that could be meant as an angle or as a displacement is refused."""
-        if self.driver not in self.bodies or self.driven_slider:
-            return
-        namesakes = [slider.name for slider in self.sliders if slider.name == self.driver]
-        if namesakes:
-            raise DesignError(
-                "driver",
-                f"{self.driver} is the name of a body and of a slider",
-                "give the slider another name",
-                "conflict",
-            )
-        sliding = {s.name: {s.body, s.along} - {self.driver} for s in self.sliders if self.driver in (s.body, s.along)}
-        pinned = {body for bodies in self.pins.values() if self.ground in bodies for body in bodies}
-        if not sliding or self.driver in pinned:
-            return
-        name, (other,) = next(iter(sliding.items()))
-        or_angle = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
-        raise DesignError(
-            "driver",
-            f"{self.driver} slides on {other} and is not pinned to the {self.ground}, so its angle may be meant or its "
-            "displacement",
-            f"give {name}, the slider, for its displacement{or_angle}",
-            "conflict",
-        )
+            raise DesignError("bodies", problem, "give one place, or as many of each")
 
     @property
     def driver_pivot(self) -> str | None:
@@ -280,17 +222,18 @@ class Linkage(AbstractLinkage):
     @cached_property
     def shape(self) -> tuple[int, ...]:
         """(linkages,) if points are arrays, otherwise ()."""
-        return np.broadcast_shapes(*(np.shape(z) for points in self.bodies.values() for z in points.values()))
+        places = (z for points in self.bodies.values() for z in points.values() if isinstance(z, np.ndarray))
+        return max((z.shape for z in places), default=())
 
     @cached_property
     def ground_direction(self) -> complex:
         """Direction of the fixed body's x axis, unit complex."""
         return complex(direction_deg(self.ground_angle_deg))
 
-    @cached_property
+    @property
     def shifted(self) -> bool:
         """Whether the fixed body's origin is not at 0."""
-        return bool(np.any(self.origin != 0))
+        return bool(np.any(self.origin)) if isinstance(self.origin, np.ndarray) else self.origin != 0
 
     @cached_property
     def size(self) -> Real:
@@ -328,3 +271,60 @@ class Linkage(AbstractLinkage):
     def plans(self) -> dict[bool, tuple[Placement, ...]]:
         """Cache of the solver: the placements of all bodies, by whether branches are followed."""
         return {}
+
+
+# Number of structures in the cache: linkages of new sizes mostly have the structure of one before.
+STRUCTURES = 256
+
+
+@lru_cache(STRUCTURES)
+def _check_structure(
+    bodies: tuple[tuple[str, ...], ...], sliders: tuple[tuple[str, str, str], ...], driver: str
+) -> None:
+    """Raise DesignError for names, sliders or a driver that make no linkage, whatever its sizes.
+
+    bodies: each a name and its points, the ground first; sliders: each name, body, guide.
+    """
+    names = [body for body, *_ in bodies]
+    if len(names) < 2:
+        raise DesignError("bodies", f"found {len(names)}", "give the fixed body first and at least one that moves")
+    check_names("bodies", names, "a body")
+    if taken := [name for name in names if name in MOTION_ATTRIBUTES or name.startswith("_")]:
+        problem = f"a body is named {shown(taken[0])}, which is reserved for an attribute of Motion"
+        raise DesignError("bodies", problem, f"give it another name, such as {taken[0].lstrip('_')}_body")
+    check_names("bodies", (point for _, *points in bodies for point in points), "a point")
+    joints = [name for name, _, _ in sliders]
+    check_names("sliders", joints, "a slider")
+    if len(set(joints)) < len(joints):
+        raise DesignError("sliders", "two have the same name", "give each a different name")
+    drivers = [*names[1:], *joints]
+    if driver not in drivers:
+        raise DesignError("driver", f"found {shown(driver)}", f"give one of {', '.join(drivers)}")
+    for name, *ends in sliders:
+        for body in ends:
+            if body not in names:
+                raise DesignError("sliders", f"{name} names {shown(body)}", f"give one of {', '.join(names)}")
+        if ends[0] == ends[1]:
+            raise DesignError("sliders", f"{name} slides {ends[0]} on itself", "give two bodies")
+    _check_driver(bodies, sliders, driver)
+
+
+def _check_driver(bodies: tuple[tuple[str, ...], ...], sliders: tuple[tuple[str, str, str], ...], driver: str) -> None:
+    """A driver that could be meant as an angle and as a displacement is refused."""
+    ground, *ground_points = bodies[0]
+    bodies_of_sliders = {name: {body, along} for name, body, along in sliders}
+    if driver not in {body for body, *_ in bodies} or {driver, ground} in bodies_of_sliders.values():
+        return
+    if driver in bodies_of_sliders:
+        raise DesignError("driver", f"{driver} is the name of a body and of a slider", "give the slider another name")
+    sliding = {name: ends - {driver} for name, ends in bodies_of_sliders.items() if driver in ends}
+    pinned = {body for body, *points in bodies if set(points) & set(ground_points)}
+    if not sliding or driver in pinned:
+        return
+    name, (other,) = next(iter(sliding.items()))
+    or_angle = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
+    raise DesignError(
+        "driver",
+        f"{driver} slides on {other} and is not pinned to the {ground}, so its angle may be meant or its displacement",
+        f"give {name}, the slider, for its displacement{or_angle}",
+    )

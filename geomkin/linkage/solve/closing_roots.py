@@ -6,6 +6,7 @@ A root is real where the loop closes, and zero where its two branches meet: at a
 from __future__ import annotations
 
 from functools import cached_property
+from math import fsum
 from typing import Protocol
 
 import numpy as np
@@ -171,6 +172,8 @@ def half_limits(gaps: Gaps) -> list[float]:
 
 def _sum_exact(*terms: Real) -> Real:
     """The sum of numbers as if added exactly and rounded about once, by adding the rounding errors back."""
+    if all(isinstance(term, float) for term in terms):
+        return np.asarray(fsum(terms))
     total, lost = np.asarray(terms[0], dtype=float), np.zeros(())
     for term in terms[1:]:
         new = total + term
