@@ -25,7 +25,7 @@ def paired(real: Real, imag: Real) -> Complex:
     """Complex numbers from their parts; real + 1j * imag would be wrong for parts that are not finite."""
     for part in (real, imag):
         if isinstance(part, Symbol):
-            recorded: Any = part.recording.record(paired, (real, imag))
+            recorded: Complex = part.recording.record(paired, (real, imag))
             return recorded
     z: Complex = np.empty(np.broadcast(real, imag).shape, dtype=complex)
     z.real, z.imag = real, imag
@@ -35,11 +35,11 @@ def paired(real: Real, imag: Real) -> Complex:
 def exact_sum(*terms: Real) -> Real:
     """The sum of numbers as if added exactly and rounded about once, by adding the rounding errors back."""
     if all(isinstance(term, float) for term in terms):
-        rounded: Any = np.float64(fsum(terms))
+        rounded: Real = np.asarray(fsum(terms))[()]
         return rounded
     for term in terms:
         if isinstance(term, Symbol):
-            recorded: Any = term.recording.record(exact_sum, terms)
+            recorded: Real = term.recording.record(exact_sum, terms)
             return recorded
     total: Real = np.asarray(terms[0], dtype=float)
     lost: Real = np.zeros(())
