@@ -34,6 +34,7 @@ from .gear.pair import GearPair as GearPair
 from .gear.ring import RingGear as RingGear
 from .gear.spur import SpurGear as SpurGear
 from .linkage.coupler_curve import CouplerCurve as CouplerCurve
+from .linkage.drive_limits import driver_limits as driver_limits
 from .linkage.dynamics.friction import PinFriction as PinFriction
 from .linkage.dynamics.friction import SlideFriction as SlideFriction
 from .linkage.dynamics.inverse import forces as forces
@@ -47,7 +48,6 @@ from .linkage.dynamics.loads import Torque as Torque
 from .linkage.dynamics.loads import TorsionSpring as TorsionSpring
 from .linkage.linkage import Linkage as Linkage
 from .linkage.linkage import Slider as Slider
-from .linkage.measures import driver_limits as driver_limits
 from .linkage.measures import least_transmission_angle as least_transmission_angle
 from .linkage.moving import move as move
 from .linkage.named_linkages import EllipticTrammel as EllipticTrammel
@@ -57,12 +57,13 @@ from .linkage.named_linkages import OldhamCoupling as OldhamCoupling
 from .linkage.named_linkages import ScotchYoke as ScotchYoke
 from .linkage.named_linkages import Shaper as Shaper
 from .linkage.named_linkages import SliderCrank as SliderCrank
-from .linkage.named_linkages import StephensonSixBar as StephensonSixBar
-from .linkage.named_linkages import WattSixBar as WattSixBar
+from .linkage.six_bars import StephensonSixBar as StephensonSixBar
+from .linkage.six_bars import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
 from .model.check import Check as Check
 from .model.mass import Mass as Mass
 from .model.material import Material as Material
+from .model.motor import Motor as Motor
 from .model.part import HoleFit as HoleFit
 from .model.part import Part as Part
 from .model.part import Twist as Twist

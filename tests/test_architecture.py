@@ -113,6 +113,11 @@ def test_no_module_hides_a_public_name():
         assert not offered & modules, stub
 
 
+def test_no_two_classes_have_one_name():
+    names = [node.name for file in FILES for node in ast.parse(file.read_text()).body if isinstance(node, ast.ClassDef)]
+    assert sorted(set(names)) == sorted(names)
+
+
 @pytest.mark.parametrize("stub", sorted(PACKAGE.rglob("__init__.pyi")), ids=lambda stub: stub.parent.name)
 def test_every_public_name_can_be_imported(stub):
     package = import_module(".".join(stub.parent.relative_to(PACKAGE.parent).parts))

@@ -7,8 +7,8 @@ from .followers.flat import AbstractFace as AbstractFace
 from .followers.follower import FOLLOWERS as FOLLOWERS
 from .followers.follower import AbstractFollower as AbstractFollower
 from .followers.follower import Contact as Contact
+from .followers.follower import FollowerPlate as FollowerPlate
 from .followers.follower import Hole as Hole
-from .followers.follower import Plate as Plate
 from .followers.roller import AbstractRoller as AbstractRoller
 from .kinds.disk_cam import DiskCamRecipe as DiskCamRecipe
 from .measures import SegmentLimits as SegmentLimits

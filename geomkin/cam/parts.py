@@ -25,7 +25,7 @@ from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..plane.vec import Complex
 from .cam import Cam
 from .extrema import largest, samples
-from .followers.follower import Bars, Plate
+from .followers.follower import Bars, FollowerPlate
 from .undercut import Undercut, undercut
 
 # Letters engraved at holes that belong together, by the key of their diameter in the stock; the cam's shaft is A.
@@ -40,7 +40,7 @@ CHORDS = 1e-3
 def cam_base(
     cam: Cam,
     cut: Undercut,
-    plates: Sequence[Plate],
+    plates: Sequence[FollowerPlate],
     shafts: Mapping[str, float],
     thickness: float,
     base: BaseStock,
@@ -246,7 +246,7 @@ def cam_parts(
     return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base, stock.motor)]
 
 
-def _follower_part(plate: Plate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
+def _follower_part(plate: FollowerPlate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
     circles: list[Circle] = []
     names: list[str] = []
     fits: list[HoleFit] = []
@@ -367,7 +367,11 @@ def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
 
 
 def _bar_steps(
-    builder: AssemblyBuilder, plate: Plate, plates: tuple[Plate, ...], stock: CamStock, base: BaseStock | None
+    builder: AssemblyBuilder,
+    plate: FollowerPlate,
+    plates: tuple[FollowerPlate, ...],
+    stock: CamStock,
+    base: BaseStock | None,
 ) -> Iterator[str]:
     """Steps for the follower or arm: its pins are glued in, flush on the side on which cam or base pass."""
     pivot_holes = [hole for hole in plate.holes if hole.key == "pivot_bore" and hole.diameter]
@@ -392,7 +396,7 @@ def _bar_steps(
         yield f"lay {plate.name}, with its pins through the slot {letter} of base; {collars}"
 
 
-def _add_roller(builder: AssemblyBuilder, plates: tuple[Plate, ...], stock: CamStock, layer: int) -> None:
+def _add_roller(builder: AssemblyBuilder, plates: tuple[FollowerPlate, ...], stock: CamStock, layer: int) -> None:
     bars = sum(any(hole.key == "roller_bore" for hole in plate.holes) for plate in plates)
     if not stock.roller_bore:
         builder.add_step(layer, "lay roller")

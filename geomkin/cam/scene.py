@@ -9,8 +9,9 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..making.motors import split_motor_parts, with_motor_plate
+from ..model.handles import circle_handle, plot_handle, point_handle
 from ..model.part import Part
-from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
+from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, dimension, mm
 from ..model.table import Table
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Pose, Real, dot, unit
@@ -218,8 +219,7 @@ def cam_dimensions(cam: Cam, pivot: complex, centre: complex, line: complex, arm
     """
     end = cam.base_radius * np.exp(1j * np.radians(BASE_DIRECTION))
     yield dimension(0j, end, f"base radius {mm(cam.base_radius)}, where the lift is 0")
-    follower = cam.follower
-    sizes = {f.name: getattr(follower, f.name) for f in fields(follower) if f.metadata.get("unit") == "mm"}  # type: ignore[arg-type]
+    follower, sizes = cam.follower, follower_lengths(cam)
     meanings = {f.name: f.metadata["description"].removesuffix(", mm") for f in fields(follower) if f.name in sizes}  # type: ignore[arg-type]
     foot = centre - line * np.real(np.conj(line) * centre)
     ends = {
@@ -232,3 +232,49 @@ def cam_dimensions(cam: Cam, pivot: complex, centre: complex, line: complex, arm
         if name in ends and size:
             start, end, body = ends[name]
             yield dimension(start, end, f"{name.replace('_', ' ')} {mm(abs(size))}, {meanings[name]}", body)
+
+
+def follower_lengths(cam: Cam) -> dict[str, float]:
+    """Lengths of the follower by name, mm."""
+    follower = cam.follower
+    return {f.name: getattr(follower, f.name) for f in fields(follower) if f.metadata.get("unit") == "mm"}  # type: ignore[arg-type]
+
+
+# Keys of a segment that a point of the lift plot sets.
+SEGMENT_KEYS = ("end_deg", "duration_deg", "rise", "rise_deg", "end_lift", "end_lift_deg")
+
+
+def cam_handles(cam: Cam, angle: Real, key: str = "cam") -> Iterator[SceneHandle]:
+    """Handles of the base circle, the follower's lengths, and the ends of segments on the plot of the lift.
+
+    Parameters
+    ----------
+    cam : Cam
+        The cam as the recipe has it.
+    angle : ndarray, shape (frames,)
+        Cam angles of the scene's frames, rad.
+    key : str
+        Key of the cam's table in the recipe.
+
+    Returns
+    -------
+    iterator of SceneHandle
+    """
+    follower, lengths = cam.follower, set(follower_lengths(cam))
+    yield circle_handle(f"{key}.base_radius", radius=cam.base_radius)
+    contact = cam.contact(angle)
+    centre = contact.point + follower.roller_radius * contact.normal
+    if follower.roller_radius:
+        yield circle_handle(f"{key}.follower.roller_radius", radius=follower.roller_radius, centre=centre)
+    if follower.oscillates:
+        pivot = np.asarray(follower.pose(cam.program.motion(angle[:1]).lift, cam.base_radius).origin)
+        yield point_handle(f"{key}.follower.pivot_distance", at=pivot)
+    # The roller's centre, or the place where the cam touches a face.
+    others = [f"{key}.follower.{name}" for name in sorted(lengths - {"roller_radius", "pivot_distance"})]
+    if others:
+        yield point_handle(*others, at=centre)
+    # The last end is that of the turn.
+    for k, ((end, lift), segment) in enumerate(zip(cam.program.ends[:-1], cam.program.segments)):
+        keys = [f"{key}.program[{k}].{name}" for name in SEGMENT_KEYS if getattr(segment, name, None) is not None]
+        if keys:
+            yield plot_handle(*keys, at=complex(end, lift), column="lift", label=f"end of segment {k + 1}")

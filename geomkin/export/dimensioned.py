@@ -40,7 +40,7 @@ NUMBERED = "hole "
 
 
 @record(eq=False)
-class Drawing:
+class DimensionedDrawing:
     """Shapes with their layers and texts, mm on paper, from the origin to (width, height)."""
 
     shapes: tuple[Shape, ...]
@@ -122,7 +122,7 @@ def scale_text(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-def drawing(job: Job) -> Drawing:
+def drawing(job: Job) -> DimensionedDrawing:
     """All parts with dimensions and notes, and the title block below."""
     scale = scale_of(job.exact)
     # Outlines are drawn as chords, which are equal on every processor; sizes are those of the exact shapes.
@@ -149,7 +149,7 @@ def drawing(job: Job) -> Drawing:
     margin = CLEAR * (1 + 1j)
     page = page.moved(margin - low)
     end = high - low + 2 * margin
-    return Drawing(tuple(page.shapes), tuple(page.texts), float(np.ceil(end.real)), float(np.ceil(end.imag)))
+    return DimensionedDrawing(tuple(page.shapes), tuple(page.texts), float(np.ceil(end.real)), float(np.ceil(end.imag)))
 
 
 def _title(job: Job, scale: float, width: float) -> _Cell:

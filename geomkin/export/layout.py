@@ -31,7 +31,7 @@ OCCUPIED = np.iinfo(np.int64).max
 
 
 @record(eq=False)
-class Place:
+class SheetPosition:
     """Position of a copy: rotated about the origin of its frame (unit complex), then shifted, complex mm.
 
     `corner` is the upper right one of its box, mm.
@@ -59,7 +59,7 @@ class Orientation:
     spectrum: Complex
 
 
-def nest(cuts: Sequence[Cut], width: float, height: float, gap: float) -> list[list[tuple[int, Place]]]:
+def nest(cuts: Sequence[Cut], width: float, height: float, gap: float) -> list[list[tuple[int, SheetPosition]]]:
     """Sheets as lists of a part's index and its position, the largest parts first.
 
     `width` and `height` are those of a sheet inside its margins, mm; each part must fit by itself, see `box`. `gap` is
@@ -199,7 +199,7 @@ class _SheetRaster:
         self.room, self.cell, self.margin = complex(width, height), cell, margin * (1 + 1j)
         self.cells = np.zeros(shape, dtype=np.float32)
         self.reach = 0j
-        self.taken: list[tuple[int, Place]] = []
+        self.taken: list[tuple[int, SheetPosition]] = []
 
     def take(self, part: int, orientations: Sequence[Orientation]) -> bool:
         """Place a part where width plus height grow least, nearest to the corner; False if there is no room."""
@@ -227,7 +227,7 @@ class _SheetRaster:
         orientation, row, column, end = best
         self.cells[row : row + len(orientation.cells), column : column + len(orientation.cells[0])] += orientation.cells
         self.reach = complex(max(self.reach.real, end.real), max(self.reach.imag, end.imag))
-        self.taken.append((part, Place(orientation.turn, end - orientation.size - orientation.low, end)))
+        self.taken.append((part, SheetPosition(orientation.turn, end - orientation.size - orientation.low, end)))
         return True
 
 
@@ -332,7 +332,9 @@ def lay_out_on(cuts: Sequence[Cut], width: float, height: float) -> tuple[Sheet,
     return tuple(sheets)
 
 
-def _if_smaller(cuts: Sequence[Cut], nested: Sequence[Sequence[tuple[int, Place]]], rows: Sheet) -> Sheet | None:
+def _if_smaller(
+    cuts: Sequence[Cut], nested: Sequence[Sequence[tuple[int, SheetPosition]]], rows: Sheet
+) -> Sheet | None:
     """The sheet of nested parts, if there is only one and it is smaller than that of the rows."""
     sheet = _sheet(cuts, nested[0])
     return sheet if len(nested) == 1 and sheet.width * sheet.height < rows.width * rows.height else None
@@ -367,11 +369,13 @@ def _least_rows(cuts: Sequence[Cut]) -> Sheet:
     return _sheet(cuts, rows)
 
 
-def _in_rows(cuts: Sequence[Cut], turns: Sequence[complex], across: float, up: float) -> list[list[tuple[int, Place]]]:
+def _in_rows(
+    cuts: Sequence[Cut], turns: Sequence[complex], across: float, up: float
+) -> list[list[tuple[int, SheetPosition]]]:
     """Rows of parts, highest first, on sheets of the given size, mm, as lists of a part's index and its position."""
     boxes = [box(cut, turn) for cut, turn in zip(cuts, turns)]
     copies = [k for k, cut in enumerate(cuts) for _ in range(cut.part.count)]
-    filled: list[list[tuple[int, Place]]] = [[]]
+    filled: list[list[tuple[int, SheetPosition]]] = [[]]
     x = y = row = 0.0
     for k in sorted(copies, key=lambda k: (-boxes[k][1].imag, k)):
         low, size = boxes[k]
@@ -380,12 +384,14 @@ def _in_rows(cuts: Sequence[Cut], turns: Sequence[complex], across: float, up: f
         if filled[-1] and y + size.imag > up:
             filled.append([])
             x = y = row = 0.0
-        filled[-1].append((k, Place(turns[k], complex(x, y) - low, complex(x, y) + size)))
+        filled[-1].append((k, SheetPosition(turns[k], complex(x, y) - low, complex(x, y) + size)))
         x, row = x + size.real + GAP, max(row, size.imag)
     return filled
 
 
-def _sheet(cuts: Sequence[Cut], places: Sequence[tuple[int, Place]], width: float = 0.0, height: float = 0.0) -> Sheet:
+def _sheet(
+    cuts: Sequence[Cut], places: Sequence[tuple[int, SheetPosition]], width: float = 0.0, height: float = 0.0
+) -> Sheet:
     """The parts within margins, in the order of the work, on a sheet of the given size, mm, or sized to fit if 0."""
     margin = GAP * (1 + 1j)
     placed = [Placed(cuts[k], place.shift + margin, place.turn) for k, place in sorted(places, key=lambda one: one[0])]

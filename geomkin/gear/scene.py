@@ -11,9 +11,10 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.records import record
 from ..making.motors import split_motor_parts, with_motor_plate
+from ..model.handles import circle_handle
 from ..model.part import Part
 from ..model.roles import Role
-from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
+from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, dimension, mm
 from ..model.table import Column, Table
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.primitives import Arc, Circle, Segment
@@ -275,3 +276,43 @@ def gear_dimensions(gear: AbstractInvoluteGear, centre: complex = 0j, name: str 
 def centre_distance(start: complex, end: complex) -> SceneCurve:
     """The dimension of the centre distance, mm."""
     return dimension(start, end, f"centre distance {mm(abs(end - start))}, from axis to axis")
+
+
+def gear_handles(
+    gear: AbstractInvoluteGear,
+    key: str,
+    pitch_radius: float | None = None,
+    centre: Complex | complex = 0j,
+    modules: Sequence[str] = (),
+    shifts: bool = True,
+) -> Iterator[SceneHandle]:
+    """Handles of a gear: teeth by its pitch circle, module by its root circle, profile shift by its tip circle.
+
+    Parameters
+    ----------
+    gear : AbstractInvoluteGear
+        The gear as it is drawn.
+    key : str
+        Key of its table in the recipe.
+    pitch_radius : float, optional
+        Radius of the drawn pitch circle, mm; by default that of the gear alone.
+    centre : complex or complex array, shape (frames,)
+        Its axis, mm.
+    modules : sequence of str
+        Keys of the modules of all gears in mesh; by default that of the gear.
+    shifts : bool
+        Whether its profile shift is the recipe's.
+
+    Returns
+    -------
+    iterator of SceneHandle
+    """
+    name = key.rpartition(".")[2]
+    radius = gear.pitch_radius if pitch_radius is None else pitch_radius
+    yield circle_handle(f"{key}.teeth", radius=radius, centre=centre, label=f"teeth of the {name}")
+    if shifts:
+        label = f"profile shift of the {name}"
+        yield circle_handle(f"{key}.profile_shift", radius=gear.tip_radius, centre=centre, label=label)
+    first, *others = modules or [f"{key}.module"]
+    if first == f"{key}.module":
+        yield circle_handle(first, *others, radius=gear.root_radius, centre=centre, label="module", is_one_value=True)

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from ..core.arguments import checked
 from ..core.records import record
 from ..making.motors import split_motor_parts, with_motor_plate
+from ..model.handles import circle_handle, point_handle
 from ..model.part import Part
-from ..model.scene import Plot, Scene, SceneCurve, SceneMark
+from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark
 from ..model.table import Column, Table, finite
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, Segment
@@ -28,6 +29,7 @@ from .scene import (
     centre_distance,
     contact_marks,
     gear_dimensions,
+    gear_handles,
     meshing,
     meshing_scene,
 )
@@ -380,3 +382,80 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     return Scene(
         table, time, np.ones(turn.shape, bool), with_motor_plate(bodies, motor), tuple(curves), tuple(marks), plots
     )
+
+
+def pair_handles(pair: GearPair, shifts: bool = True, distance: bool = False) -> Iterator[SceneHandle]:
+    """Handles of two gears in mesh, and of the axis of the second one.
+
+    Parameters
+    ----------
+    pair : GearPair
+        The gears, of the keys `first` and `second`.
+    shifts : bool
+        Whether their profile shifts are the recipe's.
+    distance : bool
+        Whether the recipe gives the centre distance; otherwise the profile shifts set it.
+
+    Returns
+    -------
+    iterator of SceneHandle
+    """
+    axis, modules = complex(0, pair.centre_distance), ("first.module", "second.module")
+    for name, gear, radius, centre in zip(
+        ("first", "second"), (pair.first, pair.second), pair.working_radii, (0j, axis)
+    ):
+        yield from gear_handles(gear, name, radius, centre, modules, shifts)
+    keys = ("centre_distance",) if distance else ("first.profile_shift", "second.profile_shift")
+    if distance or shifts:
+        yield point_handle(*keys, at=axis, label="centre distance")
+
+
+def rack_handles(pair: RackPair, distance: bool = False) -> Iterator[SceneHandle]:
+    """Handles of a pinion and its rack: the pinion's sizes, the rack's length in teeth, and the pinion's distance.
+
+    Parameters
+    ----------
+    pair : RackPair
+        Pinion and rack.
+    distance : bool
+        Whether the recipe gives the distance; otherwise the profile shift sets it.
+
+    Returns
+    -------
+    iterator of SceneHandle
+    """
+    pinion, half = pair.pinion, pair.rack.teeth * pair.rack.pitch / 2
+    yield from gear_handles(pinion, "pinion", modules=("pinion.module", "rack.module"))
+    yield point_handle("rack.teeth", at=complex(half, -pinion.pitch_radius), label="teeth of the rack")
+    key = "distance" if distance else "pinion.profile_shift"
+    yield point_handle(key, at=complex(0, -pair.distance), label="distance of the reference line")
+
+
+def planetary_handles(gears: PlanetarySet) -> Iterator[SceneHandle]:
+    """The handle of the module of a planetary set; other numbers of teeth need those of two gears to change at once."""
+    modules = [f"gears.{name}.module" for name in ("sun", "planet", "ring")]
+    label = "module"
+    yield circle_handle(*modules, radius=gears.inner.working_radii[0], label=label, is_one_value=True)
+
+
+def conjugate_handles(mate: Conjugate, key: str, teeth: str) -> Iterator[SceneHandle]:
+    """Handles of a gear and the mate that it generates.
+
+    Parameters
+    ----------
+    mate : Conjugate
+        The mate.
+    key : str
+        Key of the gear's table in the recipe.
+    teeth : str
+        Name of its number of teeth or pins in that table.
+
+    Returns
+    -------
+    iterator of SceneHandle
+    """
+    axis, radius = complex(mate.pose.origin), mate.pitch_radius * mate.gear_teeth / mate.teeth
+    yield circle_handle(f"{key}.module", radius=radius, label=f"module of the {key}")
+    yield circle_handle("mate.teeth", radius=mate.pitch_radius, centre=axis, label="teeth of the mate")
+    yield circle_handle("mate.addendum", radius=mate.tip_radius, centre=axis, label="addendum of the mate")
+    yield point_handle(f"{key}.{teeth}", at=axis, label=f"{teeth} of the {key}")

@@ -8,7 +8,7 @@ from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..model.check import Check
 from ..plane.vec import first_largest
-from .measures import assembly_failure
+from .assembly_failures import assembly_failure
 from .motion import Motion
 
 # deg. Below it the coupler pushes the rocker into its pivot more than round it, and play and friction grow quickly

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.dotted_keys import numbers_in, with_number
 from ..core.errors import DesignError
+from ..model.handles import point_handle
 from ..model.scene import SceneHandle
 from ..plane.vec import Complex
 from .linkage import AbstractLinkage, Linkage
@@ -113,3 +114,18 @@ def handle_position(motion: Motion, id: str) -> Complex:
         slider = next(s for s in linkage.sliders if s.name == name)
         position = motion.bodies[slider.along].point(slider.through + arm * slider.direction).position
     return np.where(motion.assembled, position, np.nan)
+
+
+def stroke_handles(motion: Motion, start: float, end: float) -> Iterator[SceneHandle]:
+    """Handles of both ends of a stroke: where the driven slide's point is at these displacements, mm."""
+    slider = motion.linkage.driven_slider
+    if slider is not None:
+        for name, displacement in (("start", start), ("end", end)):
+            place = complex(slider.through + displacement * slider.direction)
+            at = body_point(motion, slider.along, place)
+            yield point_handle(f"stroke.{name}", at=at, label=f"{name} of the stroke")
+
+
+def body_point(motion: Motion, body: str, place: complex) -> Complex:
+    """Positions of a point of a body at the frames, mm; nan if the linkage cannot be assembled."""
+    return np.where(motion.assembled, motion.bodies[body].point(place).position, np.nan)

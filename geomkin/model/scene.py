@@ -105,6 +105,8 @@ class SceneHandle:
         Radius of the circle, mm.
     column : str
         Id of the column whose plot has the handle.
+    is_one_value : bool
+        Whether all keys have one value, as the modules of gears in mesh do.
     """
 
     id: str
@@ -114,6 +116,7 @@ class SceneHandle:
     shape: Literal["point", "circle", "plot"] = "point"
     radius: float = 0.0
     column: str = ""
+    is_one_value: bool = False
 
 
 @record
@@ -159,6 +162,26 @@ def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
         for id in (*plot.columns, *(limit.column for limit in plot.limits)):
             if id not in table.ids:
                 raise DesignError("plots", f"{plot.title} names {id}, which is no column", "give an id", "unknown-key")
+
+
+@record(checked=True, eq=False)
+class Candidate:
+    """A design among which a recipe chooses, as a small picture.
+
+    Parameters
+    ----------
+    key, value : str and int
+        What the recipe states to choose it, such as `choose` and 2.
+    label : str
+        For people.
+    lines : tuple of complex arrays
+        Strokes of the picture, mm.
+    """
+
+    key: str
+    value: int
+    label: str
+    lines: tuple[Complex, ...]
 
 
 @record(checked=True, eq=False)

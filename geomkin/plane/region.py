@@ -136,11 +136,16 @@ class Edges:
 
     def distance(self, points: Complex, which: Whole) -> Real:
         """Distance of each point from the edge of a given index, mm."""
-        start, edge = self.starts[which], self.ends[which] - self.starts[which]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.nan_to_num(np.clip(dot(edge, points - start) / np.abs(edge) ** 2, 0, 1))
-        distance: Real = np.abs(start + share * edge - points)
-        return distance
+        return distance_from_segment(points, self.starts[which], self.ends[which])
+
+
+def distance_from_segment(points: Complex, starts: Complex, ends: Complex) -> Real:
+    """Distance of each point from the straight segment of the same index, mm."""
+    edge = ends - starts
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.nan_to_num(np.clip(dot(edge, points - starts) / np.abs(edge) ** 2, 0, 1))
+    distance: Real = np.abs(starts + share * edge - points)
+    return distance
 
 
 def thinned(loop: Complex, tolerance: float) -> Complex:

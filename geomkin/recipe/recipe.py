@@ -1,4 +1,4 @@
-"""What every recipe is: the text of one thing to make, and all that can be known of it."""
+"""The base classes of all recipes: a recipe describes one mechanism, and computes all results on request."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
-from ..model.scene import Scene, SceneHandle
+from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
 from ..plane.vec import Complex
 from .settings import Files
 
-# Tables of what is bought, cut from and written: a mechanism of another size has the same screws and sheets.
+# Tables that `scale` leaves alone: a mechanism of another size has the same screws and sheets.
 UNSCALED = ("stock", "base", "files")
 
 
@@ -43,21 +43,21 @@ class _Shared:
 
 
 class AbstractRecipe(_Shared, ABC):
-    """A recipe: a frozen dataclass of keyword arguments, on which all that can be known of it hangs.
+    """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
 
-    A subclass has the field `kind`, a Literal with itself as default, then its tables, the mechanism's first, and
-    `files` last; its docstring introduces the kind. What is asked of it is worked out then, and kept. Any of it may
-    raise DesignError, whose field is a size of the mechanism or a dotted key of the recipe.
+    A subclass has the field `kind`, a Literal whose default is its only value, then its tables, the mechanism's first,
+    and `files` last; its docstring introduces the kind. A property is computed on first use and cached. Any of them may
+    raise DesignError; its field is a size of the mechanism or a dotted key of the recipe.
     """
 
     kind: str
     files: Files
-    # Of the folder and the files that are made; "" for that of the kind. It is no field: no table may have its name,
-    # and recipes that differ in nothing else are equal.
+    # Name of the folder and the files; "" stands for the kind. It is not a field: recipes that differ only in their
+    # names are equal.
     name: str = ""
     # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
     can_be_scaled: ClassVar[bool] = False
-    # What a template says of the kind, besides what it is.
+    # A sentence that a template adds to the description of the kind.
     advice: ClassVar[str] = ""
     # Every subclass is a dataclass, which a type checker cannot know.
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
@@ -67,37 +67,37 @@ class AbstractRecipe(_Shared, ABC):
     @property
     @abstractmethod
     def design(self) -> object:
-        """The mechanism: sizes as the library takes them, such as FourBar, Cam or SpurGear."""
+        """The mechanism as a type of the library, such as FourBar, Cam or SpurGear."""
 
     @property
     @abstractmethod
     def table(self) -> Table:
-        """What the mechanism does, over its frames."""
+        """Motion and quantities of the mechanism, one row for each frame."""
 
     @property
     @abstractmethod
     def parts(self) -> tuple[Part, ...]:
-        """What is cut."""
+        """The parts to make."""
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """Bought items that join the parts; empty if a kind does not state them."""
+        """Items to buy that join the parts; empty if the kind has none."""
         return ()
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """How the parts are put together, a line each, from the bottom up; empty if a kind does not state it."""
+        """Assembly steps from the bottom up, one line each; empty if the kind has none."""
         return ()
 
     @property
     def assembly_summary(self) -> Mapping[str, object]:
-        """Bought items, steps and masses, as entries of summary.json; empty ones are left out."""
+        """Items to buy, assembly steps and masses, as entries of summary.json; empty ones are left out."""
         entries = {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
         return {**{name: lines for name, lines in entries.items() if lines}, **self.mass_summary}
 
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:
-        """Mass of each moving or fixed body, in its frame, by name; of bodies whose parts have a material."""
+        """Mass of each body in its frame, by name, if its parts have a material."""
         return part_masses(self.parts)
 
     @property
@@ -116,19 +116,19 @@ class AbstractRecipe(_Shared, ABC):
     @property
     @abstractmethod
     def design_checks(self) -> tuple[Check, ...]:
-        """Whether the mechanism is good; the walls of its parts come besides."""
+        """Checks of the mechanism, without those of the walls of its parts."""
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
-        """Whether the mechanism is good, and whether its parts hold when they are cut."""
-        # Parts first: a refusal comes before failed checks.
+        """Checks of the mechanism and of the walls of its parts."""
+        # Parts first, since they may raise an error.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
         reasons = self.expected_failures
         return tuple(replace(check, expected=reasons.get(check.id, "")) for check in (*self.design_checks, *walls))
 
     @property
     def unknown_expectations(self) -> tuple[str, ...]:
-        """A sentence for each entry of `expected_failures` that is the id of no check."""
+        """A sentence for each entry of `expected_failures` that is not the id of a check."""
         from .messages import nearest
 
         ids = [check.id for check in self.checks]
@@ -142,24 +142,34 @@ class AbstractRecipe(_Shared, ABC):
     def walls(self) -> Mapping[str, float]:
         """The thinnest wall of each part, mm, by the part's name; inf for one that has none.
 
-        Between two openings, an opening and the edge, or two sides of a neck that is less than two of the limit wide
-        that checks hold it to. Of what is twisted, the least that any slice may have.
+        A wall is between two openings, between an opening and the edge, or between the sides of a neck narrower than
+        twice the limit of its check. For a twisted part it is the thinnest of any slice.
         """
         return thinnest_walls(self.parts, self.files.kerf)
 
     @property
     def scene(self) -> Scene | None:
-        """How it looks moving: None for a kind that shows nothing."""
+        """The moving drawing; None if the kind has none."""
         return None
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        """Lengths, types and ranges that an editor shows beside the scene, by label; the checks come besides."""
+        return {}
+
+    @property
     def handles(self) -> tuple[SceneHandle, ...]:
-        """What an editor lets a user drag. It needs no plates and no search, since a drag computes it repeatedly."""
+        """Handles that a user can drag in an editor; fast to compute, since a drag repeats it."""
         return ()
 
     def handle_position(self, id: str) -> Complex:
-        """Positions of the handle of this id at the frames, as `handles` has them."""
+        """Positions of one of the `handles` at the frames."""
         return next(handle.at for handle in self.handles if handle.id == id)
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Designs among which one key of the recipe chooses; empty if there is nothing to choose."""
+        return ()
 
     @classmethod
     def has_scene(cls) -> bool:
@@ -188,7 +198,7 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def found_recipe(self) -> AbstractRecipe | None:
-        """The recipe that a goal found, which is written beside its files; None for a kind that is no goal."""
+        """The recipe that a goal found, which is written with its files; None for other kinds."""
         return None
 
     @classmethod
@@ -198,32 +208,32 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def subtitle(self) -> str:
-        """One line that introduces what is made: that of the kind, where that says enough."""
+        """One line that introduces this mechanism; by default that of its kind."""
         return self.about()
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        """Sizes, by dotted key, that make an example of the tables that a template is asked to show.
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        """Values by dotted key with which a template shows some optional tables; the fields' examples serve otherwise.
 
-        asked: dotted key -> kind of table. What this leaves out is made of the examples of its fields.
+        tables: dotted key -> kind of table.
         """
         return {}
 
     def at_scale(self, scale: float) -> Self:
-        """The same with every length multiplied, but for those of `UNSCALED` tables; see `gk.scaled`."""
-        found: Self = with_lengths(self, scale, UNSCALED)
-        return found.with_name(self.name)
+        """The same recipe with every length multiplied, except in `UNSCALED` tables; see `gk.scaled`."""
+        recipe: Self = with_lengths(self, scale, UNSCALED)
+        return recipe.with_name(self.name)
 
     @checked
     def with_name(self, name: str) -> Self:
-        """The same recipe under another name, that of its folder and files."""
+        """The same recipe with another name for its folder and files."""
         other = copy.copy(self)
         object.__setattr__(other, "name", name)
         return other
 
 
 def part_masses(parts: Iterable[Part]) -> dict[str, Mass]:
-    """Sum of the masses of one copy of each part by body; without parts that have no body or no material."""
+    """Mass by body: the sum over one copy of each part that has a body and a material."""
     bodies: dict[str, Mass] = {}
     for part in parts:
         if part.body and part.mass is not None:
@@ -233,7 +243,7 @@ def part_masses(parts: Iterable[Part]) -> dict[str, Mass]:
 
 @checked
 def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
-    """Mass properties of the bodies of a recipe, from its parts as they are cut.
+    """Mass properties of the bodies of a recipe, computed from its parts.
 
     Parameters
     ----------
@@ -243,8 +253,8 @@ def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
     Returns
     -------
     dict of str to Mass
-        Of each body, in its own frame: plates from their exact outlines and holes; in linkages and cams also screws,
-        rods and pins, of steel. A pin belongs to the body of its lowest plate. With several copies, of one.
+        Mass of each body in its frame: plates from their exact outlines and holes; in linkages and cams also screws,
+        rods and pins, of steel. A pin belongs to the body of its lowest plate. With several copies, the mass of one.
 
     Raises
     ------
@@ -265,20 +275,15 @@ def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
 
 
 class AbstractGoal(AbstractRecipe):
-    """A recipe that finds another one: its `design` is that recipe, and what is known of that one is handed on.
+    """A recipe that searches for another one, which is its `design` and supplies its parts, table and scene.
 
-    A subclass finds the design, and adds the facts of the search to `design_checks`, `parts` and `notes`.
+    A subclass finds the design, and adds the results of the search to `design_checks`, `parts` and `notes`.
     """
 
     @property
     @abstractmethod
     def design(self) -> AbstractRecipe:
         """The recipe that was found."""
-
-    @property
-    def facts(self) -> tuple[str, ...]:
-        """Lines that `geomkin check` prints below the checks."""
-        return ()
 
     @property
     def found_recipe(self) -> AbstractRecipe:
@@ -298,10 +303,10 @@ class AbstractGoal(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """Those of the recipe found; drawings that the goal adds are joined to nothing."""
-        held = {part.name for part in self.design.parts}
-        drawn = [part.name for part in self.parts if part.name not in held]
-        return (*self.design.steps, *(f"{name} is a drawing, joined to nothing" for name in drawn))
+        """Assembly steps of the found recipe, and a line for each drawing that the goal adds."""
+        made = {part.name for part in self.design.parts}
+        drawings = [part.name for part in self.parts if part.name not in made]
+        return (*self.design.steps, *(f"{name} is a drawing, joined to nothing" for name in drawings))
 
     @property
     def body_masses(self) -> Mapping[str, Mass]:
@@ -310,6 +315,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         return self.design.design_checks
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        return self.design.quantities
 
     @property
     def scene(self) -> Scene | None:
@@ -322,8 +331,8 @@ class AbstractGoal(AbstractRecipe):
         return {**notes, "stack": {**stack, "steps": list(self.steps)}} if isinstance(stack, Mapping) else notes
 
 
-class Assembly(Protocol):
-    """Bought parts and assembly steps of a mechanism, as `making` and `linkage` have them."""
+class AssemblyLike(Protocol):
+    """Items to buy and assembly steps; `making.assembly.Assembly` is one."""
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -331,16 +340,16 @@ class Assembly(Protocol):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """A line for each step, from the bottom up."""
+        """Assembly steps from the bottom up, one line each."""
 
 
 class AbstractAssembledRecipe(AbstractRecipe):
-    """A recipe of gears or of a cam. Bill and steps come from one thing, so that names and letters agree."""
+    """A recipe of gears or of a cam, whose items to buy and assembly steps come from one `assembly`."""
 
     @property
     @abstractmethod
-    def assembly(self) -> Assembly:
-        """Shafts and keys, what holds them and the base, and how all of it goes together."""
+    def assembly(self) -> AssemblyLike:
+        """Shafts, keys, collars and screws, and the assembly steps."""
 
     @property
     def bought(self) -> tuple[Bought, ...]:

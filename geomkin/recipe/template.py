@@ -1,4 +1,4 @@
-"""What may stand in a recipe, from the declarations that validate it: a recipe to start from, and the JSON Schema."""
+"""Templates of recipes and their JSON Schema, both made from the declarations that validate recipes."""
 
 from __future__ import annotations
 
@@ -18,34 +18,34 @@ from .load import adapter, toml_value
 from .messages import kind_of, nearest, tables_in
 from .recipe import AbstractRecipe
 
-# Editors look for the schema beside the recipe, which works for everyone who has the command, without a network.
+# Editors look for the schema in the folder of the recipe, so no network is needed.
 SCHEMA = "geomkin.schema.json"
-# What the key `scale` means, which no class has as a field: it is gone once a recipe is loaded.
+# Description of the key `scale`. No class has it as a field, since loading applies it.
 SCALE = "multiplies all lengths but those of stock, base and files; from 1e-06 to 1e+06"
 
 
 def template(recipe: type[AbstractRecipe], options: Sequence[str] = ()) -> str:
-    """A commented TOML text of a kind that runs as it is; what may be left out stands commented out.
+    """A TOML text of a kind that runs without changes; optional keys are commented out.
 
-    wishes: tables of another kind than the usual, as `follower=oscillating-roller`, and tables that may be left out,
-    as `web`. DesignError for one that the kind does not have.
+    options: other kinds of tables, as `follower=oscillating-roller`, and optional tables, as `web`. DesignError if the
+    kind does not have one.
     """
-    offered, wanted = choices(recipe), asked(recipe, options)
-    fitted = recipe.example_values(wanted)
-    plain = {key: example(offered[key][which]) for key, which in wanted.items() if not _is_given(key, fitted)}
-    shown = example(recipe, {**plain, **fitted})
+    offered, chosen = choices(recipe), chosen_tables(recipe, options)
+    values = recipe.example_values(chosen)
+    tables = {key: example(offered[key][kind]) for key, kind in chosen.items() if not _is_given(key, values)}
+    shown = example(recipe, {**tables, **values})
     return "\n".join([*_head(recipe, offered), *_table("", shown, offered)]).rstrip() + "\n"
 
 
-def _is_given(key: str, fitted: Mapping[str, Any]) -> bool:
-    """Whether a table's example stands among others, by itself or inside one."""
-    return any(key == other or key.startswith(f"{other}.") for other in fitted)
+def _is_given(key: str, values: Mapping[str, Any]) -> bool:
+    """Whether the values contain a table, by itself or inside another one."""
+    return any(key == other or key.startswith(f"{other}.") for other in values)
 
 
 def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None) -> Any:
-    """An instance of a dataclass from the examples its fields give.
+    """An instance of a dataclass, made from the examples of its fields.
 
-    given: values by dotted key that stand for those; base: an instance that the rest is taken from.
+    given: values by dotted key that replace examples; base: an instance that supplies all others.
     """
     hints, given = get_type_hints(cls), given or {}
     values = {}
@@ -57,8 +57,8 @@ def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None)
         elif field.name in given:
             values[field.name] = given[field.name]
         elif inside:
-            held = type(shown) if dataclasses.is_dataclass(shown) else hints[field.name]
-            values[field.name] = example(held, given=inside, base=shown if dataclasses.is_dataclass(shown) else None)
+            table = type(shown) if dataclasses.is_dataclass(shown) else hints[field.name]
+            values[field.name] = example(table, given=inside, base=shown if dataclasses.is_dataclass(shown) else None)
         elif base is not None or (shown is not None and shown is not dataclasses.MISSING):
             values[field.name] = shown
         elif field.default is dataclasses.MISSING:
@@ -67,20 +67,20 @@ def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None)
 
 
 def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]]) -> list[str]:
-    """What the recipe is, how an editor gets to know it, and what else `new` can show."""
+    """Comments: the kind, its schema, and the other tables that `new` can show."""
     text = [
         *textwrap.wrap(f"{recipe.about()} {recipe.advice}".strip(), 110),
-        f"An editor marks what is wrong here once `geomkin schema > {SCHEMA}` has been run beside this file.",
+        f"Run `geomkin schema > {SCHEMA}` in this folder once; then editors mark mistakes while you type.",
     ]
     for key in dict.fromkeys(key.rsplit(".", 1)[-1] for key in offered):
         kinds = next(kinds for other, kinds in offered.items() if other.rsplit(".", 1)[-1] == key)
-        wish = f"{key}={list(kinds)[-1]}" if "" not in kinds else key
-        text.append(f"Another kind of table, or more: geomkin new {kind_of(recipe)} --with {wish}")
+        option = f"{key}={list(kinds)[-1]}" if "" not in kinds else key
+        text.append(f"To show other tables: geomkin new {kind_of(recipe)} --with {option}")
     return [f"#:schema ./{SCHEMA}", *(f"# {line}" for line in text)]
 
 
 def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
-    """Lines of a table: plain keys first, then its own tables."""
+    """Lines of a table: its keys with plain values first, then the tables in it."""
     plain, tables = [], []
     if not path and value.can_be_scaled:
         plain.append(("# scale = 1", SCALE))
@@ -93,7 +93,7 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
                 tables += ["", f"[[{name}]]", *_table(name, row, offered)]
         elif isinstance(inner, dict) and inner:
             tables += ["", f"[{name}]  # {field.metadata['description']}"]
-            tables += [f"{key} = {toml_value(held)}" for key, held in inner.items()]
+            tables += [f"{key} = {toml_value(item)}" for key, item in inner.items()]
         elif dataclasses.is_dataclass(inner):
             tables += ["", f"[{name}]", *_table(name, inner, offered)]
         else:
@@ -122,41 +122,41 @@ def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, st
 
 
 def _words(hint: Any) -> list[str]:
-    """The texts that a type hint allows, or that stand there unless it is left out."""
+    """The texts that a type hint allows."""
     if get_origin(hint) is Literal:
         return [str(word) for word in get_args(hint)]
     return [word for part in get_args(hint) if get_origin(hint) in (Union, UnionType) for word in _words(part)]
 
 
 def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
-    """Dotted key -> kind -> its dataclass, of all tables that a template shows only one kind of, or not at all.
+    """Tables that have several kinds, or that a template leaves out by default: dotted key -> kind -> its dataclass.
 
-    Tables that may be left out have the one kind "".
+    An optional table has the single kind "".
     """
-    found: dict[str, dict[str, type]] = {}
+    tables_by_key: dict[str, dict[str, type]] = {}
     hints = get_type_hints(recipe)
     for field in dataclasses.fields(recipe):
         tables, key = tables_in(hints[field.name]), path + field.name
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
         is_shown = bool(field.metadata.get("examples", [None])[0])
         if len(kinds) > 1:
-            found[key] = kinds
+            tables_by_key[key] = kinds
         elif tables and not is_shown and (field.default is None or get_origin(hints[field.name]) is tuple):
-            found[key] = {"": tables[0]}
+            tables_by_key[key] = {"": tables[0]}
         elif len(tables) == 1:
-            found |= choices(tables[0], f"{key}.")
-    return found
+            tables_by_key |= choices(tables[0], f"{key}.")
+    return tables_by_key
 
 
-def asked(recipe: type, options: Iterable[str]) -> dict[str, str]:
-    """Dotted key -> kind of what is asked for, as `follower=oscillating-roller` or `stock.web`, of a recipe's class.
+def chosen_tables(recipe: type, options: Iterable[str]) -> dict[str, str]:
+    """Dotted key -> kind of each table that options such as `follower=oscillating-roller` or `stock.web` name.
 
-    The end of a key stands for all keys that end so. DesignError for what there is not.
+    The end of a key stands for all keys with this end. DesignError if there is no such table or kind.
     """
     offered = choices(recipe)
-    found: dict[str, str] = {}
-    for wish in options:
-        end, _, which = wish.partition("=")
+    chosen: dict[str, str] = {}
+    for option in options:
+        end, _, kind = option.partition("=")
         keys = [key for key in offered if key == end or key.endswith(f".{end}")]
         if not keys:
             short = {key.rsplit(".", 1)[-1]: key for key in offered}
@@ -166,18 +166,18 @@ def asked(recipe: type, options: Iterable[str]) -> dict[str, str]:
             )
         for key in keys:
             kinds = offered[key]
-            if which not in kinds:
+            if kind not in kinds:
                 remedy = f"give {' or '.join(f'{end}={k}' if k else end for k in kinds)}"
-                raise DesignError("--with", f"found {printable(wish)}", nearest(which, kinds) + remedy, "unknown-kind")
-            found[key] = which
-    return found
+                raise DesignError("--with", f"found {printable(option)}", nearest(kind, kinds) + remedy, "unknown-kind")
+            chosen[key] = kind
+    return chosen
 
 
 def schema() -> dict[str, Any]:
-    """A schema in which a wrong key or value is wrong at its own place, not at the whole recipe or segment.
+    """The JSON Schema of all kinds of recipe.
 
-    A table is recognised by its `kind` alone: each has its `if` and `then`. Of a plain choice between
-    them (`oneOf`) an editor only sees that none fits, and marks the whole.
+    Each kind of a table has an `if` on its `kind` and a `then`, so that an editor marks the wrong key itself. With a
+    choice between all kinds (`oneOf`) an editor marks the whole table.
     """
     kinds = {name: recipe_class(name) for name in kind_names()}
     inputs: list[tuple[str, Literal["validation"], TypeAdapter[Any]]] = [
@@ -188,14 +188,19 @@ def schema() -> dict[str, Any]:
         table["additionalProperties"] = False
     for name, recipe in kinds.items():
         if recipe.can_be_scaled:
-            own = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]
-            own["properties"]["scale"] = {"type": "number", "minimum": 1e-6, "maximum": 1e6, "description": SCALE}
+            definition = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]
+            definition["properties"]["scale"] = {
+                "type": "number",
+                "minimum": 1e-6,
+                "maximum": 1e6,
+                "description": SCALE,
+            }
     recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_plain(shared), **recipes}
 
 
 def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
-    """A table that is one of several, by its `kind`. tables: the reference to each; usual: without one."""
+    """A table of one of several kinds. tables: kind -> reference; usual: the kind if the key is missing."""
     return {
         "type": "object",
         "required": [] if usual else ["kind"],
@@ -211,13 +216,13 @@ def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
 
 
 def _plain(node: Any) -> Any:
-    """The same without what TOML does not know (null, complex numbers), and with choices distinguished by `kind`."""
+    """The schema without null and complex numbers, which TOML lacks, and with choices by `kind`."""
     if isinstance(node, list):
         return [_plain(part) for part in node]
     if not isinstance(node, dict):
         return node
     node = {key: part if key in ("default", "enum", "const") else _plain(part) for key, part in node.items()}
-    # Where a formula is from is for those who read the code.
+    # Sections such as Notes are for readers of the code.
     if isinstance(node.get("description"), str):
         node["description"] = re.split(r"\n\n(?:Source\b|\w+\n---)", node["description"])[0]
     # Examples are written as Python has them; templates show them as TOML.
@@ -228,16 +233,16 @@ def _plain(node: Any) -> Any:
         del node["oneOf"]
         node |= _by_kind(choice["mapping"], choice.get("usual", ""))
     if "anyOf" in node:
-        kept = [part for part in node["anyOf"] if part != {"type": "null"}]
-        if len(kept) == 1:
+        types = [part for part in node["anyOf"] if part != {"type": "null"}]
+        if len(types) == 1:
             del node["anyOf"]
-            node = kept[0] | node
+            node = types[0] | node
     if "default" in node:
         default = node.pop("default")
         if isinstance(default, str) and node.get("type") == "array":
             point = complex(default)
             default = [point.real, point.imag]
-        # An editor has no use for a whole table.
+        # Editors do not use default tables.
         if default is not None and not isinstance(default, dict):
             node["default"] = default
     return node

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +17,8 @@ from ..recipe.recipe import AbstractRecipe
 MOST_TRIALS = 40
 # Distance from the pointer, in pixels, at which a handle is under it; rounding of the values adds up to one more.
 UNDER_POINTER = 0.05
+# Movement, in pixels, below which a step of the search is not tried.
+NOTHING = 0.01
 # Change for a derivative, as a share of the largest value of the keys.
 CHANGE = 1e-6
 # Pixels that a snapped value may be away from the pointer: a round step is chosen below this.
@@ -81,17 +83,20 @@ def drag(
     -------
     Dragged
     """
-    free = [n for n in known_numbers if {n.field, n.key} & set(handle.keys) and not is_locked(n.key, locks)]
-    if not free:
+    numbers = [n for n in known_numbers if {n.field, n.key} & set(handle.keys)]
+    free = [n for n in numbers if not is_locked(n.key, locks)]
+    if not free or (handle.is_one_value and len(free) < len(numbers)):
         return Dragged({}, "all keys of this handle are locked")
-    start = np.array([float(n.value) for n in free])
-    whole = np.array([isinstance(n.value, int) for n in free])
+    # Numbers that have one value are changed together.
+    groups = [free] if handle.is_one_value else [[n] for n in free]
+    start = np.array([float(group[0].value) for group in groups])
+    whole = np.array([isinstance(group[0].value, int) for group in groups])
     known = np.isfinite(handle.at)
 
     def tried(values: Array) -> _Outcome:
         nothing = np.full(1, np.inf)
         try:
-            changed = opened(_as_changes(free, values))
+            changed = opened(_as_changes(groups, values))
             moved, radius = changed.handle_position(handle.id), 0.0
             if handle.shape == "circle":
                 radius = next(h.radius for h in changed.handles if h.id == handle.id)
@@ -110,7 +115,8 @@ def drag(
         return Dragged({}, "the mechanism cannot be assembled in this position")
     best, residual, reason, slopes = _solved(tried, start, whole)
     values = _rounded(tried, start, best, residual, whole, slopes, snap)
-    return Dragged({n.key: v for n, v, old in zip(free, _plain(free, values), start) if v != old}, reason)
+    changes = _as_changes([group for group, v, old in zip(groups, values, start) if v != old], values[values != start])
+    return Dragged(changes, reason)
 
 
 def _solved(tried: Callable[[Array], _Outcome], start: Array, whole: Array) -> tuple[Array, Real, str, Real]:
@@ -119,8 +125,10 @@ def _solved(tried: Callable[[Array], _Outcome], start: Array, whole: Array) -> t
     if reason:
         return start, residual, reason, np.zeros(len(start))
     slopes: Real = np.zeros((len(residual), len(start)))
-    damping, trials = 0.0, 0
+    # room: the longest step, in pixels; halved from a refusal on, which finds the limit by bisection.
+    damping, room, trials = 0.0, np.inf, 0
     reason, is_new = "", True
+    last: Array = np.zeros(len(start))
     while np.linalg.norm(residual) > UNDER_POINTER and trials < MOST_TRIALS:
         if is_new:
             slopes = _slopes(tried, values, residual, whole)
@@ -130,21 +138,26 @@ def _solved(tried: Callable[[Array], _Outcome], start: Array, whole: Array) -> t
             if damping == 0:
                 break
         change = -np.linalg.solve(square + damping * np.eye(len(start)), slopes.T @ residual)
+        # A pointer outside a circle on which the handle moves makes steps too long by the ratio of the distances.
+        change *= 0.5 if change @ last < 0 else 1.0
+        change *= min(1.0, room / max(float(np.linalg.norm(slopes @ change)), NOTHING))
         trial = np.where(whole, np.rint(values + change), values + change)
-        if np.allclose(trial, values, rtol=1e-12, atol=0):
+        movement = float(np.linalg.norm(slopes @ (trial - values)))
+        if movement < NOTHING:
             break
         trials += 1
         outcome = tried(trial)
+        room = 0.5 * movement if outcome.reason else 0.5 * room
         is_new = not outcome.reason and np.linalg.norm(outcome.residual) < np.linalg.norm(residual)
         if is_new:
             # Slow progress is a minimum that the keys cannot leave.
-            slow = np.linalg.norm(outcome.residual) > 0.999 * np.linalg.norm(residual)
-            values, residual, damping = trial, outcome.residual, 0.01 * damping
+            slow = np.linalg.norm(outcome.residual) > (1 - 1e-5) * np.linalg.norm(residual) and room == np.inf
+            values, residual, damping, last = trial, outcome.residual, 0.01 * damping, change
             if slow:
                 break
-        else:
-            reason = outcome.reason or reason
+        elif not outcome.reason:
             damping = 10 * damping if damping > 1e-4 * np.trace(square) else 1e-3 * float(np.trace(square))
+        reason = outcome.reason or reason
     if np.linalg.norm(residual) <= UNDER_POINTER:
         reason = ""
     return values, residual, reason, np.linalg.norm(slopes, axis=0)
@@ -175,7 +188,7 @@ def _rounded(
     snap: bool,
 ) -> Array:
     """The values with as many digits as a pixel resolves, or in round steps, as far as the recipe takes them."""
-    rounded = values.copy()
+    rounded, inside = values.copy(), values.copy()
     for k in np.flatnonzero((values != start) & ~whole & (slopes > 0)):
         # Rounding moves the handle by half a pixel at most, shared by all keys.
         resolution = (SNAP if snap else 1.0) / slopes[k] / len(values)
@@ -184,16 +197,16 @@ def _rounded(
         if snap:
             unit *= max(step for step in (1, 2, 5) if step * unit <= max(resolution, unit))
         rounded[k] = float(f"{np.rint(values[k] / unit) * unit:.{max(decimals, 0)}f}")
-    return rounded if not tried(rounded).reason else values
+        # At a limit, the next round value on the near side.
+        inward = np.floor if values[k] > start[k] else np.ceil
+        inside[k] = float(f"{inward(values[k] / unit) * unit:.{max(decimals, 0)}f}")
+    return next((row for row in (rounded, inside) if not tried(row).reason), values)
 
 
-def _as_changes(free: list[Number], values: Array) -> dict[str, float | int]:
-    return dict(zip((n.key for n in free), _plain(free, values)))
-
-
-def _plain(free: list[Number], values: Array) -> list[float | int]:
-    """Values as a recipe states them: whole numbers without a point."""
-    return [
-        int(v) if isinstance(n.value, int) or (v.is_integer() and abs(v) < 2**53) else v
-        for n, v in zip(free, map(float, values))
-    ]
+def _as_changes(groups: Sequence[Sequence[Number]], values: Array) -> dict[str, float | int]:
+    """Values by key as a recipe states them: whole numbers without a point."""
+    return {
+        n.key: int(v) if isinstance(n.value, int) or (v.is_integer() and abs(v) < 2**53) else v
+        for group, v in zip(groups, map(float, values))
+        for n in group
+    }

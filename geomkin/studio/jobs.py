@@ -17,7 +17,7 @@ class _Stopped(BaseException):
     """Raised inside the work at its next report of progress. It is no Exception, so that no work swallows it."""
 
 
-class Job:
+class BackgroundJob:
     """Work in a thread of its own.
 
     Parameters
@@ -58,12 +58,12 @@ class Jobs:
     """The jobs of a server, by number."""
 
     def __init__(self) -> None:
-        self._jobs: dict[str, Job] = {}
+        self._jobs: dict[str, BackgroundJob] = {}
         self._lock, self._count = Lock(), 0
 
-    def start(self, work: Callable[[], dict[str, Any]]) -> tuple[str, Job]:
+    def start(self, work: Callable[[], dict[str, Any]]) -> tuple[str, BackgroundJob]:
         """Start a job, and return its number and itself."""
-        job = Job(work)
+        job = BackgroundJob(work)
         with self._lock:
             self._count += 1
             self._jobs[str(self._count)] = job
@@ -71,7 +71,7 @@ class Jobs:
                 self._jobs.pop(next(iter(self._jobs))).stop()
             return str(self._count), job
 
-    def get(self, id: str) -> Job | None:
+    def get(self, id: str) -> BackgroundJob | None:
         """The job of this number; None if there is none."""
         return self._jobs.get(id)
 

@@ -32,8 +32,8 @@ from ..gear.ring import RingGear
 from ..gear.scene_pairs import pair_scene
 from ..gear.spur import SpurGear
 from ..linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG, linkage_checks
+from ..linkage.drive_limits import TURN, driver_limits
 from ..linkage.linkage import AbstractLinkage
-from ..linkage.measures import TURN, driver_limits
 from ..linkage.motion import Motion, motion_table
 from ..linkage.moving import move
 from ..linkage.scene import linkage_scene, motion_plots

@@ -22,14 +22,14 @@ from ..build import make
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, printable
 from ..core.names import file_name_flaw
 from ..export.assembly_svg import assembly
-from ..export.job import Job as ExportJob
+from ..export.job import Job
 from ..recipe.kinds import KINDS, all_kinds, recipe_class
 from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.template import template
 from .edit import Draft, answer
 from .form import form
-from .jobs import Job, Jobs
+from .jobs import BackgroundJob, Jobs
 from .workspace import ConflictError, Workspace
 
 HOST = "127.0.0.1"
@@ -84,7 +84,7 @@ class Studio:
         self._lock = Lock()
         # The last recipe, whose checks are asked for after its scene, and the search that goes on.
         self._last: tuple[tuple[Any, ...], AbstractRecipe] | None = None
-        self._search: Job | None = None
+        self._search: BackgroundJob | None = None
         self._pictures: dict[str, bytes] = {}
 
     def get(self, name: str, query: Mapping[str, str]) -> Any:
@@ -153,7 +153,7 @@ class Studio:
             return answer(text, files, request, name, self._opened)
         except Exception as error:
             # A fault of ours must not lose the user's text.
-            problem = f"geomkin failed by a fault of its own ({printable(f'{type(error).__name__}: {error}', 200)})"
+            problem = f"internal error ({printable(f'{type(error).__name__}: {error}', 200)})"
             entry = {"key": "", "problem": problem, "remedy": "please report it", "id": "internal"}
             return {**answer("", {}, {}), "text": text, "problems": [entry]}
 
@@ -201,7 +201,7 @@ class Studio:
         with suppress(GeomkinError):
             recipe = parse(text, "recipe", str(self.workspace.folder)).with_name(name)
             if recipe.scene is not None:
-                return assembly(ExportJob(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
+                return assembly(Job(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
         return b""
 
     def _changed(self, query: Mapping[str, str]) -> dict[str, str]:
@@ -211,7 +211,7 @@ class Studio:
             time.sleep(LOOK)
         return {"base": mark}
 
-    def _job(self, query: Mapping[str, Any]) -> Job:
+    def _job(self, query: Mapping[str, Any]) -> BackgroundJob:
         job = self.jobs.get(str(query.get("id", "")))
         if job is None:
             raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such job")
@@ -356,7 +356,7 @@ class _Handler(BaseHTTPRequestHandler):
             content, kind = _json({"problems": _problems(error)})
         except Exception as error:
             status = HTTPStatus.INTERNAL_SERVER_ERROR
-            problem = f"geomkin failed by a fault of its own ({printable(f'{type(error).__name__}: {error}', 200)})"
+            problem = f"internal error ({printable(f'{type(error).__name__}: {error}', 200)})"
             content, kind = _json(
                 {"problems": [{"key": "", "problem": problem, "remedy": "please report it", "id": "internal"}]}
             )

@@ -1,11 +1,11 @@
 # The public names of this package. Each is imported when it is first used.
 from .found import Found as Found
-from .function.function import FunctionGenerator as FunctionGenerator
-from .function.function import Peak as Peak
-from .function.function import SliderFunctionGenerator as SliderFunctionGenerator
 from .function.function import chebyshev_points as chebyshev_points
 from .function.function import function_generator as function_generator
 from .function.function import slider_function_generator as slider_function_generator
+from .function.results import FunctionGenerator as FunctionGenerator
+from .function.results import Peak as Peak
+from .function.results import SliderFunctionGenerator as SliderFunctionGenerator
 from .function.wanted import Expression as Expression
 from .function.wanted import named_function as named_function
 from .guidance.burmester import Burmester as Burmester

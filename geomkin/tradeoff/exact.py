@@ -29,46 +29,46 @@ def many_digits() -> Iterator[None]:
 
 
 @record
-class Vector:
+class DecimalVector:
     """A vector in decimals."""
 
     x: Decimal
     y: Decimal
 
-    def __add__(self, other: Vector) -> Vector:
-        return Vector(self.x + other.x, self.y + other.y)
+    def __add__(self, other: DecimalVector) -> DecimalVector:
+        return DecimalVector(self.x + other.x, self.y + other.y)
 
-    def __sub__(self, other: Vector) -> Vector:
-        return Vector(self.x - other.x, self.y - other.y)
+    def __sub__(self, other: DecimalVector) -> DecimalVector:
+        return DecimalVector(self.x - other.x, self.y - other.y)
 
-    def times(self, factor: Decimal) -> Vector:
-        return Vector(self.x * factor, self.y * factor)
+    def times(self, factor: Decimal) -> DecimalVector:
+        return DecimalVector(self.x * factor, self.y * factor)
 
-    def dot(self, other: Vector) -> Decimal:
+    def dot(self, other: DecimalVector) -> Decimal:
         return self.x * other.x + self.y * other.y
 
-    def cross(self, other: Vector) -> Decimal:
+    def cross(self, other: DecimalVector) -> Decimal:
         return self.x * other.y - self.y * other.x
 
     @property
-    def left(self) -> Vector:
+    def left(self) -> DecimalVector:
         """The vector rotated by a quarter turn."""
-        return Vector(-self.y, self.x)
+        return DecimalVector(-self.y, self.x)
 
 
-ZERO = Vector(Decimal(0), Decimal(0))
+ZERO = DecimalVector(Decimal(0), Decimal(0))
 
 
 @record
-class Place:
+class PointDerivatives:
     """Position of a point, and its first and second derivative by the drive."""
 
-    at: Vector
-    first: Vector
-    second: Vector
+    at: DecimalVector
+    first: DecimalVector
+    second: DecimalVector
 
-    def __sub__(self, other: Place) -> Place:
-        return Place(self.at - other.at, self.first - other.first, self.second - other.second)
+    def __sub__(self, other: PointDerivatives) -> PointDerivatives:
+        return PointDerivatives(self.at - other.at, self.first - other.first, self.second - other.second)
 
     @property
     def turning(self) -> tuple[Decimal, Decimal]:
@@ -77,19 +77,21 @@ class Place:
         return self.at.cross(self.first) / square, self.at.cross(self.second) / square
 
 
-def fixed(x: float, y: float = 0.0) -> Place:
+def fixed(x: float, y: float = 0.0) -> PointDerivatives:
     """A point of the ground."""
-    return Place(Vector(Decimal(x), Decimal(y)), ZERO, ZERO)
+    return PointDerivatives(DecimalVector(Decimal(x), Decimal(y)), ZERO, ZERO)
 
 
-def circling(radius: float, angle: float) -> Place:
+def circling(radius: float, angle: float) -> PointDerivatives:
     """A point of a crank about the origin, at exactly the angle of the float, rad."""
     cosine, sine = cosine_sine(Decimal(angle))
-    at = Vector(cosine, sine).times(Decimal(radius))
-    return Place(at, at.left, at.times(Decimal(-1)))
+    at = DecimalVector(cosine, sine).times(Decimal(radius))
+    return PointDerivatives(at, at.left, at.times(Decimal(-1)))
 
 
-def pinned(one: Place, other: Place, length: float, length_2: float, branch: int) -> Place:
+def pinned(
+    one: PointDerivatives, other: PointDerivatives, length: float, length_2: float, branch: int
+) -> PointDerivatives:
     """The pin at given distances from two points; branch +1: to the left of the line from the first to the second."""
     b, c, apart = Decimal(length), Decimal(length_2), other.at - one.at
     square = apart.dot(apart)
@@ -101,25 +103,27 @@ def pinned(one: Place, other: Place, length: float, length_2: float, branch: int
     first = _solved(arms, [arm.dot(base.first) for arm, base in zip(arms, (one, other))])
     rates = [first - base.first for base in (one, other)]
     right = [arm.dot(base.second) - rate.dot(rate) for arm, base, rate in zip(arms, (one, other), rates)]
-    return Place(at, first, _solved(arms, right))
+    return PointDerivatives(at, first, _solved(arms, right))
 
 
-def sliding(one: Place, length: float, height: float, branch: int) -> Place:
+def sliding(one: PointDerivatives, length: float, height: float, branch: int) -> PointDerivatives:
     """The pin at a given distance from a point, on the line y = height; branch +1: on the +x side."""
     down = Decimal(height) - one.at.y
     across = branch * (Decimal(length) ** 2 - down * down).sqrt()
-    arm = Vector(across, down)
-    first = Vector(arm.dot(one.first) / across, Decimal(0))
+    arm = DecimalVector(across, down)
+    first = DecimalVector(arm.dot(one.first) / across, Decimal(0))
     rate = first - one.first
-    return Place(one.at + arm, first, Vector((arm.dot(one.second) - rate.dot(rate)) / across, Decimal(0)))
+    return PointDerivatives(
+        one.at + arm, first, DecimalVector((arm.dot(one.second) - rate.dot(rate)) / across, Decimal(0))
+    )
 
 
-def carried(start: Place, end: Place, local: complex) -> Place:
+def carried(start: PointDerivatives, end: PointDerivatives, local: complex) -> PointDerivatives:
     """A point of the body whose x axis passes through two pins, at `local` from the first, mm."""
     axis = end - start
     length = axis.at.dot(axis.at).sqrt()
     x, y = Decimal(local.real) / length, Decimal(local.imag) / length
-    return Place(
+    return PointDerivatives(
         *(s + a.times(x) + a.left.times(y) for s, a in zip(
             (start.at, start.first, start.second), (axis.at, axis.first, axis.second)
         ))
@@ -139,11 +143,11 @@ def cosine_sine(angle: Decimal) -> tuple[Decimal, Decimal]:
     return cosine, sine
 
 
-def _solved(rows: list[Vector], right: list[Decimal]) -> Vector:
+def _solved(rows: list[DecimalVector], right: list[Decimal]) -> DecimalVector:
     """The vector with given scalar products with two others."""
     one, two = rows
     share = one.cross(two)
-    return Vector((right[0] * two.y - right[1] * one.y) / share, (right[1] * one.x - right[0] * two.x) / share)
+    return DecimalVector((right[0] * two.y - right[1] * one.y) / share, (right[1] * one.x - right[0] * two.x) / share)
 
 
 # Numbers of entries with which tables are tried.
@@ -199,7 +203,7 @@ class Track:
     right: Complex
 
     @classmethod
-    def of(cls, linkage: AbstractLinkage, exact: Callable[[float], Vector]) -> Track:
+    def of(cls, linkage: AbstractLinkage, exact: Callable[[float], DecimalVector]) -> Track:
         """The values that `exact` gives at a crank angle, in decimals."""
         drive = np.arange(FRAMES) * (2 * np.pi / FRAMES)
         with many_digits():

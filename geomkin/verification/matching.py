@@ -94,15 +94,24 @@ def position(found: Shape, exact: Shape, tolerance: float) -> tuple[complex, com
     def misfit(turn: complex) -> float:
         return float(edges.nearest((samples - here) / turn + there)[1].mean())
 
-    turn = min(_rotations(found, exact), key=misfit)
-    turn, shift = _fitted(samples, edges, turn, here - turn * there, tolerance)
-    angle = np.round(np.degrees(np.angle(turn)))
-    whole = complex(np.exp(1j * np.radians(angle)))
-    # The shift belongs to the part's own origin, so that a whole rotation changes it.
-    moved = here + whole / turn * (turn * there + shift - here) - whole * there
+    rotations = _rotations(found, exact, tolerance)
+    turn = min(rotations, key=misfit) if len(rotations) > 1 else rotations[0]
+    shift = here - turn * there
+    if rounded := _whole(turn, shift, there, exact.size, tolerance):
+        return rounded
+    turn, shift = _fitted(samples, edges, turn, shift, tolerance)
+    return _whole(turn, shift, there, exact.size, tolerance) or (turn, shift)
+
+
+def _whole(
+    turn: complex, shift: complex, centre: complex, size: float, tolerance: float
+) -> tuple[complex, complex] | None:
+    """A position in whole degrees and millimetres, if one is as close as the tolerance; None otherwise."""
+    whole = complex(np.exp(1j * np.radians(np.round(np.degrees(np.angle(turn))))))
+    # The shift belongs to the part's own origin, so that a whole rotation about its centre changes it.
+    moved = shift + (turn - whole) * centre
     rounded = complex(np.round(moved.real), np.round(moved.imag))
-    is_whole = abs(whole - turn) * exact.size < tolerance and abs(moved - rounded) < tolerance
-    return (whole, rounded) if is_whole else (turn, shift)
+    return (whole, rounded) if abs(whole - turn) * size < tolerance and abs(moved - rounded) < tolerance else None
 
 
 def candidates(found: Shape, exact: Sequence[Shape], tolerance: float) -> list[int]:
@@ -113,8 +122,10 @@ def candidates(found: Shape, exact: Sequence[Shape], tolerance: float) -> list[i
     return alike or order[:TRIED]
 
 
-def _rotations(found: Shape, exact: Shape) -> list[complex]:
+def _rotations(found: Shape, exact: Shape, tolerance: float) -> list[complex]:
     """Rotations that agree with the lowest clear moment of the area; 1 for a plate that is round."""
+    if all(np.ptp(np.abs(loop.points - exact.outline.centroid)) < tolerance for loop in exact.loops):
+        return [1 + 0j]
     for order, (here, there) in enumerate(zip(_moments(found), _moments(exact)), 2):
         if abs(there) > CLEAR:
             angle = np.angle(here / there) / order

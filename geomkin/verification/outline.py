@@ -6,13 +6,17 @@ import numpy as np
 
 from ..core.records import record
 from ..plane.curve import AbstractCurve
-from ..plane.region import Edges
-from ..plane.vec import Complex, Real, cross
+from ..plane.region import Edges, distance_from_segment
+from ..plane.vec import Complex, Real, Whole, cross
 
 # Nodes and weights of Gauss's rule for arc lengths.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 # Halvings of a piece of a curve, and of an edge: more would be below the resolution of the numbers.
 HALVINGS = 40
+# Relative difference of distances that rounding explains.
+EVEN = 1e-6
+# Most pieces of a polygon that are halved at once, and most edges of a chain that one piece may lie along.
+MOST_PIECES, LONGEST_CHAIN = 1_000_000, 64
 
 
 @record(eq=False)
@@ -87,32 +91,64 @@ def outline_of(curve: AbstractCurve, error: float) -> Outline:
 def farthest(outline: Outline, edges: Edges, resolution: float) -> tuple[float, complex]:
     """The largest distance from a point of a polygon to a set of edges, mm, rounded up by at most `resolution`.
 
-    Also the point where it is found. The distance to one edge is convex along a straight line, hence along a piece it
-    is at most that at its ends. Pieces are halved until this bound is close to a distance that occurs.
+    Also the point where it is found. Pieces of the polygon are halved until a bound on their distance is close to one
+    that occurs; if they become too many, which happens between unlike shapes only, the bound is returned.
     """
-    starts, ends = outline.starts, outline.ends
-    least, place, most = 0.0, complex(outline.points[0]), 0.0
+    starts, ends, points = outline.starts, outline.ends, outline.points
+    nearest, distance = edges.nearest(points)
+    first, last = nearest[: len(starts)], np.roll(nearest, -1)[: len(starts)]
+    least, place, most = 0.0, complex(points[0]), 0.0
     for _ in range(HALVINGS):
-        middle = (starts + ends) / 2
-        nearest, distance = edges.nearest(middle)
-        at = int(np.argmax(distance))
-        if distance[at] > least:
-            least, place = float(distance[at]), complex(middle[at])
-        bound = np.maximum(edges.distance(starts, nearest), edges.distance(ends, nearest))
+        # Of distances that rounding alone distinguishes, the first: the place is then the same on every processor.
+        at = int(np.argmax(distance >= (1 - EVEN) * distance.max()))
+        if distance[at] > least * (1 + EVEN):
+            least, place = float(distance[at]), complex(points[at])
+        bound = _bounds(starts, ends, first, last, edges)
         wide = bound > least + resolution
         most = max(most, float(bound[~wide].max(initial=0.0)))
-        starts, middle, ends = starts[wide], middle[wide], ends[wide]
+        starts, ends, first, last = starts[wide], ends[wide], first[wide], last[wide]
         if not len(starts):
             break
-        starts, ends = np.concatenate([starts, middle]), np.concatenate([middle, ends])
+        if len(starts) > MOST_PIECES:
+            return float(bound.max()), place
+        points = (starts + ends) / 2
+        nearest, distance = edges.nearest(points)
+        starts, ends = np.concatenate([starts, points]), np.concatenate([points, ends])
+        first, last = np.concatenate([first, nearest]), np.concatenate([nearest, last])
     return max(least, min(most, least + resolution)), place
+
+
+def _bounds(starts: Complex, ends: Complex, first: Whole, last: Whole, edges: Edges) -> Real:
+    """Bounds on the distance of straight pieces from a set of edges, mm; first, last: edges nearest to their ends.
+
+    The distance to one edge is convex along a piece, hence at most that at its ends. Where a chain of edges leads from
+    the first to the last, the piece is divided at the points nearest to the vertices of the chain: between two of them
+    it lies along one edge, from which its ends are no farther than from the vertices.
+    """
+    at_first = np.maximum(edges.distance(starts, first), edges.distance(ends, first))
+    at_last = np.maximum(edges.distance(starts, last), edges.distance(ends, last))
+    bound: Real = np.minimum(at_first, at_last)
+    chain = np.cumsum(np.append(False, edges.starts[1:] != edges.ends[:-1]))
+    low, high = np.minimum(first, last), np.maximum(first, last)
+    k = np.flatnonzero((high > low) & (high <= low + LONGEST_CHAIN) & (chain[high] == chain[low]))
+    along = np.maximum(edges.distance(starts[k], first[k]), edges.distance(ends[k], last[k]))
+    for step in range(1, int((high[k] - low[k]).max(initial=0)) + 1):
+        vertex = np.minimum(low[k] + step, high[k])
+        along = np.maximum(along, distance_from_segment(edges.starts[vertex], starts[k], ends[k]))
+    bound[k] = np.minimum(bound[k], along)
+    return bound
 
 
 def deviation(outline: Outline, exact: Outline, resolution: float) -> tuple[float, complex]:
     """The largest distance between two curves, either way, mm, without the errors of their polygons; and its place."""
     there = farthest(outline, Edges(exact.starts, exact.ends), resolution)
     back = farthest(exact, Edges(outline.starts, outline.ends), resolution)
-    return max(there, back, key=lambda found: found[0])
+    return larger(there, back)
+
+
+def larger(one: tuple[float, complex], other: tuple[float, complex]) -> tuple[float, complex]:
+    """The larger of two distances, mm, with its place; the first of two that rounding alone distinguishes."""
+    return other if other[0] > one[0] * (1 + EVEN) else one
 
 
 def arc_points(start: complex, end: complex, bulge: float, error: float) -> Complex:

@@ -19,7 +19,7 @@ SAME = 1e-5
 
 
 @record(eq=False)
-class Plate:
+class StepPlate:
     """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm."""
 
     lower: tuple[Outline, ...]
@@ -58,7 +58,7 @@ class _File:
         return *self.point(centre), _numbers(self.of(axis, "DIRECTION")[2])[2]
 
 
-def read_step(path: Path, error: float) -> Plate:
+def read_step(path: Path, error: float) -> StepPlate:
     """The plate in a STEP file, arcs as chords within `error`, mm. UnreadableError if it holds anything else."""
     with path.open("rb") as stream:
         content = stream.read(LARGEST + 1)
@@ -71,7 +71,7 @@ def read_step(path: Path, error: float) -> Plate:
         raise UnreadableError(f"it is not a STEP file of a plate ({type(fault).__name__})") from None
 
 
-def _plate(file: _File, error: float) -> Plate:
+def _plate(file: _File, error: float) -> StepPlate:
     units = [text for kind, text in file.entities.values() if not kind and "LENGTH_UNIT" in text]
     if len(units) != 1 or "SI_UNIT(.MILLI.,.METRE.)" not in units[0]:
         raise UnreadableError("its unit of length is not the millimetre")
@@ -91,7 +91,7 @@ def _plate(file: _File, error: float) -> Plate:
     if abs(low) > SAME:
         raise UnreadableError(f"its lower face is at z = {low:g}, not 0")
     stamp = re.search(r"FILE_DESCRIPTION\(\('([^']*)'", file.header)
-    return Plate(lower, upper, high, stamp.group(1) if stamp else "")
+    return StepPlate(lower, upper, high, stamp.group(1) if stamp else "")
 
 
 def _loop(file: _File, bound: str, height: float, error: float) -> Outline:

@@ -9,7 +9,7 @@ from geomkin.cam.untrimmed_outline import chord_crossings, crossings
 from geomkin.plane.curve import AbstractCurve
 
 
-class StrokeInput(AbstractCurve):
+class CurveFromFunctions(AbstractCurve):
     """A closed curve by its equations; counts how many points are asked for."""
 
     def __init__(self, point, velocity, end=2 * np.pi):
@@ -33,7 +33,7 @@ class StrokeInput(AbstractCurve):
 
 
 # A limacon crosses itself at the origin where cos t = -1/2.
-LIMACON = StrokeInput(
+LIMACON = CurveFromFunctions(
     lambda t: (1 + 2 * np.cos(t)) * np.exp(1j * t), lambda t: (-2 * np.sin(t) + 1j * (1 + 2 * np.cos(t))) * np.exp(1j * t)
 )  # fmt: skip
 
@@ -98,7 +98,7 @@ def test_no_crossing_beyond_the_limits_is_found():
 
 def test_branches_that_run_the_same_way_have_no_crossing_and_no_step():
     """Two lines, one beside the other, of one direction to the last bit."""
-    beside = StrokeInput(lambda t: t % 1 + 0.1j * np.floor(t), lambda t: np.ones(t.shape, complex), 2.0)
+    beside = CurveFromFunctions(lambda t: t % 1 + 0.1j * np.floor(t), lambda t: np.ones(t.shape, complex), 2.0)
     assert np.isnan(found(beside, [[0.4, 1.3], [0.5, 1.5]], 0.2)).all()
 
 

@@ -85,7 +85,7 @@ class PointedBar(gk.cam.AbstractFollower):
             [0, complex(half, -half), complex(end + half, -half), complex(end + half, half), half * (1 + 1j)]
         )
         hole = gk.cam.Hole("pivot_bore", bars.pivot_bore, self.width, complex(end))
-        return (gk.cam.Plate("pointed bar", gk.plane.Polyline(corners), (hole,)),)
+        return (gk.cam.FollowerPlate("pointed bar", gk.plane.Polyline(corners), (hole,)),)
 
 
 @pytest.fixture

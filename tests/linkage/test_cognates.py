@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.coupler_curve import cognates, roberts_linkage, third_pivot
+from geomkin.linkage.cognate_linkages import cognates, roberts_linkage, third_pivot
 
 TURN = np.linspace(0.03, 0.03 + 2 * np.pi, 181)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.linkage.parts.collisions import Sweep
+from geomkin.linkage.parts.collisions import PointPaths
 from geomkin.linkage.parts.layers import Meetings, Passing, order, runs
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import link_parts, stack_links
@@ -167,7 +167,7 @@ def test_the_gap_between_frames_is_never_reported_larger_than_it_is(step_deg):
             world = here[1].origin.position[:, None] + here[1].direction[:, None] * b.centres
             return (world - here[0].origin.position[:, None]) * np.conj(here[0].direction[:, None])
 
-        told = Sweep(coarse.drive, seen(coarse)).gap(a.centres)[:-1]
+        told = PointPaths(coarse.drive, seen(coarse)).gap(a.centres)[:-1]
         hull = shapely.MultiPoint(gk.plane.xy(a.centres)).convex_hull
         hulls = [shapely.MultiPoint(gk.plane.xy(z)).convex_hull for z in seen(fine)]
         true = shapely.distance(hull, hulls).reshape(len(told), -1).min(axis=1)

@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.progress import Watch, shown
-from geomkin.linkage.coupler_curve import cognates
+from geomkin.linkage.cognate_linkages import cognates
 from geomkin.synthesis.path.double_double import ComplexDoubleDouble
 from geomkin.synthesis.path.homotopy import follow, refine
 from geomkin.synthesis.path.nine_point_equations import (

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.coupler_curve import cognates
+from geomkin.linkage.cognate_linkages import cognates
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.fits import Fit, PathTask
 from geomkin.synthesis.path.nine_points import PathCount

@@ -20,8 +20,8 @@ from .follower import (
     AbstractFollower,
     Bars,
     Contact,
+    FollowerPlate,
     Hole,
-    Plate,
     Side,
     arm_direction,
     faced_arm,
@@ -163,15 +163,15 @@ class TranslatingFlat(AbstractFace):
     def least_base_radius(self, program: Program, least_radius: float) -> float:
         return straight_face_base_radius(program, least_radius, self.tilt_deg)
 
-    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """One plate: the face with its stem."""
         face, width = self.face(bars, program, base_radius, sense), bars.bar_width
         outline, end = stemmed_face(face, self.tilt, width, bars.stem_length)
         hole = Hole("pivot_bore", bars.pivot_bore, width, end)
         # The corners of a face lie outside its contact range.
-        return (Plate("follower", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
+        return (FollowerPlate("follower", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
 
-    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """The same plate with a second hole in the stem."""
         (follower,) = self.plates(bars, program, base_radius, sense)
         return (replace(follower, holes=guide_holes(bars, 1j * np.exp(-1j * self.tilt))),)
@@ -278,10 +278,10 @@ class OscillatingFlat(AbstractFace):
         psi = -side_sign(self.side) * np.angle(-from_pivot) - np.arctan2(self.face_offset, along)
         return np.where(np.isfinite(along), psi - self.start_angle(base_radius), -np.inf)
 
-    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """One plate: the arm about its pivot, with the face."""
         face, width = self.face(bars, program, base_radius, sense), bars.bar_width
         outline = faced_arm(face, self.face_offset, width, side_sign(self.side))
         hole = Hole("pivot_bore", bars.pivot_bore, width)
         # The corners of a face lie outside its contact range.
-        return (Plate("arm", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
+        return (FollowerPlate("arm", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)

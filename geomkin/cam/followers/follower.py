@@ -58,7 +58,7 @@ class Hole:
 
 
 @record(eq=False)
-class Plate:
+class FollowerPlate:
     """One plate of a follower.
 
     Parameters
@@ -319,10 +319,10 @@ class AbstractFollower(ABC):
         """Range of the face that the cam touches, mm along the follower's x axis; None for a roller."""
 
     @abstractmethod
-    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """Plates of the follower, each in its own frame. Raises DesignError if the sizes of the bars do not fit."""
 
-    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """Plates of the follower over a base.
 
         A translating follower has two holes `pivot_bore` in line with its motion, whose pins slide in a slot of the

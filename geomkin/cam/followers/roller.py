@@ -16,7 +16,7 @@ from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
 from ..extrema import highest, largest
 from ..program.program import FollowerMotion, Program
-from .follower import AbstractFollower, Bars, Contact, Hole, Plate, Side, arm_direction, guide_holes, side_sign
+from .follower import AbstractFollower, Bars, Contact, FollowerPlate, Hole, Side, arm_direction, guide_holes, side_sign
 
 
 @record
@@ -72,11 +72,11 @@ class AbstractRoller(AbstractFollower):
     def contact_travel(self, program: Program, base_radius: float, sense: int) -> None:
         return None
 
-    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """The roller; none for a knife edge. A translating roller is held by a guide that is not included."""
         radius = self.roller_radius
         hole = Hole("roller_bore", bars.roller_bore, 2 * radius)
-        return (Plate("roller", Circle(0j, radius), (hole,)),) if radius else ()
+        return (FollowerPlate("roller", Circle(0j, radius), (hole,)),) if radius else ()
 
 
 def on_roller(
@@ -169,12 +169,12 @@ class TranslatingRoller(AbstractRoller):
         """The origin is the roller's centre; the x axis is parallel to the ground's."""
         return Pose(self.offset + 1j * (self.start_height(base_radius) + lift), np.ones(np.shape(lift), complex))
 
-    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """The roller and its stem, which lies between cam and base."""
         roller, width = self.plates(bars, program, base_radius, sense), bars.bar_width
         pin = (Hole("roller_bore", bars.roller_bore, width),) if roller else ()
         outline = rounded_hull([0j, 1j * bars.stem_length], width / 2)
-        return *roller, Plate("follower", outline, (*pin, *guide_holes(bars, 1j)))
+        return *roller, FollowerPlate("follower", outline, (*pin, *guide_holes(bars, 1j)))
 
     def resting_lift(self, points: Complex, base_radius: float) -> Real:
         aside = points.real - self.offset
@@ -275,7 +275,7 @@ class OscillatingRoller(AbstractRoller):
         psi = -side_sign(self.side) * np.angle(-from_pivot) + to_centre
         return np.where(np.isfinite(to_centre), psi - self.start_angle(base_radius), -np.inf)
 
-    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[Plate, ...]:
+    def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """The roller and the arm about its pivot."""
         roller, width = super().plates(bars, program, base_radius, sense), bars.bar_width
         pivot, pin = (
@@ -283,4 +283,4 @@ class OscillatingRoller(AbstractRoller):
             Hole("roller_bore", bars.roller_bore, width, self.centre),
         )
         outline = rounded_hull([0j, self.centre], width / 2)
-        return *roller, Plate("arm", outline, (pivot, pin) if roller else (pivot,))
+        return *roller, FollowerPlate("arm", outline, (pivot, pin) if roller else (pivot,))

@@ -18,7 +18,7 @@ from ...making.bases import BaseStock
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Part
-from ...model.scene import Limit, Scene
+from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.recipe import AbstractAssembledRecipe, part_masses
 from ...recipe.settings import Drive, Files
@@ -41,7 +41,7 @@ from ..program.segments import (
     Rise,
     Segment,
 )
-from ..scene import cam_scene
+from ..scene import cam_handles, cam_scene
 from ..undercut import Undercut, undercut
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
@@ -141,6 +141,21 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         """Cam and follower in contact."""
         return cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
 
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(cam_handles(self.cam, self.drive.angles))
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """Largest lift, range of the pressure angle, and the lift lost to undercut."""
+        angle, (unit, size) = np.asarray(self.table["pressure_angle"]), self.cam.follower.lift_unit
+        lost = self.cut.worst[0] * size
+        return {
+            "largest lift": f"{np.max(self.table['lift']):.4g} {unit}",
+            "pressure angle": f"{np.min(angle):.3g} to {np.max(angle):.3g} deg",
+            "undercut": f"loses {lost:.3g} {unit} of lift" if lost else "none",
+        }
+
     def _limits(self) -> tuple[Limit, ...]:
         most, roller = most_pressure_angle(self.cam), self.cam.follower.roller_radius
         curvature = (
@@ -214,10 +229,10 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         }
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """Follower and programme of the requested kinds; lifts of an arm are as many degrees as the others are mm."""
-        follower = example(FOLLOWERS[asked.get("cam.follower", "translating-roller")])
-        lift = LIFTS.get(asked.get("cam.program", "rise"), LIFTS["rise"])
+        follower = example(FOLLOWERS[tables.get("cam.follower", "translating-roller")])
+        lift = LIFTS.get(tables.get("cam.program", "rise"), LIFTS["rise"])
         if follower.oscillates:
             values = vars(lift)
             in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]

@@ -183,7 +183,7 @@ NOTHING = 1e-12
 
 
 @record(eq=False)
-class Optimum:
+class OptimalLaw:
     """A motion of least peak acceleration within its family, over an angle.
 
     law: its lift from 0 and the derivatives over 0 <= x <= 1, before any scaling. peak_acceleration,
@@ -212,18 +212,18 @@ class Optimum:
         """Peak jerk as a multiple of rise / angle^3, to hold against 4 pi^2 of cycloidal; nan for no rise."""
         return self.peak_jerk * self.angle**3 / abs(self.rise) if self.rise else np.nan
 
-    def scaled(self, size: float, angle: float) -> Optimum:
+    def scaled(self, size: float, angle: float) -> OptimalLaw:
         """The same for lifts `size` times as large, over that angle instead of 1; the law stays as it is."""
         by = abs(size) / angle**2
         peaks = self.peak_acceleration * by, self.peak_jerk * by / angle, self.bound * by
-        return Optimum(self.law, *peaks, self.rise * size, angle)
+        return OptimalLaw(self.law, *peaks, self.rise * size, angle)
 
 
 # Optima are kept, so that a recipe solves once for checks, files and plots, and equal segments once for all.
 @lru_cache(maxsize=256)
 def optimal_polynomial(
     degree: int, rise: float, start: tuple[float, ...], end: tuple[float, ...], jerk_limit: float | None
-) -> Optimum:
+) -> OptimalLaw:
     """Polynomial motion from 0 to `rise` with given slope, curvature (and jerk) by x at x = 0 and at x = 1.
 
     Degree 5 at least, 7 where jerks are given. Between two rests the best motion of an even degree is
@@ -250,7 +250,7 @@ def optimal_polynomial(
     velocity = chebyshev.chebint(best, 1, k=start[0], lbnd=-1, scl=0.5)
     lift = chebyshev.chebint(velocity, 1, lbnd=-1, scl=0.5)
     jerk = derive(best, 1)
-    return Optimum(chebyshev_law([lift, velocity, best, jerk]), peak(best), peak(jerk), proven, rise)
+    return OptimalLaw(chebyshev_law([lift, velocity, best, jerk]), peak(best), peak(jerk), proven, rise)
 
 
 def _of_least_peak(peaked: int, equal: Real, values: Real, limited: int, limit: float) -> tuple[Real | None, float]:
@@ -305,7 +305,7 @@ def _rows(places: Real, order: int, n: int) -> Real:
 @lru_cache(maxsize=256)
 def optimal_spline(
     intervals: int, rise: float, start: tuple[float, ...], end: tuple[float, ...], jerk_limit: float | None
-) -> Optimum:
+) -> OptimalLaw:
     """Motion from 0 to `rise` whose acceleration is straight over each of equal intervals; its ends as above.
 
     Peaks lie at knots, so that the linear programme is exact.
@@ -337,7 +337,7 @@ def optimal_spline(
     bends = np.abs(np.diff(jerk)) > 1e-9 * np.abs(jerk).max()
     breaks = np.concatenate([[0.0], x[1:-1][bends], [1.0]])
     law = PiecewisePolynomial(x, np.stack([s[:-1], v[:-1], a[:-1] / 2, jerk / 6]), breaks)
-    return Optimum(law, float(np.abs(a).max()), float(np.abs(jerk).max()), proven, rise)
+    return OptimalLaw(law, float(np.abs(a).max()), float(np.abs(jerk).max()), proven, rise)
 
 
 def _check_jerk(limit: float | None, equal: Real, values: Real, jerks: Real) -> None:

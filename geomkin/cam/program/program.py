@@ -19,7 +19,7 @@ from ...plane.vec import Real, Whole
 from ..extrema import highest
 from .given_lifts import TableFit, read_rows, spline_through
 from .laws import Ends, Law, breaks_of, law_of, polynomial_from
-from .optimise import Optimum, optimal_polynomial, optimal_spline
+from .optimise import OptimalLaw, optimal_polynomial, optimal_spline
 from .peaks import SegmentPeaks
 from .placed_segments import SLIP, PlacedSegment, band, naming, place_segments
 from .segments import (
@@ -49,7 +49,7 @@ class SolvedSegment:
     placed: PlacedSegment
     law: Law | None
     scale: float
-    optimum: Optimum | None = None
+    optimum: OptimalLaw | None = None
     fit: TableFit | None = None
 
     def state(self, x: float) -> State:
@@ -276,7 +276,12 @@ class Program:
         return self._stretches.breaks
 
     @property
-    def optima(self) -> dict[int, Optimum]:
+    def ends(self) -> list[tuple[float, float]]:
+        """Cam angle, deg, and lift, mm or deg, at the end of each segment."""
+        return [(solved.placed.end, solved.placed.end_lift) for solved in self._stretches.solved]
+
+    @property
+    def optima(self) -> dict[int, OptimalLaw]:
         """Optima of the optimised segments by their index in `segments`: peaks and bound, mm/rad2 and mm/rad3.
 
         rad/rad2 and rad/rad3 for an oscillating follower.

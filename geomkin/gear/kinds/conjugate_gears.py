@@ -19,7 +19,7 @@ from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Part
-from ...model.scene import Scene
+from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.curve import AbstractCurve
 from ...recipe.recipe import AbstractAssembledRecipe, part_masses
@@ -31,7 +31,7 @@ from ..contract import AbstractShaper
 from ..parts.assemblies import Wheel, lantern_assembly, pair_assembly
 from ..parts.bases import pair_base
 from ..parts.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
-from ..scene_pairs import conjugate_scene
+from ..scene_pairs import conjugate_handles, conjugate_scene
 from .helical import boss_checks, check_tooth_points
 
 
@@ -76,6 +76,12 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
     def design(self) -> Conjugate:
         """The generated mate."""
         return _mate(self.shaper, self.mate)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """Ratio and centre distance."""
+        mate = self.design
+        return {"ratio": f"{mate.teeth / mate.gear_teeth:.5g}", "centre distance": f"{mate.distance:.6g} mm"}
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -182,6 +188,10 @@ class ToothedRecipe(AbstractShapedRecipe):
     def scene(self) -> Scene:
         """Both gears in mesh."""
         return conjugate_scene(self.design, self.table, self.parts)
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(conjugate_handles(self.design, "gear", "teeth"))
 
 
 @record(kw_only=True)
@@ -302,3 +312,7 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     def scene(self) -> Scene:
         """Both in mesh, with the pins between the pinion's discs."""
         return conjugate_scene(self.design, self.table, self.parts, self.pinion.circles)
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(conjugate_handles(self.design, "pinion", "pins"))

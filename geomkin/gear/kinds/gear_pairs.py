@@ -15,7 +15,7 @@ from ...making.bases import BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.part import Part
-from ...model.scene import Scene
+from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks, strength_checks
@@ -27,7 +27,7 @@ from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
 from ..parts.bases import pair_base, rack_base
 from ..parts.gears import GearStock, base_plate, gear_parts
 from ..rack import GearRack, RackPair
-from ..scene_pairs import pair_scene
+from ..scene_pairs import pair_handles, pair_scene, rack_handles
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
@@ -36,10 +36,12 @@ from .helical import (
     boss_checks,
     check_tooth_points,
     gear_notes,
+    gear_quantities,
     helices_notes,
     loaded_materials,
     mesh_notes,
     overlap_notes,
+    pair_quantities,
     shown,
     strength_notes,
 )
@@ -185,12 +187,21 @@ class GearPairRecipe(AbstractHelicalRecipe):
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
 
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        pair = self.design
+        return pair_quantities(pair) | gear_quantities(pair.first, "first") | gear_quantities(pair.second, "second")
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(pair_handles(self.design, self.shifts == "given", self.centre_distance is not None))
+
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """Shafts, if a base is requested; materials, if loads are."""
-        shafts = {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in asked else {}
+        shafts = {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in tables else {}
         steel = MATERIALS["steel-C45"]
-        return shafts | ({"first_stock.material": steel, "second_stock.material": steel} if "loads" in asked else {})
+        return shafts | ({"first_stock.material": steel, "second_stock.material": steel} if "loads" in tables else {})
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -290,10 +301,19 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
 
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        distance = {"distance of axis and reference line": f"{self.design.distance:.6g} mm"}
+        return distance | gear_quantities(self.design.pinion, "pinion")
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(rack_handles(self.design, self.distance is not None))
+
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """A shaft, and pins thin enough for the rack, if a base is requested."""
-        if "base" not in asked:
+        if "base" not in tables:
             return {}
         return {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}
 

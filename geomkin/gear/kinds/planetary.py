@@ -17,7 +17,7 @@ from ...making.bases import BaseStock
 from ...making.motors import plate_radius
 from ...model.check import Check
 from ...model.part import Part
-from ...model.scene import Scene
+from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks
@@ -27,12 +27,13 @@ from ..parts.assemblies import planetary_assembly, turns_with_shaft
 from ..parts.bases import carrier, planetary_base
 from ..parts.gears import GearStock, RingStock, gear_parts
 from ..planetary import PlanetarySet
-from ..scene_pairs import planetary_scene
+from ..scene_pairs import planetary_handles, planetary_scene
 from .helical import (
     AbstractHelicalRecipe,
     boss_checks,
     check_tooth_points,
     gear_notes,
+    gear_quantities,
     helices_notes,
     mesh_notes,
     shown,
@@ -175,10 +176,21 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         """One rotation of the carrier."""
         return planetary_scene(self.design, self.table, self.parts)
 
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        gears = self.design
+        ratio = {"sun to carrier": f"{gears.ratios['sun to carrier']:.5g}"}
+        ratio["centre distance"] = f"{gears.inner.centre_distance:.6g} mm"
+        return ratio | gear_quantities(gears.sun, "sun") | gear_quantities(gears.ring, "ring")
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(planetary_handles(self.design))
+
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """A shaft, and a rim wide enough for the ring's screws, if a base is requested."""
-        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in asked else {}
+        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in tables else {}
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -12,7 +12,7 @@ from ...core.records import record
 from ...making.assembly import Assembly
 from ...model.check import Check
 from ...model.part import Part
-from ...model.scene import Scene
+from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.settings import Files
 from ..checks import gear_checks
@@ -21,9 +21,9 @@ from ..measures import tooth_table
 from ..parts.assemblies import single_assembly
 from ..parts.gears import GearStock, RingStock, gear_parts
 from ..ring import RingGear
-from ..scene import gear_scene
+from ..scene import gear_handles, gear_scene
 from ..spur import SpurGear
-from .helical import AbstractHelicalRecipe, check_tooth_points, gear_notes, helix_notes
+from .helical import AbstractHelicalRecipe, check_tooth_points, gear_notes, gear_quantities, helix_notes
 
 
 @record(kw_only=True)
@@ -85,6 +85,14 @@ class SpurGearRecipe(AbstractHelicalRecipe):
         return gear_scene(self.design, self.parts)
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        return gear_quantities(self.design, "gear")
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(gear_handles(self.design, "gear", shifts=self.shift == "given"))
+
+    @property
     def notes(self) -> Mapping[str, object]:
         measures = gear_notes(self.design, self.helix, self.stock.thickness)
         helix = helix_notes(self.design, self.helix, self.stock.thickness)
@@ -140,6 +148,14 @@ class RingGearRecipe(AbstractHelicalRecipe):
     def scene(self) -> Scene:
         """The ring round the pinion cutter."""
         return gear_scene(self.design, self.parts)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        return gear_quantities(self.design, "gear")
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(gear_handles(self.design, "gear"))
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -10,8 +10,9 @@ from ...core.errors import DesignError, shown
 from ...core.records import record
 from ...model.mass import Mass
 from ...plane.vec import Array, Complex, Real, cross, dot
+from ..body_motion import PointMotion
 from ..linkage import Linkage
-from ..motion import Motion, PointMotion
+from ..motion import Motion
 
 # kg mm/s2 in N.
 NEWTON = 1e-3

@@ -16,7 +16,7 @@ from ..motion import Motion
 
 
 @record
-class Vector:
+class PolygonVector:
     """One vector of a polygon.
 
     Parameters
@@ -53,7 +53,7 @@ class VectorPolygon:
         mm on the drawing per mm/s or mm/s2.
     points : mapping of str to complex
         End of each named point's vector from the pole, mm; fixed points, and `POLE`, are at the pole.
-    vectors : tuple of Vector
+    vectors : tuple of PolygonVector
         Absolute ones first.
     images : mapping of str to tuple of str
         For each moving body with two or more points, its points in order. They span its image, a figure similar to the
@@ -63,7 +63,7 @@ class VectorPolygon:
 
     scale: float
     points: Mapping[str, complex]
-    vectors: tuple[Vector, ...]
+    vectors: tuple[PolygonVector, ...]
     images: Mapping[str, tuple[str, ...]]
 
 
@@ -164,7 +164,7 @@ def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scal
         scale,
         {name: scale * complex(z) for name, z in value.items()},
         tuple(
-            Vector(
+            PolygonVector(
                 p.kind, p.body, p.start, p.end, scale * complex(p.tail), scale * complex(p.tip), complex(p.tip - p.tail)
             )
             for p in parts
@@ -175,7 +175,7 @@ def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scal
 
 
 class PolygonPart(NamedTuple):
-    """A vector of a polygon like `Vector`, with its ends in mm/s or mm/s2, for one frame or many."""
+    """A vector of a polygon like `PolygonVector`, with its ends in mm/s or mm/s2, for one frame or many."""
 
     kind: str
     body: str

@@ -111,15 +111,15 @@ class AbstractBodyRecipe(AbstractMovedRecipe):
         return f"driver's {'stroke' if self.stroke else 'turn'}"
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        if "stroke" in asked:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        if "stroke" in tables:
             slider_crank = SliderCrank(30, 40, coupler_point=20 + 15j, driver="slider")
             return {"linkage": with_kind(slider_crank), "stroke": Stroke(start=50, end=68)}
-        if "linkage" not in asked:
+        if "linkage" not in tables:
             return {}
         from ...recipe.template import example
 
-        linkage: AbstractLinkage = example(LINKAGES[asked["linkage"]])
+        linkage: AbstractLinkage = example(LINKAGES[tables["linkage"]])
         general = linkage.linkage
         free = [name for name in general.bodies if name not in {*on_ground(general), general.ground}]
         return {"linkage": linkage, "body": "coupler" if "coupler" in general.bodies else free[0]}

@@ -13,16 +13,18 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity, rounded_up
 from ...core.records import record
 from ...model.check import Check
+from ...model.handles import point_handle
 from ...model.part import Bought, Part
-from ...model.scene import Plot, Scene, SceneMark
+from ...model.scene import Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Files, Turn
 from ..checks import SAME_CURVE, collision_check, reached
-from ..coupler_curve import CouplerCurve, cognates, coupler_curves, coupler_grid, dashes, roberts_linkage, third_pivot
-from ..measures import driver_limits
+from ..cognate_linkages import cognates, roberts_linkage, third_pivot
+from ..coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
+from ..drive_limits import driver_limits
 from ..motion import Motion
 from ..moving import move
 from ..named_linkages import FourBar, SliderCrank
@@ -30,6 +32,7 @@ from ..parts.engraved import PlateStock, engraved, skeleton, strokes
 from ..parts.stack import Stack, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, place_plot
+from ..scene_handles import body_point
 from .moved import AbstractMovedRecipe, Side
 
 # Largest number of engraved dashes: more take minutes, and a laser days.
@@ -127,6 +130,14 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
             for k, (short, _, _) in enumerate(_named(self.grid))
         ]
         return replace(scene, marks=(*scene.marks, *marks))
+
+    @property
+    def further_handles(self) -> Iterator[SceneHandle]:
+        """The middle and a corner of the grid, on the coupler."""
+        grid, corner = self.grid, (self.grid.length + 1j * self.grid.height) / 2
+        for keys, place in ((("grid.centre",), 0j), (("grid.length", "grid.height"), corner)):
+            at = body_point(self.motion, "coupler", grid.centre + place)
+            yield point_handle(*keys, at=at, label="corner of the grid" if place else "middle of the grid")
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

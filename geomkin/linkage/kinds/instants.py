@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from itertools import combinations
@@ -13,12 +14,14 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
 from ...model.check import Check
+from ...model.handles import circle_handle
 from ...model.part import Part
-from ...model.scene import Scene
+from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table, finite, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Arc, Circle, Segment
 from ...recipe.settings import Files, Stroke, Turn
+from ..assembly_failures import assembly_failure
 from ..checks import LARGEST_DRAWN, reached
 from ..coupler_curve import CouplerCurve
 from ..instant.centres import pin_between, slider_between
@@ -26,10 +29,10 @@ from ..instant.centrodes import CentrodeCurve, Centrodes
 from ..instant.curvature import path_curvature
 from ..instant.inflection import inflection_circle
 from ..linkage import AbstractLinkage
-from ..measures import assembly_failure
 from ..motion import Motion, is_translating
 from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
+from ..scene_handles import body_point
 from ..scene_instants import centrodes_scene, inflection_scene
 from .any_linkage import EXAMPLE, AbstractBodyRecipe, AnyKind
 from .moved import Branches, SideOrFollow, branch_entry, branches_entry
@@ -284,6 +287,12 @@ class CentrodesRecipe(AbstractBodyRecipe):
         drawn = np.asarray(self.table["run"]) > 0
         centre = np.where(drawn, self.centrodes.fixed, np.nan)
         return centrodes_scene(self.motion, self.table, self.body, *self.curves, centre)
+
+    @property
+    def further_handles(self) -> Iterator[SceneHandle]:
+        """The circle on the body within which the centrodes are drawn."""
+        yield from super().further_handles
+        yield circle_handle("reach", radius=self.reach, centre=body_point(self.motion, self.body, 0j))
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

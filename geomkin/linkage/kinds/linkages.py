@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -13,17 +13,20 @@ from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
 from ...making.materials import MATERIALS
+from ...making.motors import MOTORS
 from ...model.check import Check
 from ...model.mass import Mass
+from ...model.motor import Motor
 from ...model.part import Bought, Part
-from ...model.scene import Limit, Scene
+from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..drive_limits import driver_limits
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import driver_limits, grashof, least_transmission_angle
+from ..measures import grashof, least_transmission_angle
 from ..motion import Motion, motion_table
 from ..named_linkages import (
     EllipticTrammel,
@@ -33,16 +36,25 @@ from ..named_linkages import (
     ScotchYoke,
     Shaper,
     SliderCrank,
-    StephensonSixBar,
-    WattSixBar,
 )
 from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
+from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
 from .dwell_bands import DwellBand
-from .loads import LoadsTable, force_columns, force_marks, force_plots, force_summary, loads_entry, number_of_columns
+from .loads import (
+    LoadsTable,
+    force_columns,
+    force_marks,
+    force_plots,
+    force_summary,
+    loads_entry,
+    motor_checks,
+    motor_of,
+    number_of_columns,
+)
 from .moved import (
     WITH_SLIDER,
     AbstractMovedRecipe,
@@ -87,6 +99,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             problem = "found true, but there is no other mode: it cannot be assembled, or there are more than two dyads"
             raise DesignError("both_modes", problem, "omit it", "conflict")
         if self.loads:
+            if self.loads.motor and self.copies:
+                problem = f"found {self.loads.motor.name} and copies, which are not counted in the torque"
+                raise DesignError("loads.motor", problem, "omit motor or copies", "conflict")
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
 
     @cached_property
@@ -95,6 +110,20 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.loads is None:
             return None
         return self.loads.forces_of(self.motion, self.body_masses if self.stock.material else {})
+
+    @property
+    def further_handles(self) -> Iterator[SceneHandle]:
+        """The ends of the stroke, and the places of the loads."""
+        yield from super().further_handles
+        if self.loads is not None:
+            yield from self.loads.handles(self.motion)
+
+    @cached_property
+    def motor(self) -> Motor | None:
+        """The motor that drives the linkage against the loads: given, or the smallest that suffices."""
+        if self.loads is None or self.force_analysis is None or self.copies:
+            return None
+        return motor_of(self.force_analysis, self.loads.motor or MOTORS.get(self.stock.motor or ""))
 
     @cached_property
     def fine_motion(self) -> Motion:
@@ -173,6 +202,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             hole_check(self.stock.hole_diameter, self.stock.thickness),
             collision_check(len(self.stack.collisions), advice),
             *self.input_range.checks,
+            *(motor_checks(self.force_analysis, self.motor) if self.force_analysis else ()),
         )
 
     @cached_property
@@ -196,7 +226,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """Summary: range of the driver, links that turn fully, and the stack of plates."""
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
-        loads = {"loads": force_summary(self.force_analysis)} if self.force_analysis else {}
+        loads = {"loads": force_summary(self.force_analysis, self.motor)} if self.force_analysis else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
         return {
@@ -224,9 +254,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {"other_mode": {"joint": joint, **self._reached(motion.solution.spec), **angle}}
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        copies = {"copies": (Copy(180.0),)} if "copies" in asked else {}
-        return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in asked else {})}
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        copies = {"copies": (Copy(180.0),)} if "copies" in tables else {}
+        return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in tables else {})}
 
     @property
     def turning(self) -> Mapping[str, object]:
@@ -278,11 +308,11 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     sliding: ClassVar[Mapping[str, object]]
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         # A sliding driver has no shaft that copies could share.
-        none = {"copies": ()} if "copies" in asked else {}
-        values = super().example_values(asked)
-        return {**values, **none, **cls.sliding} if "stroke" in asked else values
+        none = {"copies": ()} if "copies" in tables else {}
+        values = super().example_values(tables)
+        return {**values, **none, **cls.sliding} if "stroke" in tables else values
 
 
 @record(kw_only=True)
@@ -383,6 +413,6 @@ class LinkageRecipe(SlidingLinkageRecipe):
     }
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        values = super().example_values(asked)
-        return {"linkage": WITH_SLIDER, **values} if set(asked) - {"copies", "loads"} else values
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        values = super().example_values(tables)
+        return {"linkage": WITH_SLIDER, **values} if set(tables) - {"copies", "loads"} else values

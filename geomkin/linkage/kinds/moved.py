@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -19,9 +19,10 @@ from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
+from ..measures import motion_quantities
 from ..motion import Motion
 from ..moving import move
-from ..scene_handles import handle_position, linkage_handles
+from ..scene_handles import handle_position, linkage_handles, stroke_handles
 from ..solve.branch import BranchSpec, as_branch_spec
 
 # The branch of all dyads; the same with "follow"; the branches of single joints.
@@ -119,13 +120,25 @@ class AbstractMovedRecipe(AbstractRecipe):
         """The linkage at the frames of the table."""
         return self.moved(self.input_range.frames, self.signs)
 
+    @property
+    def further_handles(self) -> Iterator[SceneHandle]:
+        """Handles besides those of the linkage: the ends of a stroke."""
+        if self.stroke is not None:
+            yield from stroke_handles(self.motion, self.stroke.start, self.stroke.end)
+
     @cached_property
     def handles(self) -> tuple[SceneHandle, ...]:
-        """The points, pivots and slides of the linkage."""
-        return tuple(linkage_handles(self.linkage, self.motion))
+        """The points, pivots and slides of the linkage, and the further ones."""
+        return (*linkage_handles(self.linkage, self.motion), *self.further_handles)
 
     def handle_position(self, id: str) -> Complex:
-        return handle_position(self.motion, id)
+        further = next((handle.at for handle in self.further_handles if handle.id == id), None)
+        return handle_position(self.motion, id) if further is None else further
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """Grashof type, distances between the pins of each body, and the range of the transmission angle."""
+        return motion_quantities(self.linkage, self.motion)
 
     @cached_property
     def other(self) -> tuple[str, Motion] | None:

@@ -14,19 +14,21 @@ from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...model.check import Check
 from ...model.part import Part
-from ...model.scene import Scene
+from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, rounded
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Files
+from ..assembly_failures import assembly_failure
+from ..body_motion import Body
 from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG, driver_at
 from ..instant.centres import instant_centres
 from ..instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
-from ..measures import assembly_failure
-from ..motion import Body, Motion, motion_table
+from ..motion import Motion, motion_table
 from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
+from ..scene_handles import handle_position, linkage_handles
 from ..scene_instants import polygons_scene
 from .moved import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry
 
@@ -110,14 +112,26 @@ class PolygonsRecipe(AbstractRecipe):
         )
 
     @cached_property
-    def scene(self) -> Scene:
-        """The polygons over a turn from the position on; if a slide drives, only at the position."""
+    def shown_motion(self) -> Motion:
+        """A turn from the position on; if a slide drives, only the position."""
         motion = self.motion
-        if self.linkage.linkage.driven_slider is None:
-            turn = motion.drive[0] + np.radians(np.arange(0, 360 + STEP_DEG, STEP_DEG))
-            signs = branch_of(self.branch, self.branches)
-            motion = move(self.linkage, turn, signs, self.speed, self.acceleration)
-        return polygons_scene(motion, motion_table(motion))
+        if self.linkage.linkage.driven_slider is not None:
+            return motion
+        turn = motion.drive[0] + np.radians(np.arange(0, 360 + STEP_DEG, STEP_DEG))
+        return move(self.linkage, turn, branch_of(self.branch, self.branches), self.speed, self.acceleration)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The polygons over that motion."""
+        return polygons_scene(self.shown_motion, motion_table(self.shown_motion))
+
+    @cached_property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The points, pivots and slides of the linkage."""
+        return tuple(linkage_handles(self.linkage, self.shown_motion))
+
+    def handle_position(self, id: str) -> Complex:
+        return handle_position(self.shown_motion, id)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
@@ -169,8 +183,8 @@ class PolygonsRecipe(AbstractRecipe):
         return {"scale": scale, "instant_centres_mm": centres}
 
     @classmethod
-    def example_values(cls, asked: Mapping[str, str]) -> Mapping[str, object]:
-        return {"linkage": WITH_SLIDER} if asked else {}
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        return {"linkage": WITH_SLIDER} if tables else {}
 
 
 def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Literal
 
@@ -12,10 +12,11 @@ from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
 from ...model.check import Check
+from ...model.handles import point_handle
 from ...model.material import Material
 from ...model.part import HoleFit, Part
 from ...model.roles import Role
-from ...model.scene import Limit, Plot, Scene
+from ...model.scene import Limit, Plot, Scene, SceneHandle
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
 from ...plane.vec import first_largest
@@ -32,6 +33,7 @@ from ..named_linkages import SliderCrank
 from ..parts.stack import link_parts
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene
+from ..scene_handles import body_point
 from ..scene_instants import force_scene
 from .linkages import AbstractLinkageRecipe
 from .moved import Side
@@ -123,6 +125,13 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         plots = [Plot("size of the shaking force", tuple(f"force_{name}" for name in roles), (most,))]
         plots += [Plot(f"shaking force along {axis}", tuple(f"force_{name}_{axis}" for name in roles)) for axis in "xy"]
         return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
+
+    @property
+    def further_handles(self) -> Iterator[SceneHandle]:
+        """The centres of mass."""
+        for body in ("crank", "coupler"):
+            at = body_point(self.motion, body, getattr(self.masses, f"{body}_centre"))
+            yield point_handle(f"masses.{body}_centre", at=at, label=f"centre of mass of the {body}")
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

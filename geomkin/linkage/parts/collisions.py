@@ -19,7 +19,7 @@ AT_ONCE = 1 << 15
 
 
 @record(eq=False)
-class Sweep:
+class PointPaths:
     """Paths of points from frame to frame: a step leads from each closed frame to the next, if that is closed.
 
     drive: (frames,), rad or mm. points: (frames, n) complex, mm, nan where open. Each path is within `bulge` of its
@@ -96,13 +96,13 @@ def with_unknown(values: Array) -> Array:
     return np.concatenate([unknown, values, unknown, unknown], axis=-1)
 
 
-def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) -> Sweep:
+def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) -> PointPaths:
     """Paths of points of one body in the frame of another."""
     reference, moving = motion.bodies[frame], motion.bodies[body]
     local = np.atleast_1d(np.asarray(places, dtype=complex))
     world = moving.origin.position[:, None] + moving.direction[:, None] * local
     relative = (world - reference.origin.position[:, None]) * np.conj(reference.direction[:, None])
-    return Sweep(motion.drive, np.where(motion.assembled[:, None], relative, np.nan))
+    return PointPaths(motion.drive, np.where(motion.assembled[:, None], relative, np.nan))
 
 
 # Interval of the frames that are examined first.
@@ -132,7 +132,7 @@ class Pair:
 
 
 @record(eq=False)
-class Poses:
+class PosesOverFrames:
     """Poses of bodies at the frames, and nan before the first and at two after the last."""
 
     motion: Motion
@@ -160,7 +160,7 @@ class Poses:
 
 
 def meeting(motion: Motion, pairs: Sequence[Pair]) -> Mask:
-    """Whether each pair comes nearer than permitted, at any frame or between two, as by `Sweep.gap`.
+    """Whether each pair comes nearer than permitted, at any frame or between two, as by `PointPaths.gap`.
 
     Clear cases are decided by bounds, many pairs at once, with memory proportional to the frames; the exact test
     decides the rest. DesignError if that is too much work. Derived here.
@@ -173,7 +173,7 @@ def meeting(motion: Motion, pairs: Sequence[Pair]) -> Mask:
             f"give at most {MOST // distances} frames, or fewer points",
             "too-much-work",
         )
-    poses, met = Poses(motion), np.zeros(len(pairs), dtype=bool)
+    poses, met = PosesOverFrames(motion), np.zeros(len(pairs), dtype=bool)
     by_shape: dict[tuple[int, int], list[int]] = {}
     for number, pair in enumerate(pairs):
         by_shape.setdefault((len(pair.corners), len(pair.places)), []).append(number)
@@ -188,7 +188,7 @@ def meeting(motion: Motion, pairs: Sequence[Pair]) -> Mask:
     return met
 
 
-def _meet(poses: Poses, pairs: Sequence[Pair], first: int, last: int) -> Mask:
+def _meet(poses: PosesOverFrames, pairs: Sequence[Pair], first: int, last: int) -> Mask:
     """The same between two frames, for pairs with equal numbers of corners."""
     around, half = slice(first, last + 3), EVERY // 2
     places, corners = poses.paths(pairs, around), np.array([pair.corners for pair in pairs]).T[..., None]

@@ -13,7 +13,7 @@ from ...core.records import record
 from ...plane.vec import Complex, Mask, Whole
 from ..motion import Motion
 from .collisions import Pair, meeting, path_in
-from .plates import Assembly, Pin, Plate
+from .plates import LinkAssembly, LinkPlate, Pin
 from .stock import LinkStock
 
 # Smallest distance of plates and pins, in clearances of a pin in its hole, by which each plate can shift.
@@ -33,7 +33,7 @@ class Meetings:
 
     motion: Motion
     stock: LinkStock
-    assembly: Assembly
+    assembly: LinkAssembly
 
     @property
     def ground(self) -> str:
@@ -221,7 +221,7 @@ class Heads:
     meetings: Meetings
     layered_pins: tuple[LayeredPin, ...]
     layers: Mapping[str, int]
-    plates: Mapping[str, Plate]
+    plates: Mapping[str, LinkPlate]
     _pairs: dict[Key, Pair] = field(default_factory=dict)
     _met: dict[Key, bool] = field(default_factory=dict)
 

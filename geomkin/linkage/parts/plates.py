@@ -10,16 +10,16 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.records import record
-from ...making.motors import CORNER, MOTORS
+from ...making.motors import CORNER, MOTOR_FACES
 from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
 from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, Mask, cross, direction_deg
+from ..assembly_failures import assembly_error
 from ..linkage import Linkage, Slider
-from ..measures import assembly_error
 from ..motion import Motion
-from .collisions import Sweep, path_in
+from .collisions import PointPaths, path_in
 from .stock import LinkStock
 
 # Smallest distance of the two guide pins in widths of the bar. With a smaller one the play of the pins in their slot
@@ -134,7 +134,7 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
     seats_by_body = {}
     for body, place in axes[name].items():
         if body == ground:
-            face = MOTORS[stock.motor]
+            face = MOTOR_FACES[stock.motor]
             # Nuts under the ground must clear the motor; rods are cut flush.
             beside = max(stock.fastener_used.across, stock.hole_diameter) - stock.hole_diameter
             rim = face.corners(place, min(CORNER, stock.bar_width / 2))
@@ -163,7 +163,7 @@ EQUAL = 8 * np.finfo(float).eps
 
 
 @record(eq=False)
-class Plate:
+class LinkPlate:
     """A plate in the frame of a body.
 
     openings: by pin or point, one point, mm, for a hole, two for a slot's ends. seat: a motor's holes in it.
@@ -284,14 +284,14 @@ class Pin:
 
 
 @record(eq=False)
-class Assembly:
+class LinkAssembly:
     """Plates by name, in the order of the linkage's bodies, and the pins that join them."""
 
-    plates: Mapping[str, Plate]
+    plates: Mapping[str, LinkPlate]
     pins: tuple[Pin, ...]
 
 
-def assemble(motion: Motion, stock: LinkStock) -> Assembly:
+def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
     """The plates and pins of a linkage that moves as in `motion`.
 
     Each body is a plate with a hole for each of its points. A block, which is a sliding body with one pin on the slide
@@ -311,7 +311,9 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}
     axes = _axes(linkage)
     motor_seats = seats(linkage, axes, stock)
-    plates = {body: Plate(body, {}, motor_seats.get(body)) for body in linkage.bodies if body not in blocks.values()}
+    plates = {
+        body: LinkPlate(body, {}, motor_seats.get(body)) for body in linkage.bodies if body not in blocks.values()
+    }
     for name, places in axes.items():
         for body, place in places.items():
             if body in plates:
@@ -336,7 +338,7 @@ def assemble(motion: Motion, stock: LinkStock) -> Assembly:
     for slider in linkage.sliders:
         if slider.name not in blocks:
             pins += _guide_pins(motion, slider, plates, stock)
-    return Assembly(plates, tuple(pins))
+    return LinkAssembly(plates, tuple(pins))
 
 
 def _block(linkage: Linkage, slider: Slider) -> str | None:
@@ -391,7 +393,7 @@ def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:
     return axes
 
 
-def _travel(path: Sweep, direction: complex) -> tuple[complex, complex]:
+def _travel(path: PointPaths, direction: complex) -> tuple[complex, complex]:
     """Ends of a straight path along a direction."""
     front, back = path.extent(direction), -path.extent(-direction)
     start = complex(path.points[path.frames[0], 0])
@@ -399,7 +401,7 @@ def _travel(path: Sweep, direction: complex) -> tuple[complex, complex]:
     return (back + level) * direction, (front + level) * direction
 
 
-def opened(plates: Mapping[str, Plate]) -> set[str]:
+def opened(plates: Mapping[str, LinkPlate]) -> set[str]:
     """Names of all openings of the plates."""
     return {name for plate in plates.values() for name in plate.openings}
 
@@ -411,7 +413,7 @@ def unused(name: str, taken: Container[str]) -> str:
     return name
 
 
-def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, Plate], stock: LinkStock) -> list[Pin]:
+def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, LinkPlate], stock: LinkStock) -> list[Pin]:
     """The two guide pins of a sliding plate; their holes and slots are added to the plates."""
     plate, guide = plates[slider.body], plates[slider.along]
     path = path_in(motion, slider.along, slider.body, slider.point)

@@ -25,7 +25,7 @@ from ...plane.vec import Complex, direction_deg, dot
 from ..motion import Motion
 from .collisions import path_in
 from .layers import Heads, LayeredPin, Meetings, Order, Passing, Run, order, placed, runs
-from .plates import Assembly, Pin, Plate, assemble, opened, unused
+from .plates import LinkAssembly, LinkPlate, Pin, assemble, opened, unused
 from .stock import LinkStock
 
 # Number of directions tried, within half a turn, for the two piles that support a bridge.
@@ -34,7 +34,7 @@ DIRECTIONS = 36
 Carried = tuple[str, ...]
 
 
-def bridge_options(assembly: Assembly, ground: str) -> list[Carried]:
+def bridge_options(assembly: LinkAssembly, ground: str) -> list[Carried]:
     """All choices of joints for the bridge, the fewest first; the first is none. A motor is never on the bridge."""
     fixed = list(dict.fromkeys(pin.joint for pin in assembly.pins if ground in pin.plates))
     on_ground = {pin.joint for pin in assembly.pins if pin.shaft}
@@ -43,16 +43,16 @@ def bridge_options(assembly: Assembly, ground: str) -> list[Carried]:
     return [joints for joints in options if not on_ground & set(joints)]
 
 
-def split(assembly: Assembly, ground: str, carried: Carried) -> tuple[Plate, Plate]:
+def split(assembly: LinkAssembly, ground: str, carried: Carried) -> tuple[LinkPlate, LinkPlate]:
     """Ground and bridge, each with its openings."""
     joints = {pin.name: pin.joint for pin in assembly.pins}
-    plates = Plate(ground, {}, assembly.plates[ground].seat), Plate(ground)
+    plates = LinkPlate(ground, {}, assembly.plates[ground].seat), LinkPlate(ground)
     for name, places in assembly.plates[ground].openings.items():
         plates[joints.get(name, name) in carried].openings[name] = places
     return plates
 
 
-def pile_places(motion: Motion, assembly: Assembly, near: float) -> tuple[complex, complex]:
+def pile_places(motion: Motion, assembly: LinkAssembly, near: float) -> tuple[complex, complex]:
     """Positions in the ground's frame on two sides of all that moves, at least `near` mm from every plate's centres.
 
     The two sides are those between which the mechanism is narrowest.
@@ -136,7 +136,7 @@ class Stack:
         The pins.
     collisions : tuple of Collision
         Empty if the stack can be built; otherwise those of the stack with the fewest.
-    plates : mapping of str to Plate
+    plates : mapping of str to LinkPlate
         The plates as cut, ground and bridge separately.
     fastener : Fastener
         Fastener of the pins. Layers stay empty where its heads would meet plates.
@@ -145,7 +145,7 @@ class Stack:
     layers: Mapping[str, int]
     pins: tuple[PinSpan, ...]
     collisions: tuple[Collision, ...]
-    plates: Mapping[str, Plate]
+    plates: Mapping[str, LinkPlate]
     fastener: Fastener
 
     @property

@@ -64,7 +64,7 @@ TEXTS: dict[Any, str] = {
 
 
 @record(eq=False)
-class Program:
+class LinkageProgram:
     """The recording of a structure and its results: groups of symbols or constants by body.
 
     inputs: numbers of the sizes that vary; times: of drive, speed and acceleration. joints: inner joints of the dyads,
@@ -150,13 +150,13 @@ class Program:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The functions cannot be pickled.
-        return Program, (self.recording, self.inputs, self.times, self.groups, self.joints)
+        return LinkageProgram, (self.recording, self.inputs, self.times, self.groups, self.joints)
 
 
 class ProgramRun:
     """Results of a program for one linkage, or many, over frames; each group is computed on first use."""
 
-    def __init__(self, program: Program, values: dict[int, Any], frames: int, linkages: int):
+    def __init__(self, program: LinkageProgram, values: dict[int, Any], frames: int, linkages: int):
         self.program, self.values, self.frames = program, values, frames
         self._rows = max(1, BLOCK // max(1, linkages))
         _, before = program.requested
@@ -196,7 +196,7 @@ class ProgramRun:
 
 
 @lru_cache(STRUCTURES)
-def _programs(*_: Hashable) -> list[Program | None]:
+def _programs(*_: Hashable) -> list[LinkageProgram | None]:
     """Programs of a structure and a branch, each for other conditions; None if it has none. Filled by `run_of`."""
     return []
 
@@ -221,7 +221,7 @@ def run_of(linkage: Linkage, drive: Real, timing: Timing, spec: BranchSpec, plan
 
 def _program_of(
     linkage: Linkage, timing: Timing, spec: BranchSpec, plan: Planner, key: Hashable
-) -> tuple[Program | None, dict[int, Any]]:
+) -> tuple[LinkageProgram | None, dict[int, Any]]:
     """The program of the linkage's structure, and the values that depend on its sizes alone."""
     inputs = _inputs(linkage)
     sizes = [value for value, form in inputs if form]
@@ -255,7 +255,7 @@ def _input(z: complex | Array) -> tuple[Any, str]:
 
 def _recorded(
     linkage: Linkage, inputs: Sequence[tuple[Any, str]], timing: Timing, spec: BranchSpec, plan: Planner
-) -> Program | None:
+) -> LinkageProgram | None:
     if any(isinstance(placement, Loops) for placement in plan(linkage)):
         return None
     recording = Recording()
@@ -279,7 +279,7 @@ def _recorded(
         groups["angle"] = {"": reduce(np.fmin, angles) if angles else np.asarray(np.nan)}
     joints = tuple(placement.joint for placement in placements if isinstance(placement, Dyad))
     numbers = tuple(symbol.number for symbol in symbols if isinstance(symbol, Symbol))
-    return Program(recording, numbers, tuple(symbol.number for symbol in times), groups, joints)
+    return LinkageProgram(recording, numbers, tuple(symbol.number for symbol in times), groups, joints)
 
 
 def _symbolic(linkage: Linkage, symbols: Iterator[Any]) -> Linkage:

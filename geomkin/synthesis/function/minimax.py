@@ -290,7 +290,7 @@ def _curvature(task: AbstractTask, p: Real, s: Real, prices: Real, free: Whole, 
 
 
 @record(eq=False)
-class Certificate:
+class OptimalityCertificate:
     """Multipliers of peaks (peaks,), with sum 1, and of limits (limits,), not negative; and the residual."""
 
     peaks: Real
@@ -298,7 +298,7 @@ class Certificate:
     left: float
 
 
-def certified(task: AbstractTask, p: Real, s: Real, errors: Real) -> Certificate:
+def certified(task: AbstractTask, p: Real, s: Real, errors: Real) -> OptimalityCertificate:
     """Multipliers at a candidate p (unknowns,) whose error has its peaks at s (peaks,).
 
     Kuhn and Tucker's conditions (Nonlinear programming, 1951) of the least largest error: the derivatives of |error| at
@@ -322,4 +322,4 @@ def certified(task: AbstractTask, p: Real, s: Real, errors: Real) -> Certificate
         holds[np.argmin(found)] = False
     size = np.linalg.norm(columns, axis=0) @ found
     left = float(np.linalg.norm(system @ found - right) / max(size, 1.0))
-    return Certificate(found[: len(s)], found[len(s) :], left)
+    return OptimalityCertificate(found[: len(s)], found[len(s) :], left)

@@ -173,7 +173,7 @@ KEPT = 1e-7
 
 
 @record(eq=False)
-class Optimum:
+class LocalOptimum:
     """A candidate p (unknowns,) that no small step improves.
 
     `worst`: its largest error; `s`, `errors`: its peaks; `broken`: the largest violation of a limit, at most 0 if all
@@ -187,7 +187,7 @@ class Optimum:
     broken: float
 
 
-def searched(task: AbstractGenerator, squares: bool) -> tuple[Optimum, ...]:
+def searched(task: AbstractGenerator, squares: bool) -> tuple[LocalOptimum, ...]:
     """The optima, the best first; if no limit can be kept, the one with the least violation.
 
     `squares` selects the mean square error instead of the largest.
@@ -207,7 +207,7 @@ def searched(task: AbstractGenerator, squares: bool) -> tuple[Optimum, ...]:
     s, errors, real = peaks(task, found, PEAKS, LOOKS)
     broken, worst = task.limits(found)[0].max(axis=1), np.abs(errors).max(axis=1)
     rows = zip(found, worst.tolist(), s, errors, real, broken.tolist())
-    optima = [Optimum(p, most, at[top], e[top], off) for p, most, at, e, top, off in rows]
+    optima = [LocalOptimum(p, most, at[top], e[top], off) for p, most, at, e, top, off in rows]
     kept = [one for one in optima if one.broken <= KEPT and np.isfinite(one.worst)]
     if not kept:
         return tuple(sorted(optima, key=lambda one: one.broken)[:1])

@@ -13,7 +13,7 @@ from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Mask, Real
-from .circular_cubic import Cubic, Loop, crossings
+from .circular_cubic import Cubic, CubicBranch, crossings
 from .constraint import FAR, Pairs, missed, normalised
 from .poses import Poses, inverse, placed
 
@@ -121,14 +121,14 @@ class BurmesterCurve(AbstractCurve):
     ----------
     poses : FourPoses
         The poses as seen from the ground (centre points) or from the body (circle points).
-    loop : Loop
+    loop : CubicBranch
         The loop of the cubic to which the piece belongs.
     start, end : float
         Range of the parameter t, whose unit has no meaning.
     """
 
     poses: FourPoses
-    loop: Loop
+    loop: CubicBranch
     start: float
     end: float
 
@@ -259,7 +259,7 @@ def _pieces(poses: FourPoses, reach: float | None) -> tuple[BurmesterCurve, ...]
     pieces = []
     for loop in cubic.loops:
 
-        def inside(t: Real, loop: Loop = loop) -> Real:
+        def inside(t: Real, loop: CubicBranch = loop) -> Real:
             place, weight, _, _ = cubic.run(loop, t)
             return extent * np.abs(weight) - np.abs(place)
 

@@ -33,7 +33,7 @@ FLAT = 1e-2
 
 
 @record(eq=False)
-class Loop:
+class CubicBranch:
     """One real branch in homogeneous coordinates over 0 <= t <= 2 pi, where it closes.
 
     `middle`, `half`: the interval of directions psi of (X, W) = (sin psi, cos psi), run as middle - half cos t. half is
@@ -135,14 +135,14 @@ class Cubic:
         return line, square, cube
 
     @cached_property
-    def loops(self) -> tuple[Loop, ...]:
+    def loops(self) -> tuple[CubicBranch, ...]:
         """The real branches: one or two, or more where the curve crosses itself."""
         if self.line is None or self.is_conic:
             return self._curved
-        return (Loop(self.line, 0.0, np.ones(1)), *self._curved)
+        return (CubicBranch(self.line, 0.0, np.ones(1)), *self._curved)
 
     @property
-    def _curved(self) -> tuple[Loop, ...]:
+    def _curved(self) -> tuple[CubicBranch, ...]:
         line, square, cube = self.parts
         quartic = np.convolve(square, square) - 4 * np.convolve(line, cube)
         # The range of directions ends where the quartic is far from 0, so that no root is there.
@@ -158,8 +158,8 @@ class Cubic:
                 return ()
             # For a conic half a turn of the lines leads to the other root.
             if self.line is not None:
-                return (Loop(0.0, np.nan, quartic, turning=1.0),)
-            return tuple(Loop(0.0, np.nan, quartic, sign) for sign in (1.0, -1.0))
+                return (CubicBranch(0.0, np.nan, quartic, turning=1.0),)
+            return tuple(CubicBranch(0.0, np.nan, quartic, sign) for sign in (1.0, -1.0))
         ends = np.append(real, real[0] + np.pi)
         found = []
         for k, (start, end) in enumerate(zip(ends[:-1], ends[1:])):
@@ -174,10 +174,10 @@ class Cubic:
                 factor = np.array([1.0, -2 * pair.real, abs(pair) ** 2])
                 rest = np.convolve(rest, _turned(factor, -base))
             scale = value / (np.sin(half) ** 2 * float(_form(rest, np.array([middle]))[0][0]))
-            found.append(Loop(middle, half, scale * rest))
+            found.append(CubicBranch(middle, half, scale * rest))
         return tuple(found)
 
-    def run(self, loop: Loop, t: Real) -> tuple[Complex, Real, Complex, Real]:
+    def run(self, loop: CubicBranch, t: Real) -> tuple[Complex, Real, Complex, Real]:
         """Homogeneous position x + iy, its weight, and the derivatives of both by t."""
         if loop.half == 0:
             along, across = np.sin(0.5 * t), np.cos(0.5 * t)

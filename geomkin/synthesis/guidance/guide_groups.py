@@ -13,7 +13,7 @@ from ...core.progress import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole
 from .dyads import Dyads, dyads_through
-from .guide_search import DEFECTIVE, DISTINCT, Displacements, Search, distinct, pair_of
+from .guide_search import DEFECTIVE, DISTINCT, Displacements, GuideSearch, distinct, pair_of
 from .guides import AbstractGuides, guides_of, usable
 from .poses import Poses
 
@@ -75,7 +75,9 @@ def inside_box(held: HeldPins, low: complex, high: complex) -> HeldPins:
     return HeldPins(pins=held.pins[:, kept], pivots=held.pivots[kept], rails=held.rails[kept])
 
 
-def best_pairs(search: Search, held: HeldPins, most: int, rng: np.random.Generator, watch: Watch) -> AbstractGuides:
+def best_pairs(
+    search: GuideSearch, held: HeldPins, most: int, rng: np.random.Generator, watch: Watch
+) -> AbstractGuides:
     """The best linkages of dyads along the curves of four poses, and some with defects."""
     cranks, slides = held.cranks, held.slides
     few = np.concatenate([rng.permutation(cranks)[:PAIRED], slides])
@@ -110,7 +112,7 @@ def best_pairs(search: Search, held: HeldPins, most: int, rng: np.random.Generat
     )
 
 
-def _scored(search: Search, held: HeldPins, one: Whole, other: Whole) -> Real:
+def _scored(search: GuideSearch, held: HeldPins, one: Whole, other: Whole) -> Real:
     with np.errstate(all="ignore"):
         return search.score(held.paired(search.kind, search.slides, one, other))
 
@@ -201,13 +203,13 @@ class GuideRequest:
             low, high = (complex(f(z.real / unit), f(z.imag / unit)) * unit for f, z in zip((np.floor, np.ceil), ends))
             yield low, high
 
-    def search(self, kind: Kind, room: float) -> Search:
+    def search(self, kind: Kind, room: float) -> GuideSearch:
         """The search through three poses in the region scaled by `room`."""
         low, high = self.room
         middle, half = 0.5 * (low + high), 0.5 * room * (high - low)
         low, high = middle - half, middle + half
         ratio = LARGEST_RATIO if self.largest_ratio is None else self.largest_ratio
-        return Search(
+        return GuideSearch(
             kind=kind,
             slides=self.slides(kind),
             body=self.body,

@@ -136,7 +136,7 @@ def pair_of(kind: str, slides: bool, body: Displacements, pairs: Complex) -> Abs
 
 
 @record(eq=False, kw_only=True)
-class Search:
+class GuideSearch:
     """A search through three poses in the box from `low` to `high`, with the least angle in rad."""
 
     kind: str

@@ -17,8 +17,9 @@ from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes, skeleton
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
+from ...model.handles import list_handles, pose_handles
 from ...model.part import Part
-from ...model.scene import Scene, SceneCurve, SceneRegion
+from ...model.scene import Scene, SceneCurve, SceneHandle, SceneRegion
 from ...model.table import Column, Table
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
@@ -157,6 +158,16 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
             )
         except DesignError as error:
             raise DesignError(f"wanted.{error.field}", error.problem, error.remedy, error.id) from None
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The poses, the given points, those of the body at the first pose, and the corners of the region."""
+        wanted, ((place, angle), *_) = self.wanted, self.wanted.pairs
+        handles = list(pose_handles("wanted.poses", wanted.poses))
+        at_first = [place + z * np.exp(1j * angle) for z in wanted.moving_points or ()]
+        handles += list_handles("wanted.moving_points", at_first, "moving point")
+        handles += list_handles("wanted.fixed_points", wanted.fixed_points or (), "fixed point")
+        return (*handles, *list_handles("wanted.region", wanted.region or (), "corner of the region"))
 
     @property
     def search_limits(self) -> tuple[float, float]:

@@ -13,8 +13,9 @@ from ...core.fields import FARTHEST, AsWritten, entry, quantity
 from ...core.records import record
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
 from ...model.check import Check
+from ...model.handles import circle_handle, pose_handles
 from ...model.part import Part
-from ...model.scene import Plot, Scene, SceneCurve, SceneMark
+from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Moved, SubCurve
 from ...plane.primitives import Circle
@@ -124,6 +125,14 @@ class BurmesterCurvesRecipe(AbstractRecipe):
                 "wanted.reach", f"found {self.reach:g} mm, within which no pivot lies", "give more", "out-of-range"
             )
         return curves
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The poses, and the circle round the curves if it is given."""
+        wanted, handles = self.wanted, tuple(pose_handles("wanted.poses", self.wanted.poses))
+        if wanted.reach is None:
+            return handles
+        return (*handles, circle_handle("wanted.reach", radius=wanted.reach, centre=wanted.middle))
 
     @cached_property
     def dyads(self) -> tuple[Real, Complex, Complex]:

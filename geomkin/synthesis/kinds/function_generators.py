@@ -14,17 +14,13 @@ from ...core.fields import FARTHEST, SMALLEST, AsWritten, Rows, entry, quantity
 from ...core.records import record
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.scene import Limit, Plot
+from ...model.handles import point_handle
+from ...model.scene import Limit, Plot, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
-from ..function.function import (
-    AbstractFunctionGenerator,
-    FunctionGenerator,
-    SliderFunctionGenerator,
-    function_generator,
-    slider_function_generator,
-)
+from ..function.function import function_generator, slider_function_generator
+from ..function.results import AbstractFunctionGenerator, FunctionGenerator, SliderFunctionGenerator
 from ..function.wanted import NAMED, Expression, Function, named_function
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 
@@ -36,7 +32,7 @@ def _start_deg(meaning: str) -> Any:
 
 
 @record(checked=True, kw_only=True)
-class Wanted:
+class RequiredFunction:
     """The function, its range, and the method of approximation."""
 
     function: str = entry(
@@ -121,7 +117,7 @@ class Wanted:
 
 
 @record(kw_only=True)
-class WantedAngle(Wanted):
+class RequiredAngle(RequiredFunction):
     """A function with a rocker's angle as the output."""
 
     output_deg: float = quantity(
@@ -145,7 +141,7 @@ class WantedAngle(Wanted):
 
 
 @record(kw_only=True)
-class WantedPlace(Wanted):
+class RequiredSliderPosition(RequiredFunction):
     """A function with a slider's position as the output."""
 
     output_mm: float = quantity(
@@ -176,7 +172,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     """Common base of the recipes of function generators."""
 
     kind: str
-    wanted: Wanted
+    wanted: RequiredFunction
     choose: int = choose_entry()
     drive: Drive = entry("how the crank turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
@@ -267,7 +263,7 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
 
     Parameters
     ----------
-    wanted : WantedAngle
+    wanted : RequiredAngle
         The function, the ranges of crank and rocker, deg, and the method.
     choose : int
         Rank of the linkage that is made, 1 for the best.
@@ -280,8 +276,13 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
     """
 
     kind: Literal["function-generator"] = "function-generator"
-    wanted: WantedAngle
+    wanted: RequiredAngle
     unit = "deg"
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The second pivot."""
+        return (point_handle("wanted.ground", at=self.wanted.ground),)
 
     @cached_property
     def best(self) -> FunctionGenerator:
@@ -310,7 +311,7 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
 
     Parameters
     ----------
-    wanted : WantedPlace
+    wanted : RequiredSliderPosition
         The function, the range of the crank, deg, the travel of the slider, mm, and the method.
     choose : int
         Rank of the linkage that is made, 1 for the best.
@@ -323,7 +324,7 @@ class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
     """
 
     kind: Literal["slider-function-generator"] = "slider-function-generator"
-    wanted: WantedPlace
+    wanted: RequiredSliderPosition
     unit = "mm"
 
     @cached_property

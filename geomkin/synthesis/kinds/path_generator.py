@@ -19,8 +19,9 @@ from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, skeleton
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
+from ...model.handles import list_handles
 from ...model.part import Part
-from ...model.scene import SceneCurve
+from ...model.scene import SceneCurve, SceneHandle
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
@@ -319,6 +320,11 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
                 error.field if error.field == table or error.field.startswith(f"{table}.") else f"{table}.{error.field}"
             )
             raise DesignError(key, error.problem, error.remedy, error.id) from None
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The wanted points, unless they are those of a file or an SVG path."""
+        return tuple(list_handles("wanted.points", self.wanted.points or (), "wanted point"))
 
     @property
     def ranked(self) -> Sequence[PathFound]:

@@ -18,8 +18,9 @@ from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
+from ...model.handles import circle_handle, point_handle
 from ...model.part import Part
-from ...model.scene import Choice, Limit, Plot
+from ...model.scene import Choice, Limit, Plot, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real, rounded
 from ...recipe.settings import Drive, Files
@@ -83,8 +84,8 @@ def rounded_error(found: float, wanted: float) -> float:
     return float(rounded(abs(found - wanted), 9))
 
 
-class Wanted(Protocol[M_co]):
-    """What is wanted of a linkage, if all solutions form a family with one free angle."""
+class FamilyGoal(Protocol[M_co]):
+    """Requirements on a linkage, if all solutions form a family with one free angle."""
 
     @property
     def largest_ratio(self) -> float | None: ...
@@ -102,7 +103,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     """A goal that takes the best member of a family and ranks others."""
 
     kind: str
-    wanted: Wanted[M]
+    wanted: FamilyGoal[M]
     choose: int = choose_entry()
     drive: Drive = entry("how the crank turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
@@ -122,6 +123,13 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return best, *sorted(
             (member for member in others if member.ratio <= largest_ratio and not member.defects), key=self.rank
         )
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """The lengths that are given: the second pivot, and the circle of the crank about the first one."""
+        ground, crank = (getattr(self.wanted, name, None) for name in ("ground", "crank"))
+        pivot = () if ground is None else (point_handle("wanted.ground", at=ground),)
+        return pivot if crank is None else (*pivot, circle_handle("wanted.crank", radius=crank))
 
     @property
     def size_bounds(self) -> Mapping[str, tuple[float, float]]:

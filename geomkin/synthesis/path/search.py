@@ -12,7 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.progress import Watch
 from ...core.records import record
-from ...linkage.coupler_curve import Cognate, cognates
+from ...linkage.cognate_linkages import Cognate, cognates
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
@@ -327,12 +327,15 @@ class PathSearch:
         return x, t, branch
 
     def through_nine(self, watch: Watch) -> tuple[list[PathFound], PathCount]:
-        """The best of each three cognates through nine points, and where all paths to them ended."""
+        """The best of each three cognates, driven at either pivot, and where all paths to them ended."""
         wanted, linkages = self.task.wanted, []
         rows, count = through_nine(wanted, watch)
         for row in rows:
-            three = [self.made(x, *cranks_and_branches(x, wanted)) for x in with_cognates(row, complex(wanted[0]))]
-            exact = [one for one in three if one is not None and one.square_error <= EXACT**2 * self.size**2]
+            # Each cognate may be driven at either of its ground pivots.
+            both_ways = (row, row[[4, 5, 6, 7, 0, 1, 2, 3]])
+            sizes = [x for places in both_ways for x in with_cognates(places, complex(wanted[0]))]
+            made = [self.made(x, *cranks_and_branches(x, wanted)) for x in sizes]
+            exact = [one for one in made if one is not None and one.square_error <= EXACT**2 * self.size**2]
             if exact:
                 linkages.append(
                     min(exact, key=lambda one: (len(one.defects), -_zero_if_nan(one.transmission_angle_deg)))

@@ -48,7 +48,7 @@ MOVING = re.compile(
 HIDING = re.compile(r"display\s*+:\s*+none", re.IGNORECASE)
 
 
-class Placement(NamedTuple):
+class AffineMap(NamedTuple):
     """An affine map of the plane: z -> p z + q conj(z) + r."""
 
     p: complex = 1
@@ -59,10 +59,10 @@ class Placement(NamedTuple):
         """The points after the map."""
         return self.p * z + self.q * np.conj(z) + self.r
 
-    def after(self, first: Placement) -> Placement:
+    def after(self, first: AffineMap) -> AffineMap:
         """The composition: first `first`, then this map."""
         p, q, r = first
-        return Placement(
+        return AffineMap(
             self.p * p + self.q * q.conjugate(),
             self.p * q + self.q * p.conjugate(),
             self.p * r + self.q * r.conjugate() + self.r,
@@ -132,7 +132,7 @@ class _Drawing:
                 if found := MOVING.search(sheet) or HIDING.search(sheet):
                     raise _refused(f"its style sheet holds {shown(found.group())}")
 
-    def first_path(self) -> tuple[str, Placement] | None:
+    def first_path(self) -> tuple[str, AffineMap] | None:
         """The text of the first visible path and its placement."""
         if "transform" in self.root.attrib:
             raise _refused("its <svg> has a transform")
@@ -141,14 +141,14 @@ class _Drawing:
         return self._among(self.root, view_of(self.root), [self.root])
 
     def _among(
-        self, elements: Iterable[ElementTree.Element], placement: Placement, above: list[ElementTree.Element]
-    ) -> tuple[str, Placement] | None:
+        self, elements: Iterable[ElementTree.Element], placement: AffineMap, above: list[ElementTree.Element]
+    ) -> tuple[str, AffineMap] | None:
         """The first path of several elements inside or used by the elements `above`."""
         return next((found for element in elements if (found := self._of(element, placement, above))), None)
 
     def _of(
-        self, element: ElementTree.Element, placement: Placement, above: list[ElementTree.Element]
-    ) -> tuple[str, Placement] | None:
+        self, element: ElementTree.Element, placement: AffineMap, above: list[ElementTree.Element]
+    ) -> tuple[str, AffineMap] | None:
         """The first path of an element."""
         self.visits += 1
         if self.visits > MOST_VISITS:
@@ -169,7 +169,7 @@ class _Drawing:
         if tag in ("svg", "symbol") and "viewBox" in element.attrib:
             raise _refused(f"its inner <{tag}> has a viewBox")
         if tag in ("svg", "use"):
-            placement = placement.after(Placement(r=complex(_pixels(element, "x"), _pixels(element, "y"))))
+            placement = placement.after(AffineMap(r=complex(_pixels(element, "x"), _pixels(element, "y"))))
         below = [self._used(element)] if tag == "use" else element
         if tag == "use" and any(one is below[0] for one in above):
             raise _refused(f"it uses {shown(below[0].get('id'))} within itself")
@@ -208,14 +208,14 @@ def _numbers(text: str | None, counts: tuple[int, ...], what: str) -> list[float
     raise _refused(f"its {what} holds {shown(text)}", f"give {allowed} numbers within {FARTHEST:g} of 0")
 
 
-def _matrix(a: float, b: float, c: float, d: float, e: float, f: float) -> Placement:
+def _matrix(a: float, b: float, c: float, d: float, e: float, f: float) -> AffineMap:
     """x' = a x + c y + e, y' = b x + d y + f."""
-    return Placement(complex(a + d, b - c) / 2, complex(a - d, b + c) / 2, complex(e, f))
+    return AffineMap(complex(a + d, b - c) / 2, complex(a - d, b + c) / 2, complex(e, f))
 
 
-def transform_of(text: str) -> Placement:
+def transform_of(text: str) -> AffineMap:
     """The placement of the attribute `transform`."""
-    placement, at = Placement(), 0
+    placement, at = AffineMap(), 0
     while at < len(text.rstrip()):
         found = TRANSFORM.match(text, at)
         if len(text) > LONGEST_ATTRIBUTE or found is None or found.group(1) not in TRANSFORMS:
@@ -226,17 +226,17 @@ def transform_of(text: str) -> Placement:
     return placement
 
 
-def _one_transform(name: str, numbers: list[float]) -> Placement:
+def _one_transform(name: str, numbers: list[float]) -> AffineMap:
     first, *rest = numbers
     if name == "matrix":
         return _matrix(first, *rest)
     if name == "translate":
-        return Placement(r=complex(first, *rest))
+        return AffineMap(r=complex(first, *rest))
     if name == "scale":
         return _matrix(first, 0, 0, rest[0] if rest else first, 0, 0)
     if name == "rotate":
         turn, centre = complex(np.exp(1j * np.radians(first))), complex(*rest)
-        return Placement(turn, r=centre - turn * centre)
+        return AffineMap(turn, r=centre - turn * centre)
     slope = float(np.tan(np.radians(first)))
     return _matrix(1, 0, slope, 1, 0, 0) if name == "skewX" else _matrix(1, slope, 0, 1, 0, 0)
 
@@ -256,7 +256,7 @@ def _pixels(element: ElementTree.Element, key: str) -> float:
     return _length(element, key)[0]
 
 
-def view_of(root: ElementTree.Element) -> Placement:
+def view_of(root: ElementTree.Element) -> AffineMap:
     """The map from the drawing's user units to mm from its upper left corner."""
     sizes: dict[str, float] = {}
     scale = 1.0
@@ -268,7 +268,7 @@ def view_of(root: ElementTree.Element) -> Placement:
             raise _refused(f"its {key} is {shown(root.get(key))}", f"give a {key} above 0")
         scale = MM_PER_PIXEL if unit else scale
     if "viewBox" not in root.attrib:
-        return Placement(scale)
+        return AffineMap(scale)
     x, y, wide, high = _numbers(root.get("viewBox"), (4,), "viewBox")
     if not (wide > 0 and high > 0):
         raise _refused(f"its viewBox is {shown(root.get('viewBox'))}", "give it a width and a height above 0")
@@ -277,11 +277,11 @@ def view_of(root: ElementTree.Element) -> Placement:
     across, down = width / wide, height / high
     alignment = root.get("preserveAspectRatio", "xMidYMid")
     if alignment.strip() == "none":
-        return Placement(scale).after(_matrix(across, 0, 0, down, -x * across, -y * down))
+        return AffineMap(scale).after(_matrix(across, 0, 0, down, -x * across, -y * down))
     found = ALIGNMENT.fullmatch(alignment)
     if found is None:
         raise _refused(f"its preserveAspectRatio is {shown(alignment)}", "give none or such as xMidYMid meet")
     both = max(across, down) if found.group(3) == "slice" else min(across, down)
     shares = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
     left, top = (width - both * wide) * shares[found.group(1)], (height - both * high) * shares[found.group(2)]
-    return Placement(scale).after(_matrix(both, 0, 0, both, left - x * both, top - y * both))
+    return AffineMap(scale).after(_matrix(both, 0, 0, both, left - x * both, top - y * both))

@@ -11,8 +11,9 @@ from ...core.arguments import LARGEST
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, SMALLEST, rounded_down, rounded_up
 from ...core.records import record
+from ...linkage.drive_limits import dead_centres
 from ...linkage.linkage import AbstractLinkage
-from ...linkage.measures import dead_centres, least_transmission_angle
+from ...linkage.measures import least_transmission_angle
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Mask, Real

@@ -12,7 +12,8 @@ from ...linkage.instant.curvature import path_curvature
 from ...linkage.instant.inflection import inflection_circle
 from ...linkage.motion import Motion
 from ...linkage.moving import move
-from ...linkage.named_linkages import FourBar, InvertedSliderCrank, SliderCrank, StephensonSixBar
+from ...linkage.named_linkages import FourBar, InvertedSliderCrank, SliderCrank
+from ...linkage.six_bars import StephensonSixBar
 from ...linkage.solve.branch import Branch
 from ..cell import Cell, Sizes
 

@@ -115,7 +115,7 @@ CSV_WRITING: MethodFamily[Table, bytes] = MethodFamily(
 
 
 @record(eq=False)
-class Plate:
+class GearPlate:
     """A gear of 12 teeth with a bore, the rack's tooth that cuts its spaces, and its area, mm2."""
 
     gear: SpurGear
@@ -128,15 +128,15 @@ class Plate:
         return Part("gear", outline, (Circle(0j, BORE),), THICKNESS)
 
 
-def plate() -> Plate:
+def plate() -> GearPlate:
     """Its area is that of a far finer polygon, less the bore."""
     cut = gear_root.problem()
     z = at_even_parameters(cut.gear().outline, FINE)
-    return Plate(cut.gear(), cut.tool, float(cross(z, np.roll(z, -1)).sum() / 2 - np.pi * BORE**2))
+    return GearPlate(cut.gear(), cut.tool, float(cross(z, np.roll(z, -1)).sum() / 2 - np.pi * BORE**2))
 
 
-def _library_dxf(arcs: bool) -> Callable[[Plate, float], Callable[[], bytes]]:
-    def make(given: Plate, tolerance: float) -> Callable[[], bytes]:
+def _library_dxf(arcs: bool) -> Callable[[GearPlate, float], Callable[[], bytes]]:
+    def make(given: GearPlate, tolerance: float) -> Callable[[], bytes]:
         from ...export.cut import cut
         from ...export.dxf import dxf
         from ...export.layout import lay_out
@@ -146,7 +146,7 @@ def _library_dxf(arcs: bool) -> Callable[[Plate, float], Callable[[], bytes]]:
     return make
 
 
-def _bare_dxf(given: Plate, tolerance: float) -> Callable[[], bytes]:
+def _bare_dxf(given: GearPlate, tolerance: float) -> Callable[[], bytes]:
     """The least that a reader takes: no header, so no units; no layers, no check."""
     from ...plane.flatten import flatten
 
@@ -180,7 +180,7 @@ def outline_of(dxf: bytes) -> Polyline:
     return Polyline(x + 1j * y - centre, bulges)
 
 
-def dxf_error(given: Plate, found: bytes) -> Real:
+def dxf_error(given: GearPlate, found: bytes) -> Real:
     """How far places along the outline are from what the rack and the blank leave, mm."""
     line = outline_of(found)
     z = line.point((line.breaks[:-1, None] + np.array([0.0, 0.25, 0.5, 0.75])).ravel())
@@ -192,7 +192,7 @@ def dxf_error(given: Plate, found: bytes) -> Real:
     return off
 
 
-DXF_WRITING: MethodFamily[Plate, bytes] = MethodFamily(
+DXF_WRITING: MethodFamily[GearPlate, bytes] = MethodFamily(
     name="dxf-writing",
     title="DXF writing",
     about="A gear of 12 teeth of module 2 with a bore, from its sizes to the bytes of its drawing.",
@@ -238,14 +238,14 @@ DXF_WRITING: MethodFamily[Plate, bytes] = MethodFamily(
 # Solids
 
 
-def _library_stl(given: Plate, tolerance: float) -> Callable[[], bytes]:
+def _library_stl(given: GearPlate, tolerance: float) -> Callable[[], bytes]:
     from ...export.cut import cut
     from ...export.stl import stl
 
     return lambda: stl(cut(given.part(), tolerance))
 
 
-def _even_stl(given: Plate, count: float) -> Callable[[], bytes]:
+def _even_stl(given: GearPlate, count: float) -> Callable[[], bytes]:
     from ...export.cut import cut
     from ...export.stl import stl
 
@@ -258,7 +258,7 @@ def _even_stl(given: Plate, count: float) -> Callable[[], bytes]:
     return solid
 
 
-def _bare_stl(given: Plate, tolerance: float) -> Callable[[], bytes]:
+def _bare_stl(given: GearPlate, tolerance: float) -> Callable[[], bytes]:
     """Triangles written as they come, with no check that the solid is closed."""
     from ...plane import region as region
     from ...plane.flatten import flatten
@@ -296,7 +296,7 @@ def volume(stl: bytes) -> float:
     return float((a * np.cross(b, c)).sum() / 6)
 
 
-STL_WRITING: MethodFamily[Plate, bytes] = MethodFamily(
+STL_WRITING: MethodFamily[GearPlate, bytes] = MethodFamily(
     name="stl-writing",
     title="STL writing",
     about="The same gear, 5 mm thick, from its sizes to the bytes of its solid.",

@@ -19,7 +19,7 @@ PLACES, FEW = 2001, 33
 TRANSMISSION_DEG, RATIO = 30.0, 10.0
 
 
-class Wanted(NamedTuple):
+class LogarithmTask(NamedTuple):
     """log10(x) from 1 to 2, as shares of the output's swing over those of the input's; swings in rad."""
 
     share: Callable[[Real], Real]
@@ -31,12 +31,12 @@ class Wanted(NamedTuple):
 Generators = Real
 
 
-def problem() -> Wanted:
+def problem() -> LogarithmTask:
     """Input 60 deg, output 90 deg."""
-    return Wanted(lambda s: np.log10(1 + s) / np.log10(2.0), np.radians(60.0), np.radians(90.0))
+    return LogarithmTask(lambda s: np.log10(1 + s) / np.log10(2.0), np.radians(60.0), np.radians(90.0))
 
 
-def structural_error(wanted: Wanted, found: Generators, s: Real) -> Real:
+def structural_error(wanted: LogarithmTask, found: Generators, s: Real) -> Real:
     """Output less function, rad, (..., places) at shares s of the input's way; nan where the four-bar is open.
 
     The rocker's pin is where two circles meet, about the crank's pin and about the rocker's pivot.
@@ -53,7 +53,7 @@ def structural_error(wanted: Wanted, found: Generators, s: Real) -> Real:
     return error
 
 
-def by_hand(wanted: Wanted, starts: Real) -> Generators:
+def by_hand(wanted: LogarithmTask, starts: Real) -> Generators:
     """Four-bars through three precision points of Chebyshev's spacing, for each pair of starts (n, 2), rad.
 
     Freudenstein, Approximate synthesis of four-bar linkages, Transactions of the ASME 77, 1955: three linear equations
@@ -71,7 +71,7 @@ def by_hand(wanted: Wanted, starts: Real) -> Generators:
     return np.concatenate([[*sizes, np.full(len(starts), branch)] for branch in (1.0, -1.0)], axis=1)
 
 
-def _best(wanted: Wanted, found: Generators) -> Generators:
+def _best(wanted: LogarithmTask, found: Generators) -> Generators:
     """Of many (6, n) the one (6,) that errs least within the limits, nan if none is."""
     s = np.linspace(0, 1, FEW)
     worst = np.abs(structural_error(wanted, found, s)).max(axis=-1)
@@ -86,7 +86,7 @@ def _best(wanted: Wanted, found: Generators) -> Generators:
     return found[:, best] if np.isfinite(worst[best]) else np.full(6, np.nan)
 
 
-def _over_starts(wanted: Wanted, count: float) -> Callable[[], Generators]:
+def _over_starts(wanted: LogarithmTask, count: float) -> Callable[[], Generators]:
     """By hand from each pair of starts on a square grid of so many."""
     each = round(count**0.5)
     halves = np.pi * (np.arange(each) + 0.5) / each
@@ -94,8 +94,8 @@ def _over_starts(wanted: Wanted, count: float) -> Callable[[], Generators]:
     return lambda: _best(wanted, by_hand(wanted, starts))
 
 
-def _searched(aim: Aim, points: int = 3) -> Callable[[Wanted, float], Callable[[], Generators]]:
-    def make(wanted: Wanted, _: float) -> Callable[[], Generators]:
+def _searched(aim: Aim, points: int = 3) -> Callable[[LogarithmTask, float], Callable[[], Generators]]:
+    def make(wanted: LogarithmTask, _: float) -> Callable[[], Generators]:
         def found() -> Generators:
             swings = float(np.degrees(wanted.swing)), float(np.degrees(wanted.out))
             one = function_generator("log10(x)", (1.0, 2.0), *swings, method=aim, points=points)
@@ -109,7 +109,7 @@ def _searched(aim: Aim, points: int = 3) -> Callable[[Wanted, float], Callable[[
     return make
 
 
-FUNCTION_SYNTHESIS: MethodFamily[Wanted, Generators] = MethodFamily(
+FUNCTION_SYNTHESIS: MethodFamily[LogarithmTask, Generators] = MethodFamily(
     name="function-synthesis",
     title="Function synthesis",
     about="A four-bar whose rocker follows log10(x), 1 to 2, through 90 deg while its crank turns by 60; transmission "

@@ -35,7 +35,7 @@ class TimedPath(NamedTuple):
     size: float
 
 
-class StrokeInput(NamedTuple):
+class PlacedFourBar(NamedTuple):
     """A four-bar: ground, crank, coupler, rocker; coupler point in its frame; ground pivot, ground's direction; mm.
 
     start: the crank's angle from the ground at the first point, rad; branch: which way the four-bar closes.
@@ -49,7 +49,7 @@ class StrokeInput(NamedTuple):
     branch: float
 
 
-Found = Callable[[], list[StrokeInput | None]]
+Found = Callable[[], list[PlacedFourBar | None]]
 
 
 def problem() -> TimedPath:
@@ -71,7 +71,7 @@ def problem() -> TimedPath:
     return TimedPath(points, task, middle, size)
 
 
-def root_mean_square(path: TimedPath, found: list[StrokeInput | None]) -> Real:
+def root_mean_square(path: TimedPath, found: list[PlacedFourBar | None]) -> Real:
     """Of the coupler points' distances from the points, mm, (found,); nan where nothing was found, or is open.
 
     The rocker's pin is where two circles meet, about the crank's pin and about the rocker's pivot.
@@ -79,7 +79,7 @@ def root_mean_square(path: TimedPath, found: list[StrokeInput | None]) -> Real:
     return np.array([np.nan if one is None else _root_mean_square(path, one) for one in found])
 
 
-def _root_mean_square(path: TimedPath, found: StrokeInput) -> float:
+def _root_mean_square(path: TimedPath, found: PlacedFourBar) -> float:
     ground, crank, coupler, rocker = found.lengths.tolist()
     pin = crank * np.exp(1j * (found.start + np.radians(STEP_DEG) * np.arange(len(path.points))))
     gap = np.abs(ground - pin)
@@ -103,44 +103,46 @@ def _fits(path: TimedPath, count: int, seed: int) -> tuple[Real, Real, Real]:
     return fitted[kept], branch[kept], squares[kept]
 
 
-def _drawn(path: TimedPath, x: Real, branch: float) -> StrokeInput:
+def _drawn(path: TimedPath, x: Real, branch: float) -> PlacedFourBar:
     """In mm, of a row of the search's unknowns."""
     size = path.size
     along = complex(np.exp(1j * x[8]))
-    return StrokeInput(
+    return PlacedFourBar(
         x[:4] * size, complex(x[4], x[5]) * size, complex(x[6], x[7]) * size + path.middle, along, x[9], branch
     )
 
 
-def _from_seeds(find: Callable[[TimedPath, int, int], StrokeInput | None]) -> Callable[[TimedPath, float], Found]:
-    def make(path: TimedPath, count: float) -> Callable[[], list[StrokeInput | None]]:
+def _from_seeds(find: Callable[[TimedPath, int, int], PlacedFourBar | None]) -> Callable[[TimedPath, float], Found]:
+    def make(path: TimedPath, count: float) -> Callable[[], list[PlacedFourBar | None]]:
         return lambda: [find(path, int(np.nan_to_num(count)), seed) for seed in SEEDS]
 
     return make
 
 
-def _fitted(path: TimedPath, count: int, seed: int) -> StrokeInput | None:
+def _fitted(path: TimedPath, count: int, seed: int) -> PlacedFourBar | None:
     x, branch, squares = _fits(path, count, seed)
     return _drawn(path, x[squares.argmin()], float(branch[squares.argmin()])) if len(x) else None
 
 
-def _improved(path: TimedPath, count: int, seed: int) -> StrokeInput | None:
+def _improved(path: TimedPath, count: int, seed: int) -> PlacedFourBar | None:
     x, branch, _ = _fits(path, count, seed)
     watch = Watch(PATIENCE, "linkages for the path")
     x, _, branch = polished(path.task, x, np.zeros((len(x), len(path.points))), branch, watch)
     return _drawn(path, x[0], float(branch[0])) if len(x) else None
 
 
-def _searched(path: TimedPath, _: int, seed: int) -> StrokeInput:
+def _searched(path: TimedPath, _: int, seed: int) -> PlacedFourBar:
     one = path_generator(path.points, STEP_DEG * np.arange(len(path.points)), seed=seed, time_limit=PATIENCE)
     bar = one.linkage
     assert isinstance(bar, FourBar)
     lengths = np.array([bar.ground, bar.crank, bar.coupler, bar.rocker])
     along = complex(np.exp(1j * np.radians(bar.ground_angle_deg)))
-    return StrokeInput(lengths, complex(bar.coupler_point), complex(bar.origin), along, float(one.drive[0]), one.branch)
+    return PlacedFourBar(
+        lengths, complex(bar.coupler_point), complex(bar.origin), along, float(one.drive[0]), one.branch
+    )
 
 
-PATH_SYNTHESIS: MethodFamily[TimedPath, list[StrokeInput | None]] = MethodFamily(
+PATH_SYNTHESIS: MethodFamily[TimedPath, list[PlacedFourBar | None]] = MethodFamily(
     name="path-synthesis",
     title="Path synthesis",
     about="A four-bar whose coupler point goes through eighteen timed points of a path 0.6 mm by 0.9 mm (Kunjur and "

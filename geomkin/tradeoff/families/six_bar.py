@@ -9,14 +9,28 @@ import numpy as np
 
 from ...linkage.linkage import Linkage
 from ...linkage.moving import move, placements_for
-from ...linkage.named_linkages import FourBar, StephensonSixBar
+from ...linkage.named_linkages import FourBar
+from ...linkage.six_bars import StephensonSixBar
 from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.continuation import newton_raphson
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.loops import Loops
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Complex, Real
-from ..exact import ENTRIES, FRAMES, Track, Vector, carried, circling, count, cubic, fixed, linear, misses, pinned
+from ..exact import (
+    ENTRIES,
+    FRAMES,
+    DecimalVector,
+    Track,
+    carried,
+    circling,
+    count,
+    cubic,
+    fixed,
+    linear,
+    misses,
+    pinned,
+)
 from ..family import Method, MethodFamily
 from .four_bar_problem import LIBRARY, STEADY
 
@@ -26,7 +40,7 @@ SIX_BAR = StephensonSixBar(FourBar(GROUND, CRANK, COUPLER, ROCKER, POINT), LINK,
 Call = Callable[[], Array]
 
 
-def exact_output(angle: float) -> Vector:
+def exact_output(angle: float) -> DecimalVector:
     """The output link's direction."""
     crank, end = circling(CRANK, angle), fixed(PIVOT.real, PIVOT.imag)
     point = carried(crank, pinned(crank, fixed(GROUND), COUPLER, ROCKER, 1), POINT)

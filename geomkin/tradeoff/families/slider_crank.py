@@ -14,7 +14,7 @@ from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Array, Real
-from ..exact import ENTRIES, FRAMES, Track, Vector, circling, count, cubic, linear, misses, sliding
+from ..exact import ENTRIES, FRAMES, DecimalVector, Track, circling, count, cubic, linear, misses, sliding
 from ..family import Method, MethodFamily
 from .four_bar_problem import LIBRARY, STEADY
 
@@ -23,9 +23,9 @@ LINKAGE = SliderCrank(CRANK, ROD, OFFSET)
 Call = Callable[[], Array]
 
 
-def _exact(angle: float) -> Vector:
+def _exact(angle: float) -> DecimalVector:
     """The slider's place along its line."""
-    return Vector(sliding(circling(CRANK, angle), ROD, OFFSET, 1).at.x, Decimal(0))
+    return DecimalVector(sliding(circling(CRANK, angle), ROD, OFFSET, 1).at.x, Decimal(0))
 
 
 def _library(track: Track, _: float) -> Call:
