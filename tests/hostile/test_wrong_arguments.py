@@ -88,6 +88,7 @@ GOOD = {
     "Linkage": {"bodies": ROD, "driver": "slider", "sliders": (WAY,), "origin": 1j, "ground_angle_deg": 5.0, "estimate": {}},
     "Motor": {"name": "a", "torque_n_mm": 100.0, "speed_rpm": 60.0, "lasting_torque_n_mm": 25.0, "mass_g": 50.0},
     "motor": {"name": "nema17"},
+    "linkage_strength_checks": {"analysis": gk.forces(MOTION, gk.Loads(masses={"coupler": gk.Mass(1.0)})), "stock": gk.linkage.LinkStock()},
     "smallest_motor": {"duty": gk.model.MotorDuty(DRIVE, DRIVE, DRIVE), "margin": 1.5},
     "Mirrored": {"curve": CIRCLE},
     "Moved": {"curve": CIRCLE, "pose": gk.plane.Pose(1j, 1j)},
