@@ -62,9 +62,11 @@ from .linkage.named_linkages import SliderCrank as SliderCrank
 from .linkage.six_bars import StephensonSixBar as StephensonSixBar
 from .linkage.six_bars import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
+from .linkage.tolerance_analysis import tolerances as tolerances
 from .model.check import Check as Check
 from .model.mass import Mass as Mass
 from .model.material import Material as Material
+from .model.motor import Motor as Motor
 from .model.part import HoleFit as HoleFit
 from .model.part import Part as Part
 from .model.part import Twist as Twist

@@ -44,7 +44,7 @@ def main() -> None:
     except Exception as error:
         # Refusals are reported above; this is our own fault, and a traceback helps no user.
         fault = harmless(f"{type(error).__name__}: {error}")
-        sys.exit(f"geomkin failed by a fault of its own ({fault}); please report the recipe")
+        sys.exit(f"internal error ({fault}); please report it with this recipe")
     finally:
         # Otherwise the interpreter searches all objects for cycles when it ends: a tenth of a short run.
         gc.freeze()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO
+from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO, TypeVar
 
 import click
 
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
     from .core.errors import Problem
 
 
-# What helps where there is not enough memory.
+R = TypeVar("R")
+# Remedy if memory runs out.
 LARGER = "give a larger tolerance"
 
 _recipes = click.argument(
@@ -28,13 +30,16 @@ _recipes = click.argument(
 
 
 _as_json = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON object per recipe instead; nan is null, infinity a text."
+    "--json",
+    "as_json",
+    is_flag=True,
+    help='Print one JSON object per recipe instead of text; nan is null, infinite is "inf".',
 )
 
-EXIT_STATES = """\b
-Exit states:
+EXIT_STATUS = """\b
+Exit status:
   0  done; checks of a design may have failed
-  1  a recipe was refused or could not be made; with several recipes the others were made
+  1  a recipe was refused or could not be made (the other recipes were made), or a file is not as designed
   2  the command was called wrongly; nothing was done"""
 
 
@@ -42,14 +47,18 @@ def _formats(context: click.Context, parameter: click.Parameter, value: str | No
     """The formats in a list with commas."""
     chosen = None if value is None else [part.strip() for part in value.split(",")]
     if unknown := [ending for ending in chosen or () if ending not in WRITERS]:
-        raise click.BadParameter(f"unknown format {unknown[0]!r}; choose of {', '.join(WRITERS)}")
+        raise click.BadParameter(f"unknown format {unknown[0]!r}; choose from {', '.join(WRITERS)}")
     return chosen
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]}, epilog=EXIT_STATES)
+@click.group(context_settings={"help_option_names": ["-h", "--help"]}, epilog=EXIT_STATUS)
 @click.version_option(package_name="geomkin")
 def cli() -> None:
-    """Turn text recipes into planar mechanisms: DXF, STL and SVG to make them, their motion as CSV and as a page."""
+    """Turn text recipes into planar mechanisms: linkages, cams and gears.
+
+    Start with `geomkin list` and `geomkin new KIND > my.toml`; then `geomkin run my.toml` writes drawings to cut,
+    solids to print, the motion as CSV, and an animated page.
+    """
 
 
 @cli.command()
@@ -57,14 +66,18 @@ def cli() -> None:
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 @click.option(
     "--only", callback=_formats, metavar="FORMAT,...",
-    help=f"Write only these of the recipe's formats ({', '.join(WRITERS)}).",
+    help=f"Write only these formats ({', '.join(WRITERS)}).",
 )  # fmt: skip
 @click.option(
-    "--verify", "verified", is_flag=True, help="Read the written files back and measure them, as verify does."
+    "--verify", "verified", is_flag=True, help="Then read the files back and measure them, as `geomkin verify` does."
 )
 @_as_json
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: bool, as_json: bool) -> None:
-    """Make recipes, or all recipes of folders, into OUT/<recipe>/, and of several a page over them, OUT/index.html."""
+    """Write the files of recipes into OUT/<recipe>/.
+
+    A folder stands for all recipes in it. With several recipes it also writes OUT/index.html, a page with a card for
+    each.
+    """
     from .build import index, make
     from .core.errors import FileError, harmless, printable
 
@@ -98,10 +111,11 @@ def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: 
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @_as_json
 def verify(folders: tuple[Path, ...], as_json: bool) -> None:
-    """Read the files in FOLDERS back and measure them against the exact curves of their recipes.
+    """Measure the files in FOLDERS against their recipes.
 
-    Each folder is that of a recipe, or holds such folders. Writes verify.json and verify.html beside the files; the
-    exit state is 1 if a file is not as designed.
+    Reads every file back and compares it with the exact curves of its recipe. A folder is that of one recipe, or
+    contains such folders. Writes verify.json and verify.html into the folder of each recipe. The exit status is 1 if a
+    file is not as designed.
     """
     if not all(_verified(folders, as_json)):
         sys.exit(1)
@@ -109,36 +123,32 @@ def verify(folders: tuple[Path, ...], as_json: bool) -> None:
 
 def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
     """Verify folders and print the result of each recipe; whether each is as designed."""
-    from .core.errors import GeomkinError, harmless, printable
-    from .core.progress import shown
-    from .verification.certificate import verify
-    from .verification.certificate_files import write_certificate
+    from .core.errors import FileError, harmless, printable
+    from .verification.certificate import recipe_folders
+    from .verification.certificate_files import certify
 
-    watched = _is_terminal(sys.stderr)
     results: list[bool] = []
+    to_verify: list[Path] = []
     for folder in folders:
         try:
-            with shown(
-                lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None
-            ):
-                certificates = verify(folder)
-            for certificate in certificates:
-                write_certificate(certificate)
-        except GeomkinError as error:
+            to_verify += recipe_folders(folder)
+        except FileError as error:
             click.secho(str(error), fg="red", err=True)
             results.append(False)
+    outcomes = _each(to_verify, certify)
+    _print_refusals(outcomes)
+    results += [False] * (len(outcomes) - len(_made(outcomes)))
+    for certificate in _made(outcomes):
+        results.append(certificate.passed)
+        if as_json:
+            _print_json(certificate.to_dict())
             continue
-        for certificate in certificates:
-            results.append(certificate.passed)
-            if as_json:
-                _print_json(certificate.to_dict())
-                continue
-            measured = [file for file in certificate.files if file.measured]
-            verdict = "as designed" if certificate.passed else "NOT as designed"
-            click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
-            problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
-            for problem in [*certificate.problems, *problems]:
-                click.secho(f"  {harmless(problem)}", fg="yellow")
+        measured = [file for file in certificate.files if file.measured]
+        verdict = "as designed" if certificate.passed else "NOT as designed"
+        click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
+        problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
+        for problem in [*certificate.problems, *problems]:
+            click.secho(f"  {harmless(problem)}", fg="yellow")
     return results
 
 
@@ -168,14 +178,17 @@ def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
 @cli.command()
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 def columns(recipe: Path) -> None:
-    """List the columns of a RECIPE's table: id, unit and meaning of each."""
+    """List the columns of a RECIPE's table.
+
+    One line for each column: id, unit and meaning.
+    """
     from .build import errors_named_by_key, load
     from .core.errors import GeomkinError, printable
 
     try:
-        found = load(recipe)
-        with errors_named_by_key(str(recipe), found):
-            lines = [(column.id, column.unit, column.meaning) for column in found.table.columns]
+        loaded = load(recipe)
+        with errors_named_by_key(str(recipe), loaded):
+            lines = [(column.id, column.unit, column.meaning) for column in loaded.table.columns]
     except GeomkinError as error:
         click.secho(str(error), fg="red", err=True)
         sys.exit(1)
@@ -193,17 +206,17 @@ def columns(recipe: Path) -> None:
 )  # fmt: skip
 @click.option(
     "--result", "results", multiple=True, metavar="NAME",
-    help="A result besides the checks: COLUMN:least, :largest or :last of the table, or an entry of the notes.",
+    help="A result besides the checks: COLUMN:least, COLUMN:largest or COLUMN:last, or an entry of summary.json.",
 )  # fmt: skip
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 @_as_json
 def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
-    """Work out a RECIPE for all combinations of values, into OUT/<recipe>/<recipe>.sweep.csv and .html.
+    """Evaluate a RECIPE for all combinations of values.
 
-    One that was stopped goes on where it was.
+    Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues where it
+    was.
     """
     from .core.errors import GeomkinError, harmless, printable
-    from .core.progress import shown
     from .sweeps.sweep import by_processes, swept
 
     values: dict[str, str] = {}
@@ -213,20 +226,19 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
             problem = "is given twice" if equals else "has no values"
             raise click.BadParameter(f"{printable(key.strip())} {problem}; give KEY=VALUES once for each key")
         values[key.strip()] = listed
-    watched = _is_terminal(sys.stderr)
     try:
-        with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
-            found = swept(recipe, values, results, out, by_processes)
+        with _progress():
+            result = swept(recipe, values, results, out, by_processes)
     except GeomkinError as error:
         refused = _refused(recipe, error)
         _end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
         sys.exit(1)
-    if found.anew:
+    if result.is_restarted:
         click.echo(
-            "begun anew: an earlier run was of another recipe, other results or another version, or is damaged",
+            "started again: the earlier run is of another recipe, other results or another version, or damaged",
             err=True,
         )
-    refusals = [row.refused for row in found.rows if row.refused]
+    refusals = [row.refused for row in result.rows if row.refused]
     if as_json:
         rows = [
             {
@@ -235,22 +247,22 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
                 "checks": [check.to_dict() for check in row.checks],
                 "results": row.results,
             }
-            for row in found.rows
+            for row in result.rows
         ]
         _print_json(
             {
-                "name": found.name,
-                "kind": found.kind,
+                "name": result.name,
+                "kind": result.kind,
                 "file": str(recipe),
                 "rows": rows,
-                "files": list(map(str, found.files)),
+                "files": list(map(str, result.files)),
             }
         )
     else:
-        counts = f"{len(found.rows):,} combinations, {found.kept:,} of them from before, {len(refusals):,} refused"
-        click.echo(f"{', '.join(map(printable, found.files))}: {counts}")
-    if len(refusals) == len(found.rows):
-        click.secho(f"all are refused, the first for this: {harmless(refusals[0])}", fg="red", err=True)
+        counts = f"{len(result.rows):,} combinations, {result.reused:,} of them reused, {len(refusals):,} refused"
+        click.echo(f"{', '.join(map(printable, result.files))}: {counts}")
+    if len(refusals) == len(result.rows):
+        click.secho(f"all combinations are refused; the first one: {harmless(refusals[0])}", fg="red", err=True)
         sys.exit(1)
 
 
@@ -258,11 +270,11 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--vary", "ranges", multiple=True, required=True, metavar="KEY=LOW:HIGH",
-    help="Range of a number: linkage.crank=20:40; once for each key. Whole numbers take every value of their range.",
+    help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, all are tried.",
 )  # fmt: skip
 @click.option(
     "--minimise", "objective", required=True, metavar="FORMULA",
-    help="What is to be least: max(rocker_omega), or -min(transmission_angle) for a maximum.",
+    help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum.",
 )  # fmt: skip
 @click.option(
     "--subject-to", "constraints", multiple=True, metavar="CONSTRAINT",
@@ -270,22 +282,20 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 )  # fmt: skip
 @click.option("--starts", default=6, show_default=True, help="Number of gradient searches.")
 @click.option("--seed", default=0, show_default=True, help="Seed of the random designs.")
-@click.option(
-    "--time-limit", default=60.0, show_default=True, help="Longest time, s; the best design by then is taken."
-)
+@click.option("--time-limit", default=60.0, show_default=True, help="Time limit, s; the best design by then is taken.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the file.")
 def optimise_command(
     recipe: Path, ranges: tuple[str, ...], objective: str, constraints: tuple[str, ...],
     starts: int, seed: int, time_limit: float, out: Path,
 ) -> None:  # fmt: skip
-    """Find values of a RECIPE's keys that make a result least, and write OUT/<recipe>/<recipe>.optimum.toml.
+    """Find the best values of a RECIPE's keys.
 
-    Ctrl-C ends the search; the best design so far is written.
+    Writes OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so
+    far is written.
     """
     import signal
 
     from .core.errors import GeomkinError, harmless, printable
-    from .core.progress import shown
     from .optimisation.optimiser import optimise
 
     vary: dict[str, tuple[float, float]] = {}
@@ -296,11 +306,10 @@ def optimise_command(
         except ValueError:
             raise click.BadParameter(f"{printable(text)} is not KEY=LOW:HIGH", param_hint="--vary") from None
         vary[key.strip()] = (low, high)
-    watched = _is_terminal(sys.stderr)
     # Ctrl-C ends the search, not the process.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        with shown(lambda share, what: _overwrite(f"{what}: {share:.0%}" if share < 1 else "") if watched else None):
+        with _progress():
             best = optimise(recipe, vary, objective, list(constraints), starts, seed, time_limit, out)
     except GeomkinError as error:
         click.secho(_refused(recipe, error).text, fg="red", err=True)
@@ -314,19 +323,33 @@ def optimise_command(
     click.echo(f"{', '.join(map(printable, best.files))}: {best.evaluations:,} designs tried{note}")
 
 
+def _progress() -> AbstractContextManager[None]:
+    """Within this context, progress is shown on one line of the terminal."""
+    from .core.progress import shown
+
+    def show(share: float, what: str) -> None:
+        if _is_terminal(sys.stderr):
+            _overwrite(f"{what}: {share:.0%}" if share < 1 else "")
+
+    return shown(show)
+
+
 def _overwrite(line: str) -> None:
-    """A line in place of the one before."""
+    """Replace the last line on the terminal."""
     click.echo(f"\r\x1b[K{line}", nl=False, err=True)
 
 
 @cli.command()
 @click.argument("recipe", required=False, type=click.Path(exists=True, path_type=Path), metavar="[RECIPE_OR_FOLDER]")
-@click.option("--port", default=8017, show_default=True, type=click.IntRange(1, 65535), help="Or the next free one.")
-@click.option("--no-browser", is_flag=True, help="Print the address only.")
+@click.option(
+    "--port", default=8017, show_default=True, type=click.IntRange(1, 65535), help="Port, or the next free one."
+)
+@click.option("--no-browser", is_flag=True, help="Only print the address.")
 def studio(recipe: Path | None, port: int, no_browser: bool) -> None:
-    """Edit a RECIPE, or one of a folder, in the browser: drag the mechanism, see its motion and checks, save.
+    """Edit recipes in the browser by dragging the mechanism.
 
-    Without a recipe it shows all kinds and the recipes of the working folder. Ctrl-C ends it.
+    Shows the motion and the checks while you drag and type. Without a recipe it offers all kinds and the recipes of the
+    working folder. Ctrl-C ends it.
     """
     import gc
     import signal
@@ -365,10 +388,13 @@ def list_command() -> None:
 @click.argument("name", metavar="KIND")
 @click.option(
     "--with", "options", multiple=True, metavar="TABLE[=KIND]",
-    help="Show a table of another kind (follower=oscillating-roller), or one that may be left out (web).",
+    help="Show another kind of table (follower=oscillating-roller), or an optional table (web).",
 )  # fmt: skip
 def new(name: str, options: tuple[str, ...]) -> None:
-    """Print a commented recipe of a KIND, ready to run."""
+    """Print a recipe of a KIND with every key explained.
+
+    It runs without changes.
+    """
     from .core.errors import DesignError, printable
     from .recipe.kinds import kind_names, recipe_class
 
@@ -379,7 +405,7 @@ def new(name: str, options: tuple[str, ...]) -> None:
 
         kinds = kind_names()
         raise click.BadParameter(
-            f"unknown kind {printable(name)!r}; {nearest(name, kinds)}choose of {', '.join(kinds)}"
+            f"unknown kind {printable(name)!r}; {nearest(name, kinds)}choose from {', '.join(kinds)}"
         ) from None
     from .recipe.template import template
 
@@ -402,38 +428,37 @@ def schema() -> None:
 
 @cli.command("chart")
 @click.argument("families", nargs=-1, metavar="[FAMILY]...")
-@click.option("--quick", is_flag=True, help="Within a minute: fewer settings, the slowest methods left out.")
+@click.option("--quick", is_flag=True, help="Less than a minute: fewer settings, without the slowest methods.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
-    """Measure speed against accuracy, of all FAMILIES of methods or those named, into OUT/chart/."""
+    """Measure the methods: time per result against error.
+
+    Measures all families of methods, or those named, and writes tables, pictures and a page into OUT/chart/.
+    """
     from importlib.util import find_spec
 
     from .core.errors import DesignError, GeomkinError, printable
-    from .core.progress import shown
     from .export.files import write_whole
     from .tradeoff.files import chart_files
     from .tradeoff.results import chart
     from .tradeoff.study import stability
 
-    def show(share: float, what: str) -> None:
-        click.echo(f"\r\x1b[K{what}: {share:.0%}" if share < 1 else "\r\x1b[K", nl=False, err=True)
-
     try:
-        with shown(show if _is_terminal(sys.stderr) else lambda share, what: None):
+        with _progress():
             measured = chart(families, quick)
-        # Of all there is: where methods break, too, if what reckons in many digits is installed.
+        # The study of where methods lose digits needs mpmath.
         study = stability() if not families and find_spec("mpmath") else None
         write_whole(out / "chart", chart_files(measured, study))
     except DesignError as error:
         raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="FAMILY") from None
     except GeomkinError as error:
         raise click.ClickException(str(error)) from None
-    count, points = len(measured.families), sum(len(one.points) for one in measured.families)
+    count, points = len(measured.families), sum(len(family.points) for family in measured.families)
     click.echo(f"{printable(out / 'chart', 200)}: {count} famil{'y' if count == 1 else 'ies'}, {points} points")
 
 
 def _files(paths: Iterable[Path]) -> list[Path]:
-    """Recipes named, and those in folders named, in order."""
+    """The named recipes, and those in the named folders, in order."""
     from .core.errors import printable
 
     files: list[Path] = []
@@ -456,26 +481,26 @@ def _refuse_twins(files: list[Path]) -> None:
 
 
 class Refused(NamedTuple):
-    """Why a recipe was not made: as text, and problem by problem."""
+    """The reason why a recipe was not made, as text and as problems."""
 
     text: str
     problems: tuple[Problem, ...]
 
 
-Outcomes = list[tuple[Path, "Made | Refused"]]
+Outcomes = list[tuple[Path, "R | Refused"]]
 
 
-def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
-    """What became of each recipe, in the order in which they were named."""
+def _each(files: list[Path], action: Callable[[Path], R]) -> Outcomes[R]:
+    """The outcome of each recipe, in the order of the files."""
     from .core.errors import Problem, printable
     from .core.processes import each
     from .core.progress import shown
 
-    outcomes: list[Made | Refused] = []
+    outcomes: list[R | Refused] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
 
     def show(share: float, what: str) -> None:
-        """Within one recipe: a line of its own where there is one recipe only, in the bar otherwise."""
+        """Show the progress within a recipe: on a line with a single recipe, otherwise in the bar."""
         if not _is_terminal(sys.stderr):
             return
         if hidden:
@@ -500,12 +525,12 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
     return list(zip(files, outcomes))
 
 
-def _tried(action: Callable[[Path], Made], file: Path) -> Made | Refused:
-    """What an action makes of a recipe, or why nothing."""
+def _tried(action: Callable[[Path], R], file: Path) -> R | Refused:
+    """The result of an action on a recipe, or the reason why there is none."""
     try:
         return action(file)
     except Exception as error:
-        # A fault of ours in one recipe is reported like any other, and the rest are made.
+        # An internal error is reported too, and the other recipes are made.
         return _refused(file, error)
 
 
@@ -525,28 +550,26 @@ def _refused(file: Path, error: Exception) -> Refused:
             problem = Problem("", "not enough memory", LARGER, "too-much-work")
         case _:
             fault = printable(f"{type(error).__name__}: {error}", 200)
-            what = f"geomkin failed by a fault of its own ({fault})"
-            problem = Problem("", what, "please report it", "internal")
+            problem = Problem("", f"internal error ({fault})", "please report it with this recipe", "internal")
     return Refused(f"{printable(file)}: {problem.problem}; {problem.remedy}", (problem,))
 
 
-def _made(outcomes: Outcomes) -> list[Made]:
+def _made(outcomes: Outcomes[R]) -> list[R]:
     return [outcome for _, outcome in outcomes if not isinstance(outcome, Refused)]
 
 
-def _print_refusals(outcomes: Outcomes) -> None:
+def _print_refusals(outcomes: Outcomes[R]) -> None:
     for _, outcome in outcomes:
         if isinstance(outcome, Refused):
             click.secho(outcome.text, fg="red", err=True)
 
 
-def _end(outcomes: Outcomes, as_json: bool = False) -> NoReturn:
-    """End the command with the state that the outcomes give; as JSON print them first."""
+def _end(outcomes: Outcomes[Made], as_json: bool = False) -> NoReturn:
+    """End the command with the exit status of the outcomes; with `as_json` print them first."""
     for file, outcome in outcomes if as_json else ():
         if isinstance(outcome, Refused):
-            problems = [
-                {name: getattr(one, name) for name in ("id", "key", "problem", "remedy")} for one in outcome.problems
-            ]
+            names = ("id", "key", "problem", "remedy")
+            problems = [{name: getattr(problem, name) for name in names} for problem in outcome.problems]
             _print_json({"name": file.stem, "file": str(file), "problems": problems})
         else:
             about = {"name": outcome.name, "kind": outcome.kind, "file": str(file)}
@@ -556,7 +579,7 @@ def _end(outcomes: Outcomes, as_json: bool = False) -> NoReturn:
 
 
 def _print_json(data: dict[str, object]) -> None:
-    """On one line."""
+    """Print JSON on one line."""
     import json
 
     from .export.summary import as_json
@@ -565,12 +588,12 @@ def _print_json(data: dict[str, object]) -> None:
 
 
 def _is_terminal(stream: TextIO | None) -> bool:
-    """Whether someone watches; a closed stream is None."""
+    """Whether a stream is a terminal; a closed stream is None."""
     return stream is not None and stream.isatty()
 
 
 def _row(result: Made) -> tuple[str, str, str, str]:
-    """Where a recipe's files are, their endings, how large, how its checks came out."""
+    """Folder of a recipe's files, their endings, their size, and the checks that passed."""
     from .core.errors import printable
 
     endings = list(dict.fromkeys(path.suffix[1:] for path in result.files))
@@ -581,13 +604,13 @@ def _row(result: Made) -> tuple[str, str, str, str]:
 
 
 def _line(result: Made) -> str:
-    """A recipe in a line of its own, for files and other programs."""
+    """The result of a recipe on one line, for files and other programs."""
     folder, endings, size, checks = _row(result)
     return f"{folder}: {endings}, {size}, checks {checks}"
 
 
 def _report(made: list[Made]) -> str:
-    """One row for each recipe, under a heading."""
+    """A table with one row for each recipe."""
     rows = [("recipe", "files", "size", "checks"), *map(_row, made)]
     widths = [max(len(row[k]) for row in rows) for k in range(4)]
     return "\n".join("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in rows)

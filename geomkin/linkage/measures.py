@@ -9,6 +9,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..plane.vec import Real, Whole, dot
+from .linkage import AbstractLinkage
 from .motion import Motion
 from .named_linkages import FourBar, SliderCrank
 
@@ -178,3 +179,22 @@ def least_transmission_angle(motion: Motion) -> Real:
     """
     least: Real = np.fmin.reduce(np.where(motion.assembled, motion.transmission_angle, np.nan), axis=0)
     return least
+
+
+# Largest number of bodies whose lengths are listed.
+MOST_LISTED = 12
+
+
+def motion_quantities(linkage: AbstractLinkage, motion: Motion) -> dict[str, str]:
+    """Grashof type, distances between the pins of each body, mm, and range of the transmission angle, by label."""
+    general = motion.linkage
+    listed = {"Grashof type": grashof_type(linkage)} if isinstance(linkage, FourBar) else {}
+    for body, points in list(general.bodies.items())[:MOST_LISTED]:
+        pins = [complex(z) for name, z in points.items() if name in general.pins]
+        pairs = zip(pins, [*pins[1:], pins[0]]) if len(pins) > 2 else [tuple(pins)] * (len(pins) == 2)
+        if lengths := [f"{abs(b - a):.5g}" for a, b in pairs]:
+            listed[body.replace("_", " ")] = f"{', '.join(lengths)} mm"
+    angle = np.degrees(motion.transmission_angle[motion.assembled])
+    if np.isfinite(angle).any():
+        listed["transmission angle"] = f"{np.nanmin(angle):.4g} to {np.nanmax(angle):.4g} deg"
+    return listed

@@ -10,7 +10,7 @@ from .bases import BaseStock
 from .bores import PARALLEL_KEYS, key_of
 from .fasteners import SIZES, Fastener, gathered
 from .fits import AbstractBored
-from .motors import MOTORS, Motor, MotorName, fixed_under
+from .motors import MOTOR_FACES, MotorFace, MotorName, fixed_under
 
 # The items of one joint: name and number of each.
 Bill = tuple[tuple[str, int], ...]
@@ -37,7 +37,7 @@ def shaft_bill(
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
-        motor = MOTORS[stock.motor]
+        motor = MOTOR_FACES[stock.motor]
         shaft_length = f"cut to {_shown(length)} mm from its face" if is_cut else _at_least(length)
         item = ", ".join([f"motor {motor.product}", *([form] if stock.bore else []), *([shaft_length] if base else [])])
         return (item, count), (motor.screw(base or stock.thickness, sunk=base > 0), 4 * count), *key
@@ -146,7 +146,7 @@ class AssemblyBuilder:
         self._upper_collars: list[tuple[int, str]] = []
         self._last: list[str] = []
         self._height_below = 0.0
-        self._motor = None if motor is None else MOTORS[motor]
+        self._motor = None if motor is None else MOTOR_FACES[motor]
         # Number of layers that the motor's own plate takes.
         self._motor_layers = int(motor is not None and base is None)
         if self._motor and self._motor_layers:
@@ -257,7 +257,7 @@ class AssemblyBuilder:
         layers = (f"layer {layer}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
         return Assembly(gathered(self._bills), (*layers, *self._last))
 
-    def _add_motor_feet(self, motor: Motor, free: float, feet: int) -> None:
+    def _add_motor_feet(self, motor: MotorFace, free: float, feet: int) -> None:
         """Feet for a base over a motor, which is sold in several lengths. free: least height under the base, mm."""
         if self.base is None or not self.base.screw:
             height = f"the length of motor {motor.product}, at least {free:g} mm,"

@@ -23,7 +23,7 @@ from .bores import (
     widened,
 )
 from .materials import MaterialKey, material_entry
-from .motors import MOTORS, MotorName, motor_plate
+from .motors import MOTOR_FACES, MotorName, motor_plate
 
 # mm. Twice the error of lasers and printers, so that the hole still grips. A hole of 5 mm is stretched by 2 %, which
 # wood and plastics withstand. More cracks acrylic; with less the part may slip on its shaft.
@@ -199,7 +199,7 @@ class AbstractBored:
         if self.flat is not None and self.bore_form != "D":
             problem = f"found {self.flat:g} mm for a bore without a flat"
             raise DesignError("flat", problem, 'omit it, or give bore_form = "D"', "conflict")
-        if self.motor is not None and self.bore >= (boss := MOTORS[self.motor].boss_diameter):
+        if self.motor is not None and self.bore >= (boss := MOTOR_FACES[self.motor].boss_diameter):
             problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
             raise DesignError("bore", problem, f"give less than {boss:g} mm, or omit motor")
         if self.bore_form == "D":

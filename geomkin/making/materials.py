@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
-from ..core.errors import DesignError, shown
 from ..core.fields import entry
 from ..model.material import Material
-
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic_core.core_schema import CoreSchema
+from .named import NamedIn
 
 _PRESSURE = "pressure of a slowly turning dry steel pin chosen here"
 # Typical values for a first estimate: sheets and prints differ by 10 to 30 %. Strengths are the lower ones of a range;
@@ -40,28 +36,9 @@ MATERIALS: dict[str, Material] = {
 STEEL_DENSITY = 7850.0
 
 
-class NamedMaterial:
-    """Marks a field for a material: in a recipe, the name of one in `MATERIALS`, or a table of its values."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        from pydantic_core import core_schema
-
-        def named(value: object) -> object:
-            return _of_table("material", value) if isinstance(value, str) else value
-
-        def written(value: Any, handler: Any) -> Any:
-            return next((name for name, known in MATERIALS.items() if known == value), None) or handler(value)
-
-        return core_schema.no_info_before_validator_function(
-            named, handler(source), serialization=core_schema.wrap_serializer_function_ser_schema(written)
-        )
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [{"type": "string", "enum": list(MATERIALS)}, handler(schema)]}
-
-
+_NAMED = NamedIn(MATERIALS, "material")
 # Field type of a material in the tables of a recipe.
-MaterialKey = Annotated[Material | None, NamedMaterial()]
+MaterialKey = Annotated[Material | None, _NAMED]
 
 
 def material(name: str) -> Material:
@@ -86,13 +63,8 @@ def material(name: str) -> Material:
     >>> gk.making.material("steel-S235").density
     7850
     """
-    return _of_table("name", name)
-
-
-def _of_table(key: str, name: str) -> Material:
-    if not isinstance(name, str) or name not in MATERIALS:
-        raise DesignError(key, f"found {shown(name)}", f"give {', '.join(MATERIALS)}, or a table of values")
-    return MATERIALS[name]
+    found: Material = _NAMED.find(name)
+    return found
 
 
 def material_entry(item: str) -> Any:

@@ -1,28 +1,31 @@
-"""Motors that drive a part: their dimensions, mounting plates and screws."""
+"""Motors that drive a part: their torque and speed, dimensions, mounting plates and screws."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import Length
+from ..core.fields import Length, entry
 from ..core.records import record
+from ..model.check import Check
+from ..model.motor import Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import Complex
 from .fasteners import LENGTHS, SIZES
+from .named import NamedIn
 
 MotorName = Literal["nema17"]
 
 
 @record
-class Motor:
+class MotorFace:
     """Dimensions of a motor's face, mm.
 
     product: its name in the bill. face_width: of the square face. screw_spacing: along the sides of the face.
@@ -80,9 +83,142 @@ SUNK, SUNK_LENGTHS, SUNK_HEIGHT = "countersunk screw ISO 7046", (4, 30), 1.65
 CORNERS = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
 # Sources: NEMA ICS 16 for the face, the screws and the diameter of the boss; makers' drawings for its height, the shaft
 # and the depth of the threads (4.5 mm); screw holes by ISO 273, medium. With other numbers the motor does not fit.
-MOTORS: dict[str, Motor] = {"nema17": Motor("NEMA 17", 42.3, 31.0, 22.0, 2.0, 5.0, 3.0, 3.4, (2.0, 4.5))}
+MOTOR_FACES: dict[str, MotorFace] = {"nema17": MotorFace("NEMA 17", 42.3, 31.0, 22.0, 2.0, 5.0, 3.0, 3.4, (2.0, 4.5))}
 # Corner radius of the plate, mm, about that of the motor's face; larger ones come close to the screws.
 CORNER = 4.0
+
+
+# Least margin of a motor that `smallest_motor` chooses; chosen here, for friction and loads that are not stated.
+LEAST_MOTOR_MARGIN = 1.5
+# Shares of the greatest torque: direct-current motors and servos heat up if they supply more than a quarter of their
+# torque at standstill for long (makers' advice); steppers supply about half of the holding torque up to 300 rpm.
+LASTING, STEPPING, STEPPER_RPM = 0.25, 0.5, 300.0
+
+
+def _stepper(name: str, holding_torque: float, mass: float, source: str) -> Motor:
+    torque = STEPPING * holding_torque
+    return Motor(name, torque, STEPPER_RPM, torque, mass, constant_torque=True, source=source)
+
+
+def _brushed(name: str, stall: float, speed_rpm: float, mass: float, source: str, most: float = np.inf) -> Motor:
+    """most: lasting torque that the gears carry, N mm."""
+    return Motor(name, stall, speed_rpm, min(LASTING * stall, most), mass, source=source)
+
+
+def _servo(name: str, stall: float, seconds_per_60_deg: float, mass: float, source: str) -> Motor:
+    return Motor(name, stall, 10 / seconds_per_60_deg, LASTING * stall, mass, range_deg=180, source=source)
+
+
+# Typical values, N mm, rpm and g, for a first choice. Torques at standstill are extrapolated by the makers; sellers of
+# servos claim up to 1.6 times as much. Masses are rounded.
+MOTORS: dict[str, Motor] = {
+    "sg90": _servo("SG90 servo, 4.8 V", 118, 0.12, 9, "sellers' pages, the lowest torque"),
+    "n20-100": _brushed("N20 gear motor 100:1, 6 V", 73, 130, 10, "Pololu micro metal gearmotor, LP 6 V"),
+    "n20-298": _brushed("N20 gear motor 298:1, 6 V", 196, 45, 10, "Pololu micro metal gearmotor, LP 6 V"),
+    "tt": _brushed("TT gear motor 1:48, 6 V", 39, 200, 30, "sellers' pages"),
+    "28byj-48": Motor(
+        "28BYJ-48 geared stepper, 5 V", 34.3, 15, 34.3, 35, constant_torque=True,
+        source="makers' sheets: pull-in torque at 120 steps per second",
+    ),
+    "mg996r": _servo("MG996R servo, 4.8 V", 920, 0.17, 55, "sellers' pages, at 4.8 V"),
+    "25d-4": _brushed("25 mm gear motor 4.4:1, 6 V", 118, 2200, 90, "Pololu 25D, HP 6 V"),
+    "25d-75": _brushed("25 mm gear motor 75:1, 12 V", 696, 75, 100, "Pololu 25D, LP 12 V"),
+    "nema17-short": _stepper("NEMA 17 stepper, 20 mm long", 160, 130, "StepperOnline 17HS08"),
+    "nema14": _stepper("NEMA 14 stepper, 34 mm long", 180, 180, "StepperOnline 14HS13-0804S"),
+    "37d-19": _brushed("37 mm gear motor 19:1, 12 V", 834, 530, 185, "Pololu 37D, 12 V", 981),
+    "37d-30": _brushed("37 mm gear motor 30:1, 12 V", 1373, 330, 190, "Pololu 37D, 12 V", 981),
+    "37d-50": _brushed("37 mm gear motor 50:1, 12 V", 2059, 200, 195, "Pololu 37D, 12 V", 981),
+    "nema17": _stepper("NEMA 17 stepper, 48 mm long", 590, 400, "StepperOnline 17HS19-2004S1"),
+    "nema17-long": _stepper("NEMA 17 stepper, 60 mm long", 650, 500, "StepperOnline 17HS24"),
+    "nema23": _stepper("NEMA 23 stepper, 56 mm long", 1240, 700, "StepperOnline 23HS22-2804S"),
+}  # fmt: skip
+_NAMED = NamedIn(MOTORS, "motor")
+# Field type of a motor in the tables of a recipe.
+MotorKey = Annotated[Motor | None, _NAMED]
+
+
+def motor(name: str) -> Motor:
+    """A motor of the table.
+
+    Parameters
+    ----------
+    name : str
+        Such as "nema17"; `MOTORS` lists all.
+
+    Returns
+    -------
+    Motor
+
+    Raises
+    ------
+    DesignError
+        If there is no such motor.
+
+    Examples
+    --------
+    >>> gk.making.motor("37d-30").torque_n_mm
+    1373
+    """
+    found: Motor = _NAMED.find(name)
+    return found
+
+
+@checked
+def smallest_motor(duty: MotorDuty, margin: PositiveFloat = LEAST_MOTOR_MARGIN) -> Motor | None:
+    """The lightest motor of the table that supplies a torque and its speed.
+
+    Parameters
+    ----------
+    duty : MotorDuty
+        Required torque and speed, such as `forces(motion, loads).duty`.
+    margin : float, optional
+        Least ratio of the torque that the motor supplies to the required one, as in `Motor.margin`.
+
+    Returns
+    -------
+    Motor or None
+        None if no motor of the table suffices.
+
+    Notes
+    -----
+    The motor turns the driver directly, without further gears. Its own inertia is not considered.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 2 * np.pi, 181), speed=5.0)
+    >>> result = gk.forces(motion, gk.Loads(forces=[gk.Force("rocker", "rocker_pin", -10j)]))
+    >>> gk.making.smallest_motor(result.duty).name
+    '37 mm gear motor 19:1, 12 V'
+    """
+    suitable = [motor for motor in MOTORS.values() if motor.margin(duty) >= margin]
+    return min(suitable, key=lambda motor: motor.mass_g, default=None)
+
+
+def motor_entry(item: str) -> Any:
+    """The field for the motor that drives an item."""
+    words = f"{', '.join(MOTORS)}, or a table of values; by default the lightest of these that suffices"
+    return entry(f"motor on the shaft of {item}: {words}", default=None)
+
+
+def motor_check(motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None) -> Check:
+    """Check that a motor supplies the torque and speed of its duty, by the margin of `smallest_motor`.
+
+    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`.
+    """
+    better = smallest_motor(duty)
+    key = next((key for key, known in MOTORS.items() if known == better), None)
+    advice = f'give motor = "{key}" ({better.name})' if better else "no motor of the table suffices"
+    name = f"torque of the {motor.name} to that required"
+    limit = LEAST_MOTOR_MARGIN
+    return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at)
+
+
+def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
+    """A motor and its margin, as an entry of the summary."""
+    key = next((key for key, known in MOTORS.items() if known == motor), None)
+    named: dict[str, object] = {"motor": key} if key else {}
+    return {**named, "name": motor.name, "margin": float(f"{motor.margin(duty):.6g}")}
 
 
 def fixed_under(plate: str, letter: str) -> str:
@@ -93,7 +229,7 @@ def fixed_under(plate: str, letter: str) -> str:
 
 def plate_radius(motor: MotorName) -> float:
     """Radius round the shaft that contains the motor's plate, mm."""
-    return float(np.abs(MOTORS[motor].corners(inset=CORNER)).max()) + CORNER
+    return float(np.abs(MOTOR_FACES[motor].corners(inset=CORNER)).max()) + CORNER
 
 
 @checked
@@ -120,7 +256,7 @@ def motor_plate(motor: MotorName, thickness: PositiveFloat, clearance: Length = 
     >>> len(plate.holes)
     5
     """
-    face = MOTORS[motor]
+    face = MOTOR_FACES[motor]
     outline = rounded_hull(face.corners(inset=CORNER), CORNER)
     holes, fits = face.holes(clearance), face.fits(clearance)
     return Part("motor_plate", outline, holes, thickness, body="motor", fits=fits)

@@ -3,6 +3,8 @@ from .check import Check as Check
 from .mass import Mass as Mass
 from .material import Material as Material
 from .material import hertz_pressure as hertz_pressure
+from .motor import Motor as Motor
+from .motor import MotorDuty as MotorDuty
 from .part import Bought as Bought
 from .part import HoleFit as HoleFit
 from .part import Part as Part

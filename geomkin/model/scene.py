@@ -165,6 +165,26 @@ def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
 
 
 @record(checked=True, eq=False)
+class Candidate:
+    """A design among which a recipe chooses, as a small picture.
+
+    Parameters
+    ----------
+    key, value : str and int
+        What the recipe states to choose it, such as `choose` and 2.
+    label : str
+        For people.
+    lines : tuple of complex arrays
+        Strokes of the picture, mm.
+    """
+
+    key: str
+    value: int
+    label: str
+    lines: tuple[Complex, ...]
+
+
+@record(checked=True, eq=False)
 class Scene:
     """A mechanism moving.
 

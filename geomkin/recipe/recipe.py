@@ -18,7 +18,7 @@ from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
-from ..model.scene import Scene, SceneHandle
+from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
 from ..plane.vec import Complex
@@ -153,6 +153,11 @@ class AbstractRecipe(_Shared, ABC):
         return None
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        """Lengths, types and ranges that an editor shows beside the scene, by label; the checks come besides."""
+        return {}
+
+    @property
     def handles(self) -> tuple[SceneHandle, ...]:
         """Handles that a user can drag in an editor; fast to compute, since a drag repeats it."""
         return ()
@@ -160,6 +165,11 @@ class AbstractRecipe(_Shared, ABC):
     def handle_position(self, id: str) -> Complex:
         """Positions of one of the `handles` at the frames."""
         return next(handle.at for handle in self.handles if handle.id == id)
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Designs among which one key of the recipe chooses; empty if there is nothing to choose."""
+        return ()
 
     @classmethod
     def has_scene(cls) -> bool:
@@ -305,6 +315,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         return self.design.design_checks
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        return self.design.quantities
 
     @property
     def scene(self) -> Scene | None:

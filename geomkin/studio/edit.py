@@ -87,7 +87,7 @@ def answer(
     -------
     dict
         The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, and for the lane "checks" also
-        `checks` and `parts`. The text is never lost: if it is wrong, `problems` says where.
+        `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     text, name = draft.text, draft.name
     reply: Answer = {
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
-        "limit": None, "quantities": [], "checks": None, "parts": None,
+        "limit": None, "quantities": [], "checks": None, "candidates": None, "parts": None,
     }  # fmt: skip
     try:
         if changes := request.get("set"):
@@ -219,8 +219,8 @@ def _scene(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> Non
     reply["name"] = name
     reply["handles"] = [_handle(handle, locks) for handle in recipe.handles]
     reply["quantities"] = [
-        {"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.design_checks
-    ]
+        {"id": "", "label": harmless(label), "text": harmless(text)} for label, text in recipe.quantities.items()
+    ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.design_checks]
     reply["scene"] = None if scene is None else scene_data(scene, name)
 
 
@@ -249,11 +249,22 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
     reply["checks"] = [
         {
             "id": check.id,
+            "label": harmless(check.name),
+            "value": _stated(check),
             "text": harmless(check),
             "state": "pass" if check.passed else "expected" if check.expected else "fail",
             "column": check.column or None,
         }
         for check in recipe.checks
+    ]
+    reply["candidates"] = [
+        {
+            "key": candidate.key,
+            "value": candidate.value,
+            "label": harmless(candidate.label),
+            "lines": [[_row(stroke.real), _row(stroke.imag)] for stroke in candidate.lines],
+        }
+        for candidate in recipe.candidates
     ]
     parts = [{"name": p.name, "count": p.count, "thickness": p.thickness} for p in recipe.parts]
     bought = [item.data for item in recipe.bought]

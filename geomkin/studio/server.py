@@ -153,7 +153,7 @@ class Studio:
             return answer(text, files, request, name, self._opened)
         except Exception as error:
             # A fault of ours must not lose the user's text.
-            problem = f"geomkin failed by a fault of its own ({printable(f'{type(error).__name__}: {error}', 200)})"
+            problem = f"internal error ({printable(f'{type(error).__name__}: {error}', 200)})"
             entry = {"key": "", "problem": problem, "remedy": "please report it", "id": "internal"}
             return {**answer("", {}, {}), "text": text, "problems": [entry]}
 
@@ -356,7 +356,7 @@ class _Handler(BaseHTTPRequestHandler):
             content, kind = _json({"problems": _problems(error)})
         except Exception as error:
             status = HTTPStatus.INTERNAL_SERVER_ERROR
-            problem = f"geomkin failed by a fault of its own ({printable(f'{type(error).__name__}: {error}', 200)})"
+            problem = f"internal error ({printable(f'{type(error).__name__}: {error}', 200)})"
             content, kind = _json(
                 {"problems": [{"key": "", "problem": problem, "remedy": "please report it", "id": "internal"}]}
             )

@@ -1,10 +1,9 @@
-"""What a sweep has worked out so far, kept line by line, so that one that was stopped goes on where it was."""
+"""Sweeps: a recipe evaluated for all combinations of some values, by one process, several, or an executor."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import field, replace
@@ -21,103 +20,31 @@ from ..core.progress import report as report_progress
 from ..core.records import record
 from ..core.version import __version__
 from ..export.csv import csv
-from ..export.files import naming, write_whole
+from ..export.files import write_whole
 from ..model.check import Check
 from ..model.table import Table
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import varied
+from .evaluation import SweepTask, check_results, evaluate, file_hashes, is_row
+from .ledger import Ledger
 from .report import columns, report
-from .row import Task, check_tell, combinations, file_marks, is_row, listed, worked_out
+from .values import combinations, parsed_values
 
-# Bytes that are read back; those of the most combinations there may be stay below it.
-LARGEST = 500_000_000
-
-
-class Ledger:
-    """Rows by key in a file of JSON lines, whose first says what they are of.
-
-    It begins anew if that is something else, or if any line is damaged: then no other can be relied on.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    title : Mapping
-        What the rows are of: recipe, wishes, version.
-    is_row : callable
-        Whether a row is one that may be used.
-
-    Attributes
-    ----------
-    known : dict
-        Rows by key.
-    anew : bool
-        Whether there were rows, of something else or damaged.
-    """
-
-    def __init__(self, path: Path, title: Mapping[str, Any], is_row: Callable[[Any], bool]):
-        self.path = path
-        self.known: dict[str, Any] = {}
-        with naming(path, "used"):
-            content = self._content()
-            # What follows the last end of a line was being written when the run was stopped.
-            whole = content[: content.rfind(b"\n") + 1]
-            lines = whole.split(b"\n")
-            entries = list(map(_read, lines[1:-1]))
-            sound = _read(lines[0]) == title and all(
-                isinstance(entry, dict) and isinstance(entry.get("key"), str) and is_row(entry.get("row"))
-                for entry in entries
-            )
-            self.anew: bool = bool(whole) and not sound
-            if self.anew or not whole:
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(_line(title))
-                return
-            self.known |= {entry["key"]: entry["row"] for entry in entries}
-            if len(whole) < len(content):
-                os.truncate(path, len(whole))
-
-    def _content(self) -> bytes:
-        if not os.path.lexists(self.path):
-            return b""
-        # A link may lead to what is no sweep's, and would be written over.
-        if self.path.is_symlink() or not self.path.is_file():
-            raise FileExistsError(0, "something that is no plain file stands under this name")
-        if self.path.stat().st_size > LARGEST:
-            raise OSError(0, f"it is larger than {LARGEST:,} bytes")
-        return self.path.read_bytes()
-
-    def add(self, rows: Mapping[str, Any]) -> None:
-        """Set down further rows, by key, whole lines at once."""
-        with naming(self.path, "used"), self.path.open("ab") as file:
-            file.write(b"".join(_line({"key": key, "row": row}) for key, row in rows.items()))
-
-
-def _line(held: Mapping[str, Any]) -> bytes:
-    return (json.dumps(held) + "\n").encode()
-
-
-def _read(line: bytes) -> Any:
-    try:
-        return json.loads(line)
-    except (ValueError, RecursionError):
-        return None
-
-
-# What follows the recipe's name in those of a sweep's files.
+# Files of a sweep are named <recipe>.sweep.csv and so on.
 ENDING = ".sweep"
-# Combinations that a process is given at a time. Fewer, and handing them over shows; more, and what a stop loses, and
-# the wait for the last one, grow.
-TOGETHER = 4
-# Jobs handed to an executor before the first is done. Fewer leave a large cluster idle; more fill its memory.
-AHEAD = 256
+# Combinations in a batch of a process. Smaller batches cost more time to hand over; larger ones lose more work if the
+# sweep is stopped.
+BATCH_SIZE = 4
+# Largest number of batches that wait in an executor. A smaller one leaves a large cluster idle; a larger one fills its
+# memory.
+MOST_WAITING = 256
 
-# What comes of a combination whose process was killed.
-ENDED = {"refused": "its process was killed, perhaps for want of memory", "checks": [], "results": {}}
+# The row of a combination whose process was killed.
+KILLED = {"refused": "its process was killed, perhaps because memory ran out", "checks": [], "results": {}}
 
 Rows = Iterator[tuple[int, list[dict[str, Any]]]]
-# Works out batches of combinations: (task, batches) -> (number of the batch, its rows), in any order.
-Worker = Callable[[Task, Sequence[Sequence[Mapping[str, Any]]]], Rows]
+# Evaluates batches of combinations: (task, batches) -> (index of the batch, its rows), in any order.
+BatchRunner = Callable[[SweepTask, Sequence[Sequence[Mapping[str, Any]]]], Rows]
 Values = Annotated[Mapping[str, Any], ArgumentType(lambda given: isinstance(given, Mapping), "a table, key to values")]
 Names = Annotated[
     Sequence[str],
@@ -129,9 +56,18 @@ Names = Annotated[
 
 @record(eq=False)
 class SweepRow:
-    """One combination. values: by key; refused: why there is no such mechanism, "" where there is one.
+    """Results for one combination.
 
-    checks: of the recipe; results: those asked for besides, None if there is none.
+    Parameters
+    ----------
+    values : mapping of str to value
+        Values by key.
+    refused : str
+        The reason if there is no such mechanism, otherwise "".
+    checks : tuple of Check
+        Checks of the recipe.
+    results : mapping of str to value
+        The requested results; None for one that is not defined.
     """
 
     values: Mapping[str, Any]
@@ -142,23 +78,35 @@ class SweepRow:
 
 @record(eq=False)
 class Sweep:
-    """What came of a sweep: a row for each combination, the last key's values running fastest.
+    """Results of a sweep.
 
-    kept: rows that an earlier run had worked out; anew: whether what an earlier run kept is of another recipe or
-    version, or damaged, and was begun anew; files: path to size in bytes, empty where nothing was to be written.
+    Parameters
+    ----------
+    name, kind : str
+        Name and kind of the recipe.
+    keys : tuple of str
+        The keys that vary.
+    rows : tuple of SweepRow
+        One row for each combination; the values of the last key change fastest.
+    reused : int
+        Number of rows that an earlier run had computed.
+    is_restarted : bool
+        Whether rows of an earlier run were discarded, because they are of another recipe or version, or damaged.
+    files : mapping of Path to int
+        Size of each written file, bytes; empty if no folder was given.
     """
 
     name: str
     kind: str
     keys: tuple[str, ...]
     rows: tuple[SweepRow, ...]
-    kept: int = 0
-    anew: bool = False
+    reused: int = 0
+    is_restarted: bool = False
     files: Mapping[Path, int] = field(default_factory=dict)
 
     @property
     def table(self) -> Table:
-        """The rows as columns: the keys, why one was refused, which checks failed, what they found, the results."""
+        """The rows as a table: keys, reasons of refusals, failed checks, values of checks, results."""
         return Table(columns(self.keys, self.rows))
 
 
@@ -177,7 +125,7 @@ def sweep(
     recipe : AbstractRecipe, str, Path or mapping
         A recipe, or anything that `gk.load` reads.
     values : mapping of str to sequence or str
-        Dotted keys, such as "gear.teeth" or "program[0].rise", and their values: a row, or a text as in the command,
+        Dotted keys, such as "gear.teeth" or "program[0].rise", and their values: a list, or a text as in the command,
         such as "8:120:4" (start:stop:step; the stop is included if a step meets it) or "-0.5,0,0.5".
         At most 10,000 combinations.
     results : sequence of str
@@ -203,7 +151,7 @@ def sweep(
         If a key or a result is unknown, there are too many combinations, or the executor fails. Rows that were
         written remain.
     """
-    return swept(recipe, values, results, out, _here if executor is None else partial(_by_executor, executor))
+    return swept(recipe, values, results, out, by_this_process if executor is None else partial(_by_executor, executor))
 
 
 def swept(
@@ -211,113 +159,112 @@ def swept(
     values: Mapping[str, Any],
     results: Sequence[str],
     out: str | Path | None,
-    by: Worker,
+    run_batches: BatchRunner,
 ) -> Sweep:
-    """The same, worked out by any worker."""
+    """A sweep whose batches are evaluated by `run_batches`; see `sweep`."""
     source, name = varied(recipe)
     task, name = (
-        Task(source.recipe, source.file, source.folder, tuple(dict.fromkeys(results))),
+        SweepTask(source.recipe, source.file, source.folder, tuple(dict.fromkeys(results))),
         name_of(source.file, name),
     )
-    keyed = {key: listed(key, given) for key, given in values.items()}
+    keyed = {key: parsed_values(key, given) for key, given in values.items()}
     if not keyed:
         raise DesignError(
             "values", "found none", 'give a key and its values, such as {"gear.teeth": [8, 12]}', "missing-key"
         )
-    every = list(combinations(keyed))
+    changes = list(combinations(keyed))
     task.check_keys({key: row[0] for key, row in keyed.items()})
-    _check_results(task, every)
-    kept_in = None if out is None else Path(out) / name / f"{name}{ENDING}.jsonl"
-    ledger = None if kept_in is None else Ledger(kept_in, _title(task), partial(is_row, task))
+    _check_results(task, changes)
+    ledger = None
+    if out is not None:
+        ledger = Ledger(Path(out) / name / f"{name}{ENDING}.jsonl", _title(task), partial(is_row, task))
     known: dict[str, Any] = {} if ledger is None else dict(ledger.known)
-    keys = [_key_of(task, changes) for changes in every]
-    left = [k for k, key in enumerate(keys) if key not in known]
-    together = 1 if by is _here else TOGETHER
-    batches = [left[k : k + together] for k in range(0, len(left), together)]
-    done = len(every) - len(left)
-    kept = done
-    for number, rows in by(task, [[every[k] for k in batch] for batch in batches]):
-        found = dict(zip((keys[k] for k in batches[number]), rows))
-        known |= found
+    keys = [_key_of(task, values) for values in changes]
+    remaining = [k for k, key in enumerate(keys) if key not in known]
+    size = 1 if run_batches is by_this_process else BATCH_SIZE
+    batches = [remaining[k : k + size] for k in range(0, len(remaining), size)]
+    done = reused = len(changes) - len(remaining)
+    for index, batch_rows in run_batches(task, [[changes[k] for k in batch] for batch in batches]):
+        new = dict(zip((keys[k] for k in batches[index]), batch_rows))
+        known |= new
         if ledger is not None:
-            ledger.add(found)
-        done += len(found)
-        report_progress(done / len(every), f"{done} of {len(every)} combinations")
-    swept_rows = tuple(_row(changes, known[key]) for changes, key in zip(every, keys))
-    result = Sweep(
-        name, str(task.recipe.get("kind", "")), tuple(keyed), swept_rows, kept, ledger is not None and ledger.anew, {}
-    )
+            ledger.add(new)
+        done += len(new)
+        report_progress(done / len(changes), f"{done} of {len(changes)} combinations")
+    rows = tuple(_row(values, known[key]) for values, key in zip(changes, keys))
+    is_restarted = ledger is not None and ledger.is_restarted
+    result = Sweep(name, str(task.recipe.get("kind", "")), tuple(keyed), rows, reused, is_restarted)
     if out is None:
         return result
     folder = Path(out) / name
     contents = {
         f"{name}{ENDING}.csv": csv(result.table, "inf"),
-        f"{name}{ENDING}.html": report(name, keyed, swept_rows),
+        f"{name}{ENDING}.html": report(name, keyed, rows),
     }
     write_whole(folder, contents)
     return replace(result, files={folder / file: len(content) for file, content in contents.items()})
 
 
-def _check_results(task: Task, every: Iterable[Mapping[str, Any]]) -> None:
-    """Refuse names of results that the first recipe that works does not have."""
+def _check_results(task: SweepTask, candidates: Iterable[Mapping[str, Any]]) -> None:
+    """DesignError for a result that the first valid recipe does not have."""
     if not task.results:
         return
-    for changes in islice(every, 20):
+    for changes in islice(candidates, 20):
         try:
             recipe = task.opened(changes)
             _ = recipe.checks, recipe.table
         except GeomkinError:
             continue
-        return check_tell(task, recipe)
+        return check_results(task, recipe)
 
 
-def _here(task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
-    for number, batch in enumerate(batches):
-        yield number, worked_out(task, batch)
+def by_this_process(task: SweepTask, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
+    """Evaluate the batches one after another."""
+    for index, batch in enumerate(batches):
+        yield index, evaluate(task, batch)
 
 
-def by_processes(task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
-    """By all cores, as the command does; for the main thread of a program that is nothing else."""
-    for number, rows in enumerate(each(partial(worked_out, task), batches)):
-        yield number, [dict(ENDED) for _ in batches[number]] if rows is None else rows
+def by_processes(task: SweepTask, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
+    """Evaluate the batches on all cores, for the command: each process starts the main program again."""
+    for index, rows in enumerate(each(partial(evaluate, task), batches)):
+        yield index, [dict(KILLED) for _ in batches[index]] if rows is None else rows
 
 
-def _by_executor(executor: Executor, task: Task, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
-    """A window of jobs at a time, so that however many there are, few wait."""
+def _by_executor(executor: Executor, task: SweepTask, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
+    """Evaluate the batches by an executor, in which a limited number wait."""
     waiting: dict[Future[list[dict[str, Any]]], int] = {}
-    ahead = iter(enumerate(batches))
+    remaining = iter(enumerate(batches))
     try:
         while True:
-            for number, batch in islice(ahead, AHEAD - len(waiting)):
-                waiting[executor.submit(worked_out, task, batch)] = number
+            for index, batch in islice(remaining, MOST_WAITING - len(waiting)):
+                waiting[executor.submit(evaluate, task, batch)] = index
             if not waiting:
                 return
             done = wait(waiting, return_when=FIRST_COMPLETED).done
-            # What was found is handed on before what went wrong.
-            for future in sorted(done, key=lambda one: one.exception() is not None):
+            # Results first, so that they are written before an error is raised.
+            for future in sorted(done, key=lambda future: future.exception() is not None):
                 yield waiting.pop(future), future.result()
     except GeomkinError:
         raise
     except Exception as error:
-        why = f"it failed ({type(error).__name__}: {printable(error, 200)})"
-        raise DesignError(
-            "executor", why, "give one that works; with `out`, what was found is kept", "internal"
-        ) from error
+        problem = f"it failed ({type(error).__name__}: {printable(error, 200)})"
+        remedy = "check the executor; a sweep with `out` continues from the rows that it has written"
+        raise DesignError("executor", problem, remedy, "internal") from error
     finally:
         for future in waiting:
             future.cancel()
 
 
-def _title(task: Task) -> dict[str, Any]:
-    """What all rows of a ledger are of."""
-    text = json.dumps([task.recipe, file_marks(task.recipe, task.folder)], sort_keys=True, default=str)
+def _title(task: SweepTask) -> dict[str, Any]:
+    """Identity of the sweep: version, recipe with its files, results."""
+    text = json.dumps([task.recipe, file_hashes(task.recipe, task.folder)], sort_keys=True, default=str)
     return {"geomkin": __version__, "recipe": hashlib.sha256(text.encode()).hexdigest(), "results": list(task.results)}
 
 
-def _key_of(task: Task, changes: Mapping[str, Any]) -> str:
-    """A row's key: its values, and the files that they name."""
-    return json.dumps([dict(sorted(changes.items())), *file_marks(changes, task.folder)])
+def _key_of(task: SweepTask, changes: Mapping[str, Any]) -> str:
+    """Key of a row in the ledger: its values, and hashes of the files that they name."""
+    return json.dumps([dict(sorted(changes.items())), *file_hashes(changes, task.folder)])
 
 
-def _row(changes: Mapping[str, Any], found: Mapping[str, Any]) -> SweepRow:
-    return SweepRow(changes, found["refused"], tuple(Check(*check) for check in found["checks"]), found["results"])
+def _row(values: Mapping[str, Any], row: Mapping[str, Any]) -> SweepRow:
+    return SweepRow(values, row["refused"], tuple(Check(*check) for check in row["checks"]), row["results"])

@@ -206,3 +206,13 @@ def test_a_template_of_the_gallery_is_edited_and_saved_under_a_new_name(studio):
     page.keyboard.press("Enter")
     page.wait_for_selector("#dirty", state="hidden")
     assert gk.load(editor.file.with_name("copy.toml")).kind == "pantograph"
+
+
+def test_a_click_on_a_picture_chooses_a_linkage(studio):
+    editor = studio((RECIPES / "poses-by-crank.toml").read_text())
+    page = editor.page
+    page.wait_for_selector("#candidates button")
+    page.click("#candidates button >> nth=2")
+    settle(page)
+    page.wait_for_selector("#candidates button:nth-child(3)[aria-pressed=true]")
+    assert value(page, "choose") == 3 and "choose = 3" in save(editor)

@@ -12,7 +12,7 @@ from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
 from geomkin.making.fasteners import LENGTHS, SIZES, Fastener, fastener_of
-from geomkin.making.motors import MOTORS
+from geomkin.making.motors import MOTOR_FACES
 from tests.linkage.mechanisms import BUILDABLE, TURN
 
 STOCK = LinkStock()
@@ -37,7 +37,7 @@ def discs(motion, stack, stock):
         if span.motor:
             # A motor's shaft has no head, and stands bare between its plates.
             bare = set(range(span.first, span.last)) - {stack.layers[name] for name in span.holes}
-            solids = [(MOTORS[stock.motor].shaft / 2, layer * t, (layer + 1) * t) for layer in bare]
+            solids = [(MOTOR_FACES[stock.motor].shaft / 2, layer * t, (layer + 1) * t) for layer in bare]
         yield span.name, np.broadcast_to(place, motion.drive.shape), solids
 
 

@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
-from geomkin.making.motors import MOTORS
+from geomkin.making.motors import MOTOR_FACES
 from tests.linkage.test_parts_fasteners import distances
 
 TURN = np.radians(np.arange(0, 361, 2))
@@ -27,7 +27,7 @@ def cylinders(motion, stack, stock):
         between = range(pin.first + 1, pin.last)
         if pin.motor:
             bare = set(between) - {stack.layers[name] for name in pin.holes}
-            yield from ((pin.name, "shaft", MOTORS[stock.motor].shaft / 2, n * t, (n + 1) * t) for n in bare)
+            yield from ((pin.name, "shaft", MOTOR_FACES[stock.motor].shaft / 2, n * t, (n + 1) * t) for n in bare)
             continue
         head, nut = fastener.ends(t * (pin.last - pin.first + 1))
         below, above = (nut, head) if pin.first == 0 else (head, nut)

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -188,3 +189,44 @@ def test_the_form_of_a_kind_has_every_key_that_a_recipe_can_have(kind):
     for key in _values(gk.load(template(recipe_class(kind)))):
         key = re.sub(r"\[\d+\]", "[]", key)
         assert key in known or f"{key}[]" in known or key.startswith(tables), key
+
+
+def test_quantities_beside_the_scene():
+    def quantities(stem):
+        reply = answer(Path(f"recipes/{stem}.toml").read_text(), {}, {})
+        return {row["label"]: row["text"] for row in reply["quantities"]}
+
+    # The lengths of Jansen's leg.
+    leg = quantities("walking-leg")
+    assert (leg["crank"], leg["upper rod"], leg["triangle"]) == ("15 mm", "50 mm", "41.5, 55.8, 40.1 mm")
+    # The extremes of the transmission angle are at the crank in line with the ground: law of cosines.
+    bar = quantities("crank-rocker")
+    angles = [np.degrees(np.arccos((90**2 + 70**2 - side**2) / (2 * 90 * 70))) for side in (70, 130)]
+    least = min(min(angle, 180 - angle) for angle in angles)
+    low, _, high, _ = bar["transmission angle"].split()
+    assert float(low) == pytest.approx(least, abs=0.01) and 89 < float(high) <= 90
+    assert bar["Grashof type"] == "crank-rocker"
+    # A worked example of gear handbooks.
+    assert quantities("gear-pair")["centre distance"] == "56.4999 mm"
+    assert quantities("undercut-cam")["undercut"] != "none" == quantities("roller-cam")["undercut"]
+
+
+def test_each_check_of_the_design_has_a_row_among_the_quantities():
+    rows = {row["id"] for row in answer(FOUR_BAR, {}, {})["quantities"]}
+    assert {check["id"] for check in answer(FOUR_BAR, {}, {"lane": "checks"})["checks"]} - rows == {
+        f"wall_{part.name}" for part in gk.load(FOUR_BAR).parts
+    }
+
+
+@pytest.mark.parametrize("stem", ["five-poses", "wiper"])
+def test_the_picture_of_a_candidate_has_the_links_of_the_linkage_that_its_key_chooses(stem):
+    text = Path(f"recipes/{stem}.toml").read_text()
+    for candidate in answer(text, {}, {"lane": "checks"})["candidates"][:2]:
+        chosen = gk.load(answer(text, {}, {"set": {candidate["key"]: candidate["value"]}})["text"]).design.linkage
+        drawn = [abs(complex(x[1] - x[0], y[1] - y[0])) for x, y in candidate["lines"] if len(x) == 2]
+        links = [getattr(chosen, name) for name in ("ground", "crank", "coupler", "rocker")]
+        assert sorted(drawn) == pytest.approx(sorted(links), rel=1e-4)
+
+
+def test_there_is_nothing_to_choose_in_a_recipe_without_a_search():
+    assert answer(FOUR_BAR, {}, {"lane": "checks"})["candidates"] == []

@@ -5,8 +5,8 @@ import json
 import pytest
 
 import geomkin as gk
-from geomkin.sweeps import sweep as ledger
-from geomkin.sweeps.sweep import Ledger
+from geomkin.sweeps import ledger
+from geomkin.sweeps.ledger import Ledger
 
 TITLE = {"geomkin": "1", "results": ["a"]}
 ROWS = {"x": {"b": 1}, "y": {"b": None}}
@@ -43,9 +43,9 @@ def test_with_a_damaged_line_it_begins_anew(kept, line):
     with kept.open("a") as file:
         file.write(f"{line}\n")
     found = Ledger(kept, TITLE, is_row)
-    assert found.known == {} and found.anew
+    assert found.known == {} and found.is_restarted
     again = Ledger(kept, TITLE, is_row)
-    assert again.known == {} and not again.anew
+    assert again.known == {} and not again.is_restarted
 
 
 @pytest.mark.parametrize("half", ["{", '{"key": "z", "row": {"b": 3}}', "\xff\xfe"])
@@ -63,7 +63,7 @@ def test_a_line_without_an_end_is_taken_away(kept, half):
 def test_rows_of_something_else_are_begun_anew_and_a_file_without_a_title_is_just_begun(kept, content):
     kept.write_text(content)
     found = Ledger(kept, TITLE, is_row)
-    assert found.known == {} and found.anew == ("\n" in content)
+    assert found.known == {} and found.is_restarted == ("\n" in content)
     found.add(ROWS)
     assert Ledger(kept, TITLE, is_row).known == ROWS and kept.read_text().startswith(json.dumps(TITLE) + "\n")
 

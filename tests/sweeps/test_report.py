@@ -7,10 +7,10 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.processes import each
-from geomkin.sweeps import row as of_one
+from geomkin.sweeps import evaluation
 from geomkin.sweeps import sweep as sweeping
+from geomkin.sweeps.evaluation import SweepTask, evaluate, file_hashes
 from geomkin.sweeps.report import columns
-from geomkin.sweeps.row import Task, file_marks, worked_out
 from geomkin.sweeps.sweep import SweepRow
 from tests.sweeps.test_sweep import BAR
 
@@ -35,14 +35,14 @@ def task(tmp_path):
     """task(*names): of a four-bar, with these results."""
     data = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70},
             "drive": {"step_deg": 90}}  # fmt: skip
-    return lambda *names: Task(data, "bar\n.toml", str(tmp_path), names)
+    return lambda *names: SweepTask(data, "bar\n.toml", str(tmp_path), names)
 
 
 def test_reported_results_are_those_of_table_and_notes(task):
     names = ["transmission_angle_deg:least", "transmission_angle_deg:largest", "rocker_angle_deg:last", "nothing:least",
              "grashof_type", "nothing", "versions.nothing"]  # fmt: skip
     sizes = {"linkage.crank": 80, "linkage.coupler": 60, "linkage.rocker": 50, "drive.end_deg": 180}
-    row, open_row = worked_out(task(*names), [{}, sizes])
+    row, open_row = evaluate(task(*names), [{}, sizes])
     recipe = gk.load(BAR.replace("end_deg = 30", "").replace("step_deg = 10", "step_deg = 90"))
     angles = recipe.table["transmission_angle_deg"]
     assert row["results"]["transmission_angle_deg:least"] == pytest.approx(angles.min())
@@ -65,15 +65,15 @@ def test_reported_results_are_those_of_table_and_notes(task):
     ids=repr,
 )
 def test_failing_combination_stops_no_other(task, monkeypatch, fault, words):
-    real = Task.opened
+    real = SweepTask.opened
 
     def opened(self, changes):
         if changes:
             raise fault
         return real(self, changes)
 
-    monkeypatch.setattr(Task, "opened", opened)
-    bad, good = worked_out(task("grashof_type"), [{"linkage.crank": 3}, {}])
+    monkeypatch.setattr(SweepTask, "opened", opened)
+    bad, good = evaluate(task("grashof_type"), [{"linkage.crank": 3}, {}])
     assert words in bad["refused"] and (bad["checks"], bad["results"]) == ([], {})
     assert not good["refused"] and good["checks"] and good["results"]["grashof_type"]
 
@@ -84,15 +84,15 @@ def test_files_that_a_recipe_names_count_where_they_lie_beside_it(tmp_path, monk
     for path, content in ((home / "a.csv", "1"), (home / "same.csv", "1"), (tmp_path / "out.csv", "2")):
         path.write_text(content)
     held = {"one": "a.csv", "rows": [{"two": "same.csv"}, ("a.csv",)], "words": "no file", "number": 3, "empty": ""}
-    marks = file_marks(held, str(home))
+    marks = file_hashes(held, str(home))
     assert len(marks) == 3 and len(set(marks)) == 1
     (home / "a.csv").write_text("3")
-    assert [old == new for old, new in zip(marks, file_marks(held, str(home)))] == [False, True, False]
+    assert [old == new for old, new in zip(marks, file_hashes(held, str(home)))] == [False, True, False]
     (home / "link.csv").symlink_to(tmp_path / "out.csv")
     for name in ("../out.csv", "link.csv", "a\0.csv", "x" * 2000, str(home)):
-        assert file_marks(name, str(home)) == []
-    monkeypatch.setattr(of_one, "LARGEST", 0)
-    assert file_marks("a.csv", str(home)) == []
+        assert file_hashes(name, str(home)) == []
+    monkeypatch.setattr(evaluation, "LARGEST_FILE", 0)
+    assert file_hashes("a.csv", str(home)) == []
 
 
 def test_a_process_that_was_killed_costs_its_own_combinations_alone(task, monkeypatch):
@@ -102,5 +102,5 @@ def test_a_process_that_was_killed_costs_its_own_combinations_alone(task, monkey
     batches = [[{"linkage.crank": 20}], [{"linkage.crank": 25}, {"linkage.crank": 28}], [{}]]
     found = dict(sweeping.by_processes(task(), batches))
     assert each is not sweeping.each and [len(found[k]) for k in range(3)] == [1, 2, 1]
-    assert all(row["refused"] == sweeping.ENDED["refused"] for row in found[1]) and found[1][0] is not found[1][1]
+    assert all(row["refused"] == sweeping.KILLED["refused"] for row in found[1]) and found[1][0] is not found[1][1]
     assert not found[0][0]["refused"] and not found[2][0]["refused"]

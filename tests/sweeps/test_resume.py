@@ -39,7 +39,7 @@ def test_a_sweep_is_called_as_its_recipe_is(here, source, name):
     for path, size in found.files.items():
         assert path.stat().st_size == size > 100
     assert f"<title>{name}: a sweep</title>" in (here / f"made/{name}/{name}.sweep.html").read_text()
-    assert gk.sweep(source(), ONE, (), "made").kept == 1 and gk.sweep(source(), ONE).files == {}
+    assert gk.sweep(source(), ONE, (), "made").reused == 1 and gk.sweep(source(), ONE).files == {}
 
 
 class Failing(Executor):
@@ -61,14 +61,14 @@ class Failing(Executor):
 
 
 def test_results_are_kept_and_waiting_work_is_cancelled_on_failure(here, monkeypatch):
-    monkeypatch.setattr(sweeping, "AHEAD", 4)
+    monkeypatch.setattr(sweeping, "MOST_WAITING", 4)
     failing = Failing()
     # Of the first four jobs one works, the second fails, the others wait without end.
     with pytest.raises(gk.DesignError) as refusal:
         gk.sweep(TABLE, {"linkage.crank": [10 + k for k in range(30)]}, (), "made", failing)
     assert refusal.value.field == "executor" and "out of light" in refusal.value.problem
     assert len(failing.given) in (4, 5) and failing.undone and all(one.cancelled() for one in failing.undone)
-    assert gk.sweep(TABLE, {"linkage.crank": [10, 11, 12, 13]}, (), "made").kept == 4
+    assert gk.sweep(TABLE, {"linkage.crank": [10, 11, 12, 13]}, (), "made").reused == 4
 
 
 def test_refusal_keeps_its_type_through_an_executor(here):

@@ -7,36 +7,36 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe.keys import with_values
-from geomkin.sweeps.row import MOST, combinations, listed
+from geomkin.sweeps.values import MOST, combinations, parsed_values
 
 
 def test_rows_of_values_are_as_a_recipe_has_them():
     row = (np.float64(1.5), np.int64(2), 3 + 4j, (1, np.float32(2)), [np.complex128(1j)], "x", np.True_)
-    found = listed("key", row)
+    found = parsed_values("key", row)
     assert found == (1.5, 2, [3.0, 4.0], [1, 2.0], [[0.0, 1.0]], "x", True)
     assert [type(value) for value in found] == [float, int, list, list, list, str, bool]
-    assert listed("key", np.array([2, 1, 2])) == (2, 1) and listed("key", range(3)) == (0, 1, 2)
+    assert parsed_values("key", np.array([2, 1, 2])) == (2, 1) and parsed_values("key", range(3)) == (0, 1, 2)
     # A number and its text are two values, as are true and 1; 1 and 1.0 are one.
-    assert listed("key", [1, "1", True, 1.0, False, 0, [1], [1], [1.5]]) == (1, "1", True, False, 0, [1], [1.5])
-    assert listed("key", [2**63, -(2**63)]) == (2**63, -(2**63))
+    assert parsed_values("key", [1, "1", True, 1.0, False, 0, [1], [1], [1.5]]) == (1, "1", True, False, 0, [1], [1.5])
+    assert parsed_values("key", [2**63, -(2**63)]) == (2**63, -(2**63))
 
 
 def test_invalid_values_are_refused():
-    for given, words in [
-        (3, "values: found 3 for a.b; give a row of values, or a text"),
-        ([None], ""),
-        ([float("inf")], ""),
-        ([{"x": 1}], "a.b: found {'x': 1}; give finite"),
-        ([2**63 + 1], "a.b: found 9223372036854775809; give a smaller number"),
-        (["x"] * (MOST + 1), "a.b: found 10,001 values; give at most 10,000"),
-        ("1,,2", "a.b: found '1,,2', in which a value is missing; give one between any two"),
-        (" 3:1:1", "a.b: found '3:1:1'; give start:stop:step"),
-        (f"0:{MOST}:1", "a.b: found '0:10000:1', which is more than 10,000 values; give a step of at least 1.01"),
-        ([], "a.b: found no value; give one or more, such as 8,12 or 8:120:4"),
+    for given, field, id, number in [
+        (3, "values", "wrong-type", "3"),
+        ([None], "a.b", "wrong-type", ""),
+        ([float("inf")], "a.b", "wrong-type", "inf"),
+        ([{"x": 1}], "a.b", "wrong-type", "{'x': 1}"),
+        ([2**63 + 1], "a.b", "out-of-range", str(2**63 + 1)),
+        (["x"] * (MOST + 1), "a.b", "too-much-work", "10,001"),
+        ("1,,2", "a.b", "wrong-type", "1,,2"),
+        (" 3:1:1", "a.b", "wrong-type", "'3:1:1'"),
+        (f"0:{MOST}:1", "a.b", "too-much-work", "1.01"),
+        ([], "a.b", "missing-key", ""),
     ]:
         with pytest.raises(gk.DesignError) as refusal:
-            listed("a.b", given)
-        assert words in str(refusal.value)
+            parsed_values("a.b", given)
+        assert (refusal.value.field, refusal.value.id) == (field, id) and number in str(refusal.value)
 
 
 @pytest.mark.parametrize("counts", [(2, 7000, 3), (10, 10, 10, 11)])

@@ -145,6 +145,17 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     def handles(self) -> tuple[SceneHandle, ...]:
         return tuple(cam_handles(self.cam, self.drive.angles))
 
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """Largest lift, range of the pressure angle, and the lift lost to undercut."""
+        angle, (unit, size) = np.asarray(self.table["pressure_angle"]), self.cam.follower.lift_unit
+        lost = self.cut.worst[0] * size
+        return {
+            "largest lift": f"{np.max(self.table['lift']):.4g} {unit}",
+            "pressure angle": f"{np.min(angle):.3g} to {np.max(angle):.3g} deg",
+            "undercut": f"loses {lost:.3g} {unit} of lift" if lost else "none",
+        }
+
     def _limits(self) -> tuple[Limit, ...]:
         most, roller = most_pressure_angle(self.cam), self.cam.follower.roller_radius
         curvature = (

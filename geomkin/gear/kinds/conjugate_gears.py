@@ -78,6 +78,12 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
         return _mate(self.shaper, self.mate)
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        """Ratio and centre distance."""
+        mate = self.design
+        return {"ratio": f"{mate.teeth / mate.gear_teeth:.5g}", "centre distance": f"{mate.distance:.6g} mm"}
+
+    @property
     def notes(self) -> Mapping[str, object]:
         """Derived sizes, and the parts of the tooth that never touch, by their distance from the gear's axis."""
         mate = self.design

@@ -36,10 +36,12 @@ from .helical import (
     boss_checks,
     check_tooth_points,
     gear_notes,
+    gear_quantities,
     helices_notes,
     loaded_materials,
     mesh_notes,
     overlap_notes,
+    pair_quantities,
     shown,
     strength_notes,
 )
@@ -186,6 +188,11 @@ class GearPairRecipe(AbstractHelicalRecipe):
         return pair_scene(self.design, self.parts)
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        pair = self.design
+        return pair_quantities(pair) | gear_quantities(pair.first, "first") | gear_quantities(pair.second, "second")
+
+    @property
     def handles(self) -> tuple[SceneHandle, ...]:
         return tuple(pair_handles(self.design, self.shifts == "given", self.centre_distance is not None))
 
@@ -293,6 +300,11 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def scene(self) -> Scene:
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        distance = {"distance of axis and reference line": f"{self.design.distance:.6g} mm"}
+        return distance | gear_quantities(self.design.pinion, "pinion")
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:

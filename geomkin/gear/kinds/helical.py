@@ -13,7 +13,7 @@ from ...core.fields import WIDEST, entry
 from ...core.records import record
 from ...making.bases import BaseStock
 from ...making.materials import MATERIALS
-from ...making.motors import MOTORS, MotorName
+from ...making.motors import MOTOR_FACES, MotorName
 from ...model.check import Check
 from ...model.material import Material
 from ...plane.curve import AbstractCurve
@@ -149,7 +149,7 @@ def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseSto
     """
     if motor is None or base is None:
         return ()
-    rests = radius - (MOTORS[motor].boss_diameter + base.clearance) / 2
+    rests = radius - (MOTOR_FACES[motor].boss_diameter + base.clearance) / 2
     words = f"{name} beyond the hole for the motor's boss"
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 
@@ -293,6 +293,21 @@ def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = ST
     along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
     advice = f"teeth without backlash jam: give tooth_thickness_allowance to both gears, about {along / 2:.2f} mm each"
     return {"backlash_mm": backlash, "backlash_advice": advice}
+
+
+def pair_quantities(pair: GearPair) -> dict[str, str]:
+    """Ratio, centre distance and working pressure angle, by label."""
+    return {
+        "ratio": f"{pair.ratio:.5g}",
+        "centre distance": f"{pair.centre_distance:.6g} mm",
+        "working pressure angle": f"{np.degrees(pair.working_pressure_angle):.4g} deg",
+    }
+
+
+def gear_quantities(gear: AbstractInvoluteGear, name: str) -> dict[str, str]:
+    """Diameters of pitch, tip and root circle, by label."""
+    diameters = (2 * radius for radius in (gear.pitch_radius, gear.tip_radius, gear.root_radius))
+    return {f"pitch, tip and root diameter of the {name}": f"{', '.join(f'{d:.4g}' for d in diameters)} mm"}
 
 
 def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:

@@ -33,6 +33,7 @@ from .helical import (
     boss_checks,
     check_tooth_points,
     gear_notes,
+    gear_quantities,
     helices_notes,
     mesh_notes,
     shown,
@@ -174,6 +175,13 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     def scene(self) -> Scene:
         """One rotation of the carrier."""
         return planetary_scene(self.design, self.table, self.parts)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        gears = self.design
+        ratio = {"sun to carrier": f"{gears.ratios['sun to carrier']:.5g}"}
+        ratio["centre distance"] = f"{gears.inner.centre_distance:.6g} mm"
+        return ratio | gear_quantities(gears.sun, "sun") | gear_quantities(gears.ring, "ring")
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:

@@ -23,7 +23,7 @@ from ..parts.gears import GearStock, RingStock, gear_parts
 from ..ring import RingGear
 from ..scene import gear_handles, gear_scene
 from ..spur import SpurGear
-from .helical import AbstractHelicalRecipe, check_tooth_points, gear_notes, helix_notes
+from .helical import AbstractHelicalRecipe, check_tooth_points, gear_notes, gear_quantities, helix_notes
 
 
 @record(kw_only=True)
@@ -85,6 +85,10 @@ class SpurGearRecipe(AbstractHelicalRecipe):
         return gear_scene(self.design, self.parts)
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        return gear_quantities(self.design, "gear")
+
+    @property
     def handles(self) -> tuple[SceneHandle, ...]:
         return tuple(gear_handles(self.design, "gear", shifts=self.shift == "given"))
 
@@ -144,6 +148,10 @@ class RingGearRecipe(AbstractHelicalRecipe):
     def scene(self) -> Scene:
         """The ring round the pinion cutter."""
         return gear_scene(self.design, self.parts)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        return gear_quantities(self.design, "gear")
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:

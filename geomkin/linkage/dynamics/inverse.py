@@ -10,6 +10,7 @@ import numpy as np
 from ...core.arguments import ArgumentType, checked, is_complex
 from ...core.errors import DesignError, shown
 from ...core.records import record
+from ...model.motor import MotorDuty
 from ...plane.vec import Complex, Mask, Real, cross
 from ..motion import Motion
 from .equilibrium import BLOCK, Equilibrium
@@ -179,6 +180,25 @@ class ForceAnalysis:
     def work(self) -> Real:
         """Work of the driver over all frames, N mm: over a whole turn, the energy that it supplies, by trapezoids."""
         return np.asarray(np.trapezoid(self.driver, self.motion.drive, axis=0))
+
+    @property
+    def duty(self) -> MotorDuty:
+        """Torque and speed of the driver, which a motor on its shaft must supply.
+
+        Raises
+        ------
+        DesignError
+            If a slide drives, the driver turns about no fixed pivot, or there are many linkages at once.
+        """
+        linkage, motion = self.motion.linkage, self.motion
+        if linkage.driver_pivot is None:
+            raise DesignError(
+                "motion", "its driver turns on no fixed shaft", "let a body on a fixed pivot drive", "conflict"
+            )
+        if linkage.is_batch:
+            raise DesignError("motion", "found many linkages at once", "give one", "wrong-type")
+        speed = np.broadcast_to(np.asarray(motion.timing.speed, dtype=float), motion.drive.shape)
+        return MotorDuty(self.driver, speed, motion.drive)
 
     @cached_property
     def friction_power(self) -> Real:

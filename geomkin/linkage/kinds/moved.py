@@ -19,6 +19,7 @@ from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
+from ..measures import motion_quantities
 from ..motion import Motion
 from ..moving import move
 from ..scene_handles import handle_position, linkage_handles, stroke_handles
@@ -133,6 +134,11 @@ class AbstractMovedRecipe(AbstractRecipe):
     def handle_position(self, id: str) -> Complex:
         further = next((handle.at for handle in self.further_handles if handle.id == id), None)
         return handle_position(self.motion, id) if further is None else further
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """Grashof type, distances between the pins of each body, and the range of the transmission angle."""
+        return motion_quantities(self.linkage, self.motion)
 
     @cached_property
     def other(self) -> tuple[str, Motion] | None:

@@ -11,7 +11,7 @@ from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, fastener_of
 from ...making.fits import AbstractBored, Fit, fit, interference
 from ...making.materials import MaterialKey, material_entry
-from ...making.motors import MOTORS, MotorName
+from ...making.motors import MOTOR_FACES, MotorName
 
 
 @record(checked=True)
@@ -99,7 +99,7 @@ class LinkStock:
             return None
         return AbstractBored(
             thickness=self.thickness,
-            bore=MOTORS[self.motor].shaft,
+            bore=MOTOR_FACES[self.motor].shaft,
             bore_form="D",
             fit=self.fit,
             interference=self.interference,
@@ -112,7 +112,7 @@ class LinkStock:
             if self.fit == "press":
                 raise DesignError("fit", "found press, but no motor", "give motor, or omit fit", "conflict")
             return
-        MOTORS[self.motor].check_plate(self.motor, self.thickness, "motor")
+        MOTOR_FACES[self.motor].check_plate(self.motor, self.thickness, "motor")
         if self.bar_width <= (widest := shaft.bore + shaft.play):
             raise DesignError(
                 "bar_width",

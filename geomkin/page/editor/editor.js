@@ -20,7 +20,7 @@ class Editor {
   constructor() {
     // text: the recipe as it is; recipe, base: name and mark of its file; savedText, saved, savedScene: as it was saved.
     Object.assign(this, { text: "", recipe: "", base: "", savedText: "", saved: {}, savedScene: null, locks: new Set() });
-    Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [] });
+    Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [], checked: [] });
     this.history = new History((undo, redo) => { at("undo").disabled = !undo; at("redo").disabled = !redo; });
     this.form = new Form(at("form"), this);
     const acts = {
@@ -55,9 +55,9 @@ class Editor {
   // Another text, which counts as saved unless it is a new recipe.
   load(text, recipe, base, keepHistory = false) {
     if (!keepHistory) this.history.clear();
-    Object.assign(this, { text, recipe, base, savedText: recipe ? text : "", savedScene: null, kind: "", fresh: true });
+    Object.assign(this, { text, recipe, base, savedText: recipe ? text : "", savedScene: null, kind: "", fresh: true, checked: [] });
     this.locks.clear();
-    at("conflict").hidden = true;
+    for (const id of ["conflict", "candidates"]) at(id).hidden = true;
     this.ask({});
   }
 
@@ -252,28 +252,53 @@ class Editor {
     }
   }
 
+  // One table: what is known at once, then the verdicts of the checks, which come later, in the same rows.
   showQuantities(quantities) {
     if (!quantities.length && this.problems.length) return;
+    const before = new Map(this.checked.map((check) => [check.id, check]));
     at("quantities").replaceChildren();
-    for (const { label, text } of quantities) {
-      make(at("quantities"), "dt", {}, label);
-      make(at("quantities"), "dd", {}, text);
-    }
+    for (const { id, label, text } of quantities) this.addQuantity(id, label, text, before.get(id));
+    const known = new Set(quantities.map(({ id }) => id));
+    for (const check of this.checked) if (!known.has(check.id)) this.addQuantity(check.id, check.label, check.value, check);
   }
 
-  showChecks({ checks, problems }) {
+  addQuantity(id, label, value, check) {
+    const row = make(at("quantities"), "tr", { "data-id": id, class: check?.state ?? "" });
+    make(row, "th", { scope: "row" }, label);
+    make(row, "td", id ? {} : { colspan: 2 }, value);
+    if (id) make(row, "td", {}, check?.state ?? "");
+    if (check && check.state !== "pass") make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
+  }
+
+  showChecks({ checks, candidates, problems }) {
     if (problems.length) { this.showProblems(problems); return; }
     this.checkedText = this.text;
+    this.checked = checks;
     document.body.classList.remove("unchecked");
     const failed = checks.filter(({ state }) => state === "fail").length;
-    at("checks-title").textContent = !checks.length ? "No checks" : failed ? `Checks: ${failed} of ${checks.length} fail` : `Checks: all ${checks.length} pass`;
-    at("checks").replaceChildren();
-    for (const { text, state } of checks) {
-      const item = make(at("checks"), "li", { class: state });
-      make(item, "b", {}, { pass: "pass", fail: "fail", expected: "fails as expected" }[state]);
-      make(item, "span", {}, ` ${text}`);
-    }
+    const expected = checks.filter(({ state }) => state === "expected").length;
+    const passed = `${checks.length - failed - expected} of ${checks.length} checks pass`;
+    at("checks-title").textContent = !checks.length ? "No checks" : [passed, failed && `${failed} fail`, expected && `${expected} fail as expected`].filter(Boolean).join(", ");
+    this.showQuantities(this.reply.quantities);
+    this.showCandidates(candidates);
     document.body.dataset.checked = this.player?.scenes ?? 0;
+  }
+
+  // The linkages found, as small pictures; a click chooses one.
+  showCandidates(candidates) {
+    const [root] = at("candidates").getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
+    at("candidates").hidden = candidates.length < 2;
+    root.replaceChildren();
+    for (const { key, value, label, lines } of candidates) {
+      const chosen = this.values[key] === value, xs = lines.flatMap(([row]) => row), ys = lines.flatMap(([, row]) => row);
+      const button = make(root, "button", { type: "button", title: label, "aria-label": label, "aria-pressed": chosen });
+      const [left, low] = [Math.min(...xs), Math.min(...ys)], size = Math.max(Math.max(...xs) - left, Math.max(...ys) - low) || 1;
+      const svg = make(button, "svg", { viewBox: [-0.06, -0.06, 1.12, 1.12].join(" "), "aria-hidden": true });
+      for (const [x, y] of lines) make(svg, "path", { d: `M${x.map((u, k) => `${(u - left) / size} ${1 - (y[k] - low) / size}`).join("L")}` });
+      make(button, "span", {}, value);
+      button.addEventListener("click", () => { this.set({ [key]: value }, key); this.close(); });
+      if (focus && chosen) button.focus();
+    }
   }
 
   showState() {

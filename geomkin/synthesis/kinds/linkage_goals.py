@@ -17,10 +17,12 @@ from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.kinds.linkages import AbstractLinkageRecipe, EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.measures import grashof_type
+from ...linkage.moving import move
 from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.scene import Choice, Plot, Scene, SceneCurve
+from ...model.scene import Candidate, Choice, Plot, Scene, SceneCurve
+from ...plane.vec import Complex
 from ...recipe.recipe import AbstractGoal
 from ...recipe.settings import Drive, Files, Stroke, Turn
 from ..found import Found
@@ -30,6 +32,8 @@ from ..rounding import Rounding
 F = TypeVar("F", bound=Found)
 # Number of linkages that summary.json lists.
 LISTED = 20
+# Positions of a linkage along which its picture draws the traced path.
+PICTURE_FRAMES = 41
 # Rounding errors, as shares of the linkage's size, tried in this order until the rounded linkage passes all checks that
 # the exact one passes. The first is a thousandth of manufacturing accuracy; the last is the level of rounding noise.
 SHARES = tuple(10.0**-k for k in range(6, 13))
@@ -179,6 +183,12 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         """The alternatives, if they lie along one quantity."""
         return None
 
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """The best linkages, each at its first position with the path of its traced points."""
+        ranked = self.ranked[:LISTED]
+        return tuple(Candidate("choose", k, _label(k, found), _strokes(found)) for k, found in enumerate(ranked, 1))
+
     @cached_property
     def scene(self) -> Scene:
         """The moving linkage with the requirements."""
@@ -191,6 +201,25 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
     def notes(self) -> Mapping[str, object]:
         listed = [self.shortened(found).summary() for found in self.ranked[:LISTED]]
         return {"found": self.found.summary(), "number_found": len(self.ranked), "ranked": listed, **super().notes}
+
+
+def _label(rank: int, found: Found) -> str:
+    """What distinguishes a linkage from the others."""
+    angle = f"transmission angle {found.transmission_angle_deg:.3g} deg, " if not found.defects else ""
+    defects = f", with a defect of {' and '.join(found.defects)}" if found.defects else ""
+    return f"{rank}: {angle}ratio of links {found.ratio:.3g}{defects}"
+
+
+def _strokes(found: Found) -> tuple[Complex, ...]:
+    motion = move(found.linkage, np.linspace(found.drive[0], found.drive[-1], PICTURE_FRAMES), found.branch)
+    general, strokes = motion.linkage, []
+    for body, points in general.bodies.items():
+        pins = [complex(motion.point(name).position[0]) for name in points if name in general.pins]
+        strokes.append(np.array([*pins, *pins[: len(pins) > 2]]))
+        strokes += [
+            motion.point(name).position for name in points if name not in general.pins and body != general.ground
+        ]
+    return tuple(kept for stroke in strokes if len(kept := stroke[np.isfinite(stroke)]) > 1)
 
 
 def recipe_of(

@@ -1,0 +1,185 @@
+"""A motor: the torque that it supplies at a speed, and whether it can drive a given motion."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+
+from ..core.arguments import AnyFloat, ArgumentType, checked, numbers
+from ..core.errors import DesignError
+from ..core.fields import entry, quantity
+from ..core.records import record
+from ..plane.vec import Real
+
+# rpm in rad/s.
+RPM = np.pi / 30
+# Relative difference of an angle from the range of a servo that counts as rounding.
+ROUNDING = 1e-9
+
+
+def _is_row(value: object) -> bool:
+    return isinstance(value, np.ndarray) and value.ndim == 1 and numbers(value, "iuf") is not None
+
+
+# May hold nan.
+_Row = Annotated[Real, ArgumentType(_is_row, "a one-dimensional array of real numbers")]
+
+
+def root_mean_square(values: Real, over: Real) -> float:
+    """Root mean square of values over a quantity that rises or falls, by trapezoids; nan values are left out."""
+    known = np.isfinite(values)
+    if not known.any():
+        return float("nan")
+    values, over = values[known], over[known]
+    extent = over[-1] - over[0]
+    mean = np.trapezoid(values**2, over) / extent if extent else np.mean(values**2)
+    return float(np.sqrt(mean))
+
+
+@record(checked=True, eq=False)
+class MotorDuty:
+    """Torque and speed that a motor must supply over a motion.
+
+    Parameters
+    ----------
+    torque : array, shape (frames,)
+        N mm; nan if unknown.
+    speed : array, shape (frames,)
+        rad/s.
+    angle : array, shape (frames,)
+        Angle of the shaft, rad.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> angle = np.linspace(0, 2 * np.pi, 361)
+    >>> duty = gk.model.MotorDuty(100 * np.sin(angle), np.full(361, 10.0), angle)
+    >>> round(duty.peak_torque), round(duty.rms_torque, 1)
+    (100, 70.7)
+    """
+
+    torque: _Row
+    speed: _Row
+    angle: _Row
+
+    def __post_init__(self) -> None:
+        if not len(self.torque) == len(self.speed) == len(self.angle) > 0:
+            found = f"found {len(self.torque)}, {len(self.speed)} and {len(self.angle)} numbers"
+            raise DesignError("torque", found, "give as many of each, at least one", "conflict")
+
+    @property
+    def peak_torque(self) -> float:
+        """Largest torque of either sense, N mm; nan if all are unknown."""
+        known = self.torque[np.isfinite(self.torque)]
+        return float(np.abs(known).max()) if known.size else float("nan")
+
+    @cached_property
+    def rms_torque(self) -> float:
+        """Root mean square of the torque over the angle, N mm; at a constant speed that over time."""
+        return root_mean_square(self.torque, self.angle)
+
+    @property
+    def peak_speed_rpm(self) -> float:
+        """Largest speed of either sense, rpm."""
+        return float(np.abs(self.speed).max()) / RPM
+
+    @property
+    def angle_deg(self) -> float:
+        """Angle between the extreme positions of the shaft, deg."""
+        return float(np.degrees(np.ptp(self.angle)))
+
+
+@record(checked=True)
+class Motor:
+    """Torque and speed of a motor's output shaft.
+
+    Parameters
+    ----------
+    name : str
+        For people, such as "NEMA 17 stepper, 48 mm".
+    torque_n_mm : float
+        Greatest torque, N mm: at standstill; if `constant_torque`, at all speeds up to `speed_rpm`.
+    speed_rpm : float
+        Speed without load, rpm, at which the torque has fallen to zero along a straight line; if `constant_torque`,
+        the largest speed.
+    lasting_torque_n_mm : float
+        Root mean square of the torque that it supplies for long, N mm.
+    mass_g : float
+        Mass, g.
+    constant_torque : bool, optional
+        True for a stepper: its torque is that of `torque_n_mm` up to `speed_rpm`, and none beyond.
+    range_deg : float, optional
+        Angle through which a servo turns, deg; None if the shaft turns without end.
+    source : str, optional
+        Where the values are from.
+
+    Examples
+    --------
+    >>> motor = gk.Motor("own", torque_n_mm=1000, speed_rpm=100, lasting_torque_n_mm=250, mass_g=100)
+    >>> round(float(motor.torque_at(50 * np.pi / 30)), 6)
+    500.0
+    """
+
+    name: str = entry("name of the motor", example="gear motor 12 V")
+    torque_n_mm: float = quantity("greatest torque", "N mm", above=0, at_most=1e12, example=1000)
+    speed_rpm: float = quantity(
+        "speed without load, or the largest speed of a motor of constant torque", "rpm", above=0, at_most=1e6,
+        example=100,
+    )  # fmt: skip
+    lasting_torque_n_mm: float = quantity(
+        "root mean square of the torque that it supplies for long", "N mm", above=0, at_most=1e12, example=250
+    )
+    mass_g: float = quantity("mass", "g", above=0, at_most=1e9, example=200)
+    constant_torque: bool = entry("whether its torque is the same up to its largest speed", default=False)
+    range_deg: float | None = quantity(
+        "angle through which a servo turns", "deg", default=None, above=0, at_most=36_000
+    )
+    source: str = entry("where the values are from", default="")
+
+    @checked
+    def torque_at(self, speed: AnyFloat) -> Real:
+        """Greatest torque at a speed of the shaft.
+
+        Parameters
+        ----------
+        speed : float or array_like
+            rad/s, of either sign.
+
+        Returns
+        -------
+        ndarray
+            N mm; 0 at and beyond the speed without load.
+        """
+        share = np.abs(np.asarray(speed, dtype=float)) / (RPM * self.speed_rpm)
+        left = np.where(share <= 1, 1.0, 0.0) if self.constant_torque else np.maximum(1 - share, 0.0)
+        return np.asarray(self.torque_n_mm * left)
+
+    def at_scale(self, scale: float) -> Motor:
+        """The same motor: it is bought, and stays as it is in a mechanism of another size."""
+        return self
+
+    def margin(self, duty: MotorDuty) -> float:
+        """How many times the torques of a duty the motor supplies.
+
+        Parameters
+        ----------
+        duty : MotorDuty
+
+        Returns
+        -------
+        float
+            The least of the torque at each speed over the required one, and of the lasting torque over the root mean
+            square; 0 if the motor does not turn so fast or so far.
+        """
+        known = np.isfinite(duty.torque)
+        if not known.any():
+            return float("nan")
+        if self.range_deg is not None and duty.angle_deg > self.range_deg * (1 + ROUNDING):
+            return 0.0
+        supplied, required = self.torque_at(duty.speed[known]), np.abs(duty.torque[known])
+        if not supplied.all():
+            return 0.0
+        with np.errstate(divide="ignore"):
+            return float(min(np.min(supplied / required), np.divide(self.lasting_torque_n_mm, duty.rms_torque)))

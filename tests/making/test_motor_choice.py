@@ -1,0 +1,73 @@
+"""Which motor turns a mechanism: torque over speed, margins and the choice from the table."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.model import Motor, MotorDuty
+
+TURN = np.linspace(0, 2 * np.pi, 73)
+
+
+@pytest.mark.parametrize(("name", "watt"), [("n20-100", 0.25), ("n20-298", 0.22)])
+def test_greatest_power_of_gear_motors_is_that_of_the_maker_s_sheet(name, watt):
+    """Pololu, Micro Metal Gearmotors, May 2018: maximal output power, printed with two digits."""
+    speeds = np.linspace(0, 20, 2001)
+    power = gk.making.motor(name).torque_at(speeds) * speeds / 1000
+    assert power.max() == pytest.approx(watt, rel=0.06)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_margin_is_the_largest_factor_on_the_torque_at_which_nothing_is_exceeded(seed):
+    """The factor found by bisection, frame by frame; the mean square by a sum over many more places."""
+    random = np.random.default_rng(seed)
+    torque, speed = random.normal(0, 50, TURN.shape), random.uniform(0, 6)
+    duty = MotorDuty(torque, np.full(TURN.shape, -speed), TURN)
+    fine = np.interp(np.linspace(0, 2 * np.pi, 720_001), TURN, torque**2)
+    for motor in gk.making.MOTORS.values():
+
+        def carries(factor, motor=motor):
+            if motor.range_deg is not None or speed * 30 / np.pi > motor.speed_rpm:
+                return False
+            share = 1 if motor.constant_torque else 1 - speed * 30 / np.pi / motor.speed_rpm
+            at_all = all(factor * abs(value) <= motor.torque_n_mm * share for value in torque.tolist())
+            return at_all and factor * np.sqrt(fine.mean()) <= motor.lasting_torque_n_mm
+
+        low, high = 0.0, 1e6
+        for _ in range(80):
+            middle = (low + high) / 2
+            low, high = (middle, high) if carries(middle) else (low, middle)
+        assert motor.margin(duty) == pytest.approx(low, rel=1e-5)
+
+
+def test_the_smallest_motor_is_lighter_than_all_others_that_suffice():
+    for torque, speed in ((5, 1.0), (60, 4.0), (200, 12.0), (400, 1.0), (400, 30.0)):
+        duty = MotorDuty(torque * np.cos(TURN), np.full(TURN.shape, speed), TURN)
+        chosen = gk.making.smallest_motor(duty)
+        sufficient = {m.mass_g for m in gk.making.MOTORS.values() if m.margin(duty) >= 1.5}
+        assert chosen.mass_g == min(sufficient)
+    assert gk.making.smallest_motor(MotorDuty(1e6 * np.cos(TURN), np.full(TURN.shape, 1.0), TURN)) is None
+
+
+def test_a_servo_turns_no_farther_than_its_range_and_unknown_frames_are_left_out():
+    for extent, turns in ((180, True), (181, False)):
+        angle = np.radians(np.linspace(-30, extent - 30, 50))
+        duty = MotorDuty(np.full(50, 1.0), np.full(50, 0.5), angle)
+        assert (gk.making.motor("mg996r").margin(duty) > 0) == turns
+    torque = np.where(np.arange(73) == 5, np.nan, 10.0)
+    motor = Motor("own", torque_n_mm=100, speed_rpm=60, lasting_torque_n_mm=40, mass_g=1)
+    assert motor.margin(MotorDuty(torque, np.full(73, np.pi), TURN)) == pytest.approx(4)
+    assert np.isnan(motor.margin(MotorDuty(np.full(73, np.nan), np.full(73, np.pi), TURN)))
+
+
+def test_the_duty_of_a_linkage_is_its_driver_s_torque_and_refused_without_a_shaft():
+    loads = gk.Loads(forces=[gk.Force("rocker", "rocker_pin", -10j)])
+    result = gk.forces(gk.move(gk.FourBar(100, 30, 90, 70), TURN, speed=5.0), loads)
+    assert result.duty.peak_torque == np.abs(result.driver).max()
+    assert result.duty.peak_speed_rpm == pytest.approx(47.746482928)
+    # Equal to the energy balance of a generator: the mean square by Parseval over the samples of one turn.
+    spectrum = np.abs(np.fft.fft(result.driver[:-1])) ** 2
+    assert result.duty.rms_torque == pytest.approx(np.sqrt(spectrum.sum()) / 72)
+    slider = gk.move(gk.SliderCrank(30, 90, driver="slider"), np.linspace(70, 110, 20), speed=5.0)
+    with pytest.raises(gk.DesignError, match="shaft"):
+        _ = gk.forces(slider, gk.Loads(masses={"slider": gk.Mass(1)})).duty
