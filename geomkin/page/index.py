@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 from typing import TypeGuard
 from urllib.parse import quote
@@ -32,14 +33,14 @@ def index(folder: Path) -> dict[str, bytes]:
     """
     _refuse_foreign(folder / NAME)
     cards, count, room = [], 0, ALL_PICTURES
-    for own in _folders(folder):
-        if not (summary := read_summary(own)) or not isinstance(summary.get("recipe"), dict):
+    for recipe_folder in _folders(folder):
+        if not (summary := read_summary(recipe_folder)) or not isinstance(summary.get("recipe"), dict):
             continue
         count += 1
         if count <= MOST_CARDS:
-            picture = _picture(own, room)
+            picture = _picture(recipe_folder, room)
             room -= len(picture)
-            cards.append(_card(own, summary, picture))
+            cards.append(_card(recipe_folder, summary, picture))
     if not cards:
         raise FileError(folder, "no recipe was made into it", "make some first", "file-unreadable")
     more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
@@ -68,46 +69,47 @@ def _refuse_foreign(path: Path) -> None:
     except OSError:
         ours = False
     if not ours:
-        problem = "it is not one of ours, and is left as it is"
+        problem = "it was not written by geomkin, and is left unchanged"
         raise FileError(path, problem, "move it or choose another folder", "file-unwritable")
 
 
 def _folders(folder: Path) -> list[Path]:
-    """Those within, by name as a reader looks for it."""
+    """The folders in a folder, in alphabetical order."""
     try:
-        found = [own for own, _ in zip(folder.iterdir(), range(MOST_FOLDERS)) if own.is_dir()]
+        folders = [path for path in islice(folder.iterdir(), MOST_FOLDERS) if path.is_dir()]
     except OSError as error:
         problem = f"cannot be read ({error.strerror})"
         raise FileError(folder, problem, "give a folder", "file-unreadable") from error
-    return sorted((own for own in found if not file_name_flaw(own.name)), key=lambda own: (folded(own.name), own.name))
+    valid = [path for path in folders if not file_name_flaw(path.name)]
+    return sorted(valid, key=lambda path: (folded(path.name), path.name))
 
 
-def _card(own: Path, summary: dict[str, object], picture: str) -> str:
+def _card(recipe_folder: Path, summary: dict[str, object], picture: str) -> str:
     recipe = summary["recipe"]
     kind = recipe.get("kind") if isinstance(recipe, dict) else ""
-    name = own.name
+    name = recipe_folder.name
     page = f"{name}{tail_of('page')}"
-    files = sorted(file for file in listed_files(own) if _is_there(own / file))
-    title = f'<a href="{_link(own, page)}">{text(name)}</a>' if page in files else text(name)
+    files = sorted(file for file in listed_files(recipe_folder) if _is_there(recipe_folder / file))
+    title = f'<a href="{_link(recipe_folder, page)}">{text(name)}</a>' if page in files else text(name)
     image = f'<img alt="{text(name)}, assembled" src="{picture}">' if picture else '<div class="none"></div>'
-    rows = "".join(f'<li><a href="{_link(own, file)}">{text(file)}</a></li>' for file in files[:MOST_FILES])
+    rows = "".join(f'<li><a href="{_link(recipe_folder, file)}">{text(file)}</a></li>' for file in files[:MOST_FILES])
     more = f"<li>and {len(files) - MOST_FILES:,} more</li>" if len(files) > MOST_FILES else ""
     listed = (
         f"<details><summary>{_counted(len(files), 'file')}</summary><ul>{rows}{more}</ul></details>" if files else ""
     )
-    told_kind = f'<p class="kind">{text(kind)}</p>' if isinstance(kind, str) else ""
-    return f"<li>{image}<h2><bdi>{title}</bdi></h2>{told_kind}{_verdict(summary.get('checks'))}{listed}</li>"
+    subtitle = f'<p class="kind">{text(kind)}</p>' if isinstance(kind, str) else ""
+    return f"<li>{image}<h2><bdi>{title}</bdi></h2>{subtitle}{_verdict(summary.get('checks'))}{listed}</li>"
 
 
 def _verdict(checks: object) -> str:
-    """How many checks hold, and which one fails first."""
+    """Number of checks that pass, and the first one that fails."""
     if not isinstance(checks, list) or not checks or not all(map(_is_check, checks)):
         return ""
     failing = [check for check in checks if _is_check(check) and not check["passed"]]
     failing.sort(key=lambda check: "expected" in check)
     failed = [check["name"] for check in failing]
     if not failed:
-        verdict = "Its one check holds." if len(checks) == 1 else f"All {len(checks):,} checks hold."
+        verdict = "The only check passed." if len(checks) == 1 else f"All {len(checks):,} checks passed."
         return f'<p class="holds">{verdict}</p>'
     fails = "fails" if len(failed) == 1 else "fail"
     fails += " as expected" * all("expected" in check for check in failing)
@@ -119,9 +121,9 @@ def _is_check(check: object) -> TypeGuard[dict[str, object]]:
     return isinstance(check, dict) and isinstance(check.get("passed"), bool) and isinstance(check.get("name"), str)
 
 
-def _picture(own: Path, room: int) -> str:
+def _picture(recipe_folder: Path, room: int) -> str:
     """The assembly as an address that holds it: as an image it can neither run anything nor ask for anything."""
-    path = own / f"{own.name}{tail_of('assembly-svg')}"
+    path = recipe_folder / f"{recipe_folder.name}{tail_of('assembly-svg')}"
     try:
         if not path.is_file() or path.stat().st_size > LARGEST_PICTURE:
             return ""
@@ -140,9 +142,9 @@ def _is_there(path: Path) -> bool:
         return False
 
 
-def _link(own: Path, file: str) -> str:
+def _link(recipe_folder: Path, file: str) -> str:
     """An address beside the page, whatever signs the names have."""
-    return f"./{quote(own.name)}/{quote(file)}"
+    return f"./{quote(recipe_folder.name)}/{quote(file)}"
 
 
 def _counted(count: int, word: str) -> str:

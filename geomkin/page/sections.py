@@ -1,4 +1,4 @@
-"""Text and tables of a page, as HTML that reads without a script: checks, parts, stack, recipe."""
+"""Sections of a page as HTML that needs no script: checks, parts, layers, assembly, further results, recipe."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from ..model.scene import Scene
 from ..plane.curve import extent
 from ..plane.measure import area, length
 
-# Distance between a part and the chords that its size is read off, as a share of that size: four digits are shown.
+# Tolerance of the chords from which the size of a part is read, as a share of that size: four digits are shown.
 FOUR_DIGITS = 5e-5
-# Significant digits of the measured sizes of gears: the last ones show how a tooth was cut.
+# Significant digits of the measured sizes of gears: the last ones show how deep a tooth was cut.
 MEASURED_DIGITS = 6
-# Most names in a row of a table: a list of a thousand parts is no help to a reader.
+# Largest number of rows of a table.
 MOST_ROWS = 200
 
 
 def verdict(checks: tuple[Check, ...]) -> str:
-    """One sentence: whether it is good, and if not, what failed first."""
+    """One sentence: whether all checks pass, otherwise the first one that fails."""
     failed = [check for check in checks if not check.passed]
     if not checks:
         return ""
     if not failed:
-        verdict = "Its one check holds." if len(checks) == 1 else f"All {len(checks)} checks hold."
+        verdict = "The only check passed." if len(checks) == 1 else f"All {len(checks)} checks passed."
         return f'<p class="verdict holds">{verdict}</p>'
     failed.sort(key=lambda check: bool(check.expected))
     count = f"{len(failed)} of {len(checks)} checks {'fails' if len(failed) == 1 else 'fail'}"
@@ -40,37 +40,38 @@ def verdict(checks: tuple[Check, ...]) -> str:
 
 
 def checks(job: Job) -> str:
-    """The checks as a table, those that failed first, each with the frame where it is worst where that is known."""
-    held = sorted(job.source.checks, key=lambda check: (check.passed, bool(check.expected)))
-    if not held:
+    """The checks as a table, failed ones first, each with its worst frame if that is known."""
+    ordered = sorted(job.source.checks, key=lambda check: (check.passed, bool(check.expected)))
+    if not ordered:
         return ""
-    rows = "".join(_check(check, job.scene) for check in held[:MOST_ROWS])
-    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "Meaning"))
+    rows = "".join(_check(check, job.scene) for check in ordered[:MOST_ROWS])
+    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "Advice"))
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
     return section("checks", "Checks", wide("Checks", table))
 
 
 def _check(check: Check, scene: Scene) -> str:
-    word, sign = ("holds", "\N{CHECK MARK}") if check.passed else ("fails", "\N{BALLOT X}")
+    style, sign = ("holds", "\N{CHECK MARK}") if check.passed else ("fails", "\N{BALLOT X}")
+    word = "passed" if check.passed else "failed"
     frame = worst_frame(check, scene)
-    there = ""
+    button = ""
     if frame is not None:
         drive = scene.drive
-        place = with_unit(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
-        there = f' <button type="button" data-frame="{frame}">show at {text(place)}</button>'
+        position = with_unit(float(drive.values[kept_frames(len(scene.time))[frame]]), drive.unit)
+        button = f' <button type="button" data-frame="{frame}">show at {text(position)}</button>'
     digits = check.digits(4)
-    value, limit = (text(with_unit(one, check.unit, digits)) for one in (check.value, check.limit))
-    means = "fine" if check.passed else check.expected or check.advice or "see the limit"
+    value, limit = (text(with_unit(size, check.unit, digits)) for size in (check.value, check.limit))
+    advice = "OK" if check.passed else check.expected or check.advice or "see the limit"
     expected = " as expected" * bool(check.expected and not check.passed)
     return (
-        f'<tr class="{word}"><td><span aria-hidden="true">{sign}</span> {word}{expected}</td>'
+        f'<tr class="{style}"><td><span aria-hidden="true">{sign}</span> {word}{expected}</td>'
         f'<th scope="row">{text(capital(check.name))}</th>'
-        f"<td>{value}{there}</td><td>{check.side} {limit}</td><td>{text(means)}</td></tr>"
+        f"<td>{value}{button}</td><td>{check.side} {limit}</td><td>{text(advice)}</td></tr>"
     )
 
 
 def worst_frame(check: Check, scene: Scene) -> int | None:
-    """The page's frame at which the driver is nearest to where a check comes out worst; None if that is unknown."""
+    """The frame of the page nearest to the driver position at which a check is worst; None if unknown."""
     if check.at is None:
         return None
     drive = np.asarray(scene.drive.values, dtype=float)[kept_frames(len(scene.time))]
@@ -78,32 +79,41 @@ def worst_frame(check: Check, scene: Scene) -> int | None:
 
 
 def choice(scene: Scene) -> str:
-    """Where the player plots what the mechanism was chosen from."""
+    """The section in which the player plots the solutions from which the mechanism was chosen."""
     if scene.choice is None:
         return ""
-    lead = f"<p>All that do what is wanted, by the {text(scene.choice.table.columns[0].meaning)}: "
-    return section("choice", "What it was chosen from", f"{lead}the spot and the line are the one that is made.</p>")
+    first = text(scene.choice.table.columns[0].meaning)
+    lead = f"<p>All solutions, by the {first}. A dot and a line mark the one that is made.</p>"
+    return section("choice", "Solutions", lead)
 
 
 def parts(job: Job) -> str:
-    """What is cut, each with its form in small, sizes, and the files that it comes in."""
-    held = job.source.parts
-    if not held:
+    """The parts as a table, each with its outline and sizes."""
+    all_parts = job.source.parts
+    if not all_parts:
         return ""
     tints = tints_of(job.scene)
     walls = job.source.walls
-    heads: tuple[str, ...] = ("Form", "Name", "Count", "Size, mm", "Thickness, mm", "Area, mm&sup2;", "Cut length, mm")
+    heads: tuple[str, ...] = (
+        "Outline",
+        "Name",
+        "Count",
+        "Size, mm",
+        "Thickness, mm",
+        "Area, mm&sup2;",
+        "Cut length, mm",
+    )
     heads += ("Thinnest wall, mm",) if walls else ()
-    heads += ("Mass, g",) if any(part.mass for part in held) else ()
-    head = "".join(f'<th scope="col">{one}</th>' for one in heads)
-    rows = "".join(_part(part, tints.get(part.name, "t0"), walls) for part in held[:MOST_ROWS])
+    heads += ("Mass, g",) if any(part.mass for part in all_parts) else ()
+    head = "".join(f'<th scope="col">{name}</th>' for name in heads)
+    rows = "".join(_part(part, tints.get(part.name, "t0"), walls) for part in all_parts[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-    more = f"<p>And {len(held) - MOST_ROWS} more.</p>" if len(held) > MOST_ROWS else ""
-    return section("parts", "What is cut", wide("Parts", table) + more + _sheets(job))
+    more = f"<p>And {len(all_parts) - MOST_ROWS} more.</p>" if len(all_parts) > MOST_ROWS else ""
+    return section("parts", "Parts", wide("Parts", table) + more + _sheets(job))
 
 
 def _sheets(job: Job) -> str:
-    """How large the sheets of a recipe's parts are, and how much of them becomes parts."""
+    """Size of the sheets, and the share of each that its parts fill."""
     if not job.about:
         return ""
     sheets = [
@@ -131,14 +141,14 @@ def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
 
 
 def tints_of(scene: Scene) -> dict[str, str]:
-    """The class of colour of each part, as its body has it in the drawing: that of the ground is its own."""
+    """The CSS class of each part's colour, which is that of its body in the drawing."""
     moving = [body for body in scene.bodies if not body.fixed]
     tints = {part.name: "ground" for body in scene.bodies if body.fixed for part in body.parts}
     return tints | {part.name: f"t{k % 8}" for k, body in enumerate(moving) for part in body.parts}
 
 
 def stack(scene: Scene) -> str:
-    """How the plates lie on each other: a row for each layer, the lowest at the bottom."""
+    """The layers of plates: a row for each, the lowest at the bottom."""
     layers: dict[int, list[Part]] = {}
     for body in scene.bodies:
         for part in body.parts:
@@ -163,72 +173,74 @@ def stack(scene: Scene) -> str:
         f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
         f'aria-label="{text(f"From the lowest up, {order}")}">{"".join(rows)}</svg>'
     )
-    return section("stack", "How the plates lie on each other", f"{drawing}")
+    return section("stack", "Layers", drawing)
 
 
 def _short(name: str, wide: float) -> str:
-    """So much of a name as a plate of the drawing has room for."""
+    """The beginning of a name that fits into a plate of the drawing."""
     room = max(3, int(wide / 7.5) - 1)
     return name.replace("_", " ") if len(name) <= room else f"{name.replace('_', ' ')[: room - 1]}…"
 
 
-def joined(job: Job) -> str:
-    """What is bought to join the parts, and how they are put together."""
+def assembly(job: Job) -> str:
+    """Items to buy and assembly steps."""
     bought, steps = job.source.bought, job.source.steps
     if not bought:
         return ""
     rows = "".join(
-        f"<li>{one.count} \N{MULTIPLICATION SIGN} {text(one.name)}: {text(' '.join(one.joints))}</li>" for one in bought
+        f"<li>{item.count} \N{MULTIPLICATION SIGN} {text(item.name)}: {text(' '.join(item.joints))}</li>"
+        for item in bought
     )
     order = "".join(f"<li>{text(step)}</li>" for step in steps)
     lettered = any(any(part.hole_names) for part in job.source.parts)
-    steps_text = f"<p>{'Letters are at the holes. ' * lettered}Bottom up:</p><ul>{order}</ul>" if steps else ""
-    return section("joined", "How it goes together" if steps else "What is bought", f"<ul>{rows}</ul>{steps_text}")
+    letters = "Letters mark the holes. " if lettered else ""
+    steps_text = f"<p>{letters}From the bottom up:</p><ul>{order}</ul>" if steps else ""
+    return section("assembly", "Assembly" if steps else "Items to buy", f"<ul>{rows}</ul>{steps_text}")
 
 
-def notes(held: Mapping[str, object]) -> str:
-    """What is known of the design besides: what is said in a word or some numbers, then what takes more."""
-    inside = _list_of({name: said for name, value in held.items() if (said := _said(value))})
-    # How the plates lie on each other, and what is bought, have sections of their own.
-    held = {name: value for name, value in held.items() if name not in ("stack", "bought", "steps")}
-    inside += "".join(_more(name, value, held.get("found", {})) for name, value in held.items())
-    return section("notes", "About it", inside) if inside else ""
+def notes(entries: Mapping[str, object]) -> str:
+    """Further results: a list of short values, then tables of longer ones."""
+    inside = _list_of({name: words for name, value in entries.items() if (words := _in_words(value))})
+    # The sections of layers and of assembly show these.
+    others = {name: value for name, value in entries.items() if name not in ("stack", "bought", "steps")}
+    inside += "".join(_subsection(name, value, others.get("found", {})) for name, value in others.items())
+    return section("notes", "Further results", inside) if inside else ""
 
 
 def _list_of(entries: Mapping[str, str]) -> str:
-    rows = "".join(f"<dt>{_head(name)}</dt><dd>{text(said)}</dd>" for name, said in entries.items())
+    rows = "".join(f"<dt>{_head(name)}</dt><dd>{text(words)}</dd>" for name, words in entries.items())
     return f"<dl>{rows}</dl>" if rows else ""
 
 
-def _more(name: str, value: object, found: object) -> str:
-    """What has sizes of its own, or alike things as a table, without the sizes that all share with the one `found`."""
+def _subsection(name: str, value: object, found: object) -> str:
+    """A mapping as a list, or several as a table without the columns in which all equal the solution `found`."""
     digits = MEASURED_DIGITS if name == "measures_mm" else DIGITS
-    if isinstance(value, Mapping) and all(isinstance(one, Mapping) for one in value.values()):
-        things = [{"name": key.replace("_", " "), **_flat(one, digits)} for key, one in value.items()]
+    if isinstance(value, Mapping) and all(isinstance(item, Mapping) for item in value.values()):
+        rows = [{"name": key.replace("_", " "), **_flat(item, digits)} for key, item in value.items()]
     elif isinstance(value, Mapping):
         entries = _list_of(_flat(value, digits))
         return f"<h3>{_head(name)}</h3>{entries}" if entries else ""
     else:
-        alike = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
-        things = [_flat(one) for one in value[:MOST_ROWS]] if alike else []  # type: ignore[index]
-    names = list(dict.fromkeys(key for thing in things for key in thing))
-    if isinstance(found, Mapping) and len(things) > 1:
-        names = [n for n in names if n not in found or len({thing.get(n, "") for thing in things}) > 1]
+        is_table = isinstance(value, list) and all(isinstance(item, Mapping) for item in value)
+        rows = [_flat(item) for item in value[:MOST_ROWS]] if is_table else []  # type: ignore[index]
+    names = list(dict.fromkeys(key for row in rows for key in row))
+    if isinstance(found, Mapping) and len(rows) > 1:
+        names = [n for n in names if n not in found or len({row.get(n, "") for row in rows}) > 1]
     if not names:
         return ""
     heads = "".join(f'<th scope="col">{_head(key)}</th>' for key in names)
-    cells = ("".join(f"<td>{text(thing[key]) if key in thing else ''}</td>" for key in names) for thing in things)
-    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    cells = ("".join(f"<td>{text(row[key]) if key in row else ''}</td>" for key in names) for row in rows)
+    body = "".join(f"<tr>{line}</tr>" for line in cells)
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>"
     return f"<h3>{_head(name)}</h3>{wide(_head(name), table)}"
 
 
-def _flat(thing: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]:
-    """Everything of a thing that is said in a word or some numbers, what it holds in turn under both names."""
-    said = {key: _said(value, digits) for key, value in thing.items()}
-    inner = {key: _flat(value, digits) for key, value in thing.items() if isinstance(value, Mapping)}
-    said |= {f"{key}, {name}": one for key, flat in inner.items() for name, one in flat.items()}
-    return {key: one for key, one in said.items() if one}
+def _flat(entries: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]:
+    """Short values in words; those of an inner mapping have both names."""
+    words = {key: _in_words(value, digits) for key, value in entries.items()}
+    inner = {key: _flat(value, digits) for key, value in entries.items() if isinstance(value, Mapping)}
+    words |= {f"{key}, {name}": value for key, flat in inner.items() for name, value in flat.items()}
+    return {key: value for key, value in words.items() if value}
 
 
 def _head(name: str) -> str:
@@ -243,35 +255,34 @@ def _named(name: str) -> str:
     return name
 
 
-def _said(value: object, digits: int = DIGITS) -> str:
-    """A value in words; "" for one of many parts."""
+def _in_words(value: object, digits: int = DIGITS) -> str:
+    """A value in words; "" if it is too long."""
     if isinstance(value, str):
         return value
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):
         return number(float(value), digits)
-    if isinstance(value, list) and len(value) <= 6 and all(isinstance(one, int | float) for one in value):
-        return ", ".join(number(float(one)) for one in value)
-    if (
-        isinstance(value, list)
-        and 0 < len(value) <= 4
-        and all(isinstance(one, list) and len(one) == 2 for one in value)
-    ):
-        spans = [[_said(end) for end in one] for one in value]
-        return "; ".join(" to ".join(span) for span in spans) if all(map(all, spans)) else ""
+    if not isinstance(value, list):
+        return ""
+    if len(value) <= 6 and all(isinstance(item, int | float) for item in value):
+        return ", ".join(number(float(item)) for item in value)
+    if 0 < len(value) <= 4 and all(isinstance(item, list) and len(item) == 2 for item in value):
+        ranges = [[_in_words(end) for end in item] for item in value]
+        return "; ".join(" to ".join(ends) for ends in ranges) if all(map(all, ranges)) else ""
     return ""
 
 
 def recipe(job: Job) -> str:
-    """The text that all of it is made from, and how to make it again."""
+    """The text of the recipe, and the command that makes the files again."""
     lines = [harmless(line) for line in job.recipe().splitlines()]
     if not lines:
         return ""
     file = f"{job.name}.toml"
     again = f"geomkin run {file if file.replace('-', '').replace('.', '').isalnum() else _quoted(file)}"
     body = (
-        f"<p>Saved as <code>{text(file)}</code>, it makes all this again:</p><pre><code>{text(again)}</code></pre>"
+        f"<p>Save it as <code>{text(file)}</code>; this command makes the files again:</p>"
+        f"<pre><code>{text(again)}</code></pre>"
         f'<p><button type="button" id="save-recipe">Save the recipe</button></p>'
         f'<pre tabindex="0" aria-label="The recipe"><code id="recipe-text">{_lines(lines)}</code></pre>'
     )
@@ -279,7 +290,7 @@ def recipe(job: Job) -> str:
 
 
 def _quoted(name: str) -> str:
-    """A file's name as a shell takes it for one word."""
+    """A file name quoted for a shell."""
     inside = name.replace("'", "'\\''")
     return f"'{inside}'"
 
@@ -289,22 +300,22 @@ def _lines(lines: Iterable[str]) -> str:
 
 
 def section(name: str, title: str, inside: str) -> str:
-    """HTML under a heading of its own. name: its id."""
+    """A section of HTML with a heading. name: its id."""
     return f'<section id="{name}"><h2>{title}</h2>{inside}</section>'
 
 
 def wide(name: str, table: str) -> str:
-    """A table that scrolls by itself where the screen is narrow, by keys too."""
+    """A table that scrolls if the screen is narrow, also by keys."""
     return f'<div class="wide" tabindex="0" role="region" aria-label="{name}">{table}</div>'
 
 
 def all_of(job: Job) -> Iterator[str]:
-    """Every section below the drawing, in the order in which they are asked for."""
+    """All sections below the drawing, in order."""
     scene = job.scene
     yield choice(scene)
     yield checks(job)
     yield parts(job)
     yield stack(scene)
-    yield joined(job)
+    yield assembly(job)
     yield notes(job.source.notes)
     yield recipe(job)
