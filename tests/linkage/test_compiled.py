@@ -23,9 +23,9 @@ def angles():
 def test_angles_have_their_digits_all_around(angles):
     rng = np.random.default_rng(7)
     eighths = np.add.outer(np.arange(-8, 9) * np.pi / 8, [-1e-3, -1e-9, 0, 1e-15, 1e-6]).ravel()
-    told = np.concatenate([rng.uniform(-np.pi, np.pi, 3000), eighths])
-    size = 10.0 ** rng.uniform(-20, 20, told.size)
-    y, x = size * np.sin(told), size * np.cos(told)
+    reported = np.concatenate([rng.uniform(-np.pi, np.pi, 3000), eighths])
+    size = 10.0 ** rng.uniform(-20, 20, reported.size)
+    y, x = size * np.sin(reported), size * np.cos(reported)
     found = angles(y, x)
     with mp.workdps(40):
         exact = [mp.atan2(mpf(one), mpf(other)) for one, other in zip(y.tolist(), x.tolist())]
@@ -73,10 +73,10 @@ def test_every_operation_of_the_loop_is_that_of_numpy():
         result = tape.record(operation, starts).number
         program = TapeProgram.of(tape, [result], {result})
         assert compiled.runs(program)
-        told, found = dict(given), dict(given)
-        program.run(told, count, ())
+        reported, found = dict(given), dict(given)
+        program.run(reported, count, ())
         compiled.run(program, found, count, ())
-        one, other = found[result], told[result]
+        one, other = found[result], reported[result]
         assert one.dtype == other.dtype and one.shape == other.shape == (count,)
         if one.dtype == bool:
             assert np.array_equal(one, other), (operation, of)

@@ -15,7 +15,7 @@ NEVER = 10**18
 
 
 def results_of(linkage, drive, **how):
-    """All that a motion tells, in an order that asks for the last first."""
+    """All results of a motion, the last one first."""
     motion = gk.move(linkage, drive, **how)
     found = [motion.assembled, motion.transmission_angle]
     for body in motion.bodies.values():
@@ -145,7 +145,7 @@ def test_results_do_not_depend_on_order_or_threads():
                 np.testing.assert_allclose(value, alone[k][name], rtol=1e-12, atol=1e-12 * np.abs(value).max())
 
 
-def test_branches_told_by_places_keep_their_own_formulas(monkeypatch):
+def test_branches_given_by_places_keep_their_own_formulas(monkeypatch):
     """One linkage moved by turns on both branches, each results_of by where a pin is, again and again."""
     monkeypatch.setattr(solution, "WORTH", 0)
     turn = np.linspace(0, 2 * np.pi, 25)

@@ -54,7 +54,9 @@ def _library(track: Track, _: float) -> Call:
 
 def _general_dyads(track: Track, _: float) -> Call:
     general = SIX_BAR.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
+    steps = tuple(
+        placement.dyad if isinstance(placement, CrankDriven) else placement for placement in placements_for(general, 1)
+    )
     return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1), STEADY).value("direction", "output")
 
 
