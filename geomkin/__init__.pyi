@@ -60,6 +60,7 @@ from .linkage.named_linkages import SliderCrank as SliderCrank
 from .linkage.six_bars import StephensonSixBar as StephensonSixBar
 from .linkage.six_bars import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
+from .linkage.tolerance_analysis import tolerances as tolerances
 from .model.check import Check as Check
 from .model.mass import Mass as Mass
 from .model.material import Material as Material

@@ -18,7 +18,7 @@ from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, Source, StaticSource
 from .export.stamp import Stamp, recipe_hash
-from .export.summary import FOUND, NAME, listed_files, summary
+from .export.summary import CERTIFICATE, FOUND, NAME, listed_files, summary
 from .model.check import Check
 from .model.part import Part
 from .model.table import Table
@@ -150,7 +150,7 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     folder = Path(out) / name
     before = listed_files(folder) if only is None else set()
     write_whole(folder, contents)
-    for path in sorted(before - set(contents)):
+    for path in (*sorted(before - set(contents)), *CERTIFICATE):
         remove(folder / path)
     files = {folder / path: len(content) for path, content in contents.items()}
     return Made(name, recipe.kind, checks, files, (), (*recipe.remarks, *recipe.unknown_expectations))

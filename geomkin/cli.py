@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO
+from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO, TypeVar
 
 import click
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .core.errors import Problem
 
 
+R = TypeVar("R")
 # Remedy if memory runs out.
 LARGER = "give a larger tolerance"
 
@@ -120,32 +121,32 @@ def verify(folders: tuple[Path, ...], as_json: bool) -> None:
 
 def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
     """Verify folders and print the result of each recipe; whether each is as designed."""
-    from .core.errors import GeomkinError, harmless, printable
-    from .verification.certificate import verify
-    from .verification.certificate_files import write_certificate
+    from .core.errors import FileError, harmless, printable
+    from .verification.certificate import recipe_folders
+    from .verification.certificate_files import certify
 
     results: list[bool] = []
+    to_verify: list[Path] = []
     for folder in folders:
         try:
-            with _progress():
-                certificates = verify(folder)
-            for certificate in certificates:
-                write_certificate(certificate)
-        except GeomkinError as error:
+            to_verify += recipe_folders(folder)
+        except FileError as error:
             click.secho(str(error), fg="red", err=True)
             results.append(False)
+    outcomes = _each(to_verify, certify)
+    _print_refusals(outcomes)
+    results += [False] * (len(outcomes) - len(_made(outcomes)))
+    for certificate in _made(outcomes):
+        results.append(certificate.passed)
+        if as_json:
+            _print_json(certificate.to_dict())
             continue
-        for certificate in certificates:
-            results.append(certificate.passed)
-            if as_json:
-                _print_json(certificate.to_dict())
-                continue
-            measured = [file for file in certificate.files if file.measured]
-            verdict = "as designed" if certificate.passed else "NOT as designed"
-            click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
-            problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
-            for problem in [*certificate.problems, *problems]:
-                click.secho(f"  {harmless(problem)}", fg="yellow")
+        measured = [file for file in certificate.files if file.measured]
+        verdict = "as designed" if certificate.passed else "NOT as designed"
+        click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
+        problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
+        for problem in [*certificate.problems, *problems]:
+            click.secho(f"  {harmless(problem)}", fg="yellow")
     return results
 
 
@@ -470,16 +471,16 @@ class Refused(NamedTuple):
     problems: tuple[Problem, ...]
 
 
-Outcomes = list[tuple[Path, "Made | Refused"]]
+Outcomes = list[tuple[Path, "R | Refused"]]
 
 
-def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
+def _each(files: list[Path], action: Callable[[Path], R]) -> Outcomes[R]:
     """The outcome of each recipe, in the order of the files."""
     from .core.errors import Problem, printable
     from .core.processes import each
     from .core.progress import shown
 
-    outcomes: list[Made | Refused] = []
+    outcomes: list[R | Refused] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
 
     def show(share: float, what: str) -> None:
@@ -508,7 +509,7 @@ def _each(files: list[Path], action: Callable[[Path], Made]) -> Outcomes:
     return list(zip(files, outcomes))
 
 
-def _tried(action: Callable[[Path], Made], file: Path) -> Made | Refused:
+def _tried(action: Callable[[Path], R], file: Path) -> R | Refused:
     """The result of an action on a recipe, or the reason why there is none."""
     try:
         return action(file)
@@ -537,17 +538,17 @@ def _refused(file: Path, error: Exception) -> Refused:
     return Refused(f"{printable(file)}: {problem.problem}; {problem.remedy}", (problem,))
 
 
-def _made(outcomes: Outcomes) -> list[Made]:
+def _made(outcomes: Outcomes[R]) -> list[R]:
     return [outcome for _, outcome in outcomes if not isinstance(outcome, Refused)]
 
 
-def _print_refusals(outcomes: Outcomes) -> None:
+def _print_refusals(outcomes: Outcomes[R]) -> None:
     for _, outcome in outcomes:
         if isinstance(outcome, Refused):
             click.secho(outcome.text, fg="red", err=True)
 
 
-def _end(outcomes: Outcomes, as_json: bool = False) -> NoReturn:
+def _end(outcomes: Outcomes[Made], as_json: bool = False) -> NoReturn:
     """End the command with the exit status of the outcomes; with `as_json` print them first."""
     for file, outcome in outcomes if as_json else ():
         if isinstance(outcome, Refused):

@@ -21,6 +21,8 @@ from .mesh import volume
 NAME = "summary.json"
 # Ending of the file of the recipe that a goal found.
 FOUND = ".found.toml"
+# Files of a certificate, which hold for the files that were measured, hence not for those of a later run.
+CERTIFICATE = ("verify.json", "verify.html")
 # Largest summary that is read back, in bytes; those written here are far smaller.
 LARGEST = 10_000_000
 

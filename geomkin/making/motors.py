@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import Length
+from ..core.fields import Length, entry
 from ..core.records import record
+from ..model.check import Check
 from ..model.motor import Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
@@ -192,6 +193,32 @@ def smallest_motor(duty: MotorDuty, margin: PositiveFloat = LEAST_MOTOR_MARGIN) 
     """
     suitable = [motor for motor in MOTORS.values() if motor.margin(duty) >= margin]
     return min(suitable, key=lambda motor: motor.mass_g, default=None)
+
+
+def motor_entry(item: str) -> Any:
+    """The field for the motor that drives an item."""
+    words = f"{', '.join(MOTORS)}, or a table of values; by default the lightest of these that suffices"
+    return entry(f"motor on the shaft of {item}: {words}", default=None)
+
+
+def motor_check(motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None) -> Check:
+    """Check that a motor supplies the torque and speed of its duty, by the margin of `smallest_motor`.
+
+    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`.
+    """
+    better = smallest_motor(duty)
+    key = next((key for key, known in MOTORS.items() if known == better), None)
+    advice = f'give motor = "{key}" ({better.name})' if better else "no motor of the table suffices"
+    name = f"torque of the {motor.name} to that required"
+    limit = LEAST_MOTOR_MARGIN
+    return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at)
+
+
+def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
+    """A motor and its margin, as an entry of the summary."""
+    key = next((key for key, known in MOTORS.items() if known == motor), None)
+    named: dict[str, object] = {"motor": key} if key else {}
+    return {**named, "name": motor.name, "margin": float(f"{motor.margin(duty):.6g}")}
 
 
 def fixed_under(plate: str, letter: str) -> str:

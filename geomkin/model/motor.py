@@ -156,6 +156,10 @@ class Motor:
         left = np.where(share <= 1, 1.0, 0.0) if self.constant_torque else np.maximum(1 - share, 0.0)
         return np.asarray(self.torque_n_mm * left)
 
+    def at_scale(self, scale: float) -> Motor:
+        """The same motor: it is bought, and stays as it is in a mechanism of another size."""
+        return self
+
     def margin(self, duty: MotorDuty) -> float:
         """How many times the torques of a duty the motor supplies.
 

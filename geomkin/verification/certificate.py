@@ -20,7 +20,18 @@ from ..export.stamp import LAYOUT, Stamp, recipe_hash
 from ..export.summary import FOUND, NAME, read_summary
 from ..recipe.load import from_table, parse
 from ..recipe.recipe import AbstractRecipe
-from .comparison import FINENESS, ExactPart, Measured, exact_part, measure_drawing, measure_mesh, measure_plate
+from .comparison import (
+    FINENESS,
+    MOST_PLATES,
+    ExactPart,
+    Measured,
+    exact_part,
+    measure_drawing,
+    measure_mesh,
+    measure_plate,
+    refuse_more,
+    worst_of,
+)  # fmt: skip
 from .drawing import LARGEST, UnreadableError
 
 # Share of the tolerance by which a deviation may exceed it: what the measurement itself may be off.
@@ -170,9 +181,13 @@ def verify(folder: str | Path) -> list[Certificate]:
     >>> [certificate.passed for certificate in gk.verify(out)]
     [True]
     """
-    folder = Path(folder)
+    return [_certificate(inside) for inside in recipe_folders(Path(folder))]
+
+
+def recipe_folders(folder: Path) -> list[Path]:
+    """A folder of a recipe, or those in it, by name. FileError if there are none."""
     if (folder / NAME).is_file():
-        return [_certificate(folder)]
+        return [folder]
     try:
         folders = sorted(inside for inside in folder.iterdir() if (inside / NAME).is_file())
     except OSError as error:
@@ -180,7 +195,7 @@ def verify(folder: str | Path) -> list[Certificate]:
     if not folders:
         remedy = "give a folder that geomkin run has written"
         raise FileError(folder, f"has no recipe: no {NAME} in it or one level below", remedy, "file-unreadable")
-    return [_certificate(inside) for inside in folders]
+    return folders
 
 
 def _certificate(folder: Path) -> Certificate:
@@ -230,6 +245,11 @@ class Expected:
         raise UnreadableError(f"the recipe has no part {printable(name, 60)}")
 
     @property
+    def count(self) -> int:
+        """Number of all copies of all parts."""
+        return sum(part.part.count for part in self.parts)
+
+    @property
     def tolerance(self) -> float:
         """mm."""
         return self.recipe.files.tolerance
@@ -270,6 +290,7 @@ def _glb(path: Path, expected: Expected) -> Content:
     from .read_mesh import read_glb
 
     meshes, problems, stamp = read_glb(path)
+    refuse_more(len(meshes), expected.count, MOST_PLATES, "solids")
     measured = [measure_mesh(mesh, expected.named(mesh.name), expected.tolerance) for mesh in meshes]
     return Content(measured, stamp, tuple(problems))
 
@@ -278,6 +299,7 @@ def _threemf(path: Path, expected: Expected) -> Content:
     from .read_mesh import read_3mf
 
     meshes, counts, problems, stamp = read_3mf(path)
+    refuse_more(max(len(meshes), sum(counts.values())), expected.count, MOST_PLATES, "solids")
     measured: list[Measured] = []
     for mesh in meshes:
         found = measure_mesh(mesh, expected.named(mesh.name), expected.tolerance)
@@ -348,9 +370,7 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
                 f"{named}: {one.deviation:.4g} mm off its curve at ({one.place.real:.3f}, {one.place.imag:.3f}), "
                 f"and {expected.tolerance:g} mm are allowed"
             )
-    worst = max(
-        content.measured, key=lambda one: one.deviation if isfinite(one.deviation) else -1, default=Measured("")
-    )
+    worst = worst_of(content.measured)
     return file(
         deviation=worst.deviation,
         place=worst.place,

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from ..export.files import write_whole
-from ..export.summary import as_json
+from ..export.summary import CERTIFICATE, as_json
 from ..export.text import text
 from ..plane.region import thinned
 from ..plane.vec import Complex
-from .certificate import Certificate, FileReport
+from .certificate import Certificate, FileReport, verify
 from .outline import Outline
 
 # Size of a picture, px; half the side of what the close picture shows, as a multiple of the deviation.
@@ -33,12 +33,13 @@ path, circle { vector-effect: non-scaling-stroke; stroke-width: 1.5 }
 """
 
 
-def write_certificate(certificate: Certificate) -> list[Path]:
-    """Write verify.json and verify.html into the folder of the recipe; returns their paths."""
+def certify(folder: Path) -> Certificate:
+    """Verify the folder of a recipe, and write verify.json and verify.html into it."""
+    (certificate,) = verify(folder)
     data = json.dumps(as_json(certificate.to_dict()), indent=1, ensure_ascii=False) + "\n"
-    contents = {"verify.json": data.encode("utf-8", "replace"), "verify.html": certificate_page(certificate)}
-    write_whole(certificate.folder, contents)
-    return [certificate.folder / name for name in contents]
+    contents = (data.encode("utf-8", "replace"), certificate_page(certificate))
+    write_whole(folder, dict(zip(CERTIFICATE, contents, strict=True)))
+    return certificate
 
 
 def certificate_page(certificate: Certificate) -> bytes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 from math import nan
 
 import numpy as np
@@ -11,15 +12,16 @@ import numpy as np
 from ..core.records import record
 from ..model.part import Part
 from ..plane.region import Edges, is_simple, offset
-from .drawing import Drawing
+from .drawing import Drawing, UnreadableError
 from .matching import Shape, candidates, nested, position
-from .outline import Outline, deviation, farthest, outline_of
+from .outline import EVEN, Outline, deviation, farthest, larger, outline_of
 from .solid import Mesh, as_plate, section, section_heights
 
 # Share of the tolerance that the measurement itself may be off. A finer one takes longer and finds the same faults.
 FINENESS = 0.04
-# Relative error of an area or a volume that rounding explains.
-EVEN = 1e-6
+# Most lines of a drawing, and most plates or solids of a file, that are measured, as a multiple of those of the recipe
+# and a number beyond: measuring more would take minutes, and the file is wrong in any case.
+MOST_LINES, MOST_PLATES = (10, 1000), (2, 20)
 
 
 @record(eq=False)
@@ -52,6 +54,20 @@ class Measured:
         return len(self.plate.holes) if self.plate else 0
 
 
+def worst_of(measured: Sequence[Measured]) -> Measured:
+    """The one with the largest deviation; the first of those that rounding alone distinguishes."""
+    worst = Measured("", -1.0)
+    for one in measured:
+        worst = one if one.deviation > worst.deviation * (1 + EVEN) else worst
+    return worst if worst.deviation >= 0 else Measured("")
+
+
+def refuse_more(found: int, expected: int, most: tuple[int, int], name: str) -> None:
+    """UnreadableError if a file has far more lines, plates or solids than its recipe."""
+    if found > most[0] * expected + most[1]:
+        raise UnreadableError(f"it has {found} {name}, and the recipe {expected}")
+
+
 def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
     """The exact curves of a part as polygons whose error is a small share of the tolerance, mm."""
     error = tolerance * FINENESS / 2
@@ -79,7 +95,11 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
         measured.append(Measured("", place=place, problems=(f"{len(open_lines)} lines to cut are not closed",)))
     cuts = [line for line in drawing.cuts if line.outline.closed and len(line.outline.points) > 2]
     marks = drawing.marks
-    for loops, engraved in nested([cut.outline for cut in cuts], [mark.outline for mark in marks]):
+    lines = [one.part.count * (len(one.drawn.loops) + len(one.drawn.marks)) for one in parts]
+    refuse_more(len(cuts) + len(marks), sum(lines), MOST_LINES, "lines to cut or engrave")
+    plates = nested([cut.outline for cut in cuts], [mark.outline for mark in marks])
+    refuse_more(len(plates), sum(one.part.count for one in parts), MOST_PLATES, "parts")
+    for loops, engraved in plates:
         outlines = [cuts[k].outline for k in loops]
         problems = [
             f"{'the outline' if k == 0 else f'hole {k}'} crosses itself"
@@ -123,19 +143,19 @@ def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measure
     """A plate against the exact one, both in the part's own frame."""
     problems: list[str] = []
     resolution = tolerance * FINENESS / 2
-    worst, place = deviation(plate.outline, exact.outline, resolution)
+    worst = deviation(plate.outline, exact.outline, resolution)
     if len(plate.holes) != len(exact.holes):
         problems.append(f"it has {len(plate.holes)} holes, and the part {len(exact.holes)}")
     left = list(plate.holes)
     for hole in exact.holes if len(plate.holes) == len(exact.holes) else ():
         nearest = min(left, key=lambda one: abs(one.centroid - hole.centroid) + np.sqrt(abs(abs(one.area) - hole.area)))
         left.remove(nearest)
-        worst, place = max((worst, place), deviation(nearest, hole, resolution), key=lambda one: one[0])
+        worst = larger(worst, deviation(nearest, hole, resolution))
     if exact.marks or plate.marks:
-        worst, place = max((worst, place), _marks_apart(plate.marks, exact.marks, resolution), key=lambda one: one[0])
+        worst = larger(worst, _marks_apart(plate.marks, exact.marks, resolution))
         if bool(exact.marks) != bool(plate.marks):
             problems.append("its engraving is missing" if exact.marks else "it is engraved, and the part is not")
-    return Measured(name, worst, place, plate, exact, tuple(problems))
+    return Measured(name, *worst, plate, exact, tuple(problems))
 
 
 def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution: float) -> tuple[float, complex]:
@@ -148,7 +168,7 @@ def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution:
     ]
     distances = [farthest(one, sets[1], resolution) for one in found]
     distances += [farthest(one, sets[0], resolution) for one in exact]
-    return max(distances, key=lambda one: one[0])
+    return reduce(larger, distances)
 
 
 def measure_plate(lids: Sequence[Sequence[Outline]], thickness: float, exact: ExactPart, tolerance: float) -> Measured:
@@ -157,7 +177,7 @@ def measure_plate(lids: Sequence[Sequence[Outline]], thickness: float, exact: Ex
     for loops in lids:
         order = sorted(loops, key=lambda loop: -abs(loop.area))
         found.append(compared(Shape(order[0], tuple(order[1:])), _unmarked(exact.solid), exact.part.name, tolerance))
-    return _with(max(found, key=lambda one: one.deviation), _thickness_problems(0.0, thickness, exact.part, EVEN))
+    return _with(worst_of(found), _thickness_problems(0.0, thickness, exact.part, EVEN))
 
 
 def _unmarked(shape: Shape) -> Shape:
@@ -192,7 +212,7 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
             problems.append(f"its section at z = {height:.4g} mm is not one plate")
             break
         found = compared(plate, _unmarked(exact.solid), name, tolerance)
-        worst = found if found.problems or found.deviation > worst.deviation else worst
+        worst = found if found.problems else worst_of([worst, found])
         if found.problems:
             break
     return _with(worst, problems)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from .outline import Outline, arc_points, circle_points
 
 # Largest file that is read, bytes, and largest number of vertices of one drawing: more would take minutes.
 LARGEST, MOST_VERTICES = 50_000_000, 500_000
+TOO_MANY = f"it has more than {MOST_VERTICES:,} vertices, those of its arcs as chords included"
+# Largest distance from the origin, mm.
+FARTHEST = 1e9
 # Layers of lines that are engraved, not cut.
 MARKED = ("ENGRAVE", "LABEL")
 
@@ -47,22 +51,42 @@ class Drawing:
         return [line for line in self.lines if line.layer == "ENGRAVE"]
 
 
-@record(eq=False)
+def collected(lines: Iterable[Line]) -> tuple[Line, ...]:
+    """Lines as they are read, until they have too many vertices."""
+    drawn: list[Line] = []
+    vertices = 0
+    for line in lines:
+        drawn.append(line)
+        vertices += len(line.outline.points)
+        if vertices > MOST_VERTICES:
+            raise UnreadableError(TOO_MANY)
+    return tuple(drawn)
+
+
+@dataclass
 class Pen:
     """Collects the points of a line from straight steps and arcs; arcs become chords within `error`, mm."""
 
     error: float
     points: list[Complex] = field(default_factory=list)
+    count: int = 0
 
     def edge(self, start: complex, end: complex, bulge: float = 0.0) -> None:
         """From `start` up to, not including, `end`; bulge: tangent of a quarter of an arc's sweep."""
-        self.points.append(arc_points(start, end, bulge, self.error) if bulge else np.array([start]))
+        self.add(arc_points(start, end, bulge, self.error) if bulge else np.array([start]))
+
+    def add(self, points: Complex) -> None:
+        """Further points."""
+        self.points.append(points)
+        self.count += len(points)
+        if self.count > MOST_VERTICES:
+            raise UnreadableError(TOO_MANY)
 
     def outline(self, closed: bool, end: complex | None = None) -> Outline:
         """The line; an open one ends at `end`."""
         points = np.concatenate([*self.points, *([np.array([end])] if end is not None else [])])
-        if not np.isfinite(points).all():
-            raise UnreadableError("a coordinate is not finite")
+        if not (np.abs(points) < FARTHEST).all():
+            raise UnreadableError(f"a coordinate is not a number below {FARTHEST:,.0f} mm")
         is_distinct = np.append(True, points[1:] != points[:-1])
         is_distinct[-1] &= not (closed and len(points) > 1 and points[-1] == points[0])
         return Outline(points[is_distinct], self.error, closed)
@@ -80,6 +104,6 @@ def polyline(vertices: Complex, bulges: list[float], closed: bool, error: float)
 
 def circle(centre: complex, radius: float, error: float) -> Outline:
     """A circle as a polygon."""
-    if not (np.isfinite(centre) and np.isfinite(radius) and radius > 0):
-        raise UnreadableError("a circle has no finite radius above 0")
+    if not (abs(centre) < FARTHEST and 0 < radius < FARTHEST):
+        raise UnreadableError(f"a circle has no radius above 0, or it is not within {FARTHEST:,.0f} mm")
     return Outline(circle_points(centre, radius, error), error)

@@ -94,7 +94,8 @@ def position(found: Shape, exact: Shape, tolerance: float) -> tuple[complex, com
     def misfit(turn: complex) -> float:
         return float(edges.nearest((samples - here) / turn + there)[1].mean())
 
-    turn = min(_rotations(found, exact), key=misfit)
+    rotations = _rotations(found, exact, tolerance)
+    turn = min(rotations, key=misfit) if len(rotations) > 1 else rotations[0]
     shift = here - turn * there
     if rounded := _whole(turn, shift, there, exact.size, tolerance):
         return rounded
@@ -121,8 +122,10 @@ def candidates(found: Shape, exact: Sequence[Shape], tolerance: float) -> list[i
     return alike or order[:TRIED]
 
 
-def _rotations(found: Shape, exact: Shape) -> list[complex]:
+def _rotations(found: Shape, exact: Shape, tolerance: float) -> list[complex]:
     """Rotations that agree with the lowest clear moment of the area; 1 for a plate that is round."""
+    if all(np.ptp(np.abs(loop.points - exact.outline.centroid)) < tolerance for loop in exact.loops):
+        return [1 + 0j]
     for order, (here, there) in enumerate(zip(_moments(found), _moments(exact)), 2):
         if abs(there) > CLEAR:
             angle = np.angle(here / there) / order

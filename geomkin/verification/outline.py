@@ -13,6 +13,8 @@ from ..plane.vec import Complex, Real, Whole, cross
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 # Halvings of a piece of a curve, and of an edge: more would be below the resolution of the numbers.
 HALVINGS = 40
+# Relative difference of distances that rounding explains.
+EVEN = 1e-6
 # Most pieces of a polygon that are halved at once, and most edges of a chain that one piece may lie along.
 MOST_PIECES, LONGEST_CHAIN = 1_000_000, 64
 
@@ -97,8 +99,9 @@ def farthest(outline: Outline, edges: Edges, resolution: float) -> tuple[float, 
     first, last = nearest[: len(starts)], np.roll(nearest, -1)[: len(starts)]
     least, place, most = 0.0, complex(points[0]), 0.0
     for _ in range(HALVINGS):
-        at = int(np.argmax(distance))
-        if distance[at] > least:
+        # Of distances that rounding alone distinguishes, the first: the place is then the same on every processor.
+        at = int(np.argmax(distance >= (1 - EVEN) * distance.max()))
+        if distance[at] > least * (1 + EVEN):
             least, place = float(distance[at]), complex(points[at])
         bound = _bounds(starts, ends, first, last, edges)
         wide = bound > least + resolution
@@ -140,7 +143,12 @@ def deviation(outline: Outline, exact: Outline, resolution: float) -> tuple[floa
     """The largest distance between two curves, either way, mm, without the errors of their polygons; and its place."""
     there = farthest(outline, Edges(exact.starts, exact.ends), resolution)
     back = farthest(exact, Edges(outline.starts, outline.ends), resolution)
-    return max(there, back, key=lambda found: found[0])
+    return larger(there, back)
+
+
+def larger(one: tuple[float, complex], other: tuple[float, complex]) -> tuple[float, complex]:
+    """The larger of two distances, mm, with its place; the first of two that rounding alone distinguishes."""
+    return other if other[0] > one[0] * (1 + EVEN) else one
 
 
 def arc_points(start: complex, end: complex, bulge: float, error: float) -> Complex:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from ezdxf.filemanagement import readfile
 
-from .drawing import MOST_VERTICES, Drawing, Line, UnreadableError, circle, polyline
+from .drawing import Drawing, Line, UnreadableError, circle, collected, polyline
 
 MILLIMETRES = 4
 
@@ -25,31 +26,30 @@ def read_dxf(path: Path, error: float) -> Drawing:
         # The library lets many kinds of error through when a file is damaged.
         raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
     problems: list[str] = []
+    lines = collected(_lines(entities, error, problems))
     if (units := document.header.get("$INSUNITS", 0)) != MILLIMETRES:
         problems.append(f"its $INSUNITS is {units}, not {MILLIMETRES} for mm")
-    lines: list[Line] = []
-    vertices = 0
+    problems += _wrong_extents(document, lines, error)
+    return Drawing(lines, document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
+
+
+def _lines(entities: list[Any], error: float, problems: list[str]) -> Iterator[Line]:
+    """The circles and polylines; a sentence is added to `problems` for anything else."""
     for entity in entities:
         kind, layer = entity.dxftype(), entity.dxf.layer
         if kind == "CIRCLE":
-            lines.append(Line(circle(_point(entity.dxf.center), float(entity.dxf.radius), error), layer))
-        elif kind == "LWPOLYLINE":
-            rows = np.array(entity.get_points("xyb"), dtype=float).reshape(-1, 3)
-            vertices += len(rows)
-            if vertices > MOST_VERTICES:
-                raise UnreadableError(f"it has more than {MOST_VERTICES:,} vertices")
-            if len(rows) < 2:
-                problems.append(f"a polyline on layer {layer} has fewer than two vertices")
-                continue
-            outline = polyline(rows[:, 0] + 1j * rows[:, 1], rows[:, 2].tolist(), bool(entity.closed), error)
-            lines.append(Line(outline, layer))
-        else:
+            yield Line(circle(_point(entity.dxf.center), float(entity.dxf.radius), error), layer)
+        elif kind != "LWPOLYLINE":
             problems.append(f"it has a {kind} on layer {layer}, which is not a closed polyline or circle")
-    problems += _wrong_extents(document, lines, error)
-    return Drawing(tuple(lines), document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
+        elif len(entity) < 2:
+            problems.append(f"a polyline on layer {layer} has fewer than two vertices")
+        else:
+            rows = np.array(entity.get_points("xyb"), dtype=float).reshape(-1, 3)
+            outline = polyline(rows[:, 0] + 1j * rows[:, 1], rows[:, 2].tolist(), bool(entity.closed), error)
+            yield Line(outline, layer)
 
 
-def _wrong_extents(document: Any, lines: list[Line], error: float) -> list[str]:
+def _wrong_extents(document: Any, lines: Sequence[Line], error: float) -> list[str]:
     """A sentence if the header's extents are not those of the lines."""
     cut = np.concatenate([line.outline.points for line in lines]) if lines else np.zeros(0, dtype=complex)
     if not len(cut):

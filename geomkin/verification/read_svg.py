@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -11,7 +12,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..plane.vec import Complex
 from ..synthesis.path.svg_drawings import AffineMap, tag_of, transform_of, tree_of, view_of
-from .drawing import LARGEST, MOST_VERTICES, Drawing, Line, Pen, UnreadableError, circle
+from .drawing import LARGEST, Drawing, Line, Pen, UnreadableError, circle, collected
 from .outline import Outline
 
 TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([\s,]+)")
@@ -34,8 +35,7 @@ def read_svg(path: Path, error: float) -> Drawing:
     try:
         root = tree_of(content.decode("utf-8"))
         view = view_of(root)
-        lines: list[Line] = []
-        _collect(root, view, "", error, lines, 0)
+        lines = collected(_lines(root, view, "", error, 0))
     except UnicodeDecodeError:
         raise UnreadableError("it is not UTF-8 text") from None
     except DesignError as refusal:
@@ -44,13 +44,11 @@ def read_svg(path: Path, error: float) -> Drawing:
         f"its {name} is not stated in mm" for name in ("width", "height") if not UNIT.fullmatch(root.get(name, ""))
     ]
     stamps = [element.text or "" for element in root if tag_of(element) == "desc"]
-    return Drawing(
-        tuple(lines), stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"])
-    )
+    return Drawing(lines, stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"]))
 
 
-def _collect(element: Element, view: AffineMap, layer: str, error: float, lines: list[Line], depth: int) -> None:
-    """Add the lines of an element and of those inside it."""
+def _lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
+    """The lines of an element and of those inside it."""
     if depth > 100:
         raise UnreadableError("its elements lie more than 100 deep in each other")
     if "transform" in element.attrib:
@@ -58,14 +56,13 @@ def _collect(element: Element, view: AffineMap, layer: str, error: float, lines:
     layer = _layer(element) or layer
     tag = tag_of(element)
     if tag == "path":
-        lines += [Line(_placed(outline, view), layer or "CUT") for outline in subpaths(element.get("d", ""), error)]
+        for outline in subpaths(element.get("d", ""), error):
+            yield Line(_placed(outline, view), layer or "CUT")
     elif tag == "circle":
         centre = complex(_number(element, "cx"), _number(element, "cy"))
-        lines.append(Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT"))
-    if sum(len(line.outline.points) for line in lines[-1:]) > MOST_VERTICES or len(lines) > MOST_VERTICES:
-        raise UnreadableError(f"it has more than {MOST_VERTICES:,} vertices")
+        yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT")
     for child in element:
-        _collect(child, view, layer, error, lines, depth + 1)
+        yield from _lines(child, view, layer, error, depth + 1)
 
 
 def _layer(element: Element) -> str:
@@ -85,7 +82,7 @@ def _placed(outline: Outline, view: AffineMap) -> Outline:
     return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
 
 
-def subpaths(text: str, error: float) -> list[Outline]:
+def subpaths(text: str, error: float) -> Iterator[Outline]:
     """The subpaths of the attribute `d`: straight steps, arcs of circles and cubic curves."""
     tokens, at = [], 0
     while at < len(text):
@@ -94,7 +91,6 @@ def subpaths(text: str, error: float) -> list[Outline]:
         if not found.group(3):
             tokens.append(found.group())
         at = found.end()
-    outlines: list[Outline] = []
     pen, here, start, command, k = Pen(error), 0j, 0j, "", 0
     while k < len(tokens):
         if tokens[k].isalpha():
@@ -111,13 +107,13 @@ def subpaths(text: str, error: float) -> list[Outline]:
         if command in "Zz":
             if here != start:
                 pen.edge(here, start)
-            outlines.append(pen.outline(closed=True))
+            yield pen.outline(closed=True)
             pen, here = Pen(error), start
             if k < len(tokens) and not tokens[k].isalpha():
                 raise UnreadableError("a path has numbers after its end")
         elif command in "Mm":
             if pen.points:
-                outlines.append(pen.outline(closed=False, end=here))
+                yield pen.outline(closed=False, end=here)
                 pen = Pen(error)
             here = start = base + complex(*values)
             # Further pairs of numbers are straight steps.
@@ -127,8 +123,7 @@ def subpaths(text: str, error: float) -> list[Outline]:
             _step(pen, command, values, here, end, base)
             here = end
     if pen.points:
-        outlines.append(pen.outline(closed=False, end=here))
-    return outlines
+        yield pen.outline(closed=False, end=here)
 
 
 def _end(command: str, values: list[float], here: complex, base: complex) -> complex:
@@ -151,7 +146,7 @@ def _step(pen: Pen, command: str, values: list[float], here: complex, end: compl
         one, two = base + complex(*values[:2]), base + complex(*values[2:4])
         t = np.append(0.0, CHORDS[:-1])
         points: Complex = here * (1 - t) ** 3 + 3 * one * t * (1 - t) ** 2 + 3 * two * t**2 * (1 - t) + end * t**3
-        pen.points.append(points)
+        pen.add(points)
     else:
         pen.edge(here, end)
 

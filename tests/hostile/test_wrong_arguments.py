@@ -240,6 +240,7 @@ GOOD = {
     "planetary_checks": {"gears": PLANETARY},
     "stack_links": {"motion": MOTION, "stock": gk.linkage.LinkStock()},
     "touch_check": {"mate": CONJUGATE, "module": 2.0},
+    "tolerances": {"motion": MOTION, "of": "coupler_point", "lengths": 0.1, "clearances": {"crank_pin": 0.05}},
     "sweep": {"recipe": {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}, "values": {"gear.teeth": "12"}, "results": (), "executor": None},
     "svg_path_points": {"path": "M 0 0 L 10 5 C 20 0 30 10 40 0", "count": 12},
     "xy": {"z": np.array([1j, 2.0])},
@@ -270,7 +271,7 @@ GOOD = {
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
     "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "SlideForces", "MATERIALS", "MOTORS", "masses",
-    "RootSection", "ToothForm", "ToothStrength", "strength_checks",
+    "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",

@@ -22,6 +22,8 @@ def posed(linkage, motion, carried=True):
         planner.place_determined()
     planner.place_rest()
     same.plans[False] = tuple(planner.placements)
+    # Without the program of the structure, by the placements.
+    same.programs[1, (), True] = None, {}
     return same
 
 

@@ -199,10 +199,65 @@ def test_every_key_survives_writing_and_reading():
         "torques": [{"body": "rocker", "torque_n_mm": -5}],
         "springs": [{"body": "rocker", "point": "rocker_pin", "to_body": "ground", "to_point": [0, 300], "preload": 6}],
         "pin_friction": [{"pin": "crank_pin", "viscous": 7}],
+        "motor": "37d-30",
     }
+    loads["forces"].append({"body": "coupler", "point": [1, 2], "over_deg": [[0, 1, 2], [90, 3, 4]]})
     recipe = four_bar(loads)
     again = gk.load(gk.recipe.to_toml(recipe))
     assert again == recipe and again.loads.forces[0].point == 1 - 2j
+
+
+def test_a_force_over_the_drive_is_the_same_at_each_angle_as_a_constant_one():
+    """At angles of the table and between them, also a turn later; at two equal angles the force makes a step."""
+    rows = [[0, 0, 0], [90, 30, -10], [180, 0, 0], [180, 50, 0], [270, 50, 0]]
+    turn = {"speed_rpm": 60, "step_deg": 15, "start_deg": -360, "end_deg": 360}
+    linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+
+    def torque(**force):
+        loads = {"gravity_m_per_s2": [0, 0], "forces": [{"body": "coupler", "point": [40, 20], **force}]}
+        return gk.load({"kind": "four-bar", "linkage": linkage, "drive": turn, "loads": loads}).table["driver_torque"]
+
+    varying = torque(over_deg=rows)
+    for angle, force in ((0, None), (45, [15, -5]), (90, [30, -10]), (150, [10, -10 / 3]), (225, [50, 0])):
+        constant = torque(force_n=force) if force else np.zeros(49)
+        for frame in ((360 + angle) // 15, angle // 15):
+            assert varying[frame] == pytest.approx(constant[frame], rel=1e-9, abs=1e-9)
+    assert varying == pytest.approx(torque(over_deg=rows, force_n=[0, 5]) - torque(force_n=[0, 5]), abs=1e-9)
+    with pytest.raises(gk.RecipeError, match="over_deg"):
+        force = {"body": "slider", "point": "slider_pin", "over_deg": [[0, 1, 1]]}
+        slider_crank({"forces": [force]}, stroke={"start": 110, "end": 170}, linkage={"driver": "slider"})
+
+
+def test_the_motor_is_the_one_named_or_mounted_or_the_smallest_that_suffices():
+    weight = {"forces": [{"body": "rocker", "point": "rocker_pin", "force_n": [0, -10]}]}
+    turn = {"drive": {"speed_rpm": 60}, "linkage": {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70}}
+
+    def motor(loads, **more):
+        recipe = gk.load({"kind": "four-bar", **turn, "loads": weight | loads, **more})
+        (check,) = [check for check in recipe.checks if check.id == "motor_torque"]
+        return recipe, check
+
+    recipe, check = motor({})
+    duty = recipe.force_analysis.duty
+    lighter = [one for one in gk.making.MOTORS.values() if one.mass_g < recipe.motor.mass_g]
+    assert check.passed and check.value >= 1.5 and lighter and all(one.margin(duty) < 1.5 for one in lighter)
+    assert recipe.notes["loads"]["motor"] == {
+        "motor": next(key for key, one in gk.making.MOTORS.items() if one == recipe.motor),
+        "name": recipe.motor.name,
+        "margin": pytest.approx(check.value, rel=1e-5),
+    }
+    weak, check = motor({"motor": "28byj-48"})
+    assert weak.motor.name.startswith("28BYJ-48") and not check.passed and recipe.motor.name in check.advice
+    own = {"name": "own", "torque_n_mm": 4000, "speed_rpm": 120, "lasting_torque_n_mm": 5000, "mass_g": 1}
+    recipe, check = motor({"motor": own}, scale=2)
+    # At half of the speed without load half of the torque is left, for twice the torque of the smaller linkage.
+    assert check.value == pytest.approx(2000 / (2 * np.abs(duty.torque).max()), rel=1e-9)
+    assert motor({}, stock={"motor": "nema17"})[0].motor == gk.making.motor("nema17")
+    with pytest.raises(gk.RecipeError, match="copies"):
+        motor({"motor": "nema17"}, copies=[{"phase_deg": 180}])
+    with pytest.raises(gk.RecipeError, match="shaft"):
+        loads = {"masses": {"slider": {"mass_kg": 1}}, "motor": "nema17"}
+        slider_crank(loads, stroke={"start": 110, "end": 170}, linkage={"driver": "slider"})
 
 
 PIN_TO_PIN = {"body": "rocker", "point": "rocker_pin", "to_body": "coupler", "to_point": "rocker_pin", "stiffness": 1}
@@ -220,7 +275,14 @@ PIN_TO_PIN = {"body": "rocker", "point": "rocker_pin", "to_body": "coupler", "to
         ({"slide_friction": [{"slide": "slide"}]}, "loads.slide_friction[0].slide", "unknown-key"),
         ({"masses": {"rod": {"mass_kg": 1}}}, "loads.masses", "unknown-key"),
         ({"masses": {"rocker": {"mass_kg": -1}}}, "loads.masses.rocker.mass_kg", "out-of-range"),
-        ({"forces": [{"body": "rocker", "point": "rocker_pin", "force": 1}]}, "loads.forces[0].force_n", "missing-key"),
+        ({"forces": [{"body": "rocker", "point": "rocker_pin", "force": 1}]}, "loads.forces[0].force", "unknown-key"),
+        ({"forces": [{"body": "rocker", "point": "rocker_pin"}]}, "loads.forces[0].force_n", "missing-key"),
+        ({"motor": "nema99"}, "loads.motor", "impossible-geometry"),
+        (
+            {"forces": [{"body": "rocker", "point": "rocker_pin", "over_deg": [[0, 1, 1], [-90, 2, 2]]}]},
+            "loads.forces[0].over_deg",
+            "conflict",
+        ),
         # Both ends are at one pin, apart from rounding.
         ({"springs": [PIN_TO_PIN]}, "loads.springs[0]", "impossible-geometry"),
     ],

@@ -13,8 +13,10 @@ from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
 from ...making.materials import MATERIALS
+from ...making.motors import MOTORS
 from ...model.check import Check
 from ...model.mass import Mass
+from ...model.motor import Motor
 from ...model.part import Bought, Part
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
@@ -42,7 +44,17 @@ from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
 from .dwell_bands import DwellBand
-from .loads import LoadsTable, force_columns, force_marks, force_plots, force_summary, loads_entry, number_of_columns
+from .loads import (
+    LoadsTable,
+    force_columns,
+    force_marks,
+    force_plots,
+    force_summary,
+    loads_entry,
+    motor_checks,
+    motor_of,
+    number_of_columns,
+)
 from .moved import (
     WITH_SLIDER,
     AbstractMovedRecipe,
@@ -87,6 +99,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             problem = "found true, but there is no other mode: it cannot be assembled, or there are more than two dyads"
             raise DesignError("both_modes", problem, "omit it", "conflict")
         if self.loads:
+            if self.loads.motor and self.copies:
+                problem = f"found {self.loads.motor.name} and copies, which are not counted in the torque"
+                raise DesignError("loads.motor", problem, "omit motor or copies", "conflict")
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
 
     @cached_property
@@ -102,6 +117,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         yield from super().further_handles
         if self.loads is not None:
             yield from self.loads.handles(self.motion)
+
+    @cached_property
+    def motor(self) -> Motor | None:
+        """The motor that drives the linkage against the loads: given, or the smallest that suffices."""
+        if self.loads is None or self.force_analysis is None or self.copies:
+            return None
+        return motor_of(self.force_analysis, self.loads.motor or MOTORS.get(self.stock.motor or ""))
 
     @cached_property
     def fine_motion(self) -> Motion:
@@ -180,6 +202,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             hole_check(self.stock.hole_diameter, self.stock.thickness),
             collision_check(len(self.stack.collisions), advice),
             *self.input_range.checks,
+            *(motor_checks(self.force_analysis, self.motor) if self.force_analysis else ()),
         )
 
     @cached_property
@@ -203,7 +226,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """Summary: range of the driver, links that turn fully, and the stack of plates."""
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
-        loads = {"loads": force_summary(self.force_analysis)} if self.force_analysis else {}
+        loads = {"loads": force_summary(self.force_analysis, self.motor)} if self.force_analysis else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
         return {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
@@ -11,16 +12,18 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
+from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
+from ...model.check import Check
 from ...model.handles import point_handle
 from ...model.mass import Mass
-from ...model.motor import root_mean_square
+from ...model.motor import Motor, root_mean_square
 from ...model.scene import Plot, SceneHandle, SceneMark
 from ...model.table import Column, xy_columns
 from ...plane.vec import first_largest
 from ..checks import driver_at
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
-from ..dynamics.loads import Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
+from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
 from ..dynamics.wrenches import Wrenches, known_body
 from ..linkage import Linkage
 from ..motion import Motion
@@ -32,16 +35,17 @@ MOST_GRAVITY = 100.0
 
 
 @dataclass(frozen=True)
-class PairWithin:
-    """Marks two numbers `[x, y]` of a recipe, each from -most to most."""
+class RowWithin:
+    """Marks a row of numbers of a recipe, such as `[x, y]`, each from -most to most."""
 
     most: float
+    count: int = 2
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core import core_schema
 
         number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
-        return core_schema.tuple_schema([number, number])
+        return core_schema.tuple_schema([number for _ in range(self.count)])
 
 
 @record(checked=True)
@@ -57,13 +61,36 @@ class BodyMass:
 
 @record(checked=True)
 class PointForce:
-    """A constant force at a point of a body, in a recipe."""
+    """A force at a point of a body, in a recipe: constant, or given over the driver's angle."""
 
     body: str = entry("the body it acts on", example="rocker")
     point: PlaceOnBody = entry("point of that body, by name or [x, y]", example="rocker_pin")
-    force_n: Annotated[tuple[float, float], PairWithin(FARTHEST)] = entry(
-        "force on the ground, [x, y] in N", example=(0.0, -50.0), units=("N", "N")
+    force_n: Annotated[tuple[float, float], RowWithin(FARTHEST)] | None = entry(
+        "constant force on the ground, [x, y] in N", default=None, example=(0.0, -50.0), units=("N", "N")
     )
+    over_deg: tuple[Annotated[tuple[float, float, float], RowWithin(FARTHEST, 3)], ...] = entry(
+        "further force over the driver's angle, rows [deg, x, y] in N: linear between, a step at two equal angles, "
+        "repeated every turn",
+        default=(),
+        units=("deg", "N", "N"),
+    )
+
+    def __post_init__(self) -> None:
+        if self.force_n is None and not self.over_deg:
+            raise DesignError("force_n", "is missing", "give [x, y] in N, or rows of over_deg", "missing-key")
+        angles = [row[0] for row in self.over_deg]
+        if any(later < earlier for earlier, later in pairwise(angles)):
+            raise DesignError("over_deg", "its angles fall", "give rising angles", "conflict")
+        if angles and angles[-1] - angles[0] > 360:
+            raise DesignError("over_deg", f"covers {angles[-1] - angles[0]:g} deg", "give at most 360 deg", "conflict")
+
+    def force(self) -> Force:
+        """The force as the library has it."""
+        constant = complex(*(self.force_n or (0.0, 0.0)))
+        if not self.over_deg:
+            return Force(self.body, self.point, constant)
+        angles, x, y = np.array(self.over_deg, dtype=float).T
+        return Force(self.body, self.point, DriveTable(np.radians(angles), constant + x + 1j * y, 2 * np.pi))
 
 
 @record(checked=True)
@@ -93,7 +120,7 @@ class LoadsTable:
     A body without an entry in `masses` has the mass of its parts, if the stock names a material.
     """
 
-    gravity_m_per_s2: Annotated[tuple[float, float], PairWithin(MOST_GRAVITY)] = entry(
+    gravity_m_per_s2: Annotated[tuple[float, float], RowWithin(MOST_GRAVITY)] = entry(
         "acceleration of a falling body, [x, y] in m/s2; [0, 0] if it is not considered",
         default=(0.0, -9.81),
         units=("m/s2", "m/s2"),
@@ -122,12 +149,13 @@ class LoadsTable:
     slide_friction: tuple[SlideFriction, ...] = entry(
         "friction of slides, each with slide, coefficient, length and viscous", default=()
     )
+    motor: MotorKey = motor_entry("the driver")
 
     @property
     def by_key(self) -> dict[str, tuple[Any, ...]]:
         """The loads as the library has them, by the keys of this table."""
         return {
-            "forces": tuple(Force(force.body, force.point, complex(*force.force_n)) for force in self.forces),
+            "forces": tuple(force.force() for force in self.forces),
             "torques": tuple(Torque(torque.body, torque.torque_n_mm) for torque in self.torques),
             "slide_forces": tuple(SlideForce(force.slide, force.force_n) for force in self.slide_forces),
             "springs": self.springs,
@@ -163,6 +191,13 @@ class LoadsTable:
                     raise DesignError(field, error.problem, error.remedy, error.id) from None
         for body in self.masses:
             known_body(motion.linkage, body, "loads.masses")
+        for k, force in enumerate(self.forces):
+            if force.over_deg and motion.linkage.driven_slider is not None:
+                problem = "is given, but a slide drives, which has no angle"
+                raise DesignError(f"loads.forces[{k}].over_deg", problem, "omit it, and give force_n", "conflict")
+        if self.motor and motion.linkage.driver_pivot is None:
+            problem = f"found {self.motor.name}, but the driver turns on no fixed shaft"
+            raise DesignError("loads.motor", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
 
     def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass]) -> ForceAnalysis:
         """Driver effort and joint forces. part_masses: of the parts, for bodies without an entry in `masses`."""
@@ -236,8 +271,23 @@ def force_marks(analysis: ForceAnalysis) -> Iterator[SceneMark]:
     yield from vector_marks(motion, arrows, "force", "N")
 
 
-def force_summary(analysis: ForceAnalysis) -> Mapping[str, object]:
-    """Peak and rms driver effort and largest pin forces, as entries of the summary; without those that are unknown."""
+def motor_of(analysis: ForceAnalysis, motor: Motor | None) -> Motor | None:
+    """The given motor; without one the smallest that suffices, None if no motor can drive the linkage."""
+    turns = analysis.motion.linkage.driver_pivot is not None and np.isfinite(analysis.driver).any()
+    return motor or (smallest_motor(analysis.duty) if turns else None)
+
+
+def motor_checks(analysis: ForceAnalysis, motor: Motor | None) -> tuple[Check, ...]:
+    """Check of the motor, if there is one."""
+    if motor is None:
+        return ()
+    known = np.isfinite(analysis.driver).any()
+    at = driver_at(analysis.motion, first_largest(np.abs(analysis.driver))) if known else None
+    return (motor_check(motor, analysis.duty, "driver_torque", at),)
+
+
+def force_summary(analysis: ForceAnalysis, motor: Motor | None) -> Mapping[str, object]:
+    """Peak and rms driver effort, largest pin forces and the motor, as entries of the summary; without unknown ones."""
     motion = analysis.motion
     effort, unit = ("driver_force_N", "mm") if motion.linkage.driven_slider else ("driver_torque_N_mm", "deg")
     known = np.isfinite(analysis.driver)
@@ -256,6 +306,8 @@ def force_summary(analysis: ForceAnalysis) -> Mapping[str, object]:
     result["largest_pin_force_N"] = {
         pin: _nine_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
     }
+    if motor:
+        result["motor"] = motor_summary(motor, analysis.duty)
     return {**result, "undetermined": list(analysis.undetermined)}
 
 

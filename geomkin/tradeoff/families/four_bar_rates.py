@@ -46,7 +46,7 @@ def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     )
 
     def call() -> Rates:
-        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1), STEADY)
+        solution = LinkageSolution(general, lambda: steps, problem.drive, as_branch_spec(1), STEADY)
         first, second = ((solution.value(k, "coupler"), solution.value(k, "rocker")) for k in ("first", "second"))
         return *first, *second
 
