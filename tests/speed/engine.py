@@ -62,7 +62,7 @@ def four_bars():
 
 
 def dyad(one, two, b, c, side):
-    """Two bars between points that move: each point a place and its first and second derivative, as all that is told."""
+    """Two bars between points that move: each point a place and its first and second derivative."""
     (p, p1, p2), (q, q1, q2) = one, two
     u = q - p
     s = u.real**2 + u.imag**2
