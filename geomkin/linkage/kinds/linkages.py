@@ -39,6 +39,7 @@ from ..named_linkages import (
 )
 from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
+from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
 from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
@@ -202,8 +203,15 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             hole_check(self.stock.hole_diameter, self.stock.thickness),
             collision_check(len(self.stack.collisions), advice),
             *self.input_range.checks,
-            *(motor_checks(self.force_analysis, self.motor) if self.force_analysis else ()),
+            *self._load_checks(),
         )
+
+    def _load_checks(self) -> tuple[Check, ...]:
+        """Checks of the motor, and of pins and plates if the material is known; none without loads."""
+        if self.force_analysis is None:
+            return ()
+        holds = linkage_strength_checks(self.force_analysis, self.stock, self.stack) if self.stock.material else ()
+        return (*motor_checks(self.force_analysis, self.motor), *holds)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
