@@ -67,6 +67,7 @@ from .moved import (
     branches_entry,
     coefficients_entry,
 )
+from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe):
@@ -79,6 +80,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
     loads: LoadsTable | None = None
+    tolerances: TolerancesTable | None = None
 
     def __post_init__(self) -> None:
         self.check_stroke()
@@ -93,6 +95,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         columns_each = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
         columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
         columns = columns * (2 if self.both_modes else 1) + (number_of_columns(linkage) if self.loads else 0)
+        columns += NUMBER_OF_COLUMNS if self.tolerances else 0
         self.input_range.check_rows(columns)
         if self.dwell:
             self.dwell.body(linkage)
@@ -104,6 +107,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
                 problem = f"found {self.loads.motor.name} and copies, which are not counted in the torque"
                 raise DesignError("loads.motor", problem, "omit motor or copies", "conflict")
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
+
+        if self.tolerances:
+            self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
+
+    @cached_property
+    def output_deviation(self) -> OutputDeviation | None:
+        """Deviation of an output by tolerances; None without them."""
+        if self.tolerances is None:
+            return None
+        return OutputDeviation(self.tolerances, self.tolerances.analysis(self.motion, self.stock.clearance))
 
     @cached_property
     def force_analysis(self) -> ForceAnalysis | None:
@@ -159,6 +172,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         table = motion_table(self.motion, self.coefficients)
         if self.force_analysis:
             table = Table((*table.columns, *force_columns(self.force_analysis)))
+        if self.output_deviation:
+            table = Table((*table.columns, *self.output_deviation.columns(table)))
         if not (self.both_modes and self.other):
             return table
         # Both modes have the same columns of driver and time.
@@ -175,9 +190,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         plots = motion_plots(self.motion, self.table, [limit])
         if self.force_analysis:
             plots = (*force_plots(self.force_analysis), *plots)
+        if self.output_deviation:
+            plots = (*self.output_deviation.plots(self.table), *plots)
         scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, plots, self._others())
         if self.force_analysis:
             scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
+        if self.output_deviation:
+            scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
         copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
@@ -202,6 +221,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             *linkage_checks(self.motion),
             hole_check(self.stock.hole_diameter, self.stock.thickness),
             collision_check(len(self.stack.collisions), advice),
+            *(self.output_deviation.checks if self.output_deviation else ()),
             *self.input_range.checks,
             *self._load_checks(),
         )
@@ -230,10 +250,15 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return bodies
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        return (self.output_deviation.remark,) if self.output_deviation else ()
+
+    @property
     def notes(self) -> Mapping[str, object]:
         """Summary: range of the driver, links that turn fully, and the stack of plates."""
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
+        tolerances = self.output_deviation.summary if self.output_deviation else {}
         loads = {"loads": force_summary(self.force_analysis, self.motor)} if self.force_analysis else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
@@ -243,6 +268,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             **self._other_mode(),
             **dwell,
             **loads,
+            **tolerances,
             **self.mass_summary,
             "stack": stack,
         }
@@ -289,6 +315,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
     loads: LoadsTable | None = loads_entry()
+    tolerances: TolerancesTable | None = tolerances_entry()
     copies: tuple[Copy, ...] = copies_entry()
     stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -309,6 +336,7 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     loads: LoadsTable | None = loads_entry()
+    tolerances: TolerancesTable | None = tolerances_entry()
     stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
