@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -17,7 +17,7 @@ from ..core.fields import FARTHEST
 from ..core.records import record
 from ..plane.vec import Array, Complex, Mask, Real, Whole, dot
 from .linkage import AbstractLinkage, Linkage
-from .motion import Motion
+from .motion import Motion, unwrapped_deg
 from .moving import move
 from .sensitivity import Quantity, entry_numbers, linkage_data, quantities, size_names, size_rate
 
@@ -140,25 +140,24 @@ class ToleranceAnalysis:
         half_turn: Complex = np.exp(1j * np.pi * np.arange(DIRECTIONS) / DIRECTIONS)
         return half_turn
 
-    def _along(self, by: str, directions: Complex) -> Real:
-        """Derivative of the output by a size, in some directions, (frames, directions)."""
-        return dot(self.motion.sensitivity(self.of, by)[:, None], directions)
+    def _along(self, directions: Complex) -> Callable[[str], Real]:
+        """Derivatives of the output by a size, in some directions, (frames, directions)."""
+        return lambda by: dot(self.motion.sensitivity(self.of, by)[:, None], directions)
 
-    def _terms(self, directions: Complex) -> Iterator[tuple[str, Real]]:
-        """Each length and pin with the deviation that it alone causes, (frames, directions)."""
-        for name, tolerance in self.lengths.items():
-            yield name, np.abs(self._along(name, directions)) * tolerance
+    def _terms(self, derivative: Callable[[str], Real]) -> dict[str, Real]:
+        """Deviation that each length and each pin alone causes, from derivatives by sizes of two dimensions."""
+        terms: dict[str, Real] = {
+            name: np.abs(derivative(name)) * tolerance for name, tolerance in self.lengths.items()
+        }
         for pin, clearance in self.clearances.items():
             for body in self.motion.linkage.pins[pin]:
-                x, y = (self._along(f"{body}.{pin}.{axis}", directions) for axis in "xy")
-                yield pin, 0.5 * clearance * np.hypot(x, y)
+                play = 0.5 * clearance * np.hypot(*(derivative(f"{body}.{pin}.{axis}") for axis in "xy"))
+                terms[pin] = terms[pin] + play if pin in terms else play
+        return terms
 
     @cached_property
     def _all_terms(self) -> dict[str, Real]:
-        terms: dict[str, Real] = {}
-        for name, term in self._terms(self._directions):
-            terms[name] = terms[name] + term if name in terms else term
-        return terms
+        return self._terms(self._along(self._directions))
 
     @cached_property
     def _zeros(self) -> Real:
@@ -200,8 +199,34 @@ class ToleranceAnalysis:
         """
         with np.errstate(all="ignore"):
             directions = np.reshape(direction / np.abs(direction), (-1, 1))
-            along: Real = sum((term for _, term in self._terms(directions)), self._zeros)[:, 0]
+            along: Real = sum(self._terms(self._along(directions)).values(), self._zeros)[:, 0]
         return along
+
+    @cached_property
+    def _range_terms(self) -> Real:
+        """Deviations of the largest less the smallest value over the frames, one for each length and pin."""
+        values = _values(self.motion, self._quantity)
+        if _is_direction(self._quantity):
+            values = unwrapped_deg(values)
+        if np.iscomplexobj(values) or np.isnan(values).all():
+            return np.full(1, np.nan)
+        ends = np.array([np.nanargmax(values), np.nanargmin(values)])
+
+        def derivative(by: str) -> Real:
+            rates = self.motion.sensitivity(self.of, by)[ends]
+            return np.reshape(rates[0] - rates[1], (1, 1))
+
+        return np.array([term.item() for term in self._terms(derivative).values()])
+
+    @property
+    def range_worst_case(self) -> float:
+        """Worst-case deviation of the output's largest less its smallest value, such as a swing; nan for a point."""
+        return float(self._range_terms.sum())
+
+    @property
+    def range_root_sum_square(self) -> float:
+        """The same as root of the sum of squares."""
+        return float(np.sqrt((self._range_terms**2).sum()))
 
     @checked
     def loosest(self, bound: PositiveFloat, rule: Literal["worst_case", "root_sum_square"] = "worst_case") -> float:

@@ -64,6 +64,7 @@ KINDS: dict[str, KindRow] = {
     "gear-pair": KindRow("gears", "geomkin.gear.kinds.gear_pairs:GearPairRecipe"),
     "rack-and-pinion": KindRow("gears", "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe"),
     "planetary": KindRow("gears", "geomkin.gear.kinds.planetary:PlanetaryRecipe"),
+    "gear-train": KindRow("gears", "geomkin.gear.kinds.gear_trains:GearTrainRecipe"),
     "straight-sided-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe"),
     "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
     "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),

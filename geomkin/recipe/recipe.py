@@ -24,8 +24,8 @@ from ..model.walls import thinnest_walls, wall_checks
 from ..plane.vec import Complex
 from .settings import Files
 
-# Tables that `scale` leaves alone: a mechanism of another size has the same screws and sheets.
-UNSCALED = ("stock", "base", "files")
+# Tables that `scale` leaves alone: a mechanism of another size has the same screws and sheets, and is cut as exactly.
+UNSCALED = ("stock", "base", "files", "tolerances")
 
 
 @record(kw_only=True)

@@ -95,6 +95,25 @@ def test_loosest_tolerance_just_keeps_within_the_bound(rule, of):
     assert getattr(gk.tolerances(MOTION, of, tolerance, 0.05), rule).max() == pytest.approx(bound, rel=1e-9)
 
 
+def test_worst_case_of_a_swing_is_that_of_all_combinations_of_limits():
+    """Ends of the swing where crank and coupler are in line, by the cosine rule."""
+
+    def swing(ground, crank, coupler, rocker):
+        ends = (coupler + crank, coupler - crank)
+        far, near = (np.arccos((ground**2 + rocker**2 - d**2) / (2 * ground * rocker)) for d in ends)
+        return far - near
+
+    tolerance, exact = 1e-4, swing(**SIZES)
+    corners = [
+        swing(**{name: size + sign * tolerance for (name, size), sign in zip(SIZES.items(), signs)}) - exact
+        for signs in product((1, -1), repeat=4)
+    ]
+    ends = gk.move(FOUR_BAR, gk.linkage.dead_centres(FOUR_BAR, "rocker"))
+    analysis = gk.tolerances(ends, "rocker_angle", dict.fromkeys(SIZES, tolerance))
+    assert analysis.range_worst_case == pytest.approx(np.max(corners), rel=1e-5)
+    assert 0.5 * np.max(corners) <= analysis.range_root_sum_square < np.max(corners)
+
+
 def test_clearance_beyond_the_bound_is_refused():
     with pytest.raises(gk.DesignError) as error:
         gk.tolerances(MOTION, "coupler_point", 0.1, 0.05).loosest(0.1)
