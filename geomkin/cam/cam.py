@@ -171,7 +171,7 @@ class Cam:
         >>> program = gk.Program((gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)))
         >>> cam = gk.Cam(gk.TranslatingRoller(10), program, base_radius=40)
         >>> cam.sensitivity("pressure_angle", by="base_radius", angle=[0.0, 1.0]).round(5)
-        array([ 0.     , -0.00406])
+        array([ 0.     , -0.00391])
         """
         t = np.asarray(angle, dtype=float)
         rates = self.follower.contact_rates(self.program.motion(t), self.base_radius, self.sense)
