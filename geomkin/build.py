@@ -296,9 +296,9 @@ def _with_file(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
     """The name of a recipe in messages, and the recipe."""
     if isinstance(recipe, AbstractRecipe):
         return recipe.name or recipe.kind, recipe
-    found = load(recipe)
+    loaded = load(recipe)
     # Only a recipe from a file has a name.
-    return str(recipe) if found.name else found.kind, found
+    return str(recipe) if loaded.name else loaded.kind, loaded
 
 
 def _formats_of(recipe: AbstractRecipe) -> list[str]:

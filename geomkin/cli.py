@@ -30,11 +30,9 @@ _recipes = click.argument(
 
 
 _as_json = click.option(
-    "--json",
-    "as_json",
-    is_flag=True,
+    "--json", "as_json", is_flag=True,
     help='Print one JSON object per recipe instead of text; nan is null, infinite is "inf".',
-)
+)  # fmt: skip
 
 EXIT_STATUS = """\b
 Exit status:
@@ -234,30 +232,17 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
         _end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
         sys.exit(1)
     if result.is_restarted:
-        click.echo(
-            "started again: the earlier run is of another recipe, other results or another version, or damaged",
-            err=True,
-        )
+        why = "the earlier run is of another recipe, other results or another version, or damaged"
+        click.echo(f"started again: {why}", err=True)
     refusals = [row.refused for row in result.rows if row.refused]
     if as_json:
         rows = [
-            {
-                "values": row.values,
-                "refused": row.refused,
-                "checks": [check.to_dict() for check in row.checks],
-                "results": row.results,
-            }
+            {"values": row.values, "refused": row.refused, "checks": [c.to_dict() for c in row.checks]}
+            | {"results": row.results}
             for row in result.rows
         ]
-        _print_json(
-            {
-                "name": result.name,
-                "kind": result.kind,
-                "file": str(recipe),
-                "rows": rows,
-                "files": list(map(str, result.files)),
-            }
-        )
+        about = {"name": result.name, "kind": result.kind, "file": str(recipe)}
+        _print_json({**about, "rows": rows, "files": list(map(str, result.files))})
     else:
         counts = f"{len(result.rows):,} combinations, {result.reused:,} of them reused, {len(refusals):,} refused"
         click.echo(f"{', '.join(map(printable, result.files))}: {counts}")
@@ -400,9 +385,8 @@ def new(name: str, options: tuple[str, ...]) -> None:
         from .recipe.messages import nearest
 
         kinds = kind_names()
-        raise click.BadParameter(
-            f"unknown kind {printable(name)!r}; {nearest(name, kinds)}choose from {', '.join(kinds)}"
-        ) from None
+        remedy = f"{nearest(name, kinds)}choose from {', '.join(kinds)}"
+        raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
     from .recipe.template import template
 
     try:

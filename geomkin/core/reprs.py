@@ -52,11 +52,11 @@ def short(value: object) -> str:
     if isinstance(value, Mapping):
         return clipped(f"{{{', '.join(map(str, value))}}}", LONGEST_FIELD)
     if isinstance(value, (tuple, list)):
-        each = [short(one) for one in value] if len(value) < 4 else []
+        each = [short(item) for item in value] if len(value) < 4 else []
         line = f"({', '.join(each)})"
-        if len(each) == len(value) and not any("(...)" in one for one in each) and len(line) <= LONGEST_FIELD:
+        if len(each) == len(value) and not any("(...)" in text for text in each) and len(line) <= LONGEST_FIELD:
             return line
-        return f"<{len(value)} {' or '.join(sorted({type(one).__name__ for one in value}))}>"
+        return f"<{len(value)} {' or '.join(sorted({type(item).__name__ for item in value}))}>"
     return value.__name__ if callable(value) and hasattr(value, "__name__") else f"{type(value).__name__}(...)"
 
 

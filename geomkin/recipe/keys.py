@@ -41,7 +41,7 @@ def edited_text(text: str, changes: Mapping[str, Any]) -> str:
 
 def _append_row(document: Any, key: str) -> None:
     """Add an empty row if the key is that of the row after a list's last one."""
-    *way, last = key_parts(key)
+    *way, last = _parts(key)
     place, parent = document, None
     for part in way:
         is_table = isinstance(place, Mapping)
@@ -53,9 +53,7 @@ def _append_row(document: Any, key: str) -> None:
 
 
 def _set(table: Any, key: str, value: Any) -> None:
-    if not key_parts(key):
-        raise DesignError(key, "found an empty key", "give one such as gear.teeth or program[0].rise", "unknown-key")
-    *way, last = key_parts(key)
+    *way, last = _parts(key)
     place = table
     for part in way:
         _check_step(key, place, part)
@@ -67,6 +65,13 @@ def _set(table: Any, key: str, value: Any) -> None:
         place[last] = value
     elif isinstance(last, int) or last in place:
         del place[last]
+
+
+def _parts(key: str) -> list[str | int]:
+    parts = key_parts(key)
+    if not parts:
+        raise DesignError(key, "found an empty key", "give one such as gear.teeth or program[0].rise", "unknown-key")
+    return parts
 
 
 def _check_step(key: str, place: Any, part: str | int) -> None:

@@ -1,4 +1,4 @@
-"""Two bodies that slide on each other, where the pins that hold them meet: no direction is told there."""
+"""Two bodies that slide on each other, where the pins that hold them meet: the direction is unknown there."""
 
 import dataclasses
 

@@ -353,7 +353,13 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
 
 @record(kw_only=True)
 class FourBarRecipe(TurningLinkageRecipe):
-    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point."""
+    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point.
+
+    Parameters
+    ----------
+    linkage : FourBar
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["four-bar"] = "four-bar"
     linkage: FourBar
@@ -371,7 +377,13 @@ class FourBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class SliderCrankRecipe(SlidingLinkageRecipe):
-    """A slider-crank, driven by crank, connecting rod or slider."""
+    """A slider-crank, driven by crank, connecting rod or slider.
+
+    Parameters
+    ----------
+    linkage : SliderCrank
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["slider-crank"] = "slider-crank"
     linkage: SliderCrank
@@ -381,7 +393,13 @@ class SliderCrankRecipe(SlidingLinkageRecipe):
 
 @record(kw_only=True)
 class InvertedSliderCrankRecipe(TurningLinkageRecipe):
-    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block."""
+    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block.
+
+    Parameters
+    ----------
+    linkage : InvertedSliderCrank
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
     linkage: InvertedSliderCrank
@@ -389,7 +407,13 @@ class InvertedSliderCrankRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class StephensonSixBarRecipe(TurningLinkageRecipe):
-    """A four-bar whose coupler point drives an output, which can dwell."""
+    """A four-bar whose coupler point drives an output, which can dwell.
+
+    Parameters
+    ----------
+    linkage : StephensonSixBar
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
     linkage: StephensonSixBar
@@ -397,7 +421,13 @@ class StephensonSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class WattSixBarRecipe(TurningLinkageRecipe):
-    """Two four-bars in series: the first one's rocker drives the second."""
+    """Two four-bars in series: the first one's rocker drives the second.
+
+    Parameters
+    ----------
+    linkage : WattSixBar
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["watt-six-bar"] = "watt-six-bar"
     linkage: WattSixBar
@@ -405,7 +435,13 @@ class WattSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class ShaperRecipe(TurningLinkageRecipe):
-    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return."""
+    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return.
+
+    Parameters
+    ----------
+    linkage : Shaper
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["shaper"] = "shaper"
     linkage: Shaper
@@ -413,7 +449,13 @@ class ShaperRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class EllipticTrammelRecipe(SlidingLinkageRecipe):
-    """A rod whose pins run in two crossing slots: its points draw ellipses."""
+    """A rod whose pins run in two crossing slots: its points draw ellipses.
+
+    Parameters
+    ----------
+    linkage : EllipticTrammel
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["elliptic-trammel"] = "elliptic-trammel"
     linkage: EllipticTrammel
@@ -422,7 +464,13 @@ class EllipticTrammelRecipe(SlidingLinkageRecipe):
 
 @record(kw_only=True)
 class ScotchYokeRecipe(TurningLinkageRecipe):
-    """A crank pin in a slotted yoke: exactly harmonic motion along a line."""
+    """A crank pin in a slotted yoke: exactly harmonic motion along a line.
+
+    Parameters
+    ----------
+    linkage : ScotchYoke
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["scotch-yoke"] = "scotch-yoke"
     linkage: ScotchYoke
@@ -430,7 +478,13 @@ class ScotchYokeRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class OldhamCouplingRecipe(TurningLinkageRecipe):
-    """Two slotted hubs and a disc between them: equal rotation of two offset shafts."""
+    """Two slotted hubs and a disc between them: equal rotation of two offset shafts.
+
+    Parameters
+    ----------
+    linkage : OldhamCoupling
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["oldham-coupling"] = "oldham-coupling"
     linkage: OldhamCoupling
@@ -438,7 +492,13 @@ class OldhamCouplingRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class LinkageRecipe(SlidingLinkageRecipe):
-    """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
+    """Any linkage, as a list of bodies: where two name the same point, a pin joins them.
+
+    Parameters
+    ----------
+    linkage : BodyList
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["linkage"] = "linkage"
     linkage: BodyList

@@ -96,7 +96,9 @@ def closing_gaps(a: float, b: float, c: float, d: float) -> tuple[float, float]:
 
 def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     general = problem.linkage.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
+    steps = tuple(
+        placement.dyad if isinstance(placement, CrankDriven) else placement for placement in placements_for(general, 1)
+    )
 
     def call() -> Directions:
         solution = LinkageSolution(general, lambda: steps, problem.drive, as_branch_spec(1), STEADY)
