@@ -43,7 +43,7 @@ def edited_text(text: str, changes: Mapping[str, Any]) -> str:
 
 def _append_row(document: Any, key: str) -> None:
     """Add an empty row if the key names the row after the last one of a list."""
-    *parents, last = key_parts(key)
+    *parents, last = _parts(key)
     table, parent = document, None
     for part in parents:
         is_table = isinstance(table, Mapping)
@@ -55,9 +55,7 @@ def _append_row(document: Any, key: str) -> None:
 
 
 def _set(table: Any, key: str, value: Any) -> None:
-    if not key_parts(key):
-        raise DesignError(key, "found an empty key", "give one such as gear.teeth or program[0].rise", "unknown-key")
-    *parents, last = key_parts(key)
+    *parents, last = _parts(key)
     for part in parents:
         _check_step(key, table, part)
         if value is None and not isinstance(part, int) and part not in table:
@@ -68,6 +66,13 @@ def _set(table: Any, key: str, value: Any) -> None:
         table[last] = value
     elif isinstance(last, int) or last in table:
         del table[last]
+
+
+def _parts(key: str) -> list[str | int]:
+    parts = key_parts(key)
+    if not parts:
+        raise DesignError(key, "found an empty key", "give one such as gear.teeth or program[0].rise", "unknown-key")
+    return parts
 
 
 def _check_step(key: str, table: Any, part: str | int) -> None:
