@@ -150,6 +150,8 @@ def to_toml(recipe: AbstractRecipe) -> str:
     table = adapter(type(recipe)).dump_python(recipe, mode="json")
     usual = {f.name for f in fields(recipe) if f.name != "kind" and getattr(recipe, f.name) == f.default}
     table = {key: value for key, value in table.items() if key not in usual}
+    # The mechanism comes first.
+    table |= {key: table.pop(key) for key in ("optimise",) if key in table}
     return "\n".join(_table("", table)).lstrip("\n") + "\n"
 
 

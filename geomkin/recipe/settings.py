@@ -122,6 +122,21 @@ class Files:
         return any(WRITERS[ending].needs == "parts" for ending in self.write)
 
 
+@record(checked=True)
+class OptimiseTable:
+    """The task of `geomkin optimise`: keys to vary, the result to minimise, and constraints."""
+
+    vary: tuple[str, ...] = entry(
+        "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
+    )
+    minimise: str = entry(
+        "the result to minimise, a formula of ids of columns and checks", example="-min(transmission_angle)"
+    )
+    subject_to: tuple[str, ...] = entry(
+        "constraints: two formulas with >= or <= between them, such as min(transmission_angle) >= 40", default=()
+    )
+
+
 # Smallest speeds of a driver that turns, rpm, and of one that slides, mm/s: slower ones take years.
 SLOWEST_RPM, SLOWEST = 0.001, 1e-6
 
