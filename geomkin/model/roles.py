@@ -28,7 +28,7 @@ Role = Literal[
 class RoleStyle(NamedTuple):
     """How a drawing treats a role.
 
-    label: text of its switch. shown: whether it is switched on at first, and shown in still pictures. room: share of the
+    label: text of its switch. shown: whether it is switched on at first, and in still pictures. room: share of the
     mechanism's size by which a drawing grows on each side for it; 0 if the drawing always contains all of it.
     """
 
