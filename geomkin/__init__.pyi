@@ -33,6 +33,8 @@ from .gear.conjugate.conjugate import conjugate as conjugate
 from .gear.pair import GearPair as GearPair
 from .gear.ring import RingGear as RingGear
 from .gear.spur import SpurGear as SpurGear
+from .gear.train import GearTrain as GearTrain
+from .gear.train_search import gear_train as gear_train
 from .linkage.coupler_curve import CouplerCurve as CouplerCurve
 from .linkage.drive_limits import driver_limits as driver_limits
 from .linkage.dynamics.friction import PinFriction as PinFriction
@@ -60,6 +62,7 @@ from .linkage.named_linkages import SliderCrank as SliderCrank
 from .linkage.six_bars import StephensonSixBar as StephensonSixBar
 from .linkage.six_bars import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
+from .linkage.tolerance_analysis import tolerances as tolerances
 from .model.check import Check as Check
 from .model.mass import Mass as Mass
 from .model.material import Material as Material

@@ -30,11 +30,9 @@ _recipes = click.argument(
 
 
 _as_json = click.option(
-    "--json",
-    "as_json",
-    is_flag=True,
+    "--json", "as_json", is_flag=True,
     help='Print one JSON object per recipe instead of text; nan is null, infinite is "inf".',
-)
+)  # fmt: skip
 
 EXIT_STATUS = """\b
 Exit status:
@@ -234,30 +232,17 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
         _end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
         sys.exit(1)
     if result.is_restarted:
-        click.echo(
-            "started again: the earlier run is of another recipe, other results or another version, or damaged",
-            err=True,
-        )
+        why = "the earlier run is of another recipe, other results or another version, or damaged"
+        click.echo(f"started again: {why}", err=True)
     refusals = [row.refused for row in result.rows if row.refused]
     if as_json:
         rows = [
-            {
-                "values": row.values,
-                "refused": row.refused,
-                "checks": [check.to_dict() for check in row.checks],
-                "results": row.results,
-            }
+            {"values": row.values, "refused": row.refused, "checks": [c.to_dict() for c in row.checks]}
+            | {"results": row.results}
             for row in result.rows
         ]
-        _print_json(
-            {
-                "name": result.name,
-                "kind": result.kind,
-                "file": str(recipe),
-                "rows": rows,
-                "files": list(map(str, result.files)),
-            }
-        )
+        about = {"name": result.name, "kind": result.kind, "file": str(recipe)}
+        _print_json({**about, "rows": rows, "files": list(map(str, result.files))})
     else:
         counts = f"{len(result.rows):,} combinations, {result.reused:,} of them reused, {len(refusals):,} refused"
         click.echo(f"{', '.join(map(printable, result.files))}: {counts}")
@@ -269,11 +254,11 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @cli.command("optimise")
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
-    "--vary", "ranges", multiple=True, required=True, metavar="KEY=LOW:HIGH",
+    "--vary", "ranges", multiple=True, metavar="KEY=LOW:HIGH",
     help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, all are tried.",
 )  # fmt: skip
 @click.option(
-    "--minimise", "objective", required=True, metavar="FORMULA",
+    "--minimise", "objective", metavar="FORMULA",
     help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum.",
 )  # fmt: skip
 @click.option(
@@ -285,10 +270,10 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.option("--time-limit", default=60.0, show_default=True, help="Time limit, s; the best design by then is taken.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the file.")
 def optimise_command(
-    recipe: Path, ranges: tuple[str, ...], objective: str, constraints: tuple[str, ...],
+    recipe: Path, ranges: tuple[str, ...], objective: str | None, constraints: tuple[str, ...],
     starts: int, seed: int, time_limit: float, out: Path,
 ) -> None:  # fmt: skip
-    """Find the best values of a RECIPE's keys.
+    """Find the best values of a RECIPE's keys, as its table [optimise] or these options say.
 
     Writes OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so
     far is written.
@@ -296,27 +281,23 @@ def optimise_command(
     import signal
 
     from .core.errors import GeomkinError, harmless, printable
-    from .optimisation.optimiser import optimise
+    from .optimisation.optimiser import optimise, ranges_of
 
-    vary: dict[str, tuple[float, float]] = {}
-    for text in ranges:
-        key, _, pair = text.partition("=")
-        try:
-            low, high = map(float, pair.split(":"))
-        except ValueError:
-            raise click.BadParameter(f"{printable(text)} is not KEY=LOW:HIGH", param_hint="--vary") from None
-        vary[key.strip()] = (low, high)
+    try:
+        vary = ranges_of(ranges) or None
+    except GeomkinError as error:
+        raise click.BadParameter(harmless(error), param_hint="--vary") from None
     # Ctrl-C ends the search, not the process.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with _progress():
-            best = optimise(recipe, vary, objective, list(constraints), starts, seed, time_limit, out)
+            best = optimise(recipe, vary, objective, list(constraints) or None, starts, seed, time_limit, out)
     except GeomkinError as error:
         click.secho(_refused(recipe, error).text, fg="red", err=True)
         sys.exit(1)
     for key, value in best.values.items():
         click.echo(f"{printable(key)} = {value:.8g}")
-    click.echo(f"{printable(objective.strip())} = {best.objective:.8g}")
+    click.echo(f"{printable(best.minimised)} = {best.objective:.8g}")
     for check in best.constraints:
         click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
     note = ", ended before it was complete" if best.cut_short else ""
@@ -404,9 +385,8 @@ def new(name: str, options: tuple[str, ...]) -> None:
         from .recipe.messages import nearest
 
         kinds = kind_names()
-        raise click.BadParameter(
-            f"unknown kind {printable(name)!r}; {nearest(name, kinds)}choose from {', '.join(kinds)}"
-        ) from None
+        remedy = f"{nearest(name, kinds)}choose from {', '.join(kinds)}"
+        raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
     from .recipe.template import template
 
     try:

@@ -37,7 +37,6 @@ ALONE = {
     "ezdxf": {"export/dxf.py", "verification/read_dxf.py"},
     "trimesh": {"export/glb.py", "verification/read_mesh.py"},
     "click": {"cli.py", "__main__.py"},
-    "numba": {"linkage/solve/compiled.py"},
     "highspy": {"cam/program/optimise.py"},
     "nlopt": {"optimisation/search.py"},
     "mpmath": {"tradeoff/cell.py"},
@@ -142,7 +141,6 @@ HEAVY = {
     "click",
     "scipy",
     "matplotlib",
-    "numba",
     "pandas",
     "nlopt",
 }
@@ -167,5 +165,5 @@ def test_recipe_loads_only_the_libraries_of_its_formats(tmp_path, formats):
     recipe = PACKAGE.parent / "recipes" / "spur-gear.toml"
     code = f"from geomkin.build import make\nmake({str(recipe)!r}, {str(tmp_path)!r}, [{formats!r}])"
     loaded = loaded_by(code, 2)
-    assert not {name.split(".")[0] for name in loaded} & (UNLOADED[formats] | {"scipy", "numba", "click", "highspy"})
+    assert not {name.split(".")[0] for name in loaded} & (UNLOADED[formats] | {"scipy", "click", "highspy"})
     assert not loaded & {"geomkin.cam", "geomkin.linkage", "geomkin.synthesis"}

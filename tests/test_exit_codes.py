@@ -67,7 +67,7 @@ GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
 
 @pytest.fixture
 def watched(monkeypatch, tmp_path):
-    """watched(*arguments): the command run where someone watches; a gear of 33 teeth tells how far it is."""
+    """watched(*arguments): the command run where someone watches; a gear of 33 teeth reports its progress."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
     monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
@@ -96,10 +96,10 @@ def screen(text):
     return [re.sub(r"\x1b\[[\d;?]*[A-Za-z]", "", line).rstrip() for line in re.split("[\r\n]", text)]
 
 
-def test_one_recipe_tells_in_its_own_line_how_far_it_is(watched, tmp_path):
+def test_one_recipe_reports_its_progress_on_its_own_line(watched, tmp_path):
     (tmp_path / "a.toml").write_text(GEAR.format(33))
-    code, _, told = watched("run", "a.toml", "--only", "csv")
-    lines = screen(told)
+    code, _, output = watched("run", "a.toml", "--only", "csv")
+    lines = screen(output)
     # The line is empty again in the end, and each is written over the one before it.
-    assert code == 0 and lines[:3] == ["", "looking for teeth: 38%", ""] and "Recipes" not in told
-    assert told.count("\r\x1b[K") == 2
+    assert code == 0 and lines[:3] == ["", "looking for teeth: 38%", ""] and "Recipes" not in output
+    assert output.count("\r\x1b[K") == 2

@@ -7,12 +7,13 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.errors import DesignError
+from ..core.arguments import checked
+from ..core.errors import DesignError, shown
 from ..core.fields import FARTHEST, entry, quantity
 from ..core.records import record
 from ..core.reprs import moving
 from ..plane.curve import AbstractCurve
-from ..plane.vec import Complex, Pose, Real
+from ..plane.vec import Array, Complex, Pose, Real
 from .followers.follower import AbstractFollower, Contact, Follower
 from .followers.roller import TranslatingRoller
 from .program.program import Program
@@ -136,6 +137,50 @@ class Cam:
         """
         motion = self.program.motion(np.asarray(angle, dtype=float))
         return self.follower.contact(motion, self.base_radius, self.sense)
+
+    @checked
+    def sensitivity(self, of: Literal["profile", "pressure_angle"], by: str, angle: ArrayLike) -> Array:
+        """Derivative of the profile or of the pressure angle by a size of the cam, exact to rounding.
+
+        Parameters
+        ----------
+        of : {"profile", "pressure_angle"}
+            The quantity: a point of the profile, complex, mm, or the signed pressure angle, rad.
+        by : str
+            The size: `base_radius`, or one of the follower's, such as `follower.roller_radius`, `follower.offset`,
+            `follower.pivot_distance`, `follower.arm_length`, `follower.face_offset` or `follower.tilt_deg`.
+        angle : array_like
+            Cam angles, rad, any shape. They and the programme do not change.
+
+        Returns
+        -------
+        ndarray
+            The quantity's unit per mm, or per rad of an angle, shape of `angle`.
+
+        Raises
+        ------
+        DesignError
+            If the cam has no such size; lists the names.
+
+        Notes
+        -----
+        Derived here from the formulas of the contact.
+
+        Examples
+        --------
+        >>> program = gk.Program((gk.Rise("3-4-5", rise=20, end_deg=150), gk.Return("cycloidal", end_deg=360)))
+        >>> cam = gk.Cam(gk.TranslatingRoller(10), program, base_radius=40)
+        >>> cam.sensitivity("pressure_angle", by="base_radius", angle=[0.0, 1.0]).round(5)
+        array([ 0.     , -0.00391])
+        """
+        t = np.asarray(angle, dtype=float)
+        rates = self.follower.contact_rates(self.program.motion(t), self.base_radius, self.sense)
+        names = {name if name == "base_radius" else f"follower.{name}": name for name in rates}
+        if by not in names:
+            known = f"give one of {', '.join(names)}" if names else "this follower has no derivatives"
+            raise DesignError("by", f"found {shown(by)}, which is the name of no size", known, "unknown-key")
+        point, pressure_angle = rates[names[by]]
+        return np.exp(-1j * self.sense * t) * point if of == "profile" else pressure_angle
 
     def follower_pose(self, angle: ArrayLike) -> Pose:
         """Pose of the follower at given cam angles.

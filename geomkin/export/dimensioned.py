@@ -155,7 +155,7 @@ def drawing(job: Job) -> DimensionedDrawing:
 def _title(job: Job, scale: float, width: float) -> _Cell:
     """The title block in a frame whose upper left corner is 0."""
     parts = job.source.parts
-    thicknesses = ", ".join(length_text(one) for one in sorted({part.thickness for part in parts}))
+    thicknesses = ", ".join(length_text(thickness) for thickness in sorted({part.thickness for part in parts}))
     cell = _Cell([], [])
     pieces = sum(part.count for part in parts)
     lines = [

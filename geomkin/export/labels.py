@@ -148,14 +148,14 @@ def _on(still: Still, body: SceneBody, half: complex) -> tuple[Complex, Real]:
 
 def _lies_on(still: Still, body: SceneBody, places: Complex) -> Mask:
     """Whether points are on a plate of the body and not in a hole."""
-    own = (places - body.origin[still.frame]) * np.conj(body.direction[still.frame])
-    found = np.zeros(len(places), dtype=bool)
+    local = (places - body.origin[still.frame]) * np.conj(body.direction[still.frame])
+    is_on_plate = np.zeros(len(places), dtype=bool)
     for part, outline in zip(body.parts, still.points_of(body)):
-        on = within(outline, own)
+        on = within(outline, local)
         for hole in part.holes if on.any() else ():
-            on[on] = ~within(some_points(hole), own[on])
-        found |= on
-    return found
+            on[on] = ~within(some_points(hole), local[on])
+        is_on_plate |= on
+    return is_on_plate
 
 
 def within(polygon: Complex, places: Complex) -> Mask:

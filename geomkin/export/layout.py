@@ -283,7 +283,7 @@ class Sheet:
     @property
     def filled(self) -> float:
         """Share of the sheet that becomes parts."""
-        return sum(one.cut.area for one in self.placed) / (self.width * self.height)
+        return sum(copy.cut.area for copy in self.placed) / (self.width * self.height)
 
 
 def nearest_next(places: Sequence[complex], start: complex) -> list[int]:
@@ -318,7 +318,7 @@ def lay_out_on(cuts: Sequence[Cut], width: float, height: float) -> tuple[Sheet,
         rows = _least_rows(some)
         if len(rows.placed) > MOST:
             turns = [1 + 0j if _fits(box(cut, 1 + 0j)[1], *room) else 1j for cut in some]
-            sheets += [_sheet(some, one, width, height) for one in _in_rows(some, turns, *room)]
+            sheets += [_sheet(some, row, width, height) for row in _in_rows(some, turns, *room)]
             continue
         # A corner of a large sheet is tried first, since the raster of the whole would be coarse.
         side = SPARE * max(rows.width, rows.height)
@@ -328,7 +328,7 @@ def lay_out_on(cuts: Sequence[Cut], width: float, height: float) -> tuple[Sheet,
             sheets.append(replace(rows, width=width, height=height))
             continue
         nested = nested if len(nested) == 1 else nest(some, *room, GAP)
-        sheets += [_sheet(some, one, width, height) for one in nested]
+        sheets += [_sheet(some, sheet, width, height) for sheet in nested]
     return tuple(sheets)
 
 
@@ -350,8 +350,8 @@ def _check_parts_fit(cuts: Sequence[Cut], width: float, height: float) -> None:
         if not any(
             _fits(size, *room) for room in ((width - 2 * GAP, height - 2 * GAP), (height - 2 * GAP, width - 2 * GAP))
         ):
-            long = max(max(one.real, one.imag) for one in sizes) + 2 * GAP
-            short = max(min(one.real, one.imag) for one in sizes) + 2 * GAP
+            long = max(max(size.real, size.imag) for size in sizes) + 2 * GAP
+            short = max(min(size.real, size.imag) for size in sizes) + 2 * GAP
             raise DesignError(
                 "sheet",
                 f"found {width:g} x {height:g} mm, and the {cut.part.name} is {size.real:g} x {size.imag:g} mm",

@@ -252,5 +252,5 @@ def _distinct(z: Complex) -> Complex:
     before, after = np.roll(z, 1), np.roll(z, -1)
     straight = np.abs(np.imag((z - before) * np.conj(after - before))) <= finest * np.abs(after - before)
     # Only one of two neighbours is removed at a time, so that a gentle curve keeps its shape.
-    kept: Complex = z[~(straight & ~np.roll(straight, 1))]
-    return kept
+    corners: Complex = z[~(straight & ~np.roll(straight, 1))]
+    return corners

@@ -143,14 +143,14 @@ class Still:
     @cached_property
     def hole_radii(self) -> dict[SceneMark, float]:
         """Radius, mm, of the widest round hole around each pin."""
-        k, near, found = self.frame, 1e-3 * self.size, dict[SceneMark, float]()
+        k, near, radii = self.frame, 1e-3 * self.size, dict[SceneMark, float]()
         for body in self.bodies:
             for hole in (hole for part in body.parts for hole in part.holes if isinstance(hole, Circle)):
                 place = body.origin[k] + body.direction[k] * hole.centre
                 for mark in self.marks:
                     if mark.sort.endswith("pin") and abs(mark.place[k] - place) < near:
-                        found[mark] = max(found.get(mark, 0.0), hole.radius)
-        return found
+                        radii[mark] = max(radii.get(mark, 0.0), hole.radius)
+        return radii
 
     @cached_property
     def bounds(self) -> tuple[complex, complex]:

@@ -26,6 +26,8 @@ from .kinds.conjugate_gears import PointToothGearsRecipe as PointToothGearsRecip
 from .kinds.conjugate_gears import StraightSidedGearsRecipe as StraightSidedGearsRecipe
 from .kinds.gear_pairs import GearPairRecipe as GearPairRecipe
 from .kinds.gear_pairs import RackAndPinionRecipe as RackAndPinionRecipe
+from .kinds.gear_trains import GearTrainRecipe as GearTrainRecipe
+from .kinds.gear_trains import TrainSpecification as TrainSpecification
 from .kinds.planetary import PlanetaryRecipe as PlanetaryRecipe
 from .kinds.single_gears import RingGearRecipe as RingGearRecipe
 from .kinds.single_gears import SpurGearRecipe as SpurGearRecipe
@@ -47,6 +49,11 @@ from .parts.gears import RingStock as RingStock
 from .parts.gears import Web as Web
 from .parts.gears import base_plate as base_plate
 from .parts.gears import gear_parts as gear_parts
+from .parts.trains import ArborStock as ArborStock
+from .parts.trains import TrainStocks as TrainStocks
+from .parts.trains import arbor_check as arbor_check
+from .parts.trains import train_assembly as train_assembly
+from .parts.trains import train_parts as train_parts
 from .pinion_cutter import PinionCutter as PinionCutter
 from .planetary import PlanetarySet as PlanetarySet
 from .rack import GearRack as GearRack
@@ -55,6 +62,7 @@ from .scene import gear_scene as gear_scene
 from .scene_pairs import conjugate_scene as conjugate_scene
 from .scene_pairs import pair_scene as pair_scene
 from .scene_pairs import planetary_scene as planetary_scene
+from .scene_train import train_scene as train_scene
 from .strength import GearLoads as GearLoads
 from .strength import PairStrength as PairStrength
 from .strength import RootSection as RootSection
@@ -62,3 +70,7 @@ from .strength import ToothForm as ToothForm
 from .strength import ToothStrength as ToothStrength
 from .strength import root_section as root_section
 from .strength import tooth_form as tooth_form
+from .train import GearTrain as GearTrain
+from .train import loss_factor as loss_factor
+from .train import train_table as train_table
+from .train_search import gear_train as gear_train

@@ -86,6 +86,7 @@ from .parts.stack import Stack as Stack
 from .parts.stack import link_parts as link_parts
 from .parts.stack import stack_links as stack_links
 from .parts.stock import LinkStock as LinkStock
+from .parts.strength import linkage_strength_checks as linkage_strength_checks
 from .sampled import SampledRates as SampledRates
 from .sampled import central_difference as central_difference
 from .sampled import mid_ordinate_integral as mid_ordinate_integral
@@ -97,3 +98,6 @@ from .scene_instants import inflection_scene as inflection_scene
 from .scene_instants import polygons_scene as polygons_scene
 from .solve.continuation import Root as Root
 from .solve.continuation import newton_raphson as newton_raphson
+from .tolerance_analysis import SampledDeviations as SampledDeviations
+from .tolerance_analysis import ToleranceAnalysis as ToleranceAnalysis
+from .tolerance_analysis import tolerances as tolerances

@@ -10,8 +10,9 @@ import numpy as np
 from ..core.records import record
 from ..core.reprs import short
 from ..plane.vec import Complex, Real
-from .solve.formulas import LazyEvaluation, Timing, first_of, second_of
+from .solve.program import first_of, second_of
 from .solve.solution import LinkageSolution
+from .timing import Timing
 
 
 @record(eq=False)
@@ -36,19 +37,10 @@ class PointMotion:
     def __repr__(self) -> str:
         return f"PointMotion(body={short(self.body.name)}, local={short(self.local)})"
 
-    @cached_property
-    def _evaluation(self) -> LazyEvaluation | None:
-        return self.body.solution.evaluation_at(self.body.name, self.local)
-
-    def _recorded(self, quantity: str) -> Complex | None:
-        """The quantity from the recorded formulas; None if there are none."""
+    def _by_program(self, quantity: str) -> Complex | None:
+        """The quantity of a named point from the linkage's program; None if there is none."""
         body, solution = self.body.name, self.body.solution
-        if self._name:
-            return None if solution.evaluation is None else solution.value((quantity, body, self._name), body)
-        if self._evaluation is None:
-            return None
-        values: Complex = self._evaluation.value((quantity, body), body)
-        return solution.over_frames(body, values)
+        return solution.value((quantity, body, self._name), body) if self._name and solution.run is not None else None
 
     @property
     def _arm(self) -> Complex:
@@ -57,26 +49,26 @@ class PointMotion:
     @cached_property
     def position(self) -> Complex:
         """Position on the ground, mm."""
-        recorded = self._recorded("position")
-        if recorded is not None:
-            return recorded
+        value = self._by_program("position")
+        if value is not None:
+            return value
         return self._arm + self.body.solution.origin(self.body.name, 0)
 
     @cached_property
     def first(self) -> Complex:
         """First kinematic coefficient dP/dq, mm per unit of drive (rad, or mm if a slider drives)."""
-        recorded = self._recorded("first")
-        if recorded is not None:
-            return recorded
+        value = self._by_program("first")
+        if value is not None:
+            return value
         with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
             return first_of(self._arm, self.body.first, self.body.solution.origin(self.body.name, 1))
 
     @cached_property
     def second(self) -> Complex:
         """Second kinematic coefficient d2P/dq2, mm per unit of drive squared."""
-        recorded = self._recorded("second")
-        if recorded is not None:
-            return recorded
+        value = self._by_program("second")
+        if value is not None:
+            return value
         with np.errstate(invalid="ignore"):
             origin = self.body.solution.origin(self.body.name, 2)
             return second_of(self._arm, self.body.first, self.body.second, origin)
@@ -84,17 +76,17 @@ class PointMotion:
     @cached_property
     def velocity(self) -> Complex:
         """Velocity, mm/s."""
-        recorded = self._recorded("velocity")
-        if recorded is not None:
-            return recorded
+        value = self._by_program("velocity")
+        if value is not None:
+            return value
         return self.body.timing.rate(self.first)
 
     @cached_property
     def acceleration(self) -> Complex:
         """Acceleration, mm/s2."""
-        recorded = self._recorded("acceleration")
-        if recorded is not None:
-            return recorded
+        value = self._by_program("acceleration")
+        if value is not None:
+            return value
         second = self.second  # evaluated before `first`, which is then known as well
         return self.body.timing.second_rate(self.first, second)
 

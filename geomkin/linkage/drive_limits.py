@@ -95,13 +95,13 @@ def driver_limits(
     ends = [low, high, *_exact(placements, (low, high))]
     cuts = np.unique(ends + ([] if _all_driven(placements) else _changes(closed, looks)))
     within = cuts[:-1] + WITHIN * np.diff(cuts)
-    parts: list[list[float]] = []
+    ranges: list[list[float]] = []
     for low, high, inside in zip(cuts[:-1].tolist(), cuts[1:].tolist(), closed(within).tolist()):
-        if inside and parts and parts[-1][1] == low:
-            parts[-1][1] = high
+        if inside and ranges and ranges[-1][1] == low:
+            ranges[-1][1] = high
         elif inside:
-            parts.append([low, high])
-    return tuple((low, high) for low, high in parts)
+            ranges.append([low, high])
+    return tuple((low, high) for low, high in ranges)
 
 
 @checked

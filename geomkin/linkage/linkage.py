@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import field, fields
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -19,9 +19,8 @@ from ..core.reprs import LONGEST, moving, one_line
 from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
 
-if TYPE_CHECKING:
-    from .solve.program import Formulas
-
+# What is the same for linkages that differ by sizes alone.
+Structure = tuple[tuple[tuple[str, ...], ...], tuple[tuple[str, str, str], ...], str]
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
 MOTION_ATTRIBUTES = {
     "assembled", "bodies", "branches", "drive", "error_amplification", "given", "linkage",
@@ -33,7 +32,7 @@ def _are_bodies(value: Any) -> bool:
     return isinstance(value, Mapping) and all(
         isinstance(body, str)
         and isinstance(points, Mapping)
-        and all(PLAIN[np.ndarray].fits(z) for z in points.values())
+        and all(type(z) is complex or PLAIN[np.ndarray].fits(z) for z in points.values())
         for body, points in value.items()
     )
 
@@ -106,10 +105,15 @@ class Slider:
     direction_deg: float = 0.0
     angle_deg: float = 0.0
 
-    @property
+    @cached_property
     def direction(self) -> Complex:
         """Direction of the line in the frame of `along`, unit complex."""
         return direction_deg(self.direction_deg)
+
+    @cached_property
+    def rotation(self) -> Complex:
+        """Direction of the x axis of `body` in the frame of `along`, unit complex."""
+        return self.direction * direction_deg(self.angle_deg) if self.angle_deg else self.direction
 
     def in_other_frame(self, body: str, place: complex | Complex, displacement: float) -> Complex:
         """A point of one of the two bodies, in the frame of the other.
@@ -128,11 +132,10 @@ class Slider:
         complex or array
             mm, in the frame of the other body.
         """
-        rotation = self.direction * direction_deg(self.angle_deg)
         start = self.through + displacement * self.direction
         if body == self.body:
-            return start + rotation * (place - self.point)
-        return self.point + np.conj(rotation) * (place - start)
+            return start + self.rotation * (place - self.point)
+        return self.point + np.conj(self.rotation) * (place - start)
 
 
 @record(checked=True, eq=False)
@@ -189,8 +192,7 @@ class Linkage(AbstractLinkage):
     estimate: Mapping[str, complex] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        joints = tuple((slider.name, slider.body, slider.along) for slider in self.sliders)
-        _check_structure(tuple((body, *points) for body, points in self.bodies.items()), joints, self.driver)
+        _check_structure(*self.structure)
         shapes = set()
         for body, points in self.bodies.items():
             for point, place in points.items():
@@ -203,6 +205,12 @@ class Linkage(AbstractLinkage):
         if len(shapes) > 1 or (0,) in shapes:
             problem = f"found points of {' and '.join(str(row[0]) for row in sorted(shapes))} linkages"
             raise DesignError("bodies", problem, "give one place, or as many of each")
+
+    @cached_property
+    def structure(self) -> Structure:
+        """Names of bodies and points, sliders with their bodies, and the driver."""
+        joints = tuple((slider.name, slider.body, slider.along) for slider in self.sliders)
+        return tuple((body, *points) for body, points in self.bodies.items()), joints, self.driver
 
     @property
     def driver_pivot(self) -> str | None:
@@ -231,7 +239,7 @@ class Linkage(AbstractLinkage):
     @cached_property
     def ground_direction(self) -> complex:
         """Direction of the fixed body's x axis, unit complex."""
-        return complex(direction_deg(self.ground_angle_deg))
+        return complex(direction_deg(self.ground_angle_deg)) if self.ground_angle_deg else 1 + 0j
 
     @property
     def shifted(self) -> bool:
@@ -246,7 +254,7 @@ class Linkage(AbstractLinkage):
         largest: Real = np.zeros(())
         for place in places:
             largest = np.maximum(largest, np.abs(place))
-        return np.asarray(largest)
+        return largest
 
     @cached_property
     def ground(self) -> str:
@@ -276,8 +284,8 @@ class Linkage(AbstractLinkage):
         return {}
 
     @cached_property
-    def formulas(self) -> dict[object, Formulas | int]:
-        """Cache of the solver: recorded formulas by branch, or the number of frames computed without them."""
+    def programs(self) -> dict[object, tuple[Any, dict[int, Any]]]:
+        """Cache of the solver: the program of the structure and its values at these sizes, by branch."""
         return {}
 
 

@@ -17,8 +17,8 @@ from ..plane.vec import Array, Complex, Mask, Real, Whole, cross, dot
 from .body_motion import Body, PointMotion, SlideMotion
 from .linkage import AbstractLinkage, Linkage, Slider
 from .sensitivity import Sensitivities
-from .solve.formulas import Timing
 from .solve.solution import LinkageSolution
+from .timing import Timing
 
 # Threshold that separates rotation from rounding noise in a body that only translates (rotation x size / displacement).
 TRANSLATING = 1e-9

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import combinations, permutations
 from typing import Literal
 
@@ -18,7 +19,6 @@ from .motion import Motion
 from .solve.actuators import ActuatorBar, actuated_dyad
 from .solve.branch import Branch, BranchSpec, Continuation, as_branch_spec
 from .solve.dyads import RPR, RRP, RRR, Crossed, Dyad
-from .solve.formulas import Timing
 from .solve.input_dyads import driver_dyad
 from .solve.loops import Loops
 from .solve.placement import (
@@ -31,7 +31,9 @@ from .solve.placement import (
     SlideAxis,
     StrokeInput,
 )
+from .solve.program import run_of
 from .solve.solution import LinkageSolution
+from .timing import Timing
 
 # Consecutive arms, each with the body that it turns with.
 Arms = tuple[tuple[str, complex | Complex], ...]
@@ -230,7 +232,7 @@ class Planner:
         for body, pins in zip((one, two), outer):
             _, on_line, along = _line_on(slider, body)
             rotations.append(np.conj(along))
-            left.append(np.imag(np.conj(along) * (self.local(body, pins[0]) - on_line)))
+            left.append((np.conj(along) * (self.local(body, pins[0]) - on_line)).imag)
         bases = self.anchor(outer[0][0]), self.anchor(outer[1][0])
         before = tuple(placement for placement in self.placements if isinstance(placement, Dyad))
         directions, offset = (rotations[0], rotations[1]), left[1] - left[0]
@@ -341,8 +343,7 @@ def _other(slider: Slider, body: str) -> str:
 
 def _rotation(slider: Slider, body: str) -> Complex:
     """Direction of the body's x axis in the frame of the other body of the slider."""
-    rotation = slider.direction * np.exp(1j * np.radians(slider.angle_deg)) if slider.angle_deg else slider.direction
-    return rotation if body == slider.body else np.conj(rotation)
+    return slider.rotation if body == slider.body else np.conj(slider.rotation)
 
 
 def _line_on(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
@@ -353,7 +354,7 @@ def _line_on(slider: Slider, other: str) -> tuple[complex | Complex, complex | C
     """
     if other == slider.along:
         return slider.point, slider.through, slider.direction
-    return slider.through, slider.point, _rotation(slider, slider.body).conjugate() * slider.direction
+    return slider.through, slider.point, np.conj(slider.rotation) * slider.direction
 
 
 def _stroke_line(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
@@ -421,7 +422,13 @@ def move(
         )
     timing = Timing(_time("speed", speed, q, general), _time("acceleration", acceleration, q, general))
     spec = as_branch_spec(branch)
-    return Motion(general, q, timing, LinkageSolution(general, _plan_for(general, spec), q, spec, timing), linkage)
+    run = run_of(general, q, timing, spec, plan)
+    if run is None:
+        _plan_for(general, spec)
+    elif spec.branch:
+        spec.check(general, run.program.joints)
+    solution = LinkageSolution(general, partial(_plan_for, general, spec), q, spec, timing, run)
+    return Motion(general, q, timing, solution, linkage)
 
 
 def _time(name: str, rate: float | ArrayLike, drive: Real, linkage: Linkage) -> Real:
@@ -443,7 +450,7 @@ def _plan_for(linkage: Linkage, spec: BranchSpec) -> tuple[Placement, ...]:
     estimate = {**linkage.estimate, **spec.branch_points}
     placements = plan(replace(linkage, estimate=estimate) if spec.branch_points else linkage, spec.follow)
     if spec.branch_points and not any(isinstance(placement, Loops) for placement in placements):
-        # Only loops start from an estimate. Otherwise the linkage's own plan serves, under which formulas are cached.
+        # Only loops start from an estimate. Otherwise the linkage's own plan serves, which is kept.
         placements = plan(linkage, spec.follow)
     if spec.branch or spec.branch_points:
         spec.check(linkage, [placement.joint for placement in placements if isinstance(placement, Dyad)])

@@ -268,8 +268,8 @@ def _plottable(plots: Iterable[Plot], table: Table) -> tuple[Plot, ...]:
     def is_known(id: str) -> bool:
         return id in table.ids[1:] and bool(np.isfinite(table[id]).any())
 
-    kept = (replace(plot, columns=tuple(filter(is_known, plot.columns))) for plot in plots)
-    return tuple(plot.with_limits(plot.limits) for plot in kept if plot.columns)
+    known_plots = (replace(plot, columns=tuple(filter(is_known, plot.columns))) for plot in plots)
+    return tuple(plot.with_limits(plot.limits) for plot in known_plots if plot.columns)
 
 
 def _finite(values: Complex) -> Complex:

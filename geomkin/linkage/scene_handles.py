@@ -17,9 +17,9 @@ from .motion import Motion
 
 # Change of a size by which the points that it places are recognised, as a share of the linkage's size.
 CHANGE = 1e-3
-# Distances of handles from the reference point of a direction, a line and an origin, as shares of that size: no pin is
-# likely to be there.
-ARMS = {"direction": 0.6 + 0j, "slide": 0.35 + 0j, "origin": -0.15 - 0.15j}
+# Distances of handles from the reference point of a direction, a line, an origin and an unused point, as shares of that
+# size: no pin is likely to be there.
+ARMS = {"direction": 0.6 + 0j, "slide": 0.35 + 0j, "origin": -0.15 - 0.15j, "unused": 0.2 + 0.15j}
 # What a handle is called: that of a point by the point's name alone.
 LABELS = {"point": "{}", "slide": "line of {}", "direction": "direction of {}", "origin": "position of {}"}
 
@@ -69,10 +69,14 @@ def linkage_handles(linkage: AbstractLinkage, motion: Motion, key: str = "linkag
         label = LABELS[sort].format(name.replace("_", " "))
         keys = tuple(f"{key}.{field}" for field in dict.fromkeys(fields))
         at = handle_position(motion, id)
-        # A point that is not used lies on a pin, whose handle it would hide.
-        if not any(np.allclose(at, other, rtol=0, atol=1e-9 * step, equal_nan=True) for other in taken):
-            taken.append(at)
-            yield SceneHandle(id, label, keys, at)
+        if any(np.allclose(at, other, rtol=0, atol=1e-9 * step, equal_nan=True) for other in taken):
+            if sort != "point" or name in general.pins:
+                continue
+            # A point that is not used lies on a pin, whose handle it would hide: it is offered beside that.
+            body = next(body for body, points in general.bodies.items() if name in points)
+            at = body_point(motion, body, complex(general.bodies[body][name]) + ARMS["unused"] * step / CHANGE)
+        taken.append(at)
+        yield SceneHandle(id, label, keys, at)
 
 
 def _differences(one: Linkage, other: Linkage) -> Iterator[str]:

@@ -51,6 +51,8 @@ SIZES: dict[float, Size] = {
 MOST_SHEETS = 20
 # Difference of nominal and pitch diameter of a metric thread, in pitches (ISO 724).
 PITCH_DEPTH = 0.6495
+# Difference of nominal and minor diameter of a screw's thread, in pitches (ISO 724).
+MINOR_DEPTH = 1.2269
 # Standard lengths of screws, mm (ISO 888).
 LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80)
 

@@ -13,6 +13,7 @@ Role = Literal[
     "pitch",  # pitch curve of a cam, pitch circles of gears
     "driven",  # where the driven pin of a guided body may not be
     "driving",  # where its driving pin may not be
+    "deviation",  # where a path may lie, by tolerances and clearances
     "contact",  # where bodies touch, and the path on which they do
     "centrode",
     "inflection",
@@ -48,6 +49,7 @@ ROLES: Mapping[Role, RoleStyle] = {
     "pitch": RoleStyle("pitch curves"),
     "driven": RoleStyle("no driven pin here", True, NARROW),
     "driving": RoleStyle("no driving pin here", True, NARROW),
+    "deviation": RoleStyle("deviation"),
     "contact": RoleStyle("contact"),
     "centrode": RoleStyle("centrodes", True, WIDE),
     "inflection": RoleStyle("inflection circle", True, WIDE),

@@ -73,8 +73,13 @@ class Column:
 class Table:
     """Columns of equal length; the first one rises.
 
-    `table["rocker_omega"]` gives the values of a column, by its id or its header; `table.to_columns()` gives all,
-    as data frames take them.
+    `table["rocker_omega"]` returns the values of a column, by its id or its header; `table.to_columns()` returns all of
+    them, for a data frame.
+
+    Parameters
+    ----------
+    columns : tuple of Column
+        The columns.
     """
 
     columns: tuple[Column, ...]

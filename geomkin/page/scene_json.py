@@ -101,7 +101,11 @@ class _Encoder:
                     "title": harmless(plot.title),
                     "columns": [ids.index(id) for id in plot.columns if id in ids],
                 }
-                | ({"limits": [[float(one.value), harmless(one.label)] for one in plot.limits]} if plot.limits else {})
+                | (
+                    {"limits": [[float(limit.value), harmless(limit.label)] for limit in plot.limits]}
+                    if plot.limits
+                    else {}
+                )
                 for plot in plots
             ],
         }

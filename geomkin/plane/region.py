@@ -190,9 +190,9 @@ def neck(loops: Sequence[Complex], tried: Sequence[int], within: float) -> float
     # Rounding of directions; with a larger value sides that are not parallel would count as parallel.
     even = 1e-6
     z = np.concatenate(loops)
-    loop = np.repeat(np.arange(len(loops)), [len(one) for one in loops])
-    start = np.concatenate([[0], np.cumsum([len(one) for one in loops])])[loop]
-    count = np.array([len(one) for one in loops])[loop]
+    loop = np.repeat(np.arange(len(loops)), [len(points) for points in loops])
+    start = np.concatenate([[0], np.cumsum([len(points) for points in loops])])[loop]
+    count = np.array([len(points) for points in loops])[loop]
     index = np.arange(len(z))
     after, before = start + (index - start + 1) % count, start + (index - start - 1) % count
     forward = unit(z[after] - z)

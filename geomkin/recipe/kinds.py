@@ -64,6 +64,7 @@ KINDS: dict[str, KindRow] = {
     "gear-pair": KindRow("gears", "geomkin.gear.kinds.gear_pairs:GearPairRecipe"),
     "rack-and-pinion": KindRow("gears", "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe"),
     "planetary": KindRow("gears", "geomkin.gear.kinds.planetary:PlanetaryRecipe"),
+    "gear-train": KindRow("gears", "geomkin.gear.kinds.gear_trains:GearTrainRecipe"),
     "straight-sided-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe"),
     "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
     "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),
@@ -96,7 +97,7 @@ def recipe_class(kind: str) -> type[AbstractRecipe]:
         recipe: type[AbstractRecipe] = getattr(import_module(module), name)
     except Exception as error:
         fault = printable(f"{type(error).__name__}: {error}", 200)
-        raise GeomkinError(f"kind {kind}: {row.recipe} cannot be imported ({fault}); mend its package") from error
+        raise GeomkinError(f"kind {kind}: {row.recipe} cannot be imported ({fault}); correct its package") from error
     return recipe
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from ..build import errors_named_by_key
 from ..core.dotted_keys import key_parts, numbers_in
-from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable
+from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable, shown
+from ..core.fields import FARTHEST
 from ..export.still import kept_frames
 from ..export.summary import as_json
 from ..model.check import Check
@@ -145,6 +146,7 @@ def _entry(problem: Problem) -> dict[str, str]:
 
 def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply: Answer) -> None:
     """Change the text so that a handle follows the pointer."""
+    to, frame, steps = _pointer(wanted)
     table = draft.table()
     recipe = draft.opened(table)
     written = draft.as_written(table, recipe)
@@ -153,18 +155,36 @@ def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply
         if handle is None:
             problem = f"found {printable(repr(wanted.get('handle')))}"
             raise DesignError("drag.handle", problem, f"give one of {', '.join(h.id for h in recipe.handles)}")
-        step = wanted.get("step", 0.1)
-        steps = (float(step[0]), float(step[1])) if isinstance(step, Sequence) else (float(step), float(step))
         values = _values(written)
         found = drag(
             lambda changes: draft.opened(with_values(table, _whole_points(changes, table, values))),
-            numbers_in(written), handle, _frame_of_table(handle, int(wanted.get("frame", 0))),
-            complex(*wanted["to"]), steps, locks, bool(wanted.get("snap")),
+            numbers_in(written), handle, _frame_of_table(handle, frame), to, steps, locks, bool(wanted.get("snap")),
         )  # fmt: skip
     if found.changes:
         reply["text"] = edited_text(draft.text, _whole_points(found.changes, table, values))
     if found.reason:
         reply["limit"] = {"keys": list(handle.keys), "reason": harmless(found.reason)}
+
+
+def _pointer(wanted: Mapping[str, Any]) -> tuple[complex, int, tuple[float, float]]:
+    """Position of the pointer, frame, and size of a pixel in x and y; raises DesignError."""
+    frame, step = wanted.get("frame", 0), wanted.get("step", 0.1)
+    numbers = [frame, *_pair("drag.to", wanted.get("to")), *_pair("drag.step", step if _is_row(step) else [step, step])]
+    for key, number in zip(("frame", "to", "to", "step", "step"), numbers):
+        is_number = isinstance(number, int | float) and not isinstance(number, bool) and abs(number) <= FARTHEST
+        if not is_number or (key == "step" and number <= 0):
+            raise DesignError(f"drag.{key}", f"found {shown(number)}", "give finite numbers", "wrong-type")
+    return complex(numbers[1], numbers[2]), int(frame), (float(numbers[3]), float(numbers[4]))
+
+
+def _pair(key: str, value: Any) -> Sequence[Any]:
+    if not _is_row(value) or len(value) != 2:
+        raise DesignError(key, f"found {shown(value)}", "give two numbers", "wrong-type")
+    return value
+
+
+def _is_row(value: Any) -> TypeGuard[Sequence[Any]]:
+    return isinstance(value, list | tuple)
 
 
 def _frame_of_table(handle: SceneHandle, frame: int) -> int:

@@ -131,15 +131,15 @@ def answered(found: Sequence[Digits]) -> str:
     """Behaviour of the library at a cell, from its digits by falling distance: a key of `ANSWERS` unless digits are
     lost.
     """
-    outcomes = [one.outcome for one in found]
+    outcomes = [result.outcome for result in found]
     if "lost" in outcomes:
         return "lost"
-    ends = [one for one in outcomes if one in ("nan", "refused")]
+    ends = [outcome for outcome in outcomes if outcome in ("nan", "refused")]
     numbers = outcomes[: len(outcomes) - len(ends)]
-    if any(one in ("nan", "refused") for one in numbers):
+    if any(number in ("nan", "refused") for number in numbers):
         return "numbers again beyond nan"
-    kept = ["sizes" if "sizes" in numbers else "all"] if numbers else []
-    return ", ".join([*kept, *ends[-1:]])
+    parts = ["sizes" if "sizes" in numbers else "all"] if numbers else []
+    return ", ".join([*parts, *ends[-1:]])
 
 
 def _digits(mp: Any, off: Any, right: Any) -> float:

@@ -63,11 +63,11 @@ def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, by
         `chart.csv`, `chart.html`, and a picture `<family>.svg` of each family, or also `<family>-by-bytes.svg` if its
         results have a weight such as bytes.
     """
-    pictures = {f"{one.family.name}.svg": picture(one) for one in chart.families}
+    pictures = {f"{measured.family.name}.svg": picture(measured) for measured in chart.families}
     pictures |= {
-        f"{one.family.name}-by-{one.family.weighed}.svg": picture(one, True)
-        for one in chart.families
-        if one.family.weigh
+        f"{measured.family.name}-by-{measured.family.weighed}.svg": picture(measured, True)
+        for measured in chart.families
+        if measured.family.weigh
     }
     broken = {} if study is None else {"stability.csv": study.csv()}
     return {"chart.csv": _csv(chart), "chart.html": page(chart, study), **broken, **pictures}
@@ -78,20 +78,20 @@ def _csv(chart: Chart) -> bytes:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([*COLUMNS, *(f"{name}_version" for name in chart.versions), "processor"])
-    for one in chart.families:
-        writer.writerows([*row, *chart.versions.values(), chart.processor] for row in _rows(one))
+    for measured in chart.families:
+        writer.writerows([*row, *chart.versions.values(), chart.processor] for row in _rows(measured))
     return stream.getvalue().encode("utf-8")
 
 
-def _rows(one: FamilyChart) -> Iterator[list[object]]:
-    methods = {method.name: method for method in one.family.methods}
-    fronts = zip(one.points, one.on_front.tolist(), one.on_weight_front.tolist())
+def _rows(measured: FamilyChart) -> Iterator[list[object]]:
+    methods = {method.name: method for method in measured.family.methods}
+    fronts = zip(measured.points, measured.on_front.tolist(), measured.on_weight_front.tolist())
     for p, on, light in fronts:
         method = methods[p.method]
         yield [
-            p.family, p.method, int(method.is_default), int(on), method.setting, _n(p.setting), one.family.unit,
-            _n(p.largest), _n(p.rms), _n(p.missed), one.family.per, _n(p.seconds), p.results, p.calls, p.batches,
-            _n(p.spread), one.family.weighed, _n(p.weight), int(light) if one.family.weigh else "",
+            p.family, p.method, int(method.is_default), int(on), method.setting, _n(p.setting), measured.family.unit,
+            _n(p.largest), _n(p.rms), _n(p.missed), measured.family.per, _n(p.seconds), p.results, p.calls, p.batches,
+            _n(p.spread), measured.family.weighed, _n(p.weight), int(light) if measured.family.weigh else "",
         ]  # fmt: skip
 
 
@@ -103,7 +103,9 @@ def page(chart: Chart, study: Stability | None = None) -> bytes:
     """One HTML file without scripts or references to other files."""
     hurried = " This is a quick chart with fewer settings and noisier times." if chart.quick else ""
     versions = ", ".join(f"{name} {version}" for name, version in chart.versions.items())
-    links = "".join(f'<li><a href="#{_id(one)}">{text(one.family.title)}</a></li>' for one in chart.families)
+    links = "".join(
+        f'<li><a href="#{_id(measured)}">{text(measured.family.title)}</a></li>' for measured in chart.families
+    )
     links += '<li><a href="#stability">Where methods break</a></li>' if study else ""
     html = f"""{head("geomkin: speed against accuracy", STYLE)}<body>
 <header><h1>Speed against accuracy</h1></header>
@@ -118,7 +120,7 @@ several batches of calls, divided by the number of results. Preparation that is 
 description of the method names it. The spread is the relative excess of the median batch over the least: the noise
 of a time. Errors below the level of rounding count as equal.</p>
 <nav aria-label="Families"><ul>{links}</ul></nav>
-{"".join(_section(one) for one in chart.families)}{study.section() if study else ""}</main>
+{"".join(_section(measured) for measured in chart.families)}{study.section() if study else ""}</main>
 </body>
 </html>
 """

@@ -49,12 +49,12 @@ class Stability:
         """A row for each cell with its digits at each distance, or `nan` or `refused`."""
         stream = io.StringIO()
         writer = csv.writer(stream, lineterminator="\n")
-        heads = [f"{kind}_{one.distance:.0e}" for kind in DIGIT_KINDS for one in self.results[0]]
-        writer.writerow(["family", "place", "result", "distance", "library_does", "told_by", *heads])
+        heads = [f"{kind}_{cell.distance:.0e}" for kind in DIGIT_KINDS for cell in self.results[0]]
+        writer.writerow(["family", "place", "result", "distance", "library_does", "reported_by", *heads])
         for row, answer in zip(self.results, self.answers):
             cell = row[0].cell
             about = cell.family, cell.place, cell.result, cell.distance, ANSWERS.get(answer, answer), cell.reported_by
-            writer.writerow([*about, *(_digits_text(one, kind) for kind in DIGIT_KINDS for one in row)])
+            writer.writerow([*about, *(_digits_text(cell, kind) for kind in DIGIT_KINDS for cell in row)])
         return stream.getvalue().encode("utf-8")
 
     def section(self) -> str:

@@ -1,4 +1,4 @@
-"""Pages as a reader has them: they open, move, follow the slider, the pointer and the keys, and tell what the files tell."""
+"""Pages as a reader has them: they open, move, follow the slider, the pointer and the keys, and show what the files state."""
 
 import csv
 from itertools import combinations
@@ -196,8 +196,8 @@ def test_family_is_plotted_with_a_line_at_the_chosen_member(folder, opened):
         page = opened(file, viewport={"width": width, "height": 800}).page
         assert page.locator("#choice .plot").count() == plots
         over = page.locator("#choice .u-over").first
-        told = page.locator("#choice .legend").first.locator("b").all_inner_texts()
-        assert [number(one) for one in told] == pytest.approx([recipe.found.transmission_angle_deg] * 2, rel=1e-4)
+        reported = page.locator("#choice .legend").first.locator("b").all_inner_texts()
+        assert [number(one) for one in reported] == pytest.approx([recipe.found.transmission_angle_deg] * 2, rel=1e-4)
         # The line stands between the ends of the axis as its angle does.
         angles, line, box = (
             choice.table["free_angle"],
@@ -289,8 +289,10 @@ def test_dimensions_are_those_of_the_recipe(folder, opened):
     page = opened(file).page
     assert not page.locator(".name.dimension").first.is_visible()
     page.click(".switch.dimension input")
-    told = [text.text_content() for text in page.locator(".name.dimension:visible").all()]
-    assert {f"{getattr(recipe.linkage, name):g} mm" for name in ("ground", "crank", "coupler", "rocker")} == set(told)
+    reported = [text.text_content() for text in page.locator(".name.dimension:visible").all()]
+    assert {f"{getattr(recipe.linkage, name):g} mm" for name in ("ground", "crank", "coupler", "rocker")} == set(
+        reported
+    )
 
 
 def test_every_control_is_reached_by_keys_and_has_a_name(folder, opened):
@@ -317,14 +319,14 @@ def test_no_name_is_cut_by_the_edge_of_a_narrow_drawing(name, folder, opened):
     page = opened(file, viewport={"width": 320, "height": 800}).page
     for frame in range(0, len(recipe.scene.time), 45):
         go_to(page, frame)
-        told = page.evaluate("""() => {
+        reported = page.evaluate("""() => {
           const { left, right } = document.querySelector("svg.drawing").getBoundingClientRect();
           const seen = [...document.querySelectorAll("text.name:not(.off)")].filter((text) => text.checkVisibility({ visibilityProperty: true }));
           return seen.map((text) => [text.textContent, text.getBoundingClientRect()]).filter(([, box]) => box.right > left && box.left < right)
             .map(([text, box]) => [text, box.left - left, right - box.right]);
         }""")
-        assert len(told) > 2 and all(min(room) >= 0 for _, *room in told), told
-        assert not any("copy" in text and "foot" not in text for text, *_ in told)
+        assert len(reported) > 2 and all(min(room) >= 0 for _, *room in reported), reported
+        assert not any("copy" in text and "foot" not in text for text, *_ in reported)
 
 
 SEEN = """() => [...document.querySelectorAll("svg.drawing")].map((svg) => [...svg.querySelectorAll("text.name:not(.off)")]

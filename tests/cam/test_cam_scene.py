@@ -41,8 +41,8 @@ def test_pressure_angle_is_drawn_between_force_and_velocity():
     for name in ("roller-cam", "rocker-cam", "flat-rocker-cam"):
         scene = recipe(name).scene
         (force,), (way,) = marks(scene, "vector", "force"), marks(scene, "line", "direction of motion")
-        told = np.abs(scene.table["pressure_angle"])
-        np.testing.assert_allclose(np.abs(np.degrees(np.angle(force.vector / way.vector))), told, atol=1e-3)
+        reported = np.abs(scene.table["pressure_angle"])
+        np.testing.assert_allclose(np.abs(np.degrees(np.angle(force.vector / way.vector))), reported, atol=1e-3)
 
 
 def test_programmed_follower_is_drawn_if_lift_is_lost():

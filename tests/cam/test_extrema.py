@@ -43,7 +43,7 @@ def test_exceeds(seed):
     top, _ = largest(BREAKS, f)
     places = samples(BREAKS)
     values = f(places)
-    # Between the highest sample and the top only a closer look tells.
+    # Between the highest sample and the top only a closer look shows it.
     between = 0.5 * (values.max() + top)
     assert values.max() < between < top
     for limit, above in (

@@ -97,7 +97,7 @@ def test_last_row_of_equal_steps_may_be_left_out(miss, left_out):
             Program([table])
 
 
-# Refusals that tell one of several fields, with the unit that was meant.
+# Refusals of one of several fields, with the unit that was meant.
 @pytest.mark.parametrize(
     ("make", "field"),
     [

@@ -1,4 +1,4 @@
-"""The smoothest lift in a band: by other solvers, by known laws given back, and told when it is noise."""
+"""The smoothest lift in a band: by other solvers, by known laws given back, and reported if it is noise."""
 
 import numpy as np
 import pytest
@@ -202,7 +202,7 @@ def test_a_check_fails_for_noisy_rows_followed_too_closely_and_the_band_that_it_
     assert not checks(within=advised / 10, rows=rows())[0].passed
 
 
-def test_the_scatter_is_told_where_it_can_be_and_else_there_is_no_check():
+def test_the_scatter_is_reported_where_it_can_be_and_else_there_is_no_check():
     fine = np.linspace(0, 2 * np.pi, 1001)
     for noise in (1e-4, 1e-2):
         fit = Program([LiftTable(15, rows=rows(fine, noise, 12)[:-1])]).tables[0]

@@ -20,7 +20,7 @@ ERRORS = [
 ]
 
 
-def told(error):
+def message_of(error):
     """All that a caller can see of an error."""
     return type(error), str(error), vars(error), getattr(error, "errno", None), getattr(error, "filename", None)
 
@@ -28,8 +28,8 @@ def told(error):
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
 def test_errors_survive_pickling_and_copying(error):
     for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
-        assert told(pickle.loads(pickle.dumps(error, protocol))) == told(error)
-    assert told(copy.deepcopy(error)) == told(error)
+        assert message_of(pickle.loads(pickle.dumps(error, protocol))) == message_of(error)
+    assert message_of(copy.deepcopy(error)) == message_of(error)
 
 
 def test_whatever_a_value_is_it_is_shown_on_one_line():

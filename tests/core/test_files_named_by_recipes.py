@@ -1,4 +1,4 @@
-"""Files that a recipe names: where they may lie, how large they may be, and how they are told otherwise."""
+"""Files that a recipe names: where they may lie, how large they may be, and how others are refused."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Progress told to whoever listens, within what it listens to; and a search's clock."""
+"""Progress reported to a listener, inside its context; and a search's clock."""
 
 import threading
 
@@ -31,6 +31,6 @@ def test_a_watch_is_over_when_its_time_is_and_says_so_from_then_on(monkeypatch):
         now[0] = at
         # It is cut short only where it was asked and the time was over.
         assert watch.cut == (at == 103.0) and watch.over() == watch.cut == over
-    with shown(lambda *told: said.append(told)):
+    with shown(lambda *reported: said.append(reported)):
         watch.report(0.75)
     assert said == [(0.75, "looking")]

@@ -36,7 +36,7 @@ def test_numbers_are_the_distances_in_the_file_that_is_cut(name, tmp_path):
     recipe = gk.load(RECIPES / f"{name}.toml")
     recipe = replace(recipe, files=replace(recipe.files, curves="arcs", labels=False))
     if getattr(recipe, "base", None):
-        # Of more than three holes only the distance from each to the next is told.
+        # Of more than three holes only the distance from each to the next is stated.
         recipe = replace(recipe, base=None)
     gk.write(recipe, tmp_path / "a.dxf")
     gk.write(recipe, tmp_path / "a-sheet.dxf")
@@ -54,10 +54,10 @@ def test_numbers_are_the_distances_in_the_file_that_is_cut(name, tmp_path):
         size = np.ptp(np.array([(p.x, p.y) for p in path]), axis=0)
         centres = [complex(h.dxf.center.x, h.dxf.center.y) for h in holes]
         lengths = [abs(a - b) for a, b in combinations(centres, 2)]
-        told = tuple(sorted(f"{v:.4g}" for v in (*size, *lengths)))
-        if told not in seen:
-            wanted += Counter(told)
-        seen.add(told)
+        reported = tuple(sorted(f"{v:.4g}" for v in (*size, *lengths)))
+        if reported not in seen:
+            wanted += Counter(reported)
+        seen.add(reported)
         assert all(f"dia {2 * h.dxf.radius:.5g}" in " ".join(texts) for h in holes)
         holes = []
     assert Counter(f"{float(n):.4g}" for n in numbers.elements()) == wanted and len(wanted) > 4
@@ -157,7 +157,7 @@ def test_all_holes_of_a_recipe_are_as_wide_and_as_long_as_their_callouts(name, t
         if entity.dxf.layer == "HOLE":
             is_round = entity.dxftype() == "CIRCLE"
             cut[tuple(f"{side:.2f}" for side in (2 * [2 * entity.dxf.radius] if is_round else sides(entity)))] += 1
-    # What teeth and webs leave open is no hole that a callout tells.
+    # What teeth and webs leave open is no hole that a callout states.
     assert wanted and not wanted - cut and sum((cut - wanted).values()) <= 1
 
 
@@ -202,9 +202,9 @@ def test_every_size_stands_at_a_line_as_long_as_it_says(size):
     scale = float(scale[0]) / float(scale[1])
     assert {0.2: scale > 1, 1.0: scale == 1, 7.0: scale < 1}[size]
     lines = [np.asarray(shape.vertices) for layer, shape in made.shapes if layer == "DIM" and not shape.closed]
-    told = [text for text in made.texts if text.layer == "DIM"]
-    assert sorted(float(text.text) for text in told) == pytest.approx(sorted([110 * size, 60 * size, 60 * size]))
-    for text in told:
+    reported = [text for text in made.texts if text.layer == "DIM"]
+    assert sorted(float(text.text) for text in reported) == pytest.approx(sorted([110 * size, 60 * size, 60 * size]))
+    for text in reported:
         at = [line for line in lines if abs(line.mean() - text.place) < 12]
         assert any(abs(abs(line[1] - line[0]) - scale * float(text.text)) < 1e-3 for line in at)
     # Those of holes begin and end over them: of circles on paper, by their middles.

@@ -21,10 +21,10 @@ NUMBER = r"-?(?:\d+\.?\d*|\.\d+)"
 
 
 def read(text):
-    """Places along a path of relative lines and arcs, as it is told, and whether it is closed."""
+    """Places along a path of relative lines and arcs, as it is stated, and whether it is closed."""
     here, places = 0j, []
-    for kind, told in re.findall(r"([Mla])([^Mlaz]*)", text):
-        numbers = [float(one) for one in re.findall(NUMBER, told)]
+    for kind, reported in re.findall(r"([Mla])([^Mlaz]*)", text):
+        numbers = [float(one) for one in re.findall(NUMBER, reported)]
         step = complex(*numbers[-2:])
         if kind == "a":
             radius, other, turned, large, left = numbers[:5]

@@ -73,7 +73,7 @@ def test_parts_of_a_package_stand_where_they_are_as_near_to_the_corner_as_a_hund
 
 def test_a_model_has_every_part_where_it_stands_in_the_colour_of_its_body():
     content = glb(job())
-    # A block of JSON, its length before it, tells the nodes; their matrices by columns.
+    # A block of JSON, its length before it, states the nodes; their matrices by columns.
     nodes = json.loads(content[20 : 20 + int.from_bytes(content[12:16], "little")])["nodes"]
     assert [one["matrix"][3::4] for one in nodes if "matrix" in one] == [[0, 0, 0, 1]] * len(LOW)
     scene = trimesh.load(io.BytesIO(content), file_type="glb")

@@ -125,8 +125,8 @@ def test_page_lists_checks_parts_and_the_recipe(tmp_path):
     rows = re.findall(r'<tr class="(holds|fails)">', text)
     assert rows == ["fails"] + ["holds"] * (len(recipe.checks) - 1)
     assert all(f'<th scope="row">{part.name}</th>' in text for part in recipe.parts)
-    told = re.search(r'<code id="recipe-text">(.*?)</code>', text, re.DOTALL)[1]
-    assert gk.load(told + "\n") == recipe
+    reported = re.search(r'<code id="recipe-text">(.*?)</code>', text, re.DOTALL)[1]
+    assert gk.load(reported + "\n") == recipe
     assert "geomkin run leg.toml" in text
 
 
@@ -173,5 +173,5 @@ def test_another_scene_beside_it_is_on_the_same_drive():
     with pytest.raises(gk.DesignError, match="9 rows"):
         dataclasses.replace(scene, others={"mode": turning(frames=5)})
     data = json.loads(scene_json(dataclasses.replace(scene, others={"other": scene}), "a"))
-    # The same rows and outlines, told once.
+    # The same rows and outlines, written once.
     assert data["scenes"][1] | {"label": ""} == data["scenes"][0]

@@ -39,8 +39,8 @@ class Rows(HTMLParser):
             self.rows[-1][-1] += data
 
 
-def rows_of(told):
-    return Rows(told).rows[1:]
+def rows_of(reported):
+    return Rows(reported).rows[1:]
 
 
 def job_of(parts=(), scene=None, **more):
@@ -57,15 +57,15 @@ def test_parts_are_reported_with_their_sizes_wherever_they_lie():
     one = Part("one", PLATE, HOLES, 3.0, count=2)
     two = Part("two", Moved(gk.plane.rounded_hull([0, 1234j], 10.0), Pose(-7e3 + 2j)), (), 0.5)
     dot = Part("dot", gk.plane.Circle(0j, 0.1), (), 3.0)
-    told = sections.parts(job_of([one, two, dot], walls={"one": 1.25}))
+    reported = sections.parts(job_of([one, two, dot], walls={"one": 1.25}))
     length, area = 130 + 4 * np.pi + 18, 1000 - 4 * np.pi - 20
     long, wide = 2 * 1234 + 20 * np.pi, 20 * 1234 + 100 * np.pi
-    assert rows_of(told) == [
+    assert rows_of(reported) == [
         ["", "one", "2", "40 × 25", "3", f"{area:.4g}", f"{length:.4g}", "1.25"],
         ["", "two", "1", "20 × 1254", "0.5", f"{wide:,.0f}", f"{long:.4g}"],
         ["", "dot", "1", "0.2 × 0.2", "3", "0.03142", "0.6283"],
     ]
-    assert "Thinnest wall" in told and "Sheet" not in told
+    assert "Thinnest wall" in reported and "Sheet" not in reported
     bare = sections.parts(job_of([one]))
     assert "Thinnest wall" not in bare and "more" not in bare
     assert sections.parts(job_of()) == ""

@@ -25,9 +25,9 @@ def refusal(*given, **more):
 
 @pytest.mark.parametrize("side", [300.0, 20_000.0])
 def test_a_tolerance_too_fine_for_the_part_is_refused_with_one_that_is_not(side):
-    told = refusal(square(side), 1e-9 * side)
-    assert told.startswith(f"tolerance: found {1e-9 * side:g} mm for the plate, which is about ")
-    (least,) = re.findall(r"give at least (\S+) mm", told)
+    reported = refusal(square(side), 1e-9 * side)
+    assert reported.startswith(f"tolerance: found {1e-9 * side:g} mm for the plate, which is about ")
+    (least,) = re.findall(r"give at least (\S+) mm", reported)
     # Told to two digits.
     assert cut(square(side), 1.05 * float(least)).area == pytest.approx(side**2)
     assert "give at least" in refusal(square(side), 0.9 * float(least))

@@ -18,13 +18,13 @@ def test_nearly_straight_corners_leave_no_flat_triangles(size):
     points, _ = solid(made)
     # The corners of four, and the one above them.
     assert len(points) == 10
-    told = np.frombuffer(stl(made)[84:], dtype=TRIANGLE)
-    a, b, c = np.asarray(told["corners"], dtype=float).swapaxes(0, 1)
+    reported = np.frombuffer(stl(made)[84:], dtype=TRIANGLE)
+    a, b, c = np.asarray(reported["corners"], dtype=float).swapaxes(0, 1)
     normal = np.cross(b - a, c - b)
     area = np.linalg.norm(normal, axis=1)
-    assert area.min() > 0.1 * size and np.isfinite(told["normal"]).all()
+    assert area.min() > 0.1 * size and np.isfinite(reported["normal"]).all()
     # Each normal is of length one, and leads outward.
-    assert told["normal"] == pytest.approx(normal / area[:, None], abs=1e-5)
+    assert reported["normal"] == pytest.approx(normal / area[:, None], abs=1e-5)
     assert np.vecdot(np.cross(b - a, c - b), a).sum() / 6 == pytest.approx(1.05 * size**2 * 3, rel=1e-5)
 
 

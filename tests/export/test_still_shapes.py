@@ -111,11 +111,11 @@ def test_blocks_dots_and_arrows_are_as_large_as_reported(k):
     assert (circle.get("class"), float(circle.get("r"))) == ("line contact", pytest.approx(33 * k))
     for name, long, head, look in (("long", 50, 7, "arrow contact"), ("short", 3, 3, "arrow contact")):
         (arrow,) = drawn(root, name)
-        told = numbers(arrow.get("d"))
-        assert told[:3] == [0, 0, pytest.approx(long * k)] and arrow.get("class") == look
-        back, up, tip, zero, back_too, down = told[3:]
+        reported = numbers(arrow.get("d"))
+        assert reported[:3] == [0, 0, pytest.approx(long * k)] and arrow.get("class") == look
+        back, up, tip, zero, back_too, down = reported[3:]
         assert (back, up) == pytest.approx((k * (long - head), k * 0.4 * head), abs=1e-3 * k)
-        assert (tip, zero, back_too, down) == (told[2], 0, back, -up)
+        assert (tip, zero, back_too, down) == (reported[2], 0, back, -up)
     for name, look in (("link", "link construction"), ("line", "arrow contact")):
         (line,) = drawn(root, name)
         assert numbers(line.get("d")) == [0, 0, pytest.approx(40 * k)] and line.get("class") == look

@@ -1,4 +1,4 @@
-"""Sizes that summary.json tells, against the files beside it."""
+"""Sizes that summary.json states, against the files beside it."""
 
 import json
 
@@ -22,7 +22,7 @@ files = { labels = false, kerf = 0.4, tolerance = 0.1, curves = "%s" }
 
 @pytest.mark.parametrize("curves", ["chords", "arcs"])
 def test_summary_has_written_and_exact_sizes(tmp_path, curves):
-    """At this tolerance chords lose 0.5 % of the area, which a reader of the files must be able to tell."""
+    """At this tolerance chords lose 0.5 % of the area, which a reader of the files must be able to see."""
     (tmp_path / "bars.toml").write_text(RECIPE % curves)
     gk.make(tmp_path / "bars.toml", tmp_path)
     parts = json.loads((tmp_path / "bars" / "summary.json").read_text())["parts"]
@@ -51,17 +51,17 @@ def test_parts_are_reported_with_exact_and_written_sizes():
     job = Job("two", StaticSource((disc, bar), walls={"scheibe ä": 8.0}), 0.01, kerf=0.2)
     content = summary(job, {}, [], {"note": 1}, {}, ["b.txt"])
     # Nothing that JSON does not know, and letters as they are.
-    told = json.loads(content, parse_constant=pytest.fail)
-    assert "scheibe ä" in content.decode() and told["files"] == ["b.txt"] and told["note"] == 1
-    one, two = told["parts"]
+    data = json.loads(content, parse_constant=pytest.fail)
+    assert "scheibe ä" in content.decode() and data["files"] == ["b.txt"] and data["note"] == 1
+    one, two = data["parts"]
     assert (one["area_mm2"], one["volume_mm3"]) == pytest.approx((96 * np.pi, 240 * np.pi))
     assert (two["area_mm2"], two["volume_mm3"], two["count"], two["thickness_mm"]) == (120, 480, 1, 4)
     assert (one["thinnest_wall_mm"], two["thinnest_wall_mm"]) == (8, None)
-    assert list(told["versions"]) == ["geomkin"] and "sheets" not in told
+    assert list(data["versions"]) == ["geomkin"] and "sheets" not in data
     for written, more in ((["svg"], "area"), (["stl"], "volume"), (["3mf", "dxf"], "both"), (["csv"], "")):
-        told = json.loads(summary(job, {}, [], {}, {ending: [f"a.{ending}"] for ending in written}))
-        (one, two), flat = told["parts"], more in ("area", "both")
-        assert ("sheets" in told) == ("written_area_mm2" in one) == ("written_area_mm2" in two) == flat
+        data = json.loads(summary(job, {}, [], {}, {ending: [f"a.{ending}"] for ending in written}))
+        (one, two), flat = data["parts"], more in ("area", "both")
+        assert ("sheets" in data) == ("written_area_mm2" in one) == ("written_area_mm2" in two) == flat
         assert ("written_volume_mm3" in one) == ("written_volume_mm3" in two) == (more in ("volume", "both"))
         if flat:
             grown = (np.pi * (10.1**2 - 1.9**2), 20 * 6 + 0.2 * 26 + np.pi * 0.01)
@@ -69,4 +69,4 @@ def test_parts_are_reported_with_exact_and_written_sizes():
         if "written_volume_mm3" in two:
             assert two["written_volume_mm3"] == pytest.approx(480)
         hands = {"numpy", "geomkin"} | ({"shapely"} if more else set()) | ({"ezdxf"} if more == "both" else set())
-        assert set(told["versions"]) == hands and all(told["versions"].values())
+        assert set(data["versions"]) == hands and all(data["versions"].values())

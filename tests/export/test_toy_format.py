@@ -38,18 +38,18 @@ def test_recipe_writes_the_added_format_and_lists_it_in_the_summary(tmp_path):
     made = gk.make(recipe, tmp_path)
     assert [path.name for path in made.files] == ["gear.csv", "gear.txt", "gear.lone", "summary.json"]
     name, corners, area = (tmp_path / "gear" / "gear.txt").read_text().split()
-    told = json.loads((tmp_path / "gear" / "summary.json").read_text())
-    assert told["files"] == ["gear.csv", "gear.lone", "gear.txt"] and told["recipe"]["files"]["write"] == [
+    data = json.loads((tmp_path / "gear" / "summary.json").read_text())
+    assert data["files"] == ["gear.csv", "gear.lone", "gear.txt"] and data["recipe"]["files"]["write"] == [
         "txt",
         "csv",
         "lone",
     ]
-    (part,) = told["parts"]
+    (part,) = data["parts"]
     assert name == part["name"] == "gear" and int(corners) > 17 and float(area) == round(part["written_area_mm2"], 3)
     assert part["written_volume_mm3"] > 0
     # In the order of the rows, those of the formats that were written alone.
     named = [(name, version(name)) for name in ("numpy", "click", "shapely")]
-    assert list(told["versions"].items())[1:] == named
+    assert list(data["versions"].items())[1:] == named
 
 
 def test_the_command_knows_it(tmp_path):

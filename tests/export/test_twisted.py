@@ -91,7 +91,7 @@ def test_more_triangles_than_programs_show_are_refused_with_sizes_that_work():
     words = caught.value.remedy.split()
     least = float(words[words.index("least") + 1])
     assert solid_cut(part, least)
-    # Asked for with hardly less it is told again, and not the next wider one.
+    # With hardly less it is reported again, and not the next wider one.
     with pytest.raises(gk.DesignError, match="triangles") as caught:
         solid_cut(part, least / 1.23)
     assert least / 1.23 < float(caught.value.remedy.split()[3]) < 1.05 * least

@@ -37,8 +37,8 @@ def test_a_twisted_part_is_as_thin_as_the_necks_of_its_own_outline():
     hole = gk.plane.Circle(0j, 3.0)
     straight = gk.Part("hub", gk.plane.Polyline(np.array(edge)), (hole,), 3.0)
     turned = gk.Part("hub", straight.outline, (hole,), 3.0, twist=gk.Twist(0.3))
-    told = {k: thinnest_walls([part], 0.0)["hub"] for k, part in enumerate((straight, turned))}
-    assert told[0] == pytest.approx(0.4, abs=0.02) and told[1] == pytest.approx(0.4, abs=0.02)
+    reported = {k: thinnest_walls([part], 0.0)["hub"] for k, part in enumerate((straight, turned))}
+    assert reported[0] == pytest.approx(0.4, abs=0.02) and reported[1] == pytest.approx(0.4, abs=0.02)
     # As the hole turns with the teeth of a ring, the outline is as near as it comes anywhere.
     wide = gk.Part(
         "ring",

@@ -12,7 +12,7 @@ from .sweeping import inner_points, least_clearance
 from .test_conjugate import off_straight_tooth
 
 POINTS = (3.55 + 32.6j, 2.95 + 34.4j, 2.35 + 36j, 1.75 + 37.4j, 1.2 + 38.4j, 0.75 + 39j)
-# mm. A tenth of what the play is told to, on either outline.
+# mm. A tenth of what the play is set to, on either outline.
 TOLERANCE = 1e-4
 
 

@@ -1,4 +1,4 @@
-"""Checks of gears are told in modules: a set that is larger all over is judged alike."""
+"""Checks of gears are in modules: a larger set of the same form has the same checks."""
 
 import dataclasses
 
@@ -48,7 +48,7 @@ def test_larger_all_over_is_judged_alike(made):
     assert any(c.value and c.unit == "modules" for found in small for c in found) or made in (pair, rack)
 
 
-def test_a_rim_is_told_where_it_is_and_a_ring_by_itself_has_none():
+def test_a_rim_is_reported_where_it_is_and_a_ring_by_itself_has_none():
     solid, thin = gear(2.0)
     assert {c.name: c.value for c in thin}["rim under the teeth"] == pytest.approx(0.7)
     assert "pinion rim under the teeth" in {c.name for c in solid} or gk.SpurGear(8, 2.0).solid_rim is None

@@ -295,12 +295,12 @@ def test_every_flank_point_touches_or_is_reported():
     mate = mate_of(gear, 18, 2.0, 0.4)
     t = np.linspace(0.0005, 0.9995, 1000)
     touches = np.isfinite(mate.contact(t).angle)
-    told = np.zeros(len(t), dtype=int)
+    reported = np.zeros(len(t), dtype=int)
     for u in mate.untouched:
-        told += (t > u.start) & (t < u.end)
+        reported += (t > u.start) & (t < u.end)
         radius = np.abs(mate.tooth.point(np.linspace(u.start, u.end, 50)))
         assert u.inner_radius <= radius.min() * (1 + 1e-12) and radius.max() <= u.outer_radius * (1 + 1e-12)
-    assert np.array_equal(touches, told == 0) and told.max() == 1
+    assert np.array_equal(touches, reported == 0) and reported.max() == 1
     assert 0.5 < touches.mean() < 0.9
 
 

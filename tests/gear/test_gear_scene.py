@@ -69,9 +69,9 @@ def test_contacts_lie_on_the_drivers_flanks_and_leave_half_the_play_to_the_other
                 z, count = point(mark.place[frame]), count + 1
                 assert seen(named(scene, names[0]), frame).boundary.distance(z) < NEAR
                 assert seen(named(scene, names[1]), frame).boundary.distance(z) == pytest.approx(play, abs=NEAR)
-    told = sum(np.isfinite(mark.place).astype(int) for mark in contacts)
-    assert count and np.array_equal(told, scene.table["pairs"])
-    assert told.mean() == pytest.approx(pair.contact_ratio, abs=0.05)
+    reported = sum(np.isfinite(mark.place).astype(int) for mark in contacts)
+    assert count and np.array_equal(reported, scene.table["pairs"])
+    assert reported.mean() == pytest.approx(pair.contact_ratio, abs=0.05)
 
 
 def _working_radius(pair):
@@ -85,11 +85,11 @@ def test_one_pair_of_flanks_is_followed_from_its_first_contact_to_its_last():
     start, end = pair.contact_lengths
     assert along[0] == start and np.nanmax(along) == pytest.approx(end, abs=2 * pair.first.base_pitch / 60)
     assert np.all(np.diff(along[:-1][known[:-1]]) > 0)
-    # The same turns as the table of one pair of flanks tells.
-    told = gk.gear.contact_table(pair)
+    # The same turns as the table of one pair of flanks states.
+    reported = gk.gear.contact_table(pair)
     inner = known & (np.arange(len(along)) < len(along) - 1)
     np.testing.assert_allclose(
-        np.interp(along[inner], told["along"], told["first_turn"]), scene.table["first_turn"][inner], atol=1e-9
+        np.interp(along[inner], reported["along"], reported["first_turn"]), scene.table["first_turn"][inner], atol=1e-9
     )
 
 

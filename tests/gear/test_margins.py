@@ -105,7 +105,7 @@ def test_tips_of_an_internal_pair_pass_at_the_reported_distance(teeth, ring_teet
 
 def test_pairs_that_interfere_overlap_and_others_do_not():
     """Gears of many sizes, thinned so that flanks alone share nothing, laid over each other through a pitch."""
-    rng, seen, told = np.random.default_rng(4), {}, set()
+    rng, seen, reported = np.random.default_rng(4), {}, set()
     while min(seen.get(key, 0) for key in (True, False)) < 6:
         teeth, shifts = rng.integers(8, 40, 2), rng.uniform(-0.5, 0.8, 2).round(2)
         heights = rng.choice([0.8, 1.0, 1.2, 1.3], 2)
@@ -117,7 +117,7 @@ def test_pairs_that_interfere_overlap_and_others_do_not():
         except gk.DesignError:
             continue
         key = bool(pair.interferences)
-        told |= set(pair.interferences)
+        reported |= set(pair.interferences)
         # What a tip meets beside the involute, it digs into.
         assert "involute" not in pair.interferences or pair.tip_margins[0] < 0
         # Few that hardly touch: what they share is lost in the chords.
@@ -130,4 +130,4 @@ def test_pairs_that_interfere_overlap_and_others_do_not():
         for name, room in zip(("first root", "second root"), pair.clearances):
             assert name in pair.interferences or room > 0
         seen[key] = seen.get(key, 0) + 1
-    assert told == {"first root", "second root", "involute"}
+    assert reported == {"first root", "second root", "involute"}

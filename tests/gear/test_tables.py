@@ -70,7 +70,7 @@ def test_half_a_tooth_goes_outwards_along_the_outline(name):
     assert list(dict.fromkeys(region)) == (order[::-1] if gear.is_ring else order)
     for land, radius in (("bottom land", gear.root_radius), ("tip land", gear.tip_radius)):
         assert found["radius"][found["region"] == land] == pytest.approx(radius, rel=1e-9)
-    # A joint is told once, with what comes before it.
+    # A joint is listed once, with the piece before it.
     flank = np.abs(gear.flank.point(gear.flank.breaks[[0, -1]]))
     inside = (found["radius"] < flank.max() * (1 - 1e-9)) & (found["radius"] > flank.min() * (1 + 1e-9))
     assert set(found["region"][inside]) == {"flank"}
@@ -95,7 +95,7 @@ def pins(mate_teeth, internal, backlash):
     return pinion.pin, mate, pin_table(mate, quarters, backlash)
 
 
-# Columns that tell a place on the tooth, touched or not.
+# Columns for a place on the tooth, touched or not.
 SIDE = {"flank_share", "pin_angle", "tooth_x", "tooth_y"}
 MATES = {
     "straight": lambda: straight(64, False, 0.0),

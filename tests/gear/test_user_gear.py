@@ -148,7 +148,7 @@ def test_a_rack_is_a_bar_whatever_is_cut_out_of_its_pinion():
 
 @dataclass(frozen=True)
 class BluntGear(AbstractFlankGear):
-    """A gear with radial flanks, told by one of them alone."""
+    """A gear with radial flanks, given by one of them alone."""
 
     teeth: int = quantity("number of teeth", whole=True, at_least=8, at_most=200, example=40)
     module: float = quantity("pitch diameter per tooth", "mm", above=0, at_most=100, example=2)

@@ -234,9 +234,9 @@ def _html(file):
     text = file.read_text(encoding="utf-8")
     assert text.startswith("<!doctype html>") and text.endswith("</html>\n") and "nan" not in text.split("<main>")[0]
     data = re.search(r'<script type="application/json" id="scene">(.*?)</script>', text, re.DOTALL)[1]
-    told = json.loads(data, parse_constant=_refused)
-    assert told["frames"] > 1 and all(
-        row is None or isinstance(row, (str, list, dict)) or np.isfinite(row) for row in told["series"]
+    summary = json.loads(data, parse_constant=_refused)
+    assert summary["frames"] > 1 and all(
+        row is None or isinstance(row, (str, list, dict)) or np.isfinite(row) for row in summary["series"]
     )
 
 

@@ -69,15 +69,15 @@ def attempt(text, folder):
         os._exit(0)
     os.close(write)
     ready = select.select([read], [], [], 10 * SECONDS)[0]
-    told = os.read(read, 4000).decode("utf-8", "replace") if ready else ""
+    reported = os.read(read, 4000).decode("utf-8", "replace") if ready else ""
     os.close(read)
     if not ready:
         os.kill(child, signal.SIGKILL)
     _, status, used = os.wait4(child, 0)
-    if not told:
-        told = f"more than {SECONDS} s" if not ready or used.ru_utime > SECONDS - 1 else f"died: {status}"
-    told = "" if told == "ok" else told
-    return told, used.ru_utime + used.ru_stime
+    if not reported:
+        reported = f"more than {SECONDS} s" if not ready or used.ru_utime > SECONDS - 1 else f"died: {status}"
+    reported = "" if reported == "ok" else reported
+    return reported, used.ru_utime + used.ru_stime
 
 
 def _made(text, folder):
@@ -135,11 +135,11 @@ def main(arguments):
         for kind in arguments or KINDS:
             _made(template_of(kind), folder)  # loads what every child needs
         for kind, wish, key, value, text in every_case(arguments or KINDS):
-            told, seconds = attempt(text, folder)
+            reported, seconds = attempt(text, folder)
             tried += 1
-            failures += bool(told)
-            if told or seconds > SECONDS / 2:
-                print(f"{kind} {wish}: {key} = {value}: {told or 'made'} ({seconds:.1f} s)", flush=True)
+            failures += bool(reported)
+            if reported or seconds > SECONDS / 2:
+                print(f"{kind} {wish}: {key} = {value}: {reported or 'made'} ({seconds:.1f} s)", flush=True)
     print(f"{tried} recipes, {failures} failures")
     return 1 if failures else 0
 

@@ -1,4 +1,4 @@
-"""Thousands of spoilt recipes, each in a process of its own: each is made or told in plain lines, and in its folder."""
+"""Thousands of spoilt recipes, each in a process of its own: each is made in its folder, or refused in plain lines."""
 
 import os
 import shutil
@@ -22,7 +22,7 @@ SECONDS, BYTES = 20, 2 << 30
 
 
 def _child(folder, *arguments):
-    """Run the command; the exit status tells how it went."""
+    """Run the command; the exit status shows the result."""
     resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
@@ -98,7 +98,7 @@ def _faults(status, home, sound):
 
 @pytest.fixture(scope="module")
 def tally():
-    """(kind, how it was spoilt) -> [made, refused, survived], told at the end."""
+    """(kind, how it was spoilt) -> [made, refused, survived], stated at the end."""
     counts = {}
     yield counts
     print("\nkind                     spoilt    made  refused  survived")
@@ -123,17 +123,17 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
         shutil.copy(GALLERY / "table-cam-lift.csv", home / "in")
         (home / "in/r.toml").write_bytes(text.encode("utf-8", "surrogatepass"))
         status = _ended(home / "in", "run", "r.toml", "--out", "out")
-        told = list(_faults(status, home, sound))
-        if number % 8 in (1, 4) and not told:
+        reported = list(_faults(status, home, sound))
+        if number % 8 in (1, 4) and not reported:
             refusal = (home / "stderr").read_bytes() if status else b""
             if _ended(home / "in", "check", "r.toml") != status or (home / "stderr").read_bytes() != refusal:
-                told = [f"check says otherwise: {refusal[:300]!r}, {(home / 'stderr').read_bytes()[:300]!r}"]
+                reported = [f"check says otherwise: {refusal[:300]!r}, {(home / 'stderr').read_bytes()[:300]!r}"]
         how = "renamed" if name.startswith("renamed") else "other"
         made, tried = made + (status == 0), tried + 1
         count = tally.setdefault((kind, how), Counter())
-        count.update({"made": status == 0, "refused": status == 1, "survived": not told})
-        if told:
-            faults.append(f"{number} {name}: {told}\n{text[:3000]}")
+        count.update({"made": status == 0, "refused": status == 1, "survived": not reported})
+        if reported:
+            faults.append(f"{number} {name}: {reported}\n{text[:3000]}")
             print(faults[-1], flush=True)
         shutil.rmtree(home)
     assert 0 < made < tried, "nothing was made, or nothing refused: no campaign"
@@ -148,8 +148,8 @@ def test_numbers_at_their_ends_are_made_or_refused(tmp_path, share):
 
     faults = []
     for name, text in numbers_at_their_ends(EXTREMES, SEED)[share::4]:
-        told, seconds = attempt(text, tmp_path)
-        if told:
-            faults.append(f"{name}: {told} ({seconds:.1f} s)")
+        reported, seconds = attempt(text, tmp_path)
+        if reported:
+            faults.append(f"{name}: {reported} ({seconds:.1f} s)")
             print(faults[-1], flush=True)
     assert not faults, "\n".join(faults)

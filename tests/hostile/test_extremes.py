@@ -75,7 +75,7 @@ def test_the_part_that_falls_out_of_the_cut_is_the_part_asked_for(run, recipe, h
     assert run(recipe("spur-gear", gear)).exit_code == 0
     result = run(recipe("spur-gear", gear | {"files.kerf": kerf}), "--out", "kerf")
     if "kerf" in result.stderr:
-        return  # refused, or told as a failed check
+        return  # refused, or reported as a failed check
     areas = []
     for out, cut in (("out", 0.0), ("kerf", float(kerf))):
         entities = ezdxf.readfile(here / out / "r/r.dxf").modelspace()

@@ -89,7 +89,7 @@ def test_killed_at_a_seam_every_file_is_old_or_new(command, replaced, name, when
 
 @pytest.mark.parametrize("share", [0.5, *(pytest.param(share, marks=pytest.mark.campaign) for share in (0.01, 0.9))])
 def test_killed_in_the_middle_of_a_file_every_file_is_old_or_new(command, made, replaced, share):
-    # A process that is not told of the limit on a file's size is killed at the byte that passes it.
+    # A process that ignores the limit on a file's size is killed at the byte that passes it.
     limit = int(share * max(map(len, contents(made / "new/r").values())))
     before = (
         "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_DFL)\n"

@@ -118,7 +118,7 @@ def test_whatever_an_old_summary_is_a_run_ends(command, recipe, here):
         (here / f"{name}.toml").write_text(recipe("spur-gear", {"files.write": '["csv"]'}))
         before += f'\nold = "out/{name}/summary.json"\nos.makedirs(os.path.dirname(old))\n{made}'
     done = command("run", ".", before=before)
-    told = re.findall(r"^out/(\w+)/summary.json: ", done.stderr, re.MULTILINE)
-    assert len(told) == len(done.stderr.splitlines()) and done.returncode == bool(told)
-    for name in OLD.keys() - told:
+    reported = re.findall(r"^out/(\w+)/summary.json: ", done.stderr, re.MULTILINE)
+    assert len(reported) == len(done.stderr.splitlines()) and done.returncode == bool(reported)
+    for name in OLD.keys() - reported:
         assert json.loads((here / "out" / name / "summary.json").read_text())["name"] == name

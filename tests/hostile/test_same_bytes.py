@@ -59,7 +59,7 @@ def test_nor_do_they_for_all_of_the_gallery(here, whole):
     assert make(here / "out", RECIPES, cwd=here, flags=("-O",), PYTHONHASHSEED="4", TZ="Asia/Tokyo") == whole
 
 
-# Kernels of the linear-algebra library that it can be told to use, each with what it asks of the processor.
+# Kernels of the linear-algebra library that can be chosen, each with the features of the processor that it needs.
 KERNELS = {
     "PRESCOTT": "SSE3",
     "NEHALEM": "SSE42",
@@ -70,7 +70,7 @@ KERNELS = {
     "COOPERLAKE": "AVX512BF16",
     "SAPPHIRERAPIDS": "AVX512_SPR",
 }
-# What NumPy's own loops can be told to do without here, from the newest on.
+# Processor features that NumPy's loops can be made to ignore here, from the newest on.
 NEWEST_FIRST = [name for name in reversed(__cpu_dispatch__) if __cpu_features__.get(name)]
 PROCESSORS = {
     **{name: {"OPENBLAS_CORETYPE": name} for name, needs in KERNELS.items() if __cpu_features__.get(needs)},
@@ -110,7 +110,7 @@ def test_the_processor_does_not_matter(here, whole, environment):
 def test_an_old_processor_makes_the_same_cams_gears_and_linkages(here):
     files = [RECIPES / f"{name}.toml" for name in ("table-cam", "roller-cam", "gear-pair", "walking-leg")]
     old, new = make(here / "old", *files, cwd=here, **OLDEST), make(here / "new", *files, cwd=here)
-    # It tells how large pages are, and those may differ.
+    # It states how large pages are, and those may differ.
     assert old.pop("index.html") and new.pop("index.html") and old == new
 
 

@@ -38,6 +38,7 @@ ROWS = tuple((k, round(10 - 10 * np.cos(np.radians(k)), 3)) for k in range(0, 36
 CONJUGATE = gk.conjugate(GEAR.outline.piece, 24, 24.0, 40, 2.0)
 LANTERN = gk.gear.LanternPinion(10, 2.0, 3.0)
 PLANETARY = gk.gear.PlanetarySet(gk.SpurGear(12, 2), gk.SpurGear(24, 2), RING, 3)
+TRAIN = gk.GearTrain(((12, 36), (14, 40)), 2.5)
 RACK_PAIR = gk.gear.RackPair(gk.SpurGear(20, 2), gk.gear.GearRack(12, 2))
 PLATE = gk.Part("plate", gk.plane.Circle(0j, 70.0), (), 3.0)
 POSES = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)
@@ -88,6 +89,7 @@ GOOD = {
     "Linkage": {"bodies": ROD, "driver": "slider", "sliders": (WAY,), "origin": 1j, "ground_angle_deg": 5.0, "estimate": {}},
     "Motor": {"name": "a", "torque_n_mm": 100.0, "speed_rpm": 60.0, "lasting_torque_n_mm": 25.0, "mass_g": 50.0},
     "motor": {"name": "nema17"},
+    "linkage_strength_checks": {"analysis": gk.forces(MOTION, gk.Loads(masses={"coupler": gk.Mass(1.0)})), "stock": gk.linkage.LinkStock()},
     "smallest_motor": {"duty": gk.model.MotorDuty(DRIVE, DRIVE, DRIVE), "margin": 1.5},
     "Mirrored": {"curve": CIRCLE},
     "Moved": {"curve": CIRCLE, "pose": gk.plane.Pose(1j, 1j)},
@@ -240,6 +242,7 @@ GOOD = {
     "planetary_checks": {"gears": PLANETARY},
     "stack_links": {"motion": MOTION, "stock": gk.linkage.LinkStock()},
     "touch_check": {"mate": CONJUGATE, "module": 2.0},
+    "tolerances": {"motion": MOTION, "of": "coupler_point", "lengths": 0.1, "clearances": {"crank_pin": 0.05}},
     "sweep": {"recipe": {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}, "values": {"gear.teeth": "12"}, "results": (), "executor": None},
     "svg_path_points": {"path": "M 0 0 L 10 5 C 20 0 30 10 40 0", "count": 12},
     "xy": {"z": np.array([1j, 2.0])},
@@ -266,11 +269,20 @@ GOOD = {
     "PairStrength": {"pair": gk.GearPair(GEAR, GEAR), "loads": gk.gear.GearLoads(torque_n_mm=2000.0), "face_width": 10.0, "materials": (gk.making.material("brass"), gk.making.material("brass"))},
     "root_section": {"gear": GEAR},
     "tooth_form": {"gear": GEAR, "radius": 25.0},
+    "GearTrain": {"stages": ((12, 36), (14, 40)), "module": 2.0, "directions_deg": (0, 90), "backlash": 0.05, "friction": 0.1},
+    "gear_train": {"ratio": 4.0, "module": 2.0, "least_teeth": 12, "most_teeth": 40, "most_stages": 2, "error": 0.0, "reverted": False, "centre_distance": 60.0},
+    "loss_factor": {"pair": gk.GearPair(GEAR, GEAR)},
+    "ArborStock": {"thickness": 6.0, "bore": 5.0, "bore_form": "D", "flat": 4.5, "fit": "press", "interference": 0.1, "clearance": 0.1, "pin": 2.0},
+    "TrainStocks": {"stock": gk.gear.ArborStock(), "first": gk.gear.GearStock(bore=5.0), "last": gk.gear.GearStock(bore=5.0), "base": gk.making.BaseStock()},
+    "arbor_check": {"train": TRAIN, "stocks": gk.gear.TrainStocks()},
+    "train_assembly": {"train": TRAIN, "stocks": gk.gear.TrainStocks()},
+    "train_parts": {"train": TRAIN, "stocks": gk.gear.TrainStocks()},
+    "train_table": {"train": TRAIN},
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
     "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "SlideForces", "MATERIALS", "MOTORS", "masses",
-    "RootSection", "ToothForm", "ToothStrength", "strength_checks",
+    "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
     "motion_table", "cam_table", "tooth_table", "contact_table", "flank_table", "pin_table",

@@ -222,7 +222,7 @@ def test_force_and_torque_are_in_balance():
     slide = motion.cylinder.direction * linkage.sliders[0].direction
     torque = np.imag(np.conj(pin - pivot) * push) / np.real(np.conj(push) * slide)
     assert gk.linkage.mechanical_advantage(motion, "boom") == pytest.approx(torque, rel=1e-12)
-    # Where the line of push passes by the boom's pivot the linkage is at its limit, the least angle tells it.
+    # Where the line of push passes by the boom's pivot the linkage is at its limit, the least angle shows it.
     lean = np.arcsin(np.abs(np.imag(np.conj(pin - pivot) * push)) / np.abs(pin - pivot))
     assert motion.transmission_angle == pytest.approx(lean, rel=1e-12)
 

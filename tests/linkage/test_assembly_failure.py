@@ -55,7 +55,7 @@ def test_suggested_stroke_assembles(build, stroke):
     found = gk.linkage.assembly_failure(gk.move(build(), [stroke]))
     advised = float(re.search(r"at least ([\d.e+-]+) mm", found.remedy)[1])
     way = -1 if "shorter" in found.remedy else 1
-    # What is told is a length of the actuator, which its stroke changes by less where it is bent.
+    # The reported length is of the actuator; its stroke changes it by less where it is bent.
     closed = [gk.move(build(), [stroke + way * share * advised]).assembled[0] for share in (0.9, 1.0, 1.1)]
     assert not closed[0] and closed[2]
 

@@ -99,9 +99,9 @@ def test_circuits_are_the_connected_sets_of_poses(linkage, count):
         if (side, (k - 1) % len(drive)) not in label and (-side, k) in label:
             label[root((side, k))] = root((-side, k))
     sets = {root(pose) for pose in label}
-    told = {pose: gk.linkage.circuits(linkage, motions[pose[0]])[pose[1]] for pose in label}
+    reported = {pose: gk.linkage.circuits(linkage, motions[pose[0]])[pose[1]] for pose in label}
     assert len(sets) == count
-    assert len({(root(p), t) for p, t in told.items()}) == count and 0 not in told.values()
+    assert len({(root(p), t) for p, t in reported.items()}) == count and 0 not in reported.values()
 
 
 DECIMALS = {
@@ -147,7 +147,7 @@ FOLLOWED |= {"leaning slide": leaning(2), "leaning slide from above": leaning(-2
 @pytest.mark.parametrize("start", [1.8])
 @pytest.mark.parametrize("name", FOLLOWED)
 def test_followed_motion_is_smooth(name, start):
-    """From frame to frame it goes as far as its rates tell, and these change as far as theirs do."""
+    """From frame to frame it moves by its rates, and these change by theirs."""
     step = 4 * np.pi / 1500
     for way in (1, -1):
         for sign in (1, -1):
@@ -171,8 +171,8 @@ def test_gap_sums_are_exact():
         total, size = math.fsum(terms), sum(map(abs, terms))
         # What is added back is rounded, too: by the square of the rounding.
         assert gap_of(False, *terms) == pytest.approx(total, rel=1e-14, abs=1e-30 * size)
-        told = total if abs(total) > 8 * np.finfo(float).eps * size else 0.0
-        assert gap_of(True, *terms) == pytest.approx(told, rel=1e-14, abs=1e-30 * size)
+        reported = total if abs(total) > 8 * np.finfo(float).eps * size else 0.0
+        assert gap_of(True, *terms) == pytest.approx(reported, rel=1e-14, abs=1e-30 * size)
 
 
 @pytest.mark.parametrize("sizes", [(30, 42, 12), (30, 42, -12), (42, 30, 12), (42, 30, -12), (30, 30, 0)])
@@ -181,9 +181,9 @@ def test_a_slider_crank_that_just_turns_fully_has_one_circuit(sizes):
     drive = np.linspace(0.05, 6.2, 30)
     for branch in (1, -1):
         motion = gk.move(gk.SliderCrank(*sizes), drive, branch)
-        told = gk.linkage.circuits(gk.SliderCrank(*sizes), motion)
-        assert motion.assembled.any() and np.array_equal(told, motion.assembled.astype(int))
+        reported = gk.linkage.circuits(gk.SliderCrank(*sizes), motion)
+        assert motion.assembled.any() and np.array_equal(reported, motion.assembled.astype(int))
     if sizes[2]:
         longer = gk.SliderCrank(*(size + (0.01 if size == 42 else 0) for size in sizes))
-        told = [gk.linkage.circuits(longer, gk.move(longer, drive, branch)) for branch in (1, -1)]
-        assert {*told[0].tolist(), *told[1].tolist()} >= {1, -1}
+        reported = [gk.linkage.circuits(longer, gk.move(longer, drive, branch)) for branch in (1, -1)]
+        assert {*reported[0].tolist(), *reported[1].tolist()} >= {1, -1}

@@ -77,7 +77,7 @@ def test_runs_are_whole_where_the_centre_is_near_and_never_cross_infinity(name, 
     drawn = np.zeros(frames - 1, dtype=bool)
     for run in centrodes.runs(reach):
         drawn[run.start : run.stop - 1] = True
-    # The centre's whole way from frame to frame tells whether it stays near.
+    # The whole path of the centre from frame to frame shows whether it stays near.
     assert np.array_equal(drawn, (away[:, 0] <= reach) & (away[:, -1] <= reach) & (away.max(axis=1) < 4 * reach))
     for run in centrodes.runs(reach):
         assert np.isfinite(centrodes.fixed[run]).all() and np.abs(centrodes.moving[run]).max() <= reach

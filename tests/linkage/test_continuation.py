@@ -260,8 +260,8 @@ def test_branch_points_choose_the_first_frame_and_start_loops():
     bare = gk.Linkage(linkage.bodies, linkage.driver)
     with pytest.raises(gk.DesignError):
         gk.move(bare, drive)
-    told = gk.move(bare, drive, dict(linkage.estimate))
-    assert np.array_equal(told.point("P").position, gk.move(linkage, drive).point("P").position)
+    reported = gk.move(bare, drive, dict(linkage.estimate))
+    assert np.array_equal(reported.point("P").position, gk.move(linkage, drive).point("P").position)
 
 
 def test_limits_dashes_and_curves_take_the_branch_near_a_place_from_their_start():

@@ -148,8 +148,8 @@ def test_a_curve_whose_branch_is_followed_is_followed_from_its_start():
     curve = gk.CouplerCurve(bars, "coupler_point", "follow", span)
     drive = np.array([9.0, 4.5, 7.0])
     crossed = gk.move(bars, np.append(4.0, np.sort(drive)), "follow").point("coupler_point")
-    for told, row in ((curve.point(drive), crossed.position), (curve.velocity(drive), crossed.first)):
-        assert told == pytest.approx(row[1:][[2, 0, 1]], abs=1e-9)
+    for reported, row in ((curve.point(drive), crossed.position), (curve.velocity(drive), crossed.first)):
+        assert reported == pytest.approx(row[1:][[2, 0, 1]], abs=1e-9)
     straight = gk.move(bars, np.append(0.0, drive), "follow").point("coupler_point").position[1:]
     assert np.abs(curve.point(drive) - straight).min() > 0.1
 

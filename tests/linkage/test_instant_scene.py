@@ -40,8 +40,8 @@ def test_pins_of_the_inflection_circle_go_straight():
     for place in (pole, centre):
         np.testing.assert_allclose(np.abs(place - circle.place)[near], circle.radius[near], rtol=1e-9)
     (bend,) = marks(scene, "line", "radius of curvature")
-    told, known = scene.table["path_curvature"], np.isfinite(bend.vector)
-    np.testing.assert_allclose(np.abs(bend.vector[known]) * np.abs(told[known]), 1, rtol=1e-9)
+    reported, known = scene.table["path_curvature"], np.isfinite(bend.vector)
+    np.testing.assert_allclose(np.abs(bend.vector[known]) * np.abs(reported[known]), 1, rtol=1e-9)
 
 
 def test_the_construction_of_bobillier_is_drawn_from_lines_that_meet_and_angles_that_are_equal():

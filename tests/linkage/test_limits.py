@@ -68,7 +68,7 @@ def test_a_slide_that_closes_hardly_anywhere_is_found(short):
     stroke = np.sqrt((120 - offset) * (120 + offset))
     linkage = gk.SliderCrank(30, 90, offset, driver="slider").linkage
     (slider,) = linkage.sliders
-    # Places are told from a point of the line that no look falls on.
+    # Displacements are measured from a point of the line that no sample meets.
     away = replace(linkage, sliders=(replace(slider, through=slider.through - 7.31 * slider.direction),))
     ((low, high),) = gk.driver_limits(away)
     assert [low - 7.31, high - 7.31] == pytest.approx([-stroke, stroke], rel=1e-13 / short + 1e-13)
@@ -195,7 +195,7 @@ def test_dashes_across_parallel_guides_are_refused():
 @pytest.mark.parametrize("swapped", [False, True])
 @pytest.mark.parametrize("turn", [0, 40])
 def test_a_sliding_body_is_pushed_along_its_line_whichever_of_the_two_names_it(swapped, turn):
-    """One over how fast the joint slides as it is told itself."""
+    """One over the sliding speed of the joint, as reported."""
     given = gk.SliderCrank(30, 90, 12).linkage
     slide = gk.Slider("slide", "slider", "ground", 0, 12j, turn, turn)
     if swapped:
@@ -219,7 +219,7 @@ def test_a_curve_over_whole_turns_is_closed_at_any_size_and_over_less_it_is_not(
 @pytest.mark.parametrize("turns", [(0, 1), (-2.5, 0.75)])
 @pytest.mark.parametrize("name", ["engine, leaning", "yoke", "rods"])
 def test_dead_centres_of_symmetric_linkages(name, turns):
-    """Looks fall on them, or beside them by a last bit; at the ends of the span they may be told or not."""
+    """Samples meet them, or miss them by a last bit; at the ends of the span they may be reported or not."""
     linkage, output, first = {
         "engine": (gk.SliderCrank(30, 90), "slider", 0.0),
         "engine, leaning": (gk.SliderCrank(30, 90, ground_angle_deg=40), "slider", 0.0),

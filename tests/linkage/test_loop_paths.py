@@ -58,7 +58,7 @@ def test_frames_of_random_linkages_are_those_of_newton_s_method_frame_by_frame(s
 def test_slopes_agree_with_differences(name):
     linkage, drive, branch = ALL[name]
     loops = posed(linkage, gk.move(linkage, drive, branch))
-    rng, told = np.random.default_rng(3), 0
+    rng, reported = np.random.default_rng(3), 0
     for placement in loops.plans[False]:
         if isinstance(placement, Loops):
             equations = placement.equations
@@ -76,8 +76,8 @@ def test_slopes_agree_with_differences(name):
                 # Angles of sliders jump by a turn.
                 off = np.angle(np.exp(1j * (ends[0] - ends[1]))) / 2e-5
                 assert slopes[..., column] == pytest.approx(off, abs=1e-7)
-            told += 1
-    assert told == 1
+            reported += 1
+    assert reported == 1
 
 
 @pytest.mark.parametrize("name", ["loops", "actuator between moving bars"])
@@ -88,11 +88,11 @@ def test_a_row_that_stays_at_one_place_stands_there_at_every_frame(name):
         many = gk.move(linkage, row)
         assert many.assembled.all()
         for body in many.bodies:
-            told = many.bodies[body], gk.move(linkage, row[:2]).bodies[body]
+            reported = many.bodies[body], gk.move(linkage, row[:2]).bodies[body]
             for what in ("direction", "first", "second"):
-                rows = [getattr(one, what) for one in told]
+                rows = [getattr(one, what) for one in reported]
                 assert rows[0] == pytest.approx(np.resize(rows[1], 4), rel=1e-9, abs=1e-12)
-            assert told[0].direction[0] == pytest.approx(one.bodies[body].direction[0], abs=1e-12)
+            assert reported[0].direction[0] == pytest.approx(one.bodies[body].direction[0], abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ["loops", "actuator between moving bars"])
@@ -103,6 +103,6 @@ def test_drives_too_far_off_are_refused_with_how_far_they_may_be(name):
     for way in (1, -1):
         with pytest.raises(gk.DesignError) as caught:
             gk.move(linkage, drive[0] + way * np.array([0, 1.01 * size])).assembled
-        told = float(caught.value.remedy.split()[3])
-        assert told == pytest.approx(size, rel=1e-5) and caught.value.field == "drive"
-        assert gk.move(linkage, drive[0] + way * np.array([0, 0.999 * told])).assembled[0]
+        reported = float(caught.value.remedy.split()[3])
+        assert reported == pytest.approx(size, rel=1e-5) and caught.value.field == "drive"
+        assert gk.move(linkage, drive[0] + way * np.array([0, 0.999 * reported])).assembled[0]

@@ -1,4 +1,4 @@
-"""Two bodies that slide on each other, where the pins that hold them meet: no direction is told there."""
+"""Two bodies that slide on each other, where the pins that hold them meet: the direction is unknown there."""
 
 import dataclasses
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve import solution
 from tests.linkage.examples import lift_table
 
 
@@ -64,10 +63,8 @@ def test_places_far_out_round_as_they_are_large():
     assert not gk.move(linkage, np.random.default_rng(1).uniform(-1e7, 1e7, 200)).assembled.any()
 
 
-@pytest.mark.parametrize("formulas", [True, False])
-def test_lever_on_a_moving_carrier_is_placed_unless_its_pins_meet(formulas, monkeypatch):
+def test_lever_on_a_moving_carrier_is_placed_unless_its_pins_meet():
     """A slotted lever behind a crank-rocker at all angles: where its pins are apart by a billionth it has a direction."""
-    monkeypatch.setattr(solution, "WORTH", 0 if formulas else 10**18)
     bodies = {
         "ground": {"O": 0, "C": 100, "E": 0},
         "crank": {"O": 0, "A": 30},
@@ -84,7 +81,7 @@ def test_lever_on_a_moving_carrier_is_placed_unless_its_pins_meet(formulas, monk
     for apart in (1e-6, 1e-8, 1e-10):
         bodies["ground"]["E"] = place - apart
         motion = gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive)
-        assert motion.assembled.all() and (motion.solution.evaluation is not None) == formulas
+        assert motion.assembled.all()
         assert abs(motion.lever.direction[7].imag) < 1e-13 / apart
     bodies["ground"]["E"] = place
     assert not gk.move(gk.Linkage(bodies, "crank", (gk.Slider("slot", "stone", "lever"),)), drive).assembled[7]

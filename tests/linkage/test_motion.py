@@ -50,14 +50,14 @@ def test_a_driver_turns_about_its_pivot_or_has_none(name):
     """By its motion: of all its places that alone stands still, and nothing stands still where it slides or floats."""
     linkage, drive, branch = ALL[name]
     motion, general = gk.move(linkage, drive, branch), linkage.linkage
-    told = general.driver_pivot
+    reported = general.driver_pivot
     if general.driven_slider is not None:
-        assert told is None
+        assert reported is None
         return
     points = general.bodies[general.driver]
     still = [p for p in points if np.ptp(np.abs(motion.point(p).position - motion.point(p).position[0])) < 1e-9]
-    assert {complex(points[p]) for p in still} == ({complex(points[told])} if told else set())
-    assert told is None or told in general.bodies[general.ground]
+    assert {complex(points[p]) for p in still} == ({complex(points[reported])} if reported else set())
+    assert reported is None or reported in general.bodies[general.ground]
 
 
 def test_a_root_is_found_with_its_path_and_residual():

@@ -95,7 +95,7 @@ def test_every_pair_of_a_mechanism_is_as_shapely_sees_it_in_quarter_degrees(name
     of, moving = meetings.assembly.plates, meetings.moving
 
     def least(a, b):
-        """Of two shapes that two bodies carry, each told by its body and centres, over all fine frames, mm."""
+        """Of two shapes that two bodies carry, each given by its body and centres, over all fine frames, mm."""
         shapes = []
         for body, centres in (a, b):
             pose = fine.bodies[body]
@@ -107,16 +107,16 @@ def test_every_pair_of_a_mechanism_is_as_shapely_sees_it_in_quarter_degrees(name
         for two in moving[:k]:
             if frozenset((one, two)) not in joined:
                 apart = least((of[one].body, of[one].centres), (of[two].body, of[two].centres)) - stock.bar_width
-                assert_told(frozenset((one, two)) in meetings.plates, apart, meetings.play)
+                assert_reported(frozenset((one, two)) in meetings.plates, apart, meetings.play)
     for pin in meetings.assembly.pins:
         for plate in moving:
             if plate not in pin.plates:
                 apart = least((of[plate].body, of[plate].centres), (pin.body, np.array([pin.place])))
                 apart -= (stock.bar_width + stock.pin_diameter) / 2
-                assert_told((pin.name, plate) in meetings.pin_and_plate, apart, meetings.play)
+                assert_reported((pin.name, plate) in meetings.pin_and_plate, apart, meetings.play)
 
 
-def assert_told(meets, apart, play):
+def assert_reported(meets, apart, play):
     """What comes nearer meets; what stays away by more than half of what a corner goes on a step does not."""
     assert meets or apart >= play
     assert not meets or apart < play + 1.0

@@ -1,4 +1,4 @@
-"""Heads, rings and shafts of finished stacks as cylinders: whether any two meet, against what the stack tells."""
+"""Heads, rings and shafts of finished stacks as cylinders: whether any two meet, against the report of the stack."""
 
 import re
 from itertools import combinations
@@ -16,7 +16,7 @@ from tests.linkage.test_parts_fasteners import distances
 TURN = np.radians(np.arange(0, 361, 2))
 # How far a point of these small linkages goes in half a step, and the play that is kept, mm.
 SEEN = 2.5
-# By what a disc is told, whose radius it has, and from where to where it stands, in mm.
+# Name of a disc, owner of its radius, and its lower and upper end, in mm.
 TOLD = re.compile(r"(?:the (end|ring|shaft) of )?(\w+) by its (end|ring|shaft)")
 
 
@@ -72,7 +72,7 @@ def pairs(motion, stack, stock):
     return found
 
 
-def told(stack):
+def reported(stack):
     """The same of the stack's collisions."""
     for collision in stack.collisions:
         if match := TOLD.fullmatch(collision.plate):
@@ -102,10 +102,10 @@ def test_heads_and_rings_meet_only_in_reported_collisions(seed):
     except gk.DesignError as error:
         assert "motor" in error.field
         return
-    apart, said = pairs(motion, stack, stock), set(told(stack))
+    apart, said = pairs(motion, stack, stock), set(reported(stack))
     for key, gap in apart.items():
         if gap < -1e-6:
-            # Between two pins told once, from either.
+            # Reported once for two pins.
             turned = key if len(key) == 3 else key[2:] + key[:2]
             assert key in said or turned in said, (key, gap, stack.collisions)
     for key in said:

@@ -124,8 +124,8 @@ def test_collisions_name_the_pair_and_its_driver_range():
     stack, model = built(linkage, branch)
     assert stack.collisions
     troubles = model.troubles()
-    told = {(c.pin, c.plate) for c in stack.collisions}
-    assert told == set(troubles)
+    reported = {(c.pin, c.plate) for c in stack.collisions}
+    assert reported == set(troubles)
     degrees = np.degrees(model.motion.drive)
     for pair, hit in troubles.items():
         runs = [(c.first, c.last) for c in stack.collisions if (c.pin, c.plate) == pair]
@@ -167,14 +167,14 @@ def test_the_gap_between_frames_is_never_reported_larger_than_it_is(step_deg):
             world = here[1].origin.position[:, None] + here[1].direction[:, None] * b.centres
             return (world - here[0].origin.position[:, None]) * np.conj(here[0].direction[:, None])
 
-        told = PointPaths(coarse.drive, seen(coarse)).gap(a.centres)[:-1]
+        reported = PointPaths(coarse.drive, seen(coarse)).gap(a.centres)[:-1]
         hull = shapely.MultiPoint(gk.plane.xy(a.centres)).convex_hull
         hulls = [shapely.MultiPoint(gk.plane.xy(z)).convex_hull for z in seen(fine)]
-        true = shapely.distance(hull, hulls).reshape(len(told), -1).min(axis=1)
-        assert np.all(np.maximum(told, 0) <= true + 1e-9)
+        true = shapely.distance(hull, hulls).reshape(len(reported), -1).min(axis=1)
+        assert np.all(np.maximum(reported, 0) <= true + 1e-9)
         # Nor much smaller, or plates would be kept apart that need not be: a bar that turns about its middle
         # by a step has a hull as wide as its ends travel.
-        assert np.all(true - np.maximum(told, 0) < 0.3 * 100 * np.radians(step_deg))
+        assert np.all(true - np.maximum(reported, 0) < 0.3 * 100 * np.radians(step_deg))
 
 
 def puzzle(seed, crossings):

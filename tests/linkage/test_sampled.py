@@ -23,16 +23,16 @@ def order_found(miss):
 @pytest.mark.parametrize("derivative", [1, 2])
 @pytest.mark.parametrize("order", [2, 8])
 def test_central_differences_are_of_the_given_order_with_a_true_error(order, derivative, periodic):
-    miss, told = [], []
+    miss, reported = [], []
     for count in (90, 180):
         step, point = tracked(count)
         found = gk.linkage.central_difference(point.position, step, derivative, order, periodic)
         off = np.abs(found.values - (point.velocity if derivative == 1 else point.acceleration))
         assert found.times == pytest.approx(np.arange(count) * step)
         assert (off <= 2 * found.error).all()
-        miss.append(off.max()), told.append(found.error.max())
+        miss.append(off.max()), reported.append(found.error.max())
     assert order_found(miss) == pytest.approx(order, abs=0.6)
-    assert told == pytest.approx(miss, rel=0.2)
+    assert reported == pytest.approx(miss, rel=0.2)
 
 
 def test_velocity_differences_are_of_second_order_with_a_true_error():
@@ -58,7 +58,7 @@ def test_mid_ordinate_integral_has_a_true_error():
         _, middle = tracked(count, 0.5)
         found = gk.linkage.mid_ordinate_integral(middle.velocity, step, point.position[0])
         off = np.abs(found.values[:-1] - point.position)
-        # Near the start there is hardly an error to tell.
+        # Near the start there is hardly any error.
         assert found.values[0] == point.position[0] and (off <= 1.5 * found.error[:-1] + 0.1 * off.max()).all()
         miss.append(off.max())
         assert miss[-1] == pytest.approx(found.error.max(), rel=0.3)
@@ -109,14 +109,14 @@ def test_inexact_samples_add_to_the_error_by_their_weights(complex_unit):
 def test_error_bounds_noise():
     """Noise of known size stays within the error, which is worse for the smaller step."""
     noise = np.random.default_rng(1)
-    told = []
+    reported = []
     for count in (90, 3600):
         step, point = tracked(count)
         read = np.round(point.position, 2) + noise.uniform(-1e-3, 1e-3, count)
         found = gk.linkage.central_difference(read, step, 2, 4, True, inexact=0.005 * 2**0.5 + 1e-3)
         assert (np.abs(found.values - point.acceleration) <= found.error).all()
-        told.append(found.error.max())
-    assert told[1] > 100 * told[0]
+        reported.append(found.error.max())
+    assert reported[1] > 100 * reported[0]
 
 
 def test_too_few_samples_are_refused_with_the_number_needed():

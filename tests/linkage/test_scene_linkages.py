@@ -35,9 +35,9 @@ def test_only_columns_with_a_known_value_are_plotted():
     assert {"coupler_angle", "rocker_angle", "transmission_angle", "coupler_omega"} <= plotted
     never = gk.move(gk.FourBar(100, 80, 60, 50), np.linspace(3, 3.2, 7))
     assert not never.assembled.any()
-    told = {
+    reported = {
         header
         for plot in gk.linkage.linkage_scene(never, gk.linkage.motion_table(never)).plots
         for header in plot.columns
     }
-    assert not told & plotted
+    assert not reported & plotted

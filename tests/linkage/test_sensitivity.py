@@ -209,3 +209,30 @@ def test_unknown_quantities_and_sizes_name_the_nearest(of, by, field, nearest):
         gk.move(FOUR_BAR, [0.0]).sensitivity(of, by)
     assert (caught.value.field, caught.value.id) == (field, "unknown-key")
     assert nearest in caught.value.remedy or by == "driver"
+
+
+@pytest.mark.parametrize("size", ["ground", "crank", "coupler", "rocker"])
+def test_limits_of_the_driver_and_dead_centres_follow_by_implicit_differentiation(size):
+    """The limit is the extreme of the driver's angle when the rocker drives; at a dead centre the rocker stands still."""
+    step = 1e-5
+
+    def slope(limits, linkage):
+        return (limits(_with(linkage, size, step)) - limits(_with(linkage, size, -step))) / (2 * step)
+
+    linkage = gk.FourBar(60, 50, 40, 45)
+    limit = gk.driver_limits(linkage)[0][1]
+    rocker = np.angle(gk.move(linkage, [limit]).rocker.direction)
+    driven = gk.move(replace(linkage, driver="rocker"), rocker)
+    assert driven.crank.direction[0] == pytest.approx(np.exp(1j * limit), abs=1e-9)
+    by_difference = slope(lambda linkage: gk.driver_limits(linkage)[0][1], linkage)
+    assert driven.sensitivity("crank_angle", by=size)[0] == pytest.approx(by_difference, abs=1e-6)
+
+    linkage = gk.FourBar(100, 30, 90, 70)
+    ends = gk.move(linkage, gk.linkage.dead_centres(linkage, "rocker"))
+    by_difference = slope(lambda linkage: np.array(gk.linkage.dead_centres(linkage, "rocker")), linkage)
+    by_implicit = -ends.sensitivity("rocker_omega", by=size) / ends.rocker.second
+    np.testing.assert_allclose(by_implicit, by_difference, atol=1e-7)
+
+
+def _with(linkage, size, step):
+    return replace(linkage, **{size: getattr(linkage, size) + step})

@@ -142,7 +142,7 @@ def test_a_pin_in_two_turning_slots_stands_where_they_cross():
     slid = np.linalg.solve(matrices, np.stack([apart.real, apart.imag], axis=-1)[..., None])[..., 0, 0]
     assert motion.point("P").position == pytest.approx(starts[0] + slid * ways[0], rel=1e-9)
     assert motion.slide("one").displacement == pytest.approx(slid, rel=1e-9)
-    # Nothing but the guides' angle tells how well it stands.
+    # Only the angle of the guides shows how well conditioned it is.
     between = np.abs(np.imag(np.conj(ways[0]) * ways[1]))
     assert (np.sin(motion.transmission_angle) <= between + 1e-12).all()
 

@@ -131,7 +131,7 @@ def test_invalid_bores_are_refused_with_what_works():
 
 @pytest.mark.parametrize("form", ["round", "D", "keyed"])
 def test_a_bore_as_wide_as_the_root_is_refused_and_the_one_that_is_named_works(form):
-    """Of a pressed bore, too: what is left is told of the hole, not of the shaft."""
+    """Of a pressed bore, too: the rest is reported of the hole, not of the shaft."""
     flat = {"flat": 40} if form == "D" else {}
     stock = {"bore_form": form, "fit": "press", "interference": 0.5, **flat}
     with pytest.raises(gk.DesignError, match="stock.bore") as caught:

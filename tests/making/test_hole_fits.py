@@ -1,4 +1,4 @@
-"""What a part tells of each of its holes is what is cut: widths, flats, keyways and travels measured on the outline."""
+"""The fits that a part states for its holes are cut: widths, flats, keyways and travels measured on the outline."""
 
 from pathlib import Path
 
@@ -65,7 +65,7 @@ def test_every_hole_is_as_wide_as_its_pin_and_clearance(name):
                 assert np.abs(np.diff(z[np.abs(z) > corner - 1e-6])).max() == pytest.approx(wide, abs=1e-6)
             else:
                 assert (widths.min(), widths.max()) == pytest.approx((across, across), abs=2e-3)
-        # Round holes that nothing is told of would be drawn without a word.
+        # Round holes without a fit would be drawn without a note.
         untold = [hole for hole in part.holes[len(part.fits) :] if isinstance(hole, gk.plane.Circle)]
         assert not untold, part.name
     assert seen or name in ("ring-gear", "straight-sided-ring")

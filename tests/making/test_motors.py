@@ -43,8 +43,8 @@ def test_a_screw_of_a_motor_is_the_longest_that_is_sold_and_reaches_into_it_by_2
     found = set()
     for thickness in np.arange(0.5, 32, 0.5).tolist():
         fits = [length for length in sold if 2 <= length - thickness <= 4.5]
-        told = f"M3 x {fits[-1]} {name}" if fits else cut.format(thickness + 2, thickness + 4.5)
-        assert MOTOR_FACES["nema17"].screw(thickness, sunk=sunk) == told
+        reported = f"M3 x {fits[-1]} {name}" if fits else cut.format(thickness + 2, thickness + 4.5)
+        assert MOTOR_FACES["nema17"].screw(thickness, sunk=sunk) == reported
         found.add(fits[-1] if fits else None)
     assert longest in found and None in found
 
@@ -74,7 +74,7 @@ def test_a_motor_adds_its_plate_below_all_and_changes_nothing_else(name):
 
 
 # Where a base stands: how it is asked for, the stock of what drives, where its holes for others are, by what the bill
-# tells of their diameters, and how long the motor's shaft is at least: under a cam lies what carries the roller.
+# states of their diameters, and how long the motor's shaft is at least: under a cam lies what carries the roller.
 OVER = {
     "pair": (lambda: gk.load(PAIR + "[base]\n"), "first_stock", {10.2: 1, 4.2: 4}, 12),
     "rack": (lambda: gk.load(RACK + "[base]\n"), "stock", {4.2: 4}, 12),

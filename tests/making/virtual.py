@@ -58,7 +58,7 @@ def strokes(words):
 def engraved(lines, words, heights=HEIGHTS):
     """Each text of these words among strokes, turned in any way, as its strokes there.
 
-    Its first stroke tells how it is laid, and all others must lie where that says.
+    Its first stroke states how it is laid, and all others must lie where that says.
     """
     glyphs = strokes(words)
     first = glyphs[0]
@@ -70,7 +70,7 @@ def engraved(lines, words, heights=HEIGHTS):
         height = min(heights, key=lambda h: abs(h / CAPITAL - abs(grown)))
         if abs(abs(grown) * CAPITAL - height) > 0.05:
             continue
-        # Rounded ends turn a short stroke a little: all strokes together tell the turn.
+        # Rounded ends turn a short stroke a little: all strokes together give the rotation.
         grown *= height / CAPITAL / abs(grown)
         laid = [line[0] + grown * (glyph - first[0]) for glyph in glyphs]
         near = [min(lines, key=lambda one, a=a: abs(one - a).max() if len(one) == len(a) else np.inf) for a in laid]

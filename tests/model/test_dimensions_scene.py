@@ -27,8 +27,8 @@ def test_a_dimension_is_as_long_as_it_says(name):
     assert found
     for label, curve in found.items():
         start, end = ends(curve)
-        (told,) = re.findall(r"(\S+) mm", label)
-        assert float(told) == pytest.approx(abs(end - start), rel=1e-4), label
+        (reported,) = re.findall(r"(\S+) mm", label)
+        assert float(reported) == pytest.approx(abs(end - start), rel=1e-4), label
 
 
 @pytest.mark.parametrize("name", ["roller-cam", "rocker-cam", "flat-cam", "flat-rocker-cam"])

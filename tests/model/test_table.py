@@ -15,19 +15,21 @@ def test_unreachable_points_are_empty_in_both_coordinates(tmp_path):
     table = gk.linkage.motion_table(motion)
     gk.write(table, tmp_path / "t.csv")
     header, *rows = [line.split(",") for line in (tmp_path / "t.csv").read_text().splitlines()]
-    told = {name: [row[k] != "" for row in rows] for k, name in enumerate(header)}
+    reported = {name: [row[k] != "" for row in rows] for k, name in enumerate(header)}
     for column in table.columns:
         if column.id not in ("crank_angle", "time", "rocker_pin_branch"):
-            assert np.isfinite(column.values).tolist() == told[column.header] == motion.assembled.tolist(), column.id
+            assert np.isfinite(column.values).tolist() == reported[column.header] == motion.assembled.tolist(), (
+                column.id
+            )
 
 
 HUGE = np.array([1e17, 1e17, -133.33333333333, 1.23456789012e-5, np.nan, np.inf, 0.0, 2e300])
 
 
 def test_ten_digits_of_each_value_however_large_others_are():
-    told = significant(HUGE)
-    assert told == pytest.approx(HUGE, rel=5e-10, abs=1e-9, nan_ok=True) and told[2] == -133.3333333
-    assert [float(f"{value:.9e}") for value in told[:4]] == told[:4].tolist()
+    reported = significant(HUGE)
+    assert reported == pytest.approx(HUGE, rel=5e-10, abs=1e-9, nan_ok=True) and reported[2] == -133.3333333
+    assert [float(f"{value:.9e}") for value in reported[:4]] == reported[:4].tolist()
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 1.0, 1e9])

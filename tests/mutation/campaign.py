@@ -13,7 +13,7 @@ run the line, the folder of tests that has the name of the source's folder, the 
 campaigns.
 What then survives is for a person to judge: some changes alter nothing that can be seen (an equal bound, a message's
 wording, an example's size, a speed). The first look takes half a second a fault in a fork and 5 in a copy, the second a
-minute or more a survivor. With numba beside it the compiled engine is tried, too.
+minute or more a survivor.
 
 The map leaves out the tests that work in processes of their own for long (kills, same bytes), so a fault that only they
 would see is printed as a survivor. After tests are renamed the map has to be drawn again: in a fork a test that is not

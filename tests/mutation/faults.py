@@ -61,7 +61,7 @@ def shown(file, fault):
 
 
 def _slips(raw):
-    """What `faults` tells, and a few changes that are no Python."""
+    """The faults of `faults`, and a few changes that are no Python."""
     tree = ast.parse(raw)
     starts = [0]
     for line in raw.splitlines(keepends=True):

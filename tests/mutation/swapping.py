@@ -37,7 +37,7 @@ def pytest_runtestloop(session):
                 importlib.import_module(module.name)
             except ImportError:
                 continue  # needs a library that is not there: no test runs it either
-    gc.unfreeze()  # conftest.py sets all objects aside, which are not told then
+    gc.unfreeze()  # conftest.py freezes all objects, which are not listed then
     everything = gc.get_objects()
     functions = [one for one in everything if isinstance(one, types.FunctionType)]
     kept = [one for one in everything if type(one).__name__ == "_lru_cache_wrapper"]

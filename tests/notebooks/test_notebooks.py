@@ -31,8 +31,8 @@ class Run:
             with contextlib.redirect_stdout(printed):
                 exec(compile(ast.Module(body, []), name, "exec"), self.names)
                 value = eval(compile(ast.Expression(last.value), name, "eval"), self.names) if last else None
-            told = {kind: getattr(value, method)() for kind, method in FORMATS.items() if hasattr(value, method)}
-            self.shown.append({kind: text for kind, text in told.items() if text})
+            summary = {kind: getattr(value, method)() for kind, method in FORMATS.items() if hasattr(value, method)}
+            self.shown.append({kind: text for kind, text in summary.items() if text})
         self.printed = printed.getvalue()
 
     def count(self, kind):
@@ -51,11 +51,13 @@ def run(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", NAMES)
 def test_notebook_is_kept_without_outputs(name):
     assert sorted(file.stem for file in NOTEBOOKS.glob("*")) == NAMES
-    told = json.loads((NOTEBOOKS / f"{name}.ipynb").read_text("utf-8"))
-    assert (told["nbformat"], told["nbformat_minor"]) == (4, 5) and told["metadata"]["kernelspec"]["name"] == "python3"
-    assert len({cell["id"] for cell in told["cells"]}) == len(told["cells"])
-    assert told["cells"][0]["source"][0].startswith("# ")
-    code = [cell for cell in told["cells"] if cell["cell_type"] == "code"]
+    summary = json.loads((NOTEBOOKS / f"{name}.ipynb").read_text("utf-8"))
+    assert (summary["nbformat"], summary["nbformat_minor"]) == (4, 5) and summary["metadata"]["kernelspec"][
+        "name"
+    ] == "python3"
+    assert len({cell["id"] for cell in summary["cells"]}) == len(summary["cells"])
+    assert summary["cells"][0]["source"][0].startswith("# ")
+    code = [cell for cell in summary["cells"] if cell["cell_type"] == "code"]
     assert not any(cell["outputs"] or cell["execution_count"] for cell in code)
 
 

@@ -147,7 +147,7 @@ def test_no_distance_moves_nothing(curve):
 
 @pytest.mark.parametrize("edge", range(2))
 def test_corners_that_close_are_found_wherever_the_origin_lies(edge):
-    """Also where the edge moved inward starts or ends at it: rounding is told by the outline's size."""
+    """Also where the edge moved inward starts or ends at it: rounding is relative to the outline's size."""
     corners, bulges = np.array([0.13, 4.2 - 0.3j, 5.1 + 3.7j, 0.9 + 4.3j]), np.full(4, 0.05)
     outline = Polyline(corners, bulges)
     along = complex(outline.velocity(float(edge)))

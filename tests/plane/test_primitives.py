@@ -21,7 +21,7 @@ def test_arc_keeps_its_radius_and_turns_by_its_sweep(sweep):
     arc = Arc(2 + 1j, 5 + 1j, sweep)
     arm = arc.point(np.linspace(0, 1, 101)) - (2 + 1j)
     assert np.allclose(np.abs(arm), 3)
-    # Step by step, since one angle would not tell a sweep from the rest of the turn.
+    # Step by step, since one angle would not distinguish a sweep from the rest of the turn.
     assert np.isclose(np.angle(arm[1:] / arm[:-1]).sum(), sweep)
 
 
@@ -68,7 +68,7 @@ def test_points_inside_the_hull_or_on_its_rim_add_no_corner(centres):
 
 
 def test_centres_that_differ_by_rounding_give_no_edge_shorter_than_rounding():
-    """0.1 * 3 is not 0.3: an outline with edges of 5e-17 mm has points that no file can tell apart."""
+    """0.1 * 3 is not 0.3: an outline with edges of 5e-17 mm has points that no file can distinguish."""
     for centres in ([0.3, 0.1 * 3], [0, 0.3, 0.1 * 3 + 1e-17j]):
         points = flatten(rounded_hull(centres, 5.0), 0.01)
         assert np.abs(points - np.roll(points, 1)).min() > 1e-9

@@ -189,13 +189,13 @@ def test_neck_agrees_with_its_definition(seed):
         np.array([x + 1j * y, x + w + 1j * y, x + w + 1j * (y + h), x + 1j * (y + h)])
         for x, y, w, h in np.concatenate([random.integers(0, 14, (7, 2)), random.integers(1, 7, (7, 2))], axis=1)
     ]
-    told = []
+    reported = []
     for outline, *holes in region.union(boxes):
         if not holes:
             loop = outline * np.exp(0.3j)
-            told.append(region.neck([loop], [len(loop)], 6.5))
-            assert told[-1] == pytest.approx(by_definition(loop, 6.5), rel=1e-9)
-    assert told
+            reported.append(region.neck([loop], [len(loop)], 6.5))
+            assert reported[-1] == pytest.approx(by_definition(loop, 6.5), rel=1e-9)
+    assert reported
 
 
 def regular(corners, radius, centre=0j):

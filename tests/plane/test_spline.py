@@ -16,7 +16,7 @@ def test_passes_its_points_at_its_breaks():
 
 
 def test_repeats_a_cubic_of_the_chord_length_whatever_the_spacing():
-    """Not a knot: a curve that is a cubic of the parameter comes back whole; along a line chords tell the parameter."""
+    """Not a knot: a curve that is a cubic of the parameter comes back whole; along a line chords give the parameter."""
     x = np.array([0, 0.3, 1.1, 1.2, 2.9, 4.0])
     line = Spline(x * (3 + 4j))
     t = np.linspace(0, 20, 41)

@@ -32,9 +32,9 @@ def test_found_linkage_goes_through_the_poses(tmp_path, wanted):
     assert {"poses.dxf", "poses.found.toml", "poses.csv", "summary.json", "poses.stl"} <= {
         file.name for file in made.files
     }
-    told = json.loads((folder / "summary.json").read_text())
-    assert told["number_found"] == len(told["ranked"]) or told["number_found"] > 20
-    assert next(iter(told["found"])) == "pose_error_mm" and told["found"]["defects"] == list(goal.found.defects)
+    data = json.loads((folder / "summary.json").read_text())
+    assert data["number_found"] == len(data["ranked"]) or data["number_found"] > 20
+    assert next(iter(data["found"])) == "pose_error_mm" and data["found"]["defects"] == list(goal.found.defects)
     # The found recipe by itself: over its own way its coupler point passes all places of the body, if it has no defect.
     found = gk.load(folder / "poses.found.toml")
     assert found == goal.design
@@ -88,8 +88,8 @@ def test_given_points_drive_in_their_order_or_either_and_the_driving_pin_is_stat
 
 
 def test_poles_are_reported_and_those_at_infinity_by_their_direction():
-    told = recipe("poses = [[0, 0, 0], [40, 20, 0], [60, 60, 80]]").notes["poles_mm"]
-    assert "at_infinity_deg" in told["1 and 2"] and len(told["1 and 3"]) == 2
+    data = recipe("poses = [[0, 0, 0], [40, 20, 0], [60, 60, 80]]").notes["poles_mm"]
+    assert "at_infinity_deg" in data["1 and 2"] and len(data["1 and 3"]) == 2
     # The point that has one place at two poses.
     x, y = recipe().notes["poles_mm"]["1 and 3"]
     pole = complex(x, y)

@@ -20,7 +20,7 @@ BELOW = -np.sqrt(90**2 - ((70**2 + 90**2 - 70**2) / 140) ** 2)
 RIGHT = {"four-bar": (FOUR_BAR, "rocker_pin"), "linkage": (BODIES, "B"), "centrodes": (FOUR_BAR, "rocker_pin")}
 
 
-def told(kind, top, branches):
+def reported(kind, top, branches):
     sizes, joint = RIGHT[kind]
     return parse(f'kind = "{kind}"\n{top}\n[branches]\n{branches.format(joint)}\n{sizes}')
 
@@ -35,7 +35,7 @@ def told(kind, top, branches):
 )  # fmt: skip
 def test_the_branch_is_given_by_sign_or_place(top, branches, sign):
     for kind, (_, joint) in RIGHT.items():
-        recipe = told(kind, top, branches)
+        recipe = reported(kind, top, branches)
         motion = recipe.centrodes.motion if kind == "centrodes" else recipe.motion
         pin = motion.point(joint).position[0]
         assert np.sign(pin.imag) == sign and pin.imag == pytest.approx(-sign * BELOW, rel=1e-12)
@@ -57,7 +57,7 @@ def test_invalid_branch_is_refused_by_its_key():
         ("{} = [1e300, 0]", "branches.B", "1e+300"),
     ]:
         with pytest.raises(gk.RecipeError) as caught:
-            told("linkage", "", branches)
+            reported("linkage", "", branches)
         (problem,) = caught.value.problems
         assert problem.key == key and found in problem.problem and "[x, y]" in problem.remedy
 

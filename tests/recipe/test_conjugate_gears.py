@@ -1,4 +1,4 @@
-"""Recipes of gears and the mates they shape: what the table tells, and backlash that is too much."""
+"""Recipes of gears and the mates they shape: what the table states, and backlash that is too much."""
 
 import numpy as np
 import pytest

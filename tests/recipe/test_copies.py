@@ -91,9 +91,9 @@ def test_files_count_parts_and_hardware_of_all_copies(walker, tmp_path):
     bill = (tmp_path / "walker" / "walker-bom.csv").read_text("utf-8").splitlines()
     rows = {row["item"]: int(row["count"]) for row in csv.DictReader(bill)}
     assert rows["leg"] == 3
-    told = json.loads((tmp_path / "walker" / "summary.json").read_text("utf-8"))
-    assert {part["name"]: part["count"] for part in told["parts"]}["crank"] == 3
-    assert told["stack"]["bought"] == [
+    data = json.loads((tmp_path / "walker" / "summary.json").read_text("utf-8"))
+    assert {part["name"]: part["count"] for part in data["parts"]}["crank"] == 3
+    assert data["stack"]["bought"] == [
         {"name": b.name, "count": b.count, "joints": list(b.joints)} for b in walker.bought
     ]
     assert walker.steps[: len(alone.steps)] == alone.steps

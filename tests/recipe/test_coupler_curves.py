@@ -19,10 +19,10 @@ SLIDER = {
 }
 
 
-@pytest.mark.parametrize("told", [ATLAS, SLIDER], ids=lambda told: told["kind"])
-def test_the_table_of_an_atlas_has_every_point_and_the_rates_of_those_that_are_chosen(told):
-    recipe = gk.load(told)
-    grid, values = told["grid"], {c.header: np.asarray(c.values, dtype=float) for c in recipe.table.columns}
+@pytest.mark.parametrize("reported", [ATLAS, SLIDER], ids=lambda reported: reported["kind"])
+def test_the_table_of_an_atlas_has_every_point_and_the_rates_of_those_that_are_chosen(reported):
+    recipe = gk.load(reported)
+    grid, values = reported["grid"], {c.header: np.asarray(c.values, dtype=float) for c in recipe.table.columns}
     drive = np.radians(values.pop("crank_angle_deg"))
     time = drive / recipe.drive.speed
     motion = gk.move(recipe.linkage, drive, recipe.branch, recipe.drive.speed)
@@ -49,15 +49,15 @@ def test_the_table_of_an_atlas_has_every_point_and_the_rates_of_those_that_are_c
                     f"{name}_acceleration_y_mm_per_s2"
                 )
                 # By differences of the places and of the rates.
-                for told_rate, of in ((rate, place), (more, rate)):
+                for reported_rate, of in ((rate, place), (more, rate)):
                     steps = (of[2:] - of[:-2]) / (time[2:] - time[:-2])
-                    assert np.abs(steps - told_rate[1:-1]).max() < 0.02 * np.abs(told_rate).max()
+                    assert np.abs(steps - reported_rate[1:-1]).max() < 0.02 * np.abs(reported_rate).max()
     assert not values and seen == len(grid["chosen"])
 
 
-@pytest.mark.parametrize("told", [ATLAS, SLIDER], ids=lambda told: told["kind"])
-def test_an_atlas_is_drawn_in_dashes_with_its_points_on_the_linkage(told):
-    recipe = gk.load(told)
+@pytest.mark.parametrize("reported", [ATLAS, SLIDER], ids=lambda reported: reported["kind"])
+def test_an_atlas_is_drawn_in_dashes_with_its_points_on_the_linkage(reported):
+    recipe = gk.load(reported)
     (part,) = recipe.parts
     drive = np.radians(np.linspace(0, 360, 20_001))
     motion = gk.move(recipe.linkage, drive, recipe.branch)
@@ -71,7 +71,7 @@ def test_an_atlas_is_drawn_in_dashes_with_its_points_on_the_linkage(told):
     ends = [mark.point(mark.breaks[[0, -1]]) for mark in part.marks if not isinstance(mark, gk.plane.Circle)]
     every = np.concatenate(curves)
     on = [np.abs(end[:, None] - every).min(axis=1).max() < 0.05 for end in ends]
-    assert sum(on) >= len(curves) * 180 // told["grid"].get("dash_deg", 5) - len(curves)
+    assert sum(on) >= len(curves) * 180 // reported["grid"].get("dash_deg", 5) - len(curves)
     assert len(on) - sum(on) < 20
     # The scene has a trail for each of them.
     trails = {mark.label: mark.place for mark in recipe.scene.marks if mark.trail}

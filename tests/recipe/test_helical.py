@@ -1,4 +1,4 @@
-"""Recipes of gears whose teeth lie on helices: what they tell, whose hand is whose, and what they refuse."""
+"""Recipes of gears whose teeth lie on helices: results, hands and refusals."""
 
 import numpy as np
 import pytest
@@ -67,9 +67,9 @@ def test_each_mesh_of_a_planetary_set_overlaps_over_the_face_that_both_have(face
     )
     recipe = parse(f'kind = "planetary"\nhelix_angle_deg = 20\n{stocks}\n[gears]\n{SUN}{RING}')
     found = {
-        name: told["overlap_ratio"]
-        for name, told in recipe.notes.items()
-        if "overlap_ratio" in str(told) and "overlap_ratio" in told
+        name: reported["overlap_ratio"]
+        for name, reported in recipe.notes.items()
+        if "overlap_ratio" in str(reported) and "overlap_ratio" in reported
     }
     sun, planet, ring = faces
     # One flank is ahead of itself by so much of a pitch along the circle where it is over.

@@ -48,10 +48,10 @@ def test_any_linkage_is_read_written_and_drawn(recipe: str, kind: str) -> None:
 
 def test_curvature_is_that_of_the_path_seen() -> None:
     recipe = parse(SLIDER_CRANK)
-    told = recipe.table
+    reported = recipe.table
     for frame in (17, 200):
         seen = seen_curvature(recipe.linkage, "coupler", 35 + 20j, np.radians(frame))
-        assert told["path_curvature"][frame] == pytest.approx(seen, rel=1e-6)
+        assert reported["path_curvature"][frame] == pytest.approx(seen, rel=1e-6)
     other = dataclasses.replace(recipe, point=60 - 15j)
     seen = seen_curvature(recipe.linkage, "coupler", 60 - 15j, np.radians(200))
     assert other.table["path_curvature"][200] == pytest.approx(seen, rel=1e-6)

@@ -260,6 +260,19 @@ def test_the_motor_is_the_one_named_or_mounted_or_the_smallest_that_suffices():
         slider_crank(loads, stroke={"start": 110, "end": 170}, linkage={"driver": "slider"})
 
 
+def test_pins_and_plates_are_checked_if_the_material_is_known():
+    force = {"forces": [{"body": "rocker", "point": "rocker_pin", "force_n": [0, -50]}]}
+    holds = {"pin_shear", "pin_pressure", "plate_stress"}
+    recipe = four_bar(force, stock=STEEL)
+    checks = {check.id: check for check in recipe.checks}
+    assert holds <= set(checks) and not holds & {check.id for check in four_bar(force).checks}
+    at = [abs(value - checks["pin_pressure"].at) for value in np.degrees(recipe.motion.drive)]
+    largest = max(abs(recipe.force_analysis.pin(pin, body)).max() for pin, body in
+                  [("crank_pivot", "crank"), ("rocker_pivot", "rocker"), ("crank_pin", "crank"), ("rocker_pin", "rocker"),
+                   ("crank_pin", "coupler"), ("rocker_pin", "coupler")])  # fmt: skip
+    assert min(at) < 1e-9 and checks["pin_pressure"].value == pytest.approx(largest / (4 * 3))
+
+
 PIN_TO_PIN = {"body": "rocker", "point": "rocker_pin", "to_body": "coupler", "to_point": "rocker_pin", "stiffness": 1}
 
 

@@ -38,14 +38,14 @@ DRIVEN = {
 
 @pytest.mark.parametrize("driver", DRIVEN)
 def test_kinematic_coefficients_are_derivatives_by_the_driver(driver):
-    """Beside differences of the columns that they are derived from, over the drive as the table tells it."""
+    """Beside differences of the columns that they are derived from, over the drive as the table states it."""
     table = gk.load(DRIVEN[driver]).table
     drive = table.columns[0]
     q = np.radians(drive.values) if drive.unit == "deg" else drive.values
     per = {"deg": "rad", "mm": "mm"}[drive.unit]
-    told = [column for column in table.columns if "_coefficient" in column.id]
-    assert len(told) >= 4
-    for column in told:
+    reported = [column for column in table.columns if "_coefficient" in column.id]
+    assert len(reported) >= 4
+    for column in reported:
         order = 1 + ("_second_" in column.id)
         of = column.id.replace("_first_coefficient", "").replace("_second_coefficient", "")
         row = next(c for c in table.columns if c.id == of)
@@ -63,10 +63,10 @@ def test_kinematic_coefficients_are_derivatives_by_the_driver(driver):
 
 def test_kinematic_coefficients_are_the_same_at_any_speed_and_left_out_where_nobody_asks():
     tables = [gk.load(DRIVEN["crank"].replace("drive = {", f"drive = {{ speed_rpm = {rpm},")).table for rpm in (1, 600)]
-    told = [c.header for c in tables[0].columns if "_coefficient" in c.id]
-    assert all(np.array_equal(tables[0][header], tables[1][header]) for header in told)
+    reported = [c.header for c in tables[0].columns if "_coefficient" in c.id]
+    assert all(np.array_equal(tables[0][header], tables[1][header]) for header in reported)
     plain = gk.load(DRIVEN["crank"].replace("coefficients = true\n", "")).table
-    assert [c.header for c in plain.columns] == [c.header for c in tables[0].columns if c.header not in told]
+    assert [c.header for c in plain.columns] == [c.header for c in tables[0].columns if c.header not in reported]
 
 
 @pytest.mark.parametrize("name", list(ALL)[::3])
@@ -86,10 +86,10 @@ def test_columns_of_rotations_displacements_and_fixed_bodies(name):
     pinned = {n for n, own in general.bodies.items() if set(own) & set(points)}
     sliding = {n for s in general.sliders if general.ground in (s.body, s.along) for n in (s.body, s.along)}
     held = (pinned | sliding) - driver - {general.ground}
-    told = {n: units[f"{n}_mechanical_advantage"] for n in motion.bodies if f"{n}_mechanical_advantage" in units}
+    reported = {n: units[f"{n}_mechanical_advantage"] for n in motion.bodies if f"{n}_mechanical_advantage" in units}
     # A driving slide's force makes a torque, mm times as large, and a crank's torque a force.
     force, torque = ("", "mm") if general.driven_slider else ("1/mm", "")
-    assert told == {n: torque if n in turning else force for n in held}
+    assert reported == {n: torque if n in turning else force for n in held}
     free = {p for own in list(general.bodies.values())[1:] for p in own} - set(general.pins)
     assert {n[:-2] for n in units if n.endswith("_x") and f"{n[:-2]}_velocity_x" in units} == free
     of = [f"{n}_angle" for n in turning - driver] + [f"{s.name}_displacement" for s in general.sliders]

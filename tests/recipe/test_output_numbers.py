@@ -1,4 +1,4 @@
-"""What a recipe of a linkage tells when asked: both assembly modes, a dwell, Grashof's sums, cognates one by one."""
+"""Optional results of a recipe of a linkage: both assembly modes, a dwell, Grashof's sums, cognates one by one."""
 
 import numpy as np
 import pytest
@@ -26,11 +26,11 @@ def test_both_modes_stand_in_the_table() -> None:
     recipe = parse(FOUR_BAR)
     mirrored = gk.move(recipe.linkage, np.radians(np.arange(0, 361, 10)), -1, recipe.drive.speed)
     point = mirrored.point("coupler_point")
-    told = recipe.table
-    np.testing.assert_allclose(told["other_coupler_point_x"], point.position.real, rtol=1e-12)
-    np.testing.assert_allclose(told["other_coupler_point_velocity_y"], point.velocity.imag, rtol=1e-9)
-    np.testing.assert_allclose(told["other_rocker_omega"], mirrored.rocker.omega, rtol=1e-9)
-    assert set(told["rocker_pin_branch"]) == {1} and set(told["other_rocker_pin_branch"]) == {-1}
+    reported = recipe.table
+    np.testing.assert_allclose(reported["other_coupler_point_x"], point.position.real, rtol=1e-12)
+    np.testing.assert_allclose(reported["other_coupler_point_velocity_y"], point.velocity.imag, rtol=1e-9)
+    np.testing.assert_allclose(reported["other_rocker_omega"], mirrored.rocker.omega, rtol=1e-9)
+    assert set(reported["rocker_pin_branch"]) == {1} and set(reported["other_rocker_pin_branch"]) == {-1}
     least = np.degrees(gk.least_transmission_angle(mirrored))
     assert recipe.notes["other_mode"]["least_transmission_angle_deg"] == pytest.approx(least, rel=1e-9)
     assert recipe.notes["other_mode"]["driver_reaches_deg"] == [[0.0, 360.0]]

@@ -26,20 +26,20 @@ def test_goal_is_made_and_its_found_recipe_runs(tmp_path):
     assert {"five.dxf", "five.csv", "five.svg", "path.stl", "crank.stl", "five.found.toml"} <= {
         p.name for p in made.files
     }
-    told = json.loads((folder / "summary.json").read_text())
-    assert told["found"]["square_error_mm2"] < 1e-4 and told["points"] == 5 and told["method"] != "least squares"
-    assert told["ranked"][0] == told["found"] and len(told["cognates"]) == 3 and not told["cut_short"]
-    assert told["usable"]["transmission_angle_deg"] >= 30 - 1e-6 and told["usable"]["ratio"] <= 10 + 1e-6
+    data = json.loads((folder / "summary.json").read_text())
+    assert data["found"]["square_error_mm2"] < 1e-4 and data["points"] == 5 and data["method"] != "least squares"
+    assert data["ranked"][0] == data["found"] and len(data["cognates"]) == 3 and not data["cut_short"]
+    assert data["usable"]["transmission_angle_deg"] >= 30 - 1e-6 and data["usable"]["ratio"] <= 10 + 1e-6
     first = made.checks[0]
     assert first.name == "largest distance of a point from the path" and first.passed and first.value < 0.01
-    # Another road: the found recipe, loaded and moved to the drives that are told.
+    # Another road: the found recipe, loaded and moved to the reported drives.
     found = gk.load(folder / "five.found.toml")
-    drive = np.radians(told["drive_at_points_deg"])
+    drive = np.radians(data["drive_at_points_deg"])
     track = gk.move(found.linkage, drive, found.branch).point("coupler_point").position
     wanted = np.array([30 + 30j, 27.59 + 33.63j, 23.72 + 36.63j, 18.90 + 38.62j, 13.55 + 39.43j])
     assert np.abs(track - wanted).max() == pytest.approx(first.value, abs=1e-6)
-    assert found.drive.start_deg == pytest.approx(told["drive_at_points_deg"][0])
-    assert found.drive.end_deg == pytest.approx(told["drive_at_points_deg"][-1])
+    assert found.drive.start_deg == pytest.approx(data["drive_at_points_deg"][0])
+    assert found.drive.end_deg == pytest.approx(data["drive_at_points_deg"][-1])
 
 
 def test_points_come_from_files_and_texts(tmp_path):

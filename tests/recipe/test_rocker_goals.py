@@ -1,4 +1,4 @@
-"""Recipes of a swing, of two rockers and of a stroke: what is made, what is told, what is refused."""
+"""Recipes of a swing, of two rockers and of a stroke: what is made, reported and refused."""
 
 import json
 from pathlib import Path
@@ -24,8 +24,8 @@ STROKE = {"kind": "slider-crank-stroke", "wanted": {"stroke": 80, "time_ratio": 
 
 def changed(recipe, **wanted):
     """The recipe with other wishes; None leaves one out."""
-    told = recipe["wanted"] | wanted
-    return recipe | {"wanted": {key: value for key, value in told.items() if value is not None}}
+    data = recipe["wanted"] | wanted
+    return recipe | {"wanted": {key: value for key, value in data.items() if value is not None}}
 
 
 @pytest.mark.parametrize(("name", "links"), [("pump-stroke", 4), pytest.param("wiper", 5, marks=pytest.mark.campaign)])
@@ -34,10 +34,10 @@ def test_gallery_goal_is_made_and_its_found_recipe_runs(tmp_path, name, links):
     made = gk.make(goal, tmp_path)
     assert all(check.passed for check in made.checks)
     assert len([file for file in made.files if file.suffix == ".stl"]) == links
-    told = json.loads((tmp_path / name / "summary.json").read_text())
-    assert told["number_found"] == len(goal.ranked) and told["ranked"][0] == told["found"]
-    assert told["found"]["defects"] == [] and len(told["family"]["free_angle_deg"]) == 2
-    angles = [(one.get("overshoot_deg", 0) > 1e-6, -one["transmission_angle_deg"]) for one in told["ranked"]]
+    data = json.loads((tmp_path / name / "summary.json").read_text())
+    assert data["number_found"] == len(goal.ranked) and data["ranked"][0] == data["found"]
+    assert data["found"]["defects"] == [] and len(data["family"]["free_angle_deg"]) == 2
+    angles = [(one.get("overshoot_deg", 0) > 1e-6, -one["transmission_angle_deg"]) for one in data["ranked"]]
     assert len(angles) > 5 and angles == sorted(angles)
     found = gk.load(tmp_path / name / f"{name}.found.toml")
     assert found == goal.design

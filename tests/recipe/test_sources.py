@@ -16,11 +16,13 @@ GEAR = 'kind = "spur-gear"\ngear = { teeth = 17, module = 2 }\nfiles = { write =
 TABLE = tomllib.loads(GEAR)
 
 
-def without_none(told):
+def without_none(reported):
     """The same without what was left out, which TOML cannot say."""
-    if isinstance(told, list):
-        return [without_none(part) for part in told]
-    return {k: without_none(v) for k, v in told.items() if v is not None} if isinstance(told, dict) else told
+    if isinstance(reported, list):
+        return [without_none(part) for part in reported]
+    return (
+        {k: without_none(v) for k, v in reported.items() if v is not None} if isinstance(reported, dict) else reported
+    )
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -34,7 +36,7 @@ def test_text_table_file_and_class_give_the_same_recipe(tmp_path, monkeypatch, n
     fields = {f.name: getattr(recipe, f.name) for f in dataclasses.fields(recipe)}
     built = recipe_class(name)(**fields)
     assert built == recipe and type(built) is recipe_class(name)
-    # What the summary tells of it is a recipe again.
+    # The summary holds the recipe.
     assert gk.load(without_none(adapter(type(recipe)).dump_python(recipe, mode="json"))) == recipe
 
 

@@ -114,8 +114,8 @@ def swing_of(crank):
 
 def shown(job: Job) -> dict[str, bytes]:
     """A toy player: the scene as text."""
-    told = {"bodies": [body.name for body in job.scene.bodies], "frames": len(job.scene.time)}
-    return {f"{job.name}.show": json.dumps(told).encode()}
+    data = {"bodies": [body.name for body in job.scene.bodies], "frames": len(job.scene.time)}
+    return {f"{job.name}.show": json.dumps(data).encode()}
 
 
 @pytest.fixture(autouse=True)
@@ -154,8 +154,8 @@ def test_goal_passes_on_the_properties_of_its_found_recipe(tmp_path):
     rocker = np.angle(gk.move(found.linkage, turns).rocker.direction)
     assert np.degrees(np.ptp(rocker)) == pytest.approx(40, abs=1e-4)
     made = gk.make(goal, tmp_path)
-    told = json.loads((tmp_path / "rocker-swing" / "summary.json").read_text())
-    assert told["found"] == {"crank": found.linkage.crank} and told["stack"] and told["recipe"]["swing_deg"] == 40
+    data = json.loads((tmp_path / "rocker-swing" / "summary.json").read_text())
+    assert data["found"] == {"crank": found.linkage.crank} and data["stack"] and data["recipe"]["swing_deg"] == 40
     assert {"rocker-swing.csv", "crank.stl"} <= {p.name for p in made.files}
     assert parse(template_of("rocker-swing")) == goal
     assert repr(goal).startswith("RockerSwingRecipe(") and "swing_deg=40" in repr(goal)

@@ -2,17 +2,12 @@
 
 .venv/bin/python tests/speed/engine.py
 
-The floors: the textbook's formulas in plain NumPy; for chains, those of their dyads one after the other; for the
-compiled engine a loop in C that writes the same outputs, where there is a compiler (gcc). CPU time, the least of many.
+The floors: the textbook's formulas in plain NumPy; for chains, those of their dyads one after the other; for
+derivatives, the values. CPU time, the least of many.
 """
 
-import ctypes
-import shutil
-import subprocess
 import sys
-import tempfile
 import time
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -26,31 +21,6 @@ from tests.linkage.examples import locked, walking_leg
 from tests.linkage.test_loops import triad
 
 SIZES, LOCAL = (100.0, 30.0, 90.0, 70.0), 40 + 25j
-SOURCE = r"""
-#include <math.h>
-void four_bar(long n, const double *t, double d, double a, double b, double c, double lx, double ly, double w,
-              double **out, double *mu, char *closed) {
-  double k = 0.5 * (b * b - c * c), zx, zy;
-  lx /= b; ly /= b;
-  for (long i = 0; i < n; i++) {
-    double cs = cos(t[i]), sn = sin(t[i]), ux = d - a * cs, uy = -a * sn, s = ux * ux + uy * uy;
-    double p = 0.5 + k / s, r2 = b * b / s - p * p, r = sqrt(r2);
-    double bx = p * ux - r * uy, by = p * uy + r * ux, ax = bx - ux, ay = by - uy;
-    double det = bx * ay - by * ax, dot = bx * ax + by * ay, ox = w * a * cs, oy = w * a * sn;
-    double w3 = (ax * oy - ay * ox) / det, w4 = (bx * oy - by * ox) / det;
-    double rx = w * ox + w3 * w3 * bx - w4 * w4 * ax, ry = w * oy + w3 * w3 * by - w4 * w4 * ay;
-    double g3 = (ax * rx + ay * ry) / det, g4 = (bx * rx + by * ry) / det;
-    zx = lx * bx - ly * by; zy = lx * by + ly * bx;
-    out[0][2 * i] = cs; out[0][2 * i + 1] = sn; out[1][i] = w; out[2][i] = 0;
-    out[3][2 * i] = bx / b; out[3][2 * i + 1] = by / b; out[4][i] = w3; out[5][i] = g3;
-    out[6][2 * i] = ax / c; out[6][2 * i + 1] = ay / c; out[7][i] = w4; out[8][i] = g4;
-    out[9][2 * i] = a * cs + zx; out[9][2 * i + 1] = a * sn + zy;
-    out[10][2 * i] = -oy - w3 * zy; out[10][2 * i + 1] = ox + w3 * zx;
-    out[11][2 * i] = -w3 * w3 * zx - g3 * zy - w * ox; out[11][2 * i + 1] = -w3 * w3 * zy + g3 * zx - w * oy;
-    mu[i] = atan2(fabs(det), fabs(dot)); closed[i] = r2 >= 0;
-  }
-}
-"""
 
 
 def least_ms(action, runs):
@@ -73,10 +43,8 @@ def side_by_side(one, other, runs):
 def four_bars():
     """All 14 outputs of a four-bar that moves again and again, and of one that moves once."""
     linkage = gk.FourBar(*SIZES, coupler_point=LOCAL)
-    for frames, runs in ((360, 200), (10_000, 20), (1_000_000, 2)):
+    for frames, runs in ((1, 200), (360, 200), (10_000, 20), (1_000_000, 2)):
         drive = np.linspace(0, 2 * np.pi, frames)
-        for _ in range(12):
-            everything(gk.move(linkage, drive[:360], speed=10.0))
         ours, plain = side_by_side(
             lambda drive=drive: everything(gk.move(linkage, drive, speed=10.0)),
             lambda drive=drive: textbook(SIZES, LOCAL, drive, 10.0),
@@ -84,20 +52,17 @@ def four_bars():
         )
         yield f"engine: four-bar, {frames} frames, 14 outputs", ours, plain
     drive = np.linspace(0, 2 * np.pi, 360)
-    # Made before, as a recipe's are; each moves for the first time.
-    waiting = [gk.FourBar(*SIZES, coupler_point=LOCAL) for _ in range(2000)]
-    for one in waiting:
-        _ = one.linkage
+    rng = np.random.default_rng(1)
     ours, plain = side_by_side(
-        lambda: everything(gk.move(waiting.pop(), drive, speed=10.0)),
+        lambda: everything(gk.move(gk.FourBar(*(SIZES + rng.random(4)), coupler_point=LOCAL), drive, speed=10.0)),
         lambda: textbook(SIZES, LOCAL, drive, 10.0),
         100,
     )
-    yield "engine: four-bar, 360 frames, 14 outputs, its first motion", ours, plain
+    yield "engine: four-bar, 360 frames, 14 outputs, new lengths at each call", ours, plain
 
 
 def dyad(one, two, b, c, side):
-    """Two bars between points that move: each point a place and its first and second derivative, as all that is told."""
+    """Two bars between points that move: each point a place and its first and second derivative."""
     (p, p1, p2), (q, q1, q2) = one, two
     u = q - p
     s = u.real**2 + u.imag**2
@@ -149,7 +114,7 @@ def chains():
         link, output, two = dyad(pen, pinned(60 + 120j), 80.0, 60.0, 1)
         return coupler, rocker, link, output, pen, np.minimum(one, two)
 
-    def told(linkage, branch, point):
+    def reported(linkage, branch, point):
         motion = gk.move(linkage, drive, branch)
         moved = motion.point(point)
         turns = [(b.direction, b.first, b.second) for b in motion.bodies.values()]
@@ -160,60 +125,33 @@ def chains():
         ("six-bar", six_bar, 1, "coupler_point", flat_six_bar),
     )
     for name, linkage, branch, point, flat in cases:
-        for _ in range(12):
-            told(linkage, branch, point)
-        ours, plain = side_by_side(lambda: told(linkage, branch, point), flat, 100)
+        ours, plain = side_by_side(lambda: reported(linkage, branch, point), flat, 100)
         yield f"engine: {name}, 360 frames, all coefficients", ours, plain
 
 
-def loop_in_c(folder):
-    """The four-bar's 14 outputs by a compiled loop, with room for them made anew each time; None without a compiler."""
-    gcc = shutil.which("gcc")
-    if gcc is None:
-        return None
-    source, library = folder / "loop.c", folder / "loop.so"
-    source.write_text(SOURCE)
-    subprocess.run([gcc, "-O3", "-march=native", "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
-    function, number = ctypes.CDLL(str(library)).four_bar, ctypes.c_double
-
-    def run(drive):
-        out = [np.empty(len(drive), kind) for kind in "DddDddDddDDDd?"]
-        places = [array.ctypes.data for array in out]
-        sizes = [number(v) for v in (*SIZES, LOCAL.real, LOCAL.imag, 10.0)]
-        function(
-            ctypes.c_long(len(drive)), ctypes.c_void_p(drive.ctypes.data), *sizes, (ctypes.c_void_p * 12)(*places[:12]),
-            ctypes.c_void_p(places[12]), ctypes.c_void_p(places[13]),
-        )  # fmt: skip
-        return out
-
-    return run
-
-
-def compiled():
-    """The compiled engine, loaded, beside C; curves of many linkages."""
-    drive = np.linspace(0, 2 * np.pi, 1_000_000)
-    linkage = gk.FourBar(*SIZES, coupler_point=LOCAL)
+def batches():
+    """Curves of many linkages, and derivatives by all sizes."""
     rng = np.random.default_rng(1)
     many = gk.FourBar(*(v + rng.random(10_000) for v in SIZES), coupler_point=LOCAL)
     turn = np.linspace(0, 2 * np.pi, 64)
-    engines = ["NumPy"]
-    if find_spec("numba"):
-        engines.append("numba")
-    with tempfile.TemporaryDirectory() as folder:
-        in_c = loop_in_c(Path(folder))
-        for engine in engines:
-            if engine == "numba":
-                import geomkin.linkage.solve.compiled  # noqa: F401
-            if in_c is not None:
-                check = zip(in_c(drive), everything(gk.move(linkage, drive, speed=10.0)))
-                assert all(np.allclose(one, other, atol=1e-9) for one, other in check)
-                ours, floor = side_by_side(
-                    lambda: everything(gk.move(linkage, drive, speed=10.0)), lambda: in_c(drive), 2
-                )
-                yield f"engine: {engine} beside C, 1e6 frames, 14 outputs", ours, floor
-            # The floor: four million points a second.
-            ours = least_ms(lambda: gk.move(many, turn).point("coupler_point").position, 5)
-            yield f"engine: {engine}, coupler curves of 1e4 linkages at 64", ours, 1000 * 64e4 / 4e6
+    # The floor: four million points a second.
+    ours = least_ms(lambda: gk.move(many, turn).point("coupler_point").position, 5)
+    yield "engine: coupler curves of 1e4 linkages at 64", ours, 1000 * 64e4 / 4e6
+
+    drive = np.linspace(0, 2 * np.pi, 360)
+    sizes = "ground", "crank", "coupler", "rocker", "coupler_point.x", "coupler_point.y", "ground_angle_deg"
+    outputs = [f"{body}_{what}" for body in ("coupler", "rocker") for what in ("angle", "omega", "alpha")]
+    outputs += ["coupler_point", "coupler_point_velocity", "coupler_point_acceleration", "transmission_angle"]
+
+    def moved():
+        return gk.move(gk.FourBar(*(SIZES + rng.random(4)), coupler_point=LOCAL), drive, speed=10.0)
+
+    def gradients():
+        motion = moved()
+        return [motion.sensitivity(of, by) for of in outputs for by in sizes]
+
+    ours, values = side_by_side(gradients, lambda: everything(moved()), 30)
+    yield "engine: four-bar, 360 frames, derivatives by 7 sizes beside values", ours, values
 
 
 def iterated():
@@ -228,4 +166,4 @@ def iterated():
 
 
 if __name__ == "__main__":
-    keep(four_bars, chains, compiled, iterated)
+    keep(four_bars, chains, batches, iterated)

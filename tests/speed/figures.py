@@ -30,7 +30,7 @@ def bytecode():
 def as_installed():
     """Environment of a process that finds bytecode, as where a package is installed.
 
-    Where Python is told to write none, each process compiles anew what no installation compiled: a tenth of a second.
+    Where Python is set to write none, each process compiles anew what no installation compiled: a tenth of a second.
     """
     others = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     return others | {"PYTHONPYCACHEPREFIX": bytecode().name}

@@ -79,10 +79,10 @@ def main(names):
                 inside[k] for k in ("style", 'script type="application/json"', 'script type="module"')
             )
             size = files[name].stat().st_size
-            told = ("design", "table", "parts", "checks")
+            reported = ("design", "table", "parts", "checks")
             table = least_ms(lambda recipe: recipe.table, lambda name=name: loaded(name, "design"))
-            scene = least_ms(lambda recipe: recipe.scene, lambda name=name: loaded(name, *told))
-            whole = loaded(name, *told, "scene")
+            scene = least_ms(lambda recipe: recipe.scene, lambda name=name: loaded(name, *reported))
+            whole = loaded(name, *reported, "scene")
             page = least_ms(lambda whole=whole, name=name: gk.write(whole, files[name]))
             weights = (size, library, script - library, style, data, size - script - style - data)
             rows.append((name, *weights, table, scene, page, (scene + page) / table))

@@ -79,8 +79,8 @@ def figures():
         best = timed(gk.function_generator, *wish)
         slider = timed(slider_function_generator, text, span, swings[0], 50)
         columns = (points, (by_equation(least[2]), 0.0), mean, least, best, slider)
-        told = "".join(f"{error:12.5f} ({seconds:5.2f} s)" for error, seconds, *_ in columns)
-        print(f"{text:10}{swings[0]:>5}{swings[1]:>5}{starts[0]:5.0f}{starts[1]:5.0f}{told}")
+        reported = "".join(f"{error:12.5f} ({seconds:5.2f} s)" for error, seconds, *_ in columns)
+        print(f"{text:10}{swings[0]:>5}{swings[1]:>5}{starts[0]:5.0f}{starts[1]:5.0f}{reported}")
         if published:
             one, two, three, four = ("" if np.isnan(value) else f"{value:.4f}" for value in published)
             print(f"{'':30}{one:>12}{two:>22}{three:>44}{four:>22}   published")

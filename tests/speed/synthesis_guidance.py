@@ -19,9 +19,9 @@ def verdicts():
     print(f"{'linkages':18} {'cases':>7} {'sound':>7} {'differ':>7} {'border':>7}   (border: margin below {BORDER:g})")
     total = np.zeros(4, dtype=int)
     for kind in KINDS:
-        told = np.sum([compared(kind, 2500, seed) for seed in range(100, 108)], axis=0)
-        total += told
-        print(f"{kind:18} {told[3]:7} {told[1]:7} {told[2]:7} {told[0]:7}")
+        reported = np.sum([compared(kind, 2500, seed) for seed in range(100, 108)], axis=0)
+        total += reported
+        print(f"{kind:18} {reported[3]:7} {reported[1]:7} {reported[2]:7} {reported[0]:7}")
     print(f"{'all':18} {total[3]:7} {total[1]:7} {total[2]:7} {total[0]:7}")
 
 

@@ -37,9 +37,9 @@ def figures():
         table = moved(gk.FourBar(1, *lengths))
         print(f"{swing}/{turn}  published     {lengths[0]:.5f}  {lengths[1]:.5f}  {lengths[2]:.5f}", end="  ")
         print(f"{angle:9.3f}            {table[0]:10.5f}{table[1]:12.6f}")
-        told = moved(found.linkage)
+        reported = moved(found.linkage)
         print(f"        ours          {ours[0]:.5f}  {ours[1]:.5f}  {ours[2]:.5f}", end="  ")
-        print(f"{found.transmission_angle_deg:12.6f}         {told[0]:10.5f}{told[1]:12.6f}{cost:11.1f}")
+        print(f"{found.transmission_angle_deg:12.6f}         {reported[0]:10.5f}{reported[1]:12.6f}{cost:11.1f}")
     print("45/100, the trap: ", end="")
     try:
         gk.crank_rocker(45, 100)

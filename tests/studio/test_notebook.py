@@ -48,7 +48,7 @@ def framed(html):
 
 
 def scene_of(thing):
-    """The scene that the player is given, its driver's row told in numbers."""
+    """The scene that the player is given, with its driver's row in numbers."""
     _, page = framed(gk.show(thing)._repr_html_())
     data = json.loads(Elements(page).scripts["application/json"])
     drive = unpacked(data["series"][data["columns"][0]["row"]], data["frames"])

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing, suppress
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -220,3 +222,26 @@ def test_the_command_ends_with_ctrl_c(tmp_path):
         out, error = process.communicate(timeout=20)
     assert process.returncode == 0 and not out.strip() and not error.strip()
     assert [path.name for path in tmp_path.iterdir()] == ["bar.toml"]
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("wait", [0.0, 0.02, 0.05, 0.11, 0.23])
+def test_a_server_killed_while_saving_leaves_a_whole_file(tmp_path, wait):
+    texts = [f"# {mark * 200_000}\n{FOUR_BAR}" for mark in "ab"]
+    file = tmp_path / "bar.toml"
+    file.write_text(texts[0])
+    command = [sys.executable, "-m", "geomkin", "studio", str(file), "--no-browser", "--port", "18400"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        address = urlsplit(process.stdout.readline().strip())
+        connection = http.client.HTTPConnection(HOST, address.port, timeout=20)
+        base, saves = Workspace(tmp_path).mark("bar"), 0
+        threading.Timer(0.1 + wait, process.kill).start()
+        with closing(connection), suppress(OSError, http.client.HTTPException):
+            while True:
+                body = {"recipe": "bar", "text": texts[(saves + 1) % 2], "base": base}
+                connection.request(
+                    "POST", f"{address.path}save", json.dumps(body), {"Content-Type": "application/json"}
+                )
+                base = json.loads(connection.getresponse().read())["base"]
+                saves += 1
+    assert file.read_text() in texts and saves > 0

@@ -47,7 +47,7 @@ def _moved(rng, count, poses, kind, size):
                 continue
             frames = np.sort(rng.choice(frames, poses, replace=False))
             z, u = body.origin.position[frames, k], body.direction[frames, k]
-            # Poses nearly the same tell nothing.
+            # Nearly equal poses determine nothing.
             if min(abs(u[i] - u[j]) for i in range(poses) for j in range(i)) < 0.02:
                 continue
             if kind == "four-bar":

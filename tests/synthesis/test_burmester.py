@@ -74,7 +74,7 @@ def test_velocities_are_those_of_the_points(kind):
         t, h = t[1:-1], 1e-6
         for place, velocity in ((piece.point, piece.velocity), (piece.partner, piece.partner_velocity)):
             ahead, behind, exact = place(t + h), place(t - h), velocity(t)
-            # Differences tell little of what comes from infinity.
+            # Differences say little about points near infinity.
             near = np.abs(place(t)) < 300
             size = 1 + np.abs(place(t)) ** 2 + np.abs(exact)
             assert near.sum() > 200

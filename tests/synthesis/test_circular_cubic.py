@@ -79,7 +79,7 @@ def test_a_cubic_is_traced_whole(terms):
         # Each closes as a line through the middle of space does.
         ends = v[[0, -1]] / size[[0, -1], None]
         apart = min(np.abs(ends[0] - ends[1]).max(), np.abs(ends[0] + ends[1]).max())
-        # What is barely a cubic is told by rounding where it is at infinity.
+        # For a nearly degenerate cubic, rounding decides where it is at infinity.
         assert apart < 1e-4 or (0 < abs(cubic.tensor[0, 0, 0]) < 1e-8 and not np.isnan(loop.half))
         near = np.abs(weight) * 20 > np.abs(place)
         drawn.append(place[near] / weight[near])
@@ -146,7 +146,7 @@ def test_stretches_that_are_inside_are_found_round_the_start():
         # Wherever the looks begin, and beyond one turn.
         for begin in (0.01, 0.12, 1.0, 7.0):
             found = crossings(inside, grid + begin)
-            # One in whose cell the looks begin may be told a turn later.
-            told = sorted((low % (2 * np.pi), low % (2 * np.pi) + high - low) for low, high in found)
-            assert np.array(told) == pytest.approx(np.array(wanted), abs=1e-9)
+            # One in the first cell of the samples may be reported a turn later.
+            reported = sorted((low % (2 * np.pi), low % (2 * np.pi) + high - low) for low, high in found)
+            assert np.array(reported) == pytest.approx(np.array(wanted), abs=1e-9)
             assert all((inside(np.array(stretch)) > -1e-12).all() for stretch in found)

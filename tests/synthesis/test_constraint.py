@@ -38,15 +38,15 @@ def test_coefficients_of_a_pin_give_its_squared_distance():
     z, u, pivot, pin = places(rng, 50), turns(rng, 50), places(rng, 7), places(rng, 7)
     w = rng.uniform(-3, 3, 7)
     rest = w * (abs(pin) ** 2 + abs(pivot) ** 2)
-    told = rows(z, u) @ of_pins(w, pivot, pin, rest).T
-    assert told == pytest.approx(w * np.abs(z[:, None] + u[:, None] * pin - pivot) ** 2, abs=1e-12)
+    reported = rows(z, u) @ of_pins(w, pivot, pin, rest).T
+    assert reported == pytest.approx(w * np.abs(z[:, None] + u[:, None] * pin - pivot) ** 2, abs=1e-12)
 
 
 def test_the_two_side_conditions_are_those_of_the_coefficients():
     rng = np.random.default_rng(2)
     w, d, (a, b, c) = rng.normal(size=40), rng.normal(size=40), places(rng, 3, 40)
-    told = coefficients(w, a, b, c, d)
-    values = np.einsum("ni,kij,nj->kn", told, SIDE, told)
+    reported = coefficients(w, a, b, c, d)
+    values = np.einsum("ni,kij,nj->kn", reported, SIDE, reported)
     wanted = 2 * w * c - a * np.conj(b)
     assert values[0] + 1j * values[1] == pytest.approx(wanted, abs=1e-12)
     assert (SIDE == SIDE.swapaxes(1, 2)).all()
@@ -81,8 +81,8 @@ def test_dyads_of_slides_hold_the_poses_that_their_coefficients_are_met_by():
         else:
             # The pivot, seen from the body, is on a line of it.
             z = pivot - u * (0.3 - 0.7j + way * rng.normal(size=9))
-        told = relations(z, u).vectors[-1]
-        found, good = pairs_of(told[None])
+        reported = relations(z, u).vectors[-1]
+        found, good = pairs_of(reported[None])
         middle, size = normalised(z)[1:]
         found = found.enlarged(middle, size)
         assert good.all() and bool(found.fixed_far[0]) == on_ground and bool(found.moving_far[0]) == (not on_ground)
@@ -100,20 +100,20 @@ def test_error_of_a_dyad_is_half_the_variation_of_its_distance():
     fixed[:4], moving[4:8] = turns(rng, 4), turns(rng, 4)
     sort = np.arange(12) // 4
     pairs = Pairs(fixed, moving, sort == 0, sort == 1)
-    told = missed(z, u, pairs)
+    reported = missed(z, u, pairs)
     for k in range(12):
         away = [
             (np.conj(fixed[k]) * (z + u * moving[k])).imag,
             (np.conj(moving[k]) * np.conj(u) * (fixed[k] - z)).imag,
             np.abs(z + u * moving[k] - fixed[k]),
         ][sort[k]]
-        assert told[k] == pytest.approx((away.max() - away.min()) / 2)
+        assert reported[k] == pytest.approx((away.max() - away.min()) / 2)
     # The same of several sets of poses at once, of some of them, and of what the body sees.
     both = missed(np.stack([z, z[::-1]]), np.stack([u, u[::-1]]), pairs)
-    assert both == pytest.approx(np.stack([told, told]))
+    assert both == pytest.approx(np.stack([reported, reported]))
     kept = np.array([1, 5, 9, 10])
-    assert missed(z, u, joined([pairs.at(kept[:2]), pairs.at(kept[2:])])) == pytest.approx(told[kept])
-    assert missed(-np.conj(u) * z, np.conj(u), pairs.swapped) == pytest.approx(told)
+    assert missed(z, u, joined([pairs.at(kept[:2]), pairs.at(kept[2:])])) == pytest.approx(reported[kept])
+    assert missed(-np.conj(u) * z, np.conj(u), pairs.swapped) == pytest.approx(reported)
     # A pivot so far away that its distance has no digits left of what the pin varies by.
     far = Pairs(np.array([1e14 + 0j]), moving[:1] * 0, sort[:1] > 0, sort[:1] > 0)
     assert missed(z, u, far)[0] == pytest.approx(np.ptp(z.real) / 2, rel=1e-3)
@@ -125,7 +125,7 @@ def test_few_poses_leave_free_dimensions(size):
     z, u = size * places(rng, 8), turns(rng, 8)
     for count in range(1, 9):
         assert relations(z[:count], u[:count]).freedom == 8 - count
-    # Parallel ones tell three things besides that they are parallel; those about one point three, too.
+    # Parallel ones give three conditions besides their direction; those about one point give three, too.
     assert relations(z, np.ones(8)).freedom == 4 and relations(np.ones(5, dtype=complex), u[:5]).freedom == 5
     scaled, middle, extent = normalised(z + 7 * size)
     assert middle[0] + extent[0] * scaled == pytest.approx(z + 7 * size)

@@ -218,5 +218,5 @@ def test_invalid_requests_are_refused(wish, field):
     ids=["double rocker", "double crank", "short rod"],
 )
 def test_what_does_not_go_there_and_back_once_has_no_full_turn(linkage):
-    told = design_checks.full_turn(linkage)
-    assert np.isnan([told.extent, told.start, told.turn, told.least]).all()
+    reported = design_checks.full_turn(linkage)
+    assert np.isnan([reported.extent, reported.start, reported.turn, reported.least]).all()

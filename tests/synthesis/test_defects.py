@@ -44,7 +44,7 @@ def cases(kind, count, seed):
 
 
 def compared(kind, count, seed):
-    """How many were told apart by rounding alone, how many are sound, and how many verdicts differ."""
+    """How many were distinguished by rounding alone, how many are sound, and how many verdicts differ."""
     guides, case = cases(kind, count, seed)
     found = guides.defects
     near = ~(found.margin > BORDER)
@@ -98,8 +98,8 @@ def test_circuits_are_those_of_a_joint_that_is_not_at_the_shortest_link():
     found = four_bar_defects(*sizes, tuple(ways))
     spare = sizes.sum(axis=0) - 2 * sizes.min(axis=0) - 2 * sizes.max(axis=0)
     signs = np.array([signs_at(sizes, ways, joint) for joint in joints])
-    told = np.take_along_axis(signs, sizes.argmin(axis=0)[None, None], axis=0)[0]
-    assert (found.circuit == ((told != told[0]).any(axis=0) & (spare > 0))).all() and found.circuit.any()
+    reported = np.take_along_axis(signs, sizes.argmin(axis=0)[None, None], axis=0)[0]
+    assert (found.circuit == ((reported != reported[0]).any(axis=0) & (spare > 0))).all() and found.circuit.any()
     # And which branch: the joint opposite the driver, of places that are on one circuit.
     side = signs_at(sizes, ways, "rocker_pin")
     one = ~found.circuit
@@ -152,8 +152,8 @@ def test_defects_of_linkages_that_anyone_can_follow(sizes, places, defects):
 @pytest.mark.campaign
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_rule_agrees_in_every_one_of_many_cases(kind):
-    told = np.sum([compared(kind, 2500, seed)[:3] for seed in range(100, 108)], axis=0)
-    assert told[2] == 0 and told[0] <= 20
+    reported = np.sum([compared(kind, 2500, seed)[:3] for seed in range(100, 108)], axis=0)
+    assert reported[2] == 0 and reported[0] <= 20
 
 
 @pytest.mark.parametrize("lengths", [(100, 30, 120, 50 + 1e-4), (100, 30, 60, 70 + 1e-4)], ids=["folded", "stretched"])

@@ -222,15 +222,17 @@ def test_the_numbers_that_refusals_name_work():
 
 
 @pytest.mark.parametrize(("wish", "name"), [((-30, 60, 100, -40), "crank"), ((100, 40, -30, 60), "rocker")])
-def test_a_length_that_is_the_same_in_all_is_told(wish, name):
+def test_a_length_that_is_the_same_in_all_is_reported(wish, name):
     """Where a link's two places mirror each other in the ground line, the other one alone is free."""
     with pytest.raises(gk.DesignError) as caught:
         double_rocker(*wish, 100, **{name: 1234.5})
-    told = float(caught.value.remedy.split()[5])
+    reported = float(caught.value.remedy.split()[5])
     for free in (10, 40, 80):
-        assert getattr(double_rocker(*wish, 100, free_angle_deg=free).linkage, name) == pytest.approx(told, rel=1e-6)
+        assert getattr(double_rocker(*wish, 100, free_angle_deg=free).linkage, name) == pytest.approx(
+            reported, rel=1e-6
+        )
     other = {"crank": "rocker", "rocker": "crank"}[name]
-    assert getattr(double_rocker(*wish, 100, **{other: 1234.5}).linkage, name) == pytest.approx(told, rel=1e-6)
+    assert getattr(double_rocker(*wish, 100, **{other: 1234.5}).linkage, name) == pytest.approx(reported, rel=1e-6)
 
 
 @pytest.mark.parametrize("wish", [(-120, 60, -40, -70), (-90, 180, 330, -250)])
@@ -247,8 +249,10 @@ def test_the_start_that_a_refusal_names_is_the_nearest_that_works(wish):
         return True
 
     if "nearest" in caught.value.remedy:
-        told = int(caught.value.remedy.split()[1])
-        assert works(told) and not any(works(start + k) for k in range(-abs(told - start) + 1, abs(told - start)))
+        reported = int(caught.value.remedy.split()[1])
+        assert works(reported) and not any(
+            works(start + k) for k in range(-abs(reported - start) + 1, abs(reported - start))
+        )
     else:
         assert not any(works(at) for at in range(-359, 360, 17))
 

@@ -34,7 +34,7 @@ def test_slopes_of_distances_are_those_of_differences():
     # Circles that have a radius.
     level = np.where(np.abs(slope) ** 2 - 4 * bend * level > 0.1, level, -level)
     assert (np.abs(slope) ** 2 - 4 * bend * level > 0.1).all()
-    _, told = distances(p, bend, slope, level)
+    _, reported = distances(p, bend, slope, level)
     h = 1e-6
     for k, step in enumerate(
         [(0, h, 0, 0), (0, 0, h, 0), (0, 0, 1j * h, 0), (0, 0, 0, h), (h, 0, 0, 0), (1j * h, 0, 0, 0)]
@@ -42,7 +42,7 @@ def test_slopes_of_distances_are_those_of_differences():
         ahead, behind = (
             distances(p + s * step[0], bend + s * step[1], slope + s * step[2], level + s * step[3])[0] for s in (1, -1)
         )
-        assert told[k] == pytest.approx((ahead - behind) / (2 * h), abs=1e-6), k
+        assert reported[k] == pytest.approx((ahead - behind) / (2 * h), abs=1e-6), k
 
 
 @pytest.mark.parametrize("size", [1e-6])

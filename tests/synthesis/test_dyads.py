@@ -78,12 +78,12 @@ def test_random_poses_have_none_two_or_four_and_all_are_true():
 
 
 def test_no_dyad_of_five_poses_is_missed_by_brute_force():
-    """Pins over a fine net of the body, polished by a plain simplex of distances, find none that is not told."""
+    """Pins over a fine net of the body, polished by a plain simplex of distances, find none that is missing."""
     rng = np.random.default_rng(5)
     seen = 0
     for _ in range(6):
         poses = some_poses(rng, 5)
-        told = dyads_through(poses)
+        reported = dyads_through(poses)
         x, y = np.meshgrid(np.linspace(-3, 3, 41), np.linspace(-3, 3, 41))
         net = (x + 1j * y).ravel()
         for _ in range(60):
@@ -103,7 +103,7 @@ def test_no_dyad_of_five_poses_is_missed_by_brute_force():
         net = net[good][apart_.min(axis=(1, 2)) > 1e-4]
         seen += len(net)
         for pin in net:
-            assert np.abs(told.moving - pin).min() < 1e-6
+            assert np.abs(reported.moving - pin).min() < 1e-6
     assert seen > 100
 
 
@@ -196,7 +196,7 @@ def test_poses_parallel_in_part(angles):
 
 
 def test_poses_of_a_trammel_have_the_middle_of_the_rod_besides_its_slides():
-    """All points of a circle slide, so that two of them are told; the middle of the rod runs in a circle."""
+    """All points of a circle slide, so that two of them are reported; the middle of the rod moves on a circle."""
     motion = gk.move(gk.EllipticTrammel(60, origin=5 + 3j), [0.1, 0.5, 1, 2, 2.5, 3.1])
     rod = motion.bodies["rod"]
     poses = list(zip(rod.origin.position, np.angle(rod.direction)))

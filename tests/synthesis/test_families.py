@@ -1,4 +1,4 @@
-"""The best of a family, wherever it is; what is told of member_angles and of turns; sizes as they are told."""
+"""The best of a family, wherever it is; reported angles, rotations and sizes."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ LOW, HIGH, TOP = 0.2, 3.4, 1.2345678912345
 @pytest.mark.parametrize(
     ("f", "top", "near"),
     [
-        # Round tops, whose place values alone tell to half of the digits.
+        # At a flat maximum values give the place to only half of the digits.
         (lambda x: np.cos(x - TOP), TOP, 2e-9),
         (lambda x: 1e-3 * np.exp(-((x - TOP) ** 2)) + 7, TOP, 1e-7),
         (lambda x: -((x - TOP) ** 2) - 0.3 * (x - TOP) ** 3, TOP, 2e-9),
@@ -44,7 +44,7 @@ def test_one_thing_is_chosen_and_no_two():
 
 
 @pytest.mark.parametrize(
-    ("linkage", "told"),
+    ("linkage", "reported"),
     [
         (
             gk.FourBar(100, 1 / 3, 90, 70, 1 / 7 - 2j, origin=3 + 1j, ground_angle_deg=20),
@@ -62,9 +62,9 @@ def test_one_thing_is_chosen_and_no_two():
         ),
     ],
 )  # fmt: skip
-def test_a_summary_tells_all_sizes_in_ten_digits(linkage, told):
+def test_a_summary_states_all_sizes_in_ten_digits(linkage, reported):
     found = Found(linkage=linkage, branch=-1, drive=np.zeros(2), transmission_angle_deg=np.nan, defects=("order",))
     links = [size for name, size in found.lengths.items() if name != "offset"]
-    assert found.ratio == max(links) / min(links) and len(links) == len(found.lengths) - ("offset" in told)
+    assert found.ratio == max(links) / min(links) and len(links) == len(found.lengths) - ("offset" in reported)
     rest = {"branch": -1, "transmission_angle_deg": None, "ratio": ten_digits(found.ratio), "defects": ["order"]}
-    assert found.summary() == told | rest
+    assert found.summary() == reported | rest

@@ -1,4 +1,4 @@
-"""Recipes of function generators: what is made of them, and what is told of a wrong one."""
+"""Recipes of function generators: results, and refusals of wrong ones."""
 
 import json
 
@@ -38,17 +38,17 @@ def test_found_function_generator_is_made(tmp_path, text):
     way = -40 if unit == "mm" else 90
     at_start = wanted[np.argmin(x)]
     assert sorted([x[0], x[-1]]) == pytest.approx([1, 3]) and wanted == pytest.approx(at_start + way * share)
-    # The columns of the motion itself tell the same.
+    # The columns of the motion agree.
     if unit == "deg":
         turned = table["rocker_angle_deg"] - wanted
         assert error == pytest.approx(turned - 360 * np.round(turned / 360), abs=1e-9)
     assert reached - wanted == pytest.approx(error)
-    told = json.loads((tmp_path / "wish" / "summary.json").read_text())
-    largest = told["found"][f"largest_error_{unit}"]
+    data = json.loads((tmp_path / "wish" / "summary.json").read_text())
+    largest = data["found"][f"largest_error_{unit}"]
     assert np.abs(error).max() <= largest * (1 + 1e-6) and np.abs(error).max() > 0.9 * largest
-    assert told["ranked"][0] == told["found"] and told["number_found"] == len(told["ranked"])
-    errors = [entry[f"largest_error_{unit}"] for entry in told["ranked"]]
-    assert errors == sorted(errors) and sum(peak["multiplier"] for peak in told["alternation"]) == pytest.approx(
+    assert data["ranked"][0] == data["found"] and data["number_found"] == len(data["ranked"])
+    errors = [entry[f"largest_error_{unit}"] for entry in data["ranked"]]
+    assert errors == sorted(errors) and sum(peak["multiplier"] for peak in data["alternation"]) == pytest.approx(
         1, abs=1e-5
     )
     assert made.checks[0].name == "largest error of the output" and made.checks[0].passed and made.checks[1].passed

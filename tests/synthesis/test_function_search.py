@@ -83,8 +83,8 @@ def test_least_squares_is_a_least_and_its_others_come_by_it(call, way, quick):
     found = call("sin(x)", (0, np.pi / 2), 90, way, method="least-squares")
     assert np.isnan(found.certificate) and not found.active_limits
     assert all(np.isnan(peak.multiplier) for peak in found.alternation)
-    told = found.proof()
-    assert told["active_limits"] == {} and [peak["multiplier"] for peak in told["alternation"]].count(None) > 2
+    reported = found.proof()
+    assert reported["active_limits"] == {} and [peak["multiplier"] for peak in reported["alternation"]].count(None) > 2
     x, means = np.linspace(0, np.pi / 2, 2001), []
     for one in (found, *found.others):
         means.append(np.mean(one.error(x) ** 2))

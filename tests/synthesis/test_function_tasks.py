@@ -1,4 +1,4 @@
-"""What searches for function generators are told of a linkage: errors by its motion, limits by its least angle, slopes
+"""The measures that searches for function generators use: errors by the motion, limits by the least angle, slopes
 by central differences; and what they start from.
 """
 

@@ -179,7 +179,7 @@ def test_more_poses_are_met_by_least_squares_and_it_is_said_by_how_much():
     shaken = [(z + complex(*rng.normal(0, 0.05, 2)), t) for z, t in poses_of(KNOWN, drive)]
     found = body_guides(shaken)
     assert 1e-3 < found[0].pose_error < 0.5 and not found[0].defects
-    # What is told is what moving it shows.
+    # The motion agrees with the reported values.
     moved = gk.move(found[0].linkage, found[0].drive, found[0].branch).point("coupler_point").position
     assert np.abs(moved - [z for z, _ in shaken]).max() == pytest.approx(found[0].pose_error, rel=1e-9)
 

@@ -20,9 +20,9 @@ def body_of(poses):
 
 
 def asked(poses, kinds=("four-bar",), **changed):
-    told = {"shuttle": True, "region": None, "either": False, "least_angle": 0.0, "largest_ratio": None}
+    reported = {"shuttle": True, "region": None, "either": False, "least_angle": 0.0, "largest_ratio": None}
     return GuideRequest(
-        body=body_of(poses), kinds=kinds, rng=np.random.default_rng(0), watch=Watch(60, "looking"), **told | changed
+        body=body_of(poses), kinds=kinds, rng=np.random.default_rng(0), watch=Watch(60, "looking"), **reported | changed
     )
 
 
@@ -42,11 +42,11 @@ def test_the_best_pairs_of_dyads_are_those_that_brute_force_finds(kind, monkeypa
         score, fits = search.score(guides), search.fits(guides)
     found = best_pairs(search, held, 6, np.random.default_rng(1), Watch(60, "pairing"))
     with np.errstate(all="ignore"):
-        told, sound = search.score(found), found.defects.none
-    good = np.isfinite(told)
-    assert told[0] == pytest.approx(score.max(), abs=1e-6) and np.degrees(told[0]) > 20
+        reported, sound = search.score(found), found.defects.none
+    good = np.isfinite(reported)
+    assert reported[0] == pytest.approx(score.max(), abs=1e-6) and np.degrees(reported[0]) > 20
     # The best first, then the defective, which the region holds, too; as many as are wanted of either.
-    assert (np.diff(told[good]) <= 0).all() and good.tolist() == sorted(good, reverse=True)
+    assert (np.diff(reported[good]) <= 0).all() and good.tolist() == sorted(good, reverse=True)
     assert 1 < good.sum() <= 6 and (~sound).sum() == guide_dyads.DEFECTIVE and not sound[~good].any()
     assert search.fits(found).all() and (fits & ~guides.defects.none).sum() > 5
     at = np.stack([found.first[0, good], found.second[0, good]], axis=1)
@@ -107,7 +107,7 @@ def test_region_excludes_exactly_the_linkages_outside_it(drive):
     assert len(seen) > 3
 
 
-def test_least_squares_keep_to_even_links_unless_told_otherwise():
+def test_least_squares_keep_to_even_links_by_default():
     rng, drive = np.random.default_rng(5), np.linspace(0.4, 3.0, 6)
     shaken = [(z + complex(*rng.normal(0, 0.3, 2)), t) for z, t in poses_of(KNOWN, drive)]
     every = body_guides(shaken, largest_ratio=1e6)

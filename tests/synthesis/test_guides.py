@@ -28,7 +28,7 @@ def held(kind, sides=(1, 1)):
     slot = ahead * np.exp(1j * np.radians(70))
     ends = (ahead, slot) if trammel else (known.origin, known.origin + 90 * ahead if kind == "four-bar" else ahead)
     if trammel or kind != "four-bar":
-        # Directions of slides are told either way.
+        # Directions of slides may be reported reversed.
         ends = (sides[0] * ends[0] if trammel else ends[0], sides[1] * ends[1])
     both = [(np.stack([pin, pin], axis=1), np.array([end, end])) for pin, end in zip(pins, ends)]
     name = "elliptic-trammel" if trammel else kind
@@ -42,8 +42,8 @@ def test_a_linkage_comes_back_from_its_pins_with_its_drive_and_its_angle(kind):
     again = guides.linkage(1, 40 + 15j)
     sizes = {n: v for n, v in known.__dict__.items() if n not in ("coupler_point", "rod_point", "linkage")}
     for name, value in sizes.items():
-        told = getattr(again, name)
-        assert told == value if isinstance(value, str) else told == pytest.approx(value, rel=1e-9)
+        reported = getattr(again, name)
+        assert reported == value if isinstance(value, str) else reported == pytest.approx(value, rel=1e-9)
     assert guides.defects.none.all() and guides.defects.drive[:, 1] == pytest.approx(
         np.array(DRIVES.get(kind, [0.4, 1.1, 1.9]))
     )

@@ -62,8 +62,8 @@ def test_acceleration_states_are_given_back_by_the_linkage(given, size):
         points = size * (rng.normal(size=2) + 1j * rng.normal(size=2))
         found = acceleration_state_four_bar(state, **{given: points})
         velocity, omega, acceleration, alpha = moved(found, state)
-        told = [velocity / size, omega, acceleration / size, alpha]
-        assert told == pytest.approx([one.velocity, one.omega, one.acceleration, one.alpha], rel=1e-5, abs=1e-5)
+        reported = [velocity / size, omega, acceleration / size, alpha]
+        assert reported == pytest.approx([one.velocity, one.omega, one.acceleration, one.alpha], rel=1e-5, abs=1e-5)
 
 
 def test_a_body_that_does_not_turn():

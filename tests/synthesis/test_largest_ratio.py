@@ -17,7 +17,7 @@ WISHES = [
 
 @pytest.mark.parametrize(("made", "wish"), WISHES)
 @pytest.mark.parametrize("ratio", [3.0, 6.0])
-def test_the_largest_ratio_is_told_where_more_would_be_better(made, wish, ratio):
+def test_the_largest_ratio_is_reported_where_more_would_be_better(made, wish, ratio):
     found, more = (made(*wish, largest_ratio=r) for r in (ratio, 1.1 * ratio))
     assert found.ratio <= ratio * (1 + 1e-9)
     better = more.transmission_angle_deg > found.transmission_angle_deg + 1e-6

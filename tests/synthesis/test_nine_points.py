@@ -55,7 +55,7 @@ def bar_of(sizes):
 
 
 def is_through(row, points):
-    """Moved by the general solver, it and both its cognates are at each point at the cranks and branches told."""
+    """Moved by the general solver, it and both its cognates reach each point at the reported crank angles and branches."""
     for sizes in with_cognates(row, complex(points[0])):
         cranks, sides = cranks_and_branches(sizes, points)
         assert set(sides.tolist()) <= {1, -1}

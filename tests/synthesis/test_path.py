@@ -31,7 +31,7 @@ def far(points, found, frames=72001):
 
 
 def sound(found, span):
-    """Looked at finely, it closes over the whole span with the transmission angle that is told."""
+    """On a fine grid it closes over the whole span with the reported transmission angle."""
     motion = gk.move(found.linkage, np.linspace(*span, 4001), found.branch)
     least = np.degrees(gk.least_transmission_angle(motion))
     return (
@@ -192,13 +192,13 @@ def test_size_and_place_do_not_matter():
 
 
 def test_same_seed_gives_the_same_result_and_progress_is_reported():
-    told = []
-    with shown(lambda share, what: told.append((share, what))):
+    reported = []
+    with shown(lambda share, what: reported.append((share, what))):
         one = gk.path_generator(K18, 20.0 * np.arange(18), seed=4)
     other = gk.path_generator(K18, 20.0 * np.arange(18), seed=4, time_limit=60)
     assert one.linkage == other.linkage and not one.cut_short
-    shares = [share for share, _ in told]
-    assert shares == sorted(shares) and shares[-1] == 1 and told[0][1] == "linkages for the path"
+    shares = [share for share, _ in reported]
+    assert shares == sorted(shares) and shares[-1] == 1 and reported[0][1] == "linkages for the path"
     assert dataclasses.replace(one, ranked=()).ranked == () and one.ranked[0].linkage == one.linkage
 
 

@@ -38,7 +38,7 @@ def test_bounds_are_converted_to_the_units_of_the_search(slides):
         low, high = bounds_of({name: (-9e8, 9e8)}, slides, True, MIDDLE, SIZE)
         if name not in ANGLES:
             assert [low[k], high[k]] == plain[:, k].tolist()
-    # One value may be told, too, and one in each direction of a place; a length has to be above 0.
+    # One value may be given, too, and one in each direction of a place; a length has to be above 0.
     for name in ("offset" if slides else "coupler_point_x", "origin_y", "ground_angle_deg"):
         for value in (0, -3):
             low, high = bounds_of({name: (value, value)}, slides, False, MIDDLE, SIZE)
@@ -68,8 +68,8 @@ def test_usable_linkages_have_no_defect_and_keep_both_limits():
         other = dataclasses.replace(good, **worse)
         assert not other.is_usable and other.usable is None
         assert dataclasses.replace(other, again=lambda: good).usable is good
-    told = dataclasses.replace(good, square_error=1.23456789e-3, largest_distance=0.0123456789).summary()
-    assert (told["square_error_mm2"], told["largest_distance_mm"]) == (1.23457e-3, 0.0123457)
+    reported = dataclasses.replace(good, square_error=1.23456789e-3, largest_distance=0.0123456789).summary()
+    assert (reported["square_error_mm2"], reported["largest_distance_mm"]) == (1.23457e-3, 0.0123457)
     assert dataclasses.replace(good, drive=np.array([0, np.pi / 2, 7])).drive_deg == pytest.approx([0, 90, 401.0704566])
 
 
@@ -90,12 +90,14 @@ def test_row_of_the_search_is_converted_to_a_linkage_in_mm(asked, slides):
     assert isinstance(found.linkage, gk.SliderCrank if slides else gk.FourBar) and not found.defects
     # A ground angle within half a turn, unless bounds say where it is; a drive that begins in the first turn likewise.
     assert found.linkage.ground_angle_deg == pytest.approx(np.degrees(3.5) - 360)
-    told = search_of(task, bounded=frozenset({"ground_angle_deg", "start_deg"})).made(x, drive, np.ones(6, dtype=int))
-    assert told.linkage.ground_angle_deg == pytest.approx(np.degrees(3.5))
+    reported = search_of(task, bounded=frozenset({"ground_angle_deg", "start_deg"})).made(
+        x, drive, np.ones(6, dtype=int)
+    )
+    assert reported.linkage.ground_angle_deg == pytest.approx(np.degrees(3.5))
     if asked == "closed":
-        assert found.drive == pytest.approx(drive % (2 * np.pi)) and told.drive == pytest.approx(found.drive)
+        assert found.drive == pytest.approx(drive % (2 * np.pi)) and reported.drive == pytest.approx(found.drive)
     else:
-        assert found.drive == pytest.approx(drive + 4 * np.pi) and told.drive == pytest.approx(drive)
+        assert found.drive == pytest.approx(drive + 4 * np.pi) and reported.drive == pytest.approx(drive)
     places = gk.move(found.linkage, found.drive, found.branch).point("coupler_point").position
     assert places == pytest.approx(found.points - 0.04j) and found.points == pytest.approx(SIZE * wanted + MIDDLE)
     assert found.square_error == pytest.approx(6 * 0.04**2) and found.largest_distance == pytest.approx(0.04)

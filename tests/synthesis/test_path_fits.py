@@ -88,7 +88,7 @@ def test_cranks_of_an_open_path_stay_on_their_part_of_it_where_it_crosses_itself
 def test_points_of_a_closed_path_find_their_places_on_it(brought):
     drive = np.random.default_rng(4).uniform(0, 2 * np.pi, 40)
     task = task_of(at(CROSSING, drive), closed=True)
-    # Of a few points the other part of the path is told, which comes near to them, too.
+    # With few points the other part of the path is reported, which is near them as well.
     start = np.where(np.arange(40) % 10 == 0, drive + 2.5, drive)[None]
     x, t, branch = brought(task, CROSSING[None] * 1.001, start, np.ones(1), Watch(60, ""))
     assert x.shape == (1, 10) and squares(task, x, t, branch)[0] < 1e-12

@@ -112,7 +112,7 @@ def test_defects_of_an_input_range():
 
 
 def test_circuits_agree_with_those_of_the_motion():
-    """Poses of random linkages, as the general rule tells them apart."""
+    """Poses of random linkages, as the general rule distinguishes them."""
     free = PathTask(POINTS[:2], None, False, False, 0.0, np.inf, np.zeros(10), np.zeros(10))
     rng, seen = np.random.default_rng(9), set()
     for _ in range(40):

@@ -121,7 +121,7 @@ def test_shaded_regions_are_exactly_the_invalid_points(parallel):
     assert shaded[1] > 100 and (shaded[0] > 100 or parallel == 3)
 
 
-def test_what_cannot_be_told_is_refused():
+def test_unknown_regions_are_refused():
     poses = [(0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)]
     with pytest.raises(gk.DesignError):
         rectification(poses).drives(1j)

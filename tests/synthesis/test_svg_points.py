@@ -24,7 +24,7 @@ def pair(z):
     return f"{z.real!r} {z.imag!r}"
 
 
-def told(command, here, *places):
+def reported(command, here, *places):
     """One command with absolute places, and the same with places seen from where it begins."""
     absolute = " ".join(pair(place) for place in places)
     return f"{command} {absolute} ", f"{command.lower()} {' '.join(pair(place - here) for place in places)} "
@@ -41,7 +41,7 @@ def test_relative_and_absolute_commands_give_the_same_points(seed):
         if command in "HV":
             end = complex(place().real, here.imag) if command == "H" else complex(here.real, place().imag)
             far, near = (end.real, end.real - here.real) if command == "H" else (end.imag, end.imag - here.imag)
-            words = f"{command}{far!r} ", f"{command.lower()}{near!r} ", told("L", here, end)[0]
+            words = f"{command}{far!r} ", f"{command.lower()}{near!r} ", reported("L", here, end)[0]
             next_handle = end
         else:
             places = [place() for _ in range({"L": 1, "C": 3, "S": 2, "Q": 2, "T": 1}[command])]
@@ -56,15 +56,15 @@ def test_relative_and_absolute_commands_give_the_same_points(seed):
             else:
                 next_handle, full = full[0], [here + (full[0] - here) / 3, here + (full[0] - here) * 2 / 3, full[0]]
             words = (
-                *told(command, here, *places),
-                told("L" if command == "L" else "C", here, *(full[-1:] if command == "L" else full))[0],
+                *reported(command, here, *places),
+                reported("L" if command == "L" else "C", here, *(full[-1:] if command == "L" else full))[0],
             )
             end = places[-1]
         texts = [text + word for text, word in zip(texts, words, strict=True)]
         here, handle, before = end, next_handle, command
     alike(*texts)
     assert points_of(texts[0] + "Z", COUNT)[1] and not points_of(texts[0], COUNT)[1]
-    # A start told in small letters is the same first place.
+    # A start in lower case is the same first place.
     alike(texts[0], "m" + texts[0][1:])
 
 

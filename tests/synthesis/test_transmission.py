@@ -25,12 +25,12 @@ def least_of(angle, closed):
     return np.where(closed.all(axis=0) & (angle.min(axis=0) > 0.15), angle.min(axis=0), np.nan)
 
 
-def compared(told, least):
+def compared(reported, least):
     met = np.isfinite(least)
     assert met.sum() > 60
-    assert told[met] == pytest.approx(least[met], abs=2e-3)
+    assert reported[met] == pytest.approx(least[met], abs=2e-3)
     # The steps may miss the least place by a little, and never go below it.
-    assert (told[met] <= least[met] + 1e-9).all()
+    assert (reported[met] <= least[met] + 1e-9).all()
 
 
 def test_of_four_bars():
@@ -90,7 +90,7 @@ def test_the_acute_angle_of_a_triangle():
     rng = np.random.default_rng(5)
     corner, angle = rng.uniform(1, 9, (2, 500)), rng.uniform(0.01, np.pi - 0.01, 500)
     across = np.abs(corner[0] - corner[1] * np.exp(1j * angle))
-    told = transmission.acute_at(*corner, across)
-    assert told == pytest.approx(np.minimum(angle, np.pi - angle), abs=1e-7)
+    reported = transmission.acute_at(*corner, across)
+    assert reported == pytest.approx(np.minimum(angle, np.pi - angle), abs=1e-7)
     # Beyond what they reach, and where they fold or stretch, nothing is left.
     assert (transmission.acute_at(3.0, 5.0, np.array([1.0, 2.0, 8.0, 9.0])) == 0).all()

@@ -43,8 +43,8 @@ def test_rows_of_a_cubic_give_that_cubic_back_wherever_they_lie(scale):
 def test_poles_and_jumps_are_reported_with_their_position(f, span, place):
     with pytest.raises(gk.DesignError) as refused:
         wanted_function(f, span)
-    told = float(refused.value.problem.rpartition(" ")[2])
-    assert told == pytest.approx(place, abs=1e-4)
+    reported = float(refused.value.problem.rpartition(" ")[2])
+    assert reported == pytest.approx(place, abs=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -20,11 +20,13 @@ def table(name):
 
 
 def chart():
-    """As its table tells it: to six digits."""
+    """Rounded to six digits, as in its table."""
     rows = table("chart.csv")
     families = [gk.tradeoff.FamilyChart(FAMILIES[name], tuple(_point(row) for row in rows if row["family"] == name))
                 for name in dict.fromkeys(row["family"] for row in rows)]  # fmt: skip
-    versions = {name.removesuffix("_version"): told for name, told in rows[0].items() if name.endswith("_version")}
+    versions = {
+        name.removesuffix("_version"): reported for name, reported in rows[0].items() if name.endswith("_version")
+    }
     return gk.tradeoff.Chart(tuple(families), False, versions, rows[0]["processor"])
 
 
@@ -42,16 +44,16 @@ def _point(row):
 
 @cache
 def study():
-    """As its table tells it: to a tenth of a digit."""
+    """Rounded to a tenth of a digit, as in its table."""
     cells = {(cell.family, cell.place, cell.result, cell.distance): cell for cell in CELLS}
     found = []
     for row in table("stability.csv"):
         cell = cells[row["family"], row["place"], row["result"], row["distance"]]
         digits = []
         for power in POWERS:
-            told = [row[f"{kind}_1e-{power:02}"] for kind in DIGIT_KINDS]
-            numbers = [np.nan if one == "refused" else float(one) for one in told]
-            digits.append(Digits(cell, 10.0**-power, *numbers, refused=told[0] == "refused"))
+            reported = [row[f"{kind}_1e-{power:02}"] for kind in DIGIT_KINDS]
+            numbers = [np.nan if one == "refused" else float(one) for one in reported]
+            digits.append(Digits(cell, 10.0**-power, *numbers, refused=reported[0] == "refused"))
         found.append(tuple(digits))
     return Stability(tuple(found))
 

@@ -33,11 +33,11 @@ def rows(content):
 
 
 def test_the_table_has_every_point():
-    told = rows(gk.tradeoff.chart_files(CHART)["chart.csv"])
-    assert [row["method"] for row in told] == [p.method for p in POINTS]
-    assert [row["on_front"] for row in told] == [str(int(on)) for on in FRONT]
-    assert [row["default"] for row in told] == ["1", "0", "0", "0", "0", "0", "0"]
-    for row, p in zip(told, POINTS):
+    reported = rows(gk.tradeoff.chart_files(CHART)["chart.csv"])
+    assert [row["method"] for row in reported] == [p.method for p in POINTS]
+    assert [row["on_front"] for row in reported] == [str(int(on)) for on in FRONT]
+    assert [row["default"] for row in reported] == ["1", "0", "0", "0", "0", "0", "0"]
+    for row, p in zip(reported, POINTS):
         numbers = [
             float(row[name] or "nan") for name in ("setting", "largest_error", "rms_error", "seconds_per_result")
         ]
@@ -148,10 +148,10 @@ def test_page_runs_no_script_and_escapes_names():
 def test_quick_measurement(monkeypatch):
     monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
     monkeypatch.setattr("geomkin.tradeoff.results.QUICK", 0.02)
-    told = []
-    with shown(lambda share, what: told.append((share, what))):
+    reported = []
+    with shown(lambda share, what: reported.append((share, what))):
         (one,) = gk.tradeoff.chart(["toy-sum"], quick=True).families
-    assert told[-1] == (1.0, "measuring toy-sum") and sorted(told) == told
+    assert reported[-1] == (1.0, "measuring toy-sum") and sorted(reported) == reported
     # In a hurry the first, the middle and the last setting, and nothing slow.
     assert [(p.method, p.setting) for p in one.points[1:]] == [("some", 1.0), ("some", 5.0), ("some", 10.0)]
     assert [p.rms for p in one.points] == pytest.approx([p.largest / 2**0.5 for p in one.points])
@@ -171,8 +171,8 @@ def test_the_command_writes_the_files(tmp_path, monkeypatch):
 @pytest.mark.campaign
 def test_the_quick_chart_of_everything(tmp_path):
     assert CliRunner().invoke(cli, ["chart", "--quick", "--out", str(tmp_path)]).exit_code == 0
-    told = rows((tmp_path / "chart" / "chart.csv").read_bytes())
-    assert {row["family"] for row in told} == set(FAMILIES)
+    reported = rows((tmp_path / "chart" / "chart.csv").read_bytes())
+    assert {row["family"] for row in reported} == set(FAMILIES)
 
 
 def test_time_is_least_of_batches_and_spread_the_median(monkeypatch):

@@ -21,7 +21,7 @@ from geomkin.tradeoff.files import chart_files
 
 from .toy import CHART
 
-# Of each method at one setting: an error that it stays below, and where it can be told, one that it does not.
+# Of each method at one setting: an error that it stays below, and if it can be estimated, one that it does not.
 REACHED = {
     ("cam-flattening", "equal errors", 0.01): (0.01, 0.009),
     ("cam-flattening", "even parameters", 0.01): (0.01, 0.002),

@@ -188,8 +188,8 @@ def test_errors_of_samples_are_those_at_whole_degrees(step):
         values[-int(10 / step)] -= 0.2
         values[1] += 0.3
         errors = FAMILIES[name].error(rates, (values, step))
-        told = sorted(errors[errors > 1e-12].tolist())
-        assert told == pytest.approx(np.array([0.1, 0.2, *[0.3] * (step >= 1)]) / size)
+        reported = sorted(errors[errors > 1e-12].tolist())
+        assert reported == pytest.approx(np.array([0.1, 0.2, *[0.3] * (step >= 1)]) / size)
         assert len(errors) == (1800 if step < 1 else 3600)
 
 

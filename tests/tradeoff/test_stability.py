@@ -15,11 +15,11 @@ every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
 
 def design_checks(cell, distances):
     found = [measured(cell, x) for x in distances]
-    told = [(one.distance, one.outcome, round(one.library, 1), round(one.allowed, 1)) for one in found]
-    assert cell.answer in ANSWERS and answered(found) == cell.answer, told
+    reported = [(one.distance, one.outcome, round(one.library, 1), round(one.allowed, 1)) for one in found]
+    assert cell.answer in ANSWERS and answered(found) == cell.answer, reported
     for one in found:
         if cell.condition is not None:
-            assert one.library + np.log10(one.condition) >= 14, "the condition tells the loss"
+            assert one.library + np.log10(one.condition) >= 14, "the condition number shows the loss"
     return found
 
 
@@ -90,12 +90,12 @@ def test_error_of_small_and_large_modules_is_as_reported():
 
 def test_error_of_small_and_large_linkages_and_cams_is_as_reported():
     """By the first length beside that of the words; every length is as many times as large, and no angle."""
-    told = {"sizes over 100 mm": 100, "100 mm over sizes": 100, "sizes over 20 mm": 20, "20 mm over sizes": 20}
-    cells = [cell for cell in CELLS if cell.distance in told]
-    assert {cell.distance for cell in cells} == set(told)
+    reported = {"sizes over 100 mm": 100, "100 mm over sizes": 100, "sizes over 20 mm": 20, "20 mm over sizes": 20}
+    cells = [cell for cell in CELLS if cell.distance in reported]
+    assert {cell.distance for cell in cells} == set(reported)
     for cell in cells:
         plain, angle = cell.sizes(1.0), 4 if cell.family == "four-bar" else 3
-        assert told[cell.distance] in plain
+        assert reported[cell.distance] in plain
         for x in (1e-1, 3e-6):
             shares = np.array(cell.sizes(x)) / plain
             assert shares[angle] == 1

@@ -1,4 +1,4 @@
-"""What families find is the whole thing, and evenly told: round the cam, from tip to tip, from end to end."""
+"""What families find is the whole thing, and evenly sampled: round the cam, from tip to tip, from end to end."""
 
 import re
 

@@ -20,6 +20,7 @@ from .follower import (
     AbstractFollower,
     Bars,
     Contact,
+    ContactRate,
     FollowerPlate,
     Hole,
     Side,
@@ -152,6 +153,12 @@ class TranslatingFlat(AbstractFace):
         normal = 1j * np.exp(1j * self.tilt) + zero
         return on_face(normal, distance, (zero - sense, zero), zero + sense * self.tilt, sense)
 
+    def contact_rates(self, motion: FollowerMotion, base_radius: float, sense: int) -> dict[str, ContactRate]:
+        contact, still = self.contact(motion, base_radius, sense), 0 * motion.lift
+        sine = np.sin(self.tilt)
+        by_tilt = 1j * contact.point - sine * contact.normal * (motion.lift - 1j * sense * motion.velocity)
+        return {"base_radius": (contact.normal, still), "tilt_deg": (by_tilt, still + sense)}
+
     def pose(self, lift: Real, base_radius: float) -> Pose:
         """The origin is the point where the face crosses the y axis; the x axis runs along the face."""
         origin = 1j * (base_radius / np.cos(self.tilt) + lift)
@@ -265,6 +272,26 @@ class OscillatingFlat(AbstractFace):
         along = cosine / (1 + sense * tau * v)
         pressure_angle = np.arctan2(self.face_offset + zero, along)
         return on_face(-1j * tau * arm_direction(psi, tau), distance, normal_rate, pressure_angle, sense)
+
+    def contact_rates(self, motion: FollowerMotion, base_radius: float, sense: int) -> dict[str, ContactRate]:
+        """psi changes as c sin(psi) = Rb - f at lift 0; the face turns by -tau for 1 of psi."""
+        tau, c, f = side_sign(self.side), self.pivot_distance, self.face_offset
+        contact, start = self.contact(motion, base_radius, sense), self.start_angle(base_radius)
+        psi, slower = start + motion.lift, 1 + sense * tau * motion.velocity
+        sine, cosine, along = np.sin(psi), np.cos(psi), c * np.cos(psi) / slower
+        rates: dict[str, ContactRate] = {}
+        # By each size: c sin(psi) at lift 0, c, and f.
+        for name, (up, longer, offset) in {
+            "base_radius": (1.0, 0.0, 0.0),
+            "pivot_distance": (-np.sin(start), 1.0, 0.0),
+            "face_offset": (-1.0, 0.0, 1.0),
+        }.items():
+            turned = up / (c * np.cos(start))
+            distance, on_line = c * cosine * turned + sine * longer + offset, longer * cosine - c * sine * turned
+            shift = distance - 1j * sense * motion.velocity / slower * on_line
+            pressure = (along * offset - f * on_line / slower) / (along**2 + f**2)
+            rates[name] = contact.normal * shift - 1j * tau * turned * contact.point, pressure
+        return rates
 
     def pose(self, lift: Real, base_radius: float) -> Pose:
         """The origin is the pivot; the x axis runs along the face towards the cam."""

@@ -219,6 +219,10 @@ class Contact:
     pressure_angle: Real
 
 
+# Derivatives by a size of a contact point, mm in the ground's frame, and of the pressure angle, rad: per mm or rad.
+ContactRate = tuple[Complex, Real]
+
+
 class AbstractFollower(ABC):
     """Contract of a follower on a cam that rotates about the origin.
 
@@ -278,6 +282,10 @@ class AbstractFollower(ABC):
     @abstractmethod
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
         """Contact with the cam, without regard to undercut."""
+
+    def contact_rates(self, motion: FollowerMotion, base_radius: float, sense: int) -> dict[str, ContactRate]:
+        """Derivatives of the contact by each size of cam and follower, by field name; empty if there are none."""
+        return {}
 
     @abstractmethod
     def pose(self, lift: Real, base_radius: float) -> Pose:

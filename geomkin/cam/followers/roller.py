@@ -16,7 +16,21 @@ from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
 from ..extrema import highest, largest
 from ..program.program import FollowerMotion, Program
-from .follower import AbstractFollower, Bars, Contact, FollowerPlate, Hole, Side, arm_direction, guide_holes, side_sign
+from .follower import (
+    AbstractFollower,
+    Bars,
+    Contact,
+    ContactRate,
+    FollowerPlate,
+    Hole,
+    Side,
+    arm_direction,
+    guide_holes,
+    side_sign,
+)
+
+# Derivatives by a size of a roller's centre, of its velocity by cam angle, and of the direction of its path, rad.
+CentreRate = tuple[Complex, Complex, Real]
 
 
 @record
@@ -44,6 +58,26 @@ class AbstractRoller(AbstractFollower):
     @property
     def knife_edge(self) -> Self:
         return replace(self, roller_radius=0.0)
+
+    def centre_rates(self, motion: FollowerMotion, base_radius: float) -> dict[str, CentreRate]:
+        """Derivatives of the roller's centre by each size, by field name."""
+        return {}
+
+    def contact_rates(self, motion: FollowerMotion, base_radius: float, sense: int) -> dict[str, ContactRate]:
+        contact = self.contact(motion, base_radius, sense)
+        speed = contact.profile_speed - sense * self.roller_radius * contact.normal_rate
+        rates: dict[str, ContactRate] = {}
+        for name, (centre, velocity, path_angle) in self.centre_rates(motion, base_radius).items():
+            # In `on_roller` u is -i sense |u| n, and n turns as u does.
+            turned = ((velocity - 1j * sense * centre) / (-1j * sense * speed * contact.normal)).imag
+            point = centre - 1j * self.roller_radius * contact.normal * turned
+            point = point - contact.normal if name == "roller_radius" else point
+            rates[name] = point, self.pressure_sign(sense) * (turned - path_angle)
+        return rates
+
+    def pressure_sign(self, sense: int) -> int:
+        """Sign of the pressure angle for a normal that is turned counterclockwise from the path."""
+        return sense
 
     def outer_radius_bound(self, motion: FollowerMotion, base_radius: float, sense: int) -> Real:
         return np.abs(self.knife_edge.contact(motion, base_radius + self.roller_radius, sense).point)
@@ -163,7 +197,14 @@ class TranslatingRoller(AbstractRoller):
     def contact(self, motion: FollowerMotion, base_radius: float, sense: int) -> Contact:
         centre = self.offset + 1j * (self.start_height(base_radius) + motion.lift)
         velocity, acceleration = 1j * motion.velocity, 1j * motion.acceleration
-        return on_roller(centre, velocity, acceleration, self.roller_radius, sense, 1j, sense)
+        return on_roller(centre, velocity, acceleration, self.roller_radius, sense, 1j, self.pressure_sign(sense))
+
+    def centre_rates(self, motion: FollowerMotion, base_radius: float) -> dict[str, CentreRate]:
+        """The centre is at offset + i (height + lift), height^2 = prime^2 - offset^2; its velocity does not change."""
+        height, still = self.start_height(base_radius), 0 * motion.lift
+        raised = 1j * (base_radius + self.roller_radius) / height + still, 0j * still, still
+        aside = 1 - 1j * self.offset / height + still, 0j * still, still
+        return {"base_radius": raised, "roller_radius": raised, "offset": aside}
 
     def pose(self, lift: Real, base_radius: float) -> Pose:
         """The origin is the roller's centre; the x axis is parallel to the ground's."""
@@ -260,6 +301,33 @@ class OscillatingRoller(AbstractRoller):
         direction = -1j * tau * arm / self.arm_length
         centre = self.pivot_distance + arm
         return on_roller(centre, velocity, acceleration, self.roller_radius, sense, direction, tau)
+
+    def pressure_sign(self, sense: int) -> int:
+        return side_sign(self.side)
+
+    def centre_rates(self, motion: FollowerMotion, base_radius: float) -> dict[str, CentreRate]:
+        """The angle psi at lift 0 changes by the cosine rule; the arm turns by -tau for 1 of psi."""
+        tau, c, length, prime = (
+            side_sign(self.side),
+            self.pivot_distance,
+            self.arm_length,
+            base_radius + self.roller_radius,
+        )
+        psi = self.start_angle(base_radius)
+        direction, over = arm_direction(psi + motion.lift, tau), 1 / (c * length * np.sin(psi))
+        # By each size: psi, the arm's length, and the pivot.
+        by_prime = prime * over, 0.0, 0.0
+        sizes = {
+            "base_radius": by_prime,
+            "roller_radius": by_prime,
+            "pivot_distance": (-(c**2 - length**2 + prime**2) / (2 * c) * over, 0.0, 1.0),
+            "arm_length": (-(length**2 - c**2 + prime**2) / (2 * length) * over, 1.0, 0.0),
+        }
+        rates: dict[str, CentreRate] = {}
+        for name, (turned, longer, pivot) in sizes.items():
+            arm = direction * (longer - 1j * tau * length * turned)
+            rates[name] = pivot + arm, -1j * tau * motion.velocity * arm, -tau * turned + 0 * motion.lift
+        return rates
 
     def pose(self, lift: Real, base_radius: float) -> Pose:
         """The origin is the pivot; the x axis points to the roller's centre."""

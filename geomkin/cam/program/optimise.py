@@ -128,8 +128,8 @@ def level_peaks(c: Real, equal: Real, values: Real, peaked: int, limited: int, l
         right[a] = np.append(np.zeros(k), np.ones(j)) - active @ c
         right[m] = values - equal @ c
         right[t] = -1
-        found = np.linalg.lstsq(system, right, rcond=1e-14)[0]
-        c, weight = c + found[:n], found[a]
+        solution = np.linalg.lstsq(system, right, rcond=1e-14)[0]
+        c, weight = c + solution[:n], solution[a]
     return LevelPeaks(c, places, signs * weight[:k], limited_places, limited_signs * weight[k:])
 
 

@@ -45,10 +45,10 @@ def smoothest_within(x: Real, values: Real, ends: Ends, within: float) -> Piecew
     count, best, least = 16 if ends is None else 2, None, np.inf
     while count <= min(MOST_INTERVALS, max(32, 2 * len(x))):
         basis = _Basis(x, values, ends, within, count)
-        found = basis.smoothest()
-        if found is not None:
-            rough = basis.roughness(found)
-            best, smooth = basis.spline(found), rough >= GAIN * least
+        coefficients = basis.smoothest()
+        if coefficients is not None:
+            rough = basis.roughness(coefficients)
+            best, smooth = basis.spline(coefficients), rough >= GAIN * least
             if smooth:
                 break
             least = rough
@@ -191,21 +191,21 @@ def _basis(knots: Real, at: Whole, x: Real, order: int) -> Real:
 
     By the recursion of de Boor and Cox, the last steps of which derive. (6, n)
     """
-    found = [np.ones(len(x))]
+    values = [np.ones(len(x))]
     for p in range(1, 6):
         zero = [np.zeros(len(x))]
-        lower = [*zero, *found, *zero]
-        found = []
+        lower = [*zero, *values, *zero]
+        values = []
         for r in range(p + 1):
             i = at - p + r
             # The first and the last have one part only: the other lies beside the interval, where widths may be 0.
             one = 1 / (knots[i + p] - knots[i]) if r else 0.0
             other = 1 / (knots[i + p + 1] - knots[i + 1]) if r < p else 0.0
             if p <= 5 - order:
-                found.append((x - knots[i]) * one * lower[r] + (knots[i + p + 1] - x) * other * lower[r + 1])
+                values.append((x - knots[i]) * one * lower[r] + (knots[i + p + 1] - x) * other * lower[r + 1])
             else:
-                found.append(p * (one * lower[r] - other * lower[r + 1]))
-    return np.array(found)
+                values.append(p * (one * lower[r] - other * lower[r + 1]))
+    return np.array(values)
 
 
 @record(eq=False)

@@ -392,10 +392,15 @@ class Loads:
     def wrenches(self, motion: Motion) -> Wrenches:
         """The forces of all loads on the bodies, without joints, driver and dry friction."""
         total = Wrenches(motion)
+        self.apply_to(total)
+        return total
+
+    def apply_to(self, total: Wrenches) -> None:
+        """Add the forces of all loads to those on the bodies."""
+        motion = total.motion
         for body, mass in self.masses.items():
             if known_body(motion.linkage, body, "masses") != motion.linkage.ground:
                 total.add_weight(body, mass, self.gravity)
                 total.add_inertia(body, mass)
         for load in (*self.forces, *self.torques, *self.slide_forces, *self.springs, *self.friction):
             load.apply(total)
-        return total

@@ -168,7 +168,15 @@ def _named(grid: Grid) -> Iterator[tuple[str, str, complex]]:
 
 @record(kw_only=True)
 class FourBarAtlasRecipe(AbstractAtlasRecipe):
-    """Coupler curves of a grid of points on a four-bar, dashed by the crank's steps, engraved on a plate."""
+    """Coupler curves of a grid of points on a four-bar, dashed by the crank's steps, engraved on a plate.
+
+    Parameters
+    ----------
+    linkage : FourBar
+        Sizes and driver of the linkage.
+    grid : Grid
+        Points on the coupler whose curves are drawn.
+    """
 
     kind: Literal["four-bar-atlas"] = "four-bar-atlas"
     linkage: FourBar
@@ -177,7 +185,15 @@ class FourBarAtlasRecipe(AbstractAtlasRecipe):
 
 @record(kw_only=True)
 class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
-    """Coupler curves of a grid of points on a slider-crank, dashed by the crank's steps, engraved on a plate."""
+    """Coupler curves of a grid of points on a slider-crank, dashed by the crank's steps, engraved on a plate.
+
+    Parameters
+    ----------
+    linkage : SliderCrank
+        Sizes and driver of the linkage.
+    grid : Grid
+        Points on the coupler whose curves are drawn.
+    """
 
     kind: Literal["slider-crank-atlas"] = "slider-crank-atlas"
     linkage: SliderCrank
@@ -228,7 +244,7 @@ class CognatesRecipe(AbstractMovedRecipe):
     def figure(self) -> Motion:
         """Roberts' figure over the same drive, in steps so small that no collision of plates is missed."""
         # Ten bars are solved iteratively at each frame, so the steps are no finer than necessary.
-        drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
+        drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).collision_samples
         roberts = roberts_linkage(self.linkage, float(drive[0]), self.branch)
         return move(roberts, drive, "follow", self.drive.speed, self.drive.acceleration)
 

@@ -39,6 +39,7 @@ from ..named_linkages import (
 )
 from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
+from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
 from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
@@ -66,6 +67,7 @@ from .moved import (
     branches_entry,
     coefficients_entry,
 )
+from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe):
@@ -78,6 +80,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
     loads: LoadsTable | None = None
+    tolerances: TolerancesTable | None = None
 
     def __post_init__(self) -> None:
         self.check_stroke()
@@ -92,6 +95,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         columns_each = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
         columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
         columns = columns * (2 if self.both_modes else 1) + (number_of_columns(linkage) if self.loads else 0)
+        columns += NUMBER_OF_COLUMNS if self.tolerances else 0
         self.input_range.check_rows(columns)
         if self.dwell:
             self.dwell.body(linkage)
@@ -103,6 +107,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
                 problem = f"found {self.loads.motor.name} and copies, which are not counted in the torque"
                 raise DesignError("loads.motor", problem, "omit motor or copies", "conflict")
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
+
+        if self.tolerances:
+            self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
+
+    @cached_property
+    def output_deviation(self) -> OutputDeviation | None:
+        """Deviation of an output by tolerances; None without them."""
+        if self.tolerances is None:
+            return None
+        return OutputDeviation(self.tolerances, self.tolerances.analysis(self.motion, self.stock.clearance))
 
     @cached_property
     def force_analysis(self) -> ForceAnalysis | None:
@@ -128,7 +142,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def fine_motion(self) -> Motion:
         """The motion in steps so small that no collision of plates is missed."""
-        return self.moved(self.input_range.fine, self.signs)
+        return self.moved(self.input_range.collision_samples, self.signs)
 
     @cached_property
     def stack(self) -> Stack:
@@ -158,6 +172,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         table = motion_table(self.motion, self.coefficients)
         if self.force_analysis:
             table = Table((*table.columns, *force_columns(self.force_analysis)))
+        if self.output_deviation:
+            table = Table((*table.columns, *self.output_deviation.columns(table)))
         if not (self.both_modes and self.other):
             return table
         # Both modes have the same columns of driver and time.
@@ -174,9 +190,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         plots = motion_plots(self.motion, self.table, [limit])
         if self.force_analysis:
             plots = (*force_plots(self.force_analysis), *plots)
+        if self.output_deviation:
+            plots = (*self.output_deviation.plots(self.table), *plots)
         scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, plots, self._others())
         if self.force_analysis:
             scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
+        if self.output_deviation:
+            scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
         copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
@@ -201,9 +221,17 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             *linkage_checks(self.motion),
             hole_check(self.stock.hole_diameter, self.stock.thickness),
             collision_check(len(self.stack.collisions), advice),
+            *(self.output_deviation.checks if self.output_deviation else ()),
             *self.input_range.checks,
-            *(motor_checks(self.force_analysis, self.motor) if self.force_analysis else ()),
+            *self._load_checks(),
         )
+
+    def _load_checks(self) -> tuple[Check, ...]:
+        """Checks of the motor, and of pins and plates if the material is known; none without loads."""
+        if self.force_analysis is None:
+            return ()
+        holds = linkage_strength_checks(self.force_analysis, self.stock, self.stack) if self.stock.material else ()
+        return (*motor_checks(self.force_analysis, self.motor), *holds)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -222,10 +250,15 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return bodies
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        return (self.output_deviation.remark,) if self.output_deviation else ()
+
+    @property
     def notes(self) -> Mapping[str, object]:
         """Summary: range of the driver, links that turn fully, and the stack of plates."""
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
+        tolerances = self.output_deviation.summary if self.output_deviation else {}
         loads = {"loads": force_summary(self.force_analysis, self.motor)} if self.force_analysis else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
@@ -235,13 +268,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             **self._other_mode(),
             **dwell,
             **loads,
+            **tolerances,
             **self.mass_summary,
             "stack": stack,
         }
 
     def _reached(self, branch: Branch) -> Mapping[str, object]:
         """The ranges of the driver in which the linkage closes."""
-        drives, in_deg = self.input_range.fine, isinstance(self.input_range, Turn)
+        drives, in_deg = self.input_range.collision_samples, isinstance(self.input_range, Turn)
         limits = driver_limits(self.linkage, branch, (float(drives[0]), float(drives[-1])))
         reached = [[_ten_digits(np.degrees(q) if in_deg else q) for q in part] for part in limits]
         return {f"driver_reaches_{'deg' if in_deg else 'mm'}": reached}
@@ -281,6 +315,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
     loads: LoadsTable | None = loads_entry()
+    tolerances: TolerancesTable | None = tolerances_entry()
     copies: tuple[Copy, ...] = copies_entry()
     stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
@@ -301,6 +336,7 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     loads: LoadsTable | None = loads_entry()
+    tolerances: TolerancesTable | None = tolerances_entry()
     stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
@@ -317,7 +353,13 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
 
 @record(kw_only=True)
 class FourBarRecipe(TurningLinkageRecipe):
-    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point."""
+    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point.
+
+    Parameters
+    ----------
+    linkage : FourBar
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["four-bar"] = "four-bar"
     linkage: FourBar
@@ -335,7 +377,13 @@ class FourBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class SliderCrankRecipe(SlidingLinkageRecipe):
-    """A slider-crank, driven by crank, connecting rod or slider."""
+    """A slider-crank, driven by crank, connecting rod or slider.
+
+    Parameters
+    ----------
+    linkage : SliderCrank
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["slider-crank"] = "slider-crank"
     linkage: SliderCrank
@@ -345,7 +393,13 @@ class SliderCrankRecipe(SlidingLinkageRecipe):
 
 @record(kw_only=True)
 class InvertedSliderCrankRecipe(TurningLinkageRecipe):
-    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block."""
+    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block.
+
+    Parameters
+    ----------
+    linkage : InvertedSliderCrank
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
     linkage: InvertedSliderCrank
@@ -353,7 +407,13 @@ class InvertedSliderCrankRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class StephensonSixBarRecipe(TurningLinkageRecipe):
-    """A four-bar whose coupler point drives an output, which can dwell."""
+    """A four-bar whose coupler point drives an output, which can dwell.
+
+    Parameters
+    ----------
+    linkage : StephensonSixBar
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
     linkage: StephensonSixBar
@@ -361,7 +421,13 @@ class StephensonSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class WattSixBarRecipe(TurningLinkageRecipe):
-    """Two four-bars in series: the first one's rocker drives the second."""
+    """Two four-bars in series: the first one's rocker drives the second.
+
+    Parameters
+    ----------
+    linkage : WattSixBar
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["watt-six-bar"] = "watt-six-bar"
     linkage: WattSixBar
@@ -369,7 +435,13 @@ class WattSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class ShaperRecipe(TurningLinkageRecipe):
-    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return."""
+    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return.
+
+    Parameters
+    ----------
+    linkage : Shaper
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["shaper"] = "shaper"
     linkage: Shaper
@@ -377,7 +449,13 @@ class ShaperRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class EllipticTrammelRecipe(SlidingLinkageRecipe):
-    """A rod whose pins run in two crossing slots: its points draw ellipses."""
+    """A rod whose pins run in two crossing slots: its points draw ellipses.
+
+    Parameters
+    ----------
+    linkage : EllipticTrammel
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["elliptic-trammel"] = "elliptic-trammel"
     linkage: EllipticTrammel
@@ -386,7 +464,13 @@ class EllipticTrammelRecipe(SlidingLinkageRecipe):
 
 @record(kw_only=True)
 class ScotchYokeRecipe(TurningLinkageRecipe):
-    """A crank pin in a slotted yoke: exactly harmonic motion along a line."""
+    """A crank pin in a slotted yoke: exactly harmonic motion along a line.
+
+    Parameters
+    ----------
+    linkage : ScotchYoke
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["scotch-yoke"] = "scotch-yoke"
     linkage: ScotchYoke
@@ -394,7 +478,13 @@ class ScotchYokeRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class OldhamCouplingRecipe(TurningLinkageRecipe):
-    """Two slotted hubs and a disc between them: equal rotation of two offset shafts."""
+    """Two slotted hubs and a disc between them: equal rotation of two offset shafts.
+
+    Parameters
+    ----------
+    linkage : OldhamCoupling
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["oldham-coupling"] = "oldham-coupling"
     linkage: OldhamCoupling
@@ -402,7 +492,13 @@ class OldhamCouplingRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class LinkageRecipe(SlidingLinkageRecipe):
-    """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
+    """Any linkage, as a list of bodies: where two name the same point, a pin joins them.
+
+    Parameters
+    ----------
+    linkage : BodyList
+        Sizes and driver of the linkage.
+    """
 
     kind: Literal["linkage"] = "linkage"
     linkage: BodyList

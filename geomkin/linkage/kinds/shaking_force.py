@@ -44,7 +44,15 @@ ROUNDING = 1e-9
 
 @record(checked=True, kw_only=True)
 class ShakingForceRecipe(AbstractLinkageRecipe):
-    """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates."""
+    """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates.
+
+    Parameters
+    ----------
+    linkage : SliderCrank
+        Sizes and driver of the linkage.
+    masses : SliderCrankMasses
+        Masses and centres of mass of the moving links.
+    """
 
     kind: Literal["shaking-force"] = "shaking-force"
     linkage: SliderCrank

@@ -6,6 +6,6 @@
 3. `solution` determines the branch of every dyad over the drives (`branch`, `drive_range`) and runs the placements.
 4. `move` (moving.py) adds the driver's speed and returns a Motion.
 
-For many frames or repeated motions the placements are not run each time: a `tape` records their operations, `formulas`
-names the results, and a `program` evaluates them by NumPy or, for large tasks, by the loop of `compiled`.
+If everything is in closed form, the placements are recorded once for each structure (`recording`), and its `program` is
+run for all linkages of the structure, whatever their sizes.
 """

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -35,12 +35,12 @@ class ActuatorBar:
     @cached_property
     def offset(self) -> Real:
         """x at q = 0, mm."""
-        return dot(self.along, np.asarray(self.start))
+        return dot(self.along, self.start)
 
     @cached_property
     def left(self) -> Real:
         """n, mm."""
-        return cross(self.along, np.asarray(self.start))
+        return cross(self.along, self.start)
 
 
 @record(eq=False)
@@ -79,7 +79,7 @@ class ActuatedRRR(InputDyad):
     @cached_property
     def _sizes(self) -> tuple[Complex, Real, Real, Complex]:
         """w, the squares b^2 - s^2 and s^2 + b^2, and the bar in its body, relative to w."""
-        w = np.asarray(self.constant) * self._side
+        w: Any = self.constant * self._side
         s, b = np.abs(w), np.abs(self.dyad.arms[1 - self.which])
         return w, gap_of(self.follow, b, -s) * (b + s), s * s + b * b, w / self.dyad.arms[1 - self.which]
 
@@ -154,7 +154,7 @@ class ActuatedRRP(InputDyad):
     @cached_property
     def _left(self) -> Real:
         """k, mm."""
-        return cross(self.rail, np.asarray(self.constant))
+        return cross(self.rail, self.constant)
 
     def roots(self, p0: Poses, branch: Whole | int) -> StrokeRoot:
         k, n = self._left, self.arm.left

@@ -6,14 +6,13 @@ A root is real where the loop closes, and zero where its two branches meet: at a
 from __future__ import annotations
 
 from functools import cached_property
-from math import fsum
 from typing import Protocol
 
 import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Mask, Real, Whole
-from .placement import plus, times
+from .recording import exact_sum
 
 
 class ClosingRoot(Protocol):
@@ -57,12 +56,12 @@ class Roots:
     @cached_property
     def square_1(self) -> Real:
         """f1^2."""
-        return plus(self.x * self.x, self.gaps.d1)
+        return self.x * self.x + self.gaps.d1
 
     @cached_property
     def square_2(self) -> Real:
         """f2^2."""
-        return plus(self.y * self.y, self.gaps.d2)
+        return self.y * self.y + self.gaps.d2
 
     @cached_property
     def f1(self) -> Real:
@@ -97,8 +96,8 @@ class Roots:
 
     def tau_rate(self) -> Real:
         """Derivative of tau by t."""
-        one = times(self.p1 * self.x, self.branch * 0.5 * self.gaps.d2) / (self.square_2 * self.f2)
-        two = times(self.p2 * self.y, self.branch * 0.5 * self.gaps.d1) / (self.square_1 * self.f1)
+        one = self.p1 * self.x * (self.branch * 0.5 * self.gaps.d2) / (self.square_2 * self.f2)
+        two = self.p2 * self.y * (self.branch * 0.5 * self.gaps.d1) / (self.square_1 * self.f1)
         # A term with a constant of zero is zero in the limit, but 0/0 at the point itself.
         one = one if self.gaps.change_2 is False else np.where(self.gaps.change_2, 0.0, one)
         two = two if self.gaps.change_1 is False else np.where(self.gaps.change_1, 0.0, two)
@@ -170,22 +169,9 @@ def half_limits(gaps: Gaps) -> list[float]:
     return limits
 
 
-def _sum_exact(*terms: Real) -> Real:
-    """The sum of numbers as if added exactly and rounded about once, by adding the rounding errors back."""
-    if all(isinstance(term, float) for term in terms):
-        return np.asarray(fsum(terms))
-    total, lost = np.asarray(terms[0], dtype=float), np.zeros(())
-    for term in terms[1:]:
-        new = total + term
-        back = new - total
-        lost = lost + ((total - (new - back)) + (term - back))
-        total = new
-    return total + lost
-
-
 def gap_of(follow: bool, *terms: Real) -> Real:
     """An exact sum of lengths; if followed, a sum that is only rounding is zero."""
-    gap = _sum_exact(*terms)
+    gap = exact_sum(*terms)
     if not follow:
         return gap
     # 8 units in the last place, so that lengths such as 0.1 + 0.2 and 0.3 count as equal.

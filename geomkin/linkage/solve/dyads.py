@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from ...core.records import record
-from ...plane.vec import Complex, Real, Whole, cross, dot, unit
+from ...plane.vec import Complex, Real, Whole, cross, dot
 from ..linkage import Slider
-from .placement import Anchor, Coefficients, Placement, Poses, SlideAxis, times
+from .placement import Anchor, Coefficients, Placement, Poses, SlideAxis
 
 # The two members between which a transmission angle lies: each the two points of a bar, or a slider.
 JointLines = tuple[tuple[str, str] | Slider, tuple[str, str] | Slider]
@@ -72,7 +72,7 @@ class RRR(Dyad):
         with np.errstate(invalid="ignore", divide="ignore"):
             outer, inner = (b + c - s) * (b + c + s), (s - (b - c)) * (s + (b - c))
             r = _root(branch, outer, inner)
-            bar = times(1j * r + (s * s + (b - c) * (b + c)), w) / (2 * s * s)
+            bar = (1j * r + (s * s + (b - c) * (b + c))) * w / (2 * s * s)
         p0.direction[self.bodies[0]] = bar / self.arms[0]
         p0.direction[self.bodies[1]] = (bar - w) / self.arms[1]
 
@@ -98,7 +98,7 @@ class RRR(Dyad):
         )
 
     def joint_directions(self, p0: Poses) -> tuple[Complex, Complex]:
-        return p0.direction[self.bodies[0]] * unit(self.arms[0]), p0.direction[self.bodies[1]] * unit(self.arms[1])
+        return p0.direction[self.bodies[0]] * self.arms[0], p0.direction[self.bodies[1]] * self.arms[1]
 
 
 @record(eq=False)
@@ -155,7 +155,7 @@ class RRP(Dyad):
         p2.theta_prime[self.body] = self._solve(p0, right)[0]
 
     def joint_directions(self, p0: Poses) -> tuple[Complex, Complex]:
-        return 1j * p0.direction[self.body] * unit(self.arm), self.rail.at(p0)
+        return 1j * p0.direction[self.body] * self.arm, self.rail.at(p0)
 
 
 @record(eq=False)

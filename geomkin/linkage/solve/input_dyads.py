@@ -26,11 +26,8 @@ from .placement import (
     Placement,
     Poses,
     RevoluteInput,
-    paired,
-    plus,
-    scaled,
-    times,
 )
+from .recording import paired
 
 
 @record(eq=False)
@@ -135,7 +132,7 @@ class DrivenRRR(CrankDriven):
         x, y = roots.x, roots.y
         square = y * y
         over = 0.5 / (square + sizes.nearest**2)  # 1 / 2s
-        u = paired(plus(times(square, 0.5 / sizes.d), sizes.nearest), times(x * y, -0.5 / sizes.d))
+        u = paired(square * (0.5 / sizes.d) + sizes.nearest, x * y * (-0.5 / sizes.d))
         p, r = 0.5 + 2 * sizes.squares * over, roots.r * over
         p0.cache[self] = roots, over, p
         bar = paired(p, r) * u
@@ -144,8 +141,8 @@ class DrivenRRR(CrankDriven):
             limit = 0.5 * u + 0.25j * branch * roots.f1 / roots.p2 * (y - 1j * x) / sizes.d
             bar = np.where(sizes.kite, limit, bar)
         other = bar - u
-        p0.direction[self.dyad.bodies[0]] = scaled(bar, sizes.directions[0], used=True)
-        p0.direction[self.dyad.bodies[1]] = scaled(other, sizes.directions[1], used=True)
+        p0.direction[self.dyad.bodies[0]] = bar * sizes.directions[0]
+        p0.direction[self.dyad.bodies[1]] = other * sizes.directions[1]
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         sizes, (roots, over, p) = self._sizes, p0.cache[self]
@@ -154,8 +151,8 @@ class DrivenRRR(CrankDriven):
             p, psi = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.5, psi)
         tau = roots.tau
         p1.theta_prime[self.dyad.bodies[0]], p1.theta_prime[self.dyad.bodies[1]] = (
-            psi - times(1 - p, tau),
-            plus(p * tau, psi),
+            psi - (1 - p) * tau,
+            p * tau + psi,
         )
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
@@ -166,8 +163,8 @@ class DrivenRRR(CrankDriven):
         if sizes.kite is not False:
             p, shared = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.0, shared)
         p2.theta_prime[self.dyad.bodies[0]], p2.theta_prime[self.dyad.bodies[1]] = (
-            shared - times(1 - p, rate),
-            plus(p * rate, shared),
+            shared - (1 - p) * rate,
+            p * rate + shared,
         )
 
 
@@ -202,13 +199,13 @@ class DrivenRRP(CrankDriven):
     dyad: RRP
 
     @cached_property
-    def _sizes(self) -> tuple[Gaps, Real, Complex, Real]:
-        """Gaps, c, and the rotation from q to t, as unit complex and in rad."""
+    def _sizes(self) -> tuple[Gaps, Real, Complex]:
+        """Gaps, c, and the rotation from q to t, unit complex."""
         rail = np.conj(self.dyad.rail.direction)
         c, k, length = (rail * self.constant).imag, np.abs(self.rotating), np.abs(self.dyad.arm)
         rotation = rail * self.rotating / k
         d1, d2 = gap_of(self.follow, length, -c, -k), gap_of(self.follow, length, c, -k)
-        return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, rotation, np.angle(rotation)
+        return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, rotation
 
     def _turned(self, q: Real) -> tuple[Real, Real]:
         """Cosine and sine of t; the cosine keeps its digits near zero."""
@@ -230,19 +227,19 @@ class DrivenRRP(CrankDriven):
         if gaps.change_1 is False and gaps.change_2 is False:
             return Roots(gaps, x, np.copysign(y, cosine), branch)
         # If followed, each needs its own sign: first the one that is far from zero, the other from the product.
-        v = 0.5 * (p0.drive + self._sizes[3]) + 0.25 * np.pi
+        v = 0.5 * (p0.drive + np.angle(self._sizes[2])) + 0.25 * np.pi
         sign = np.copysign(1.0, np.where(sine > 0, np.sin(v), np.cos(v)))
         other = np.copysign(sign, sign * cosine)
         return Roots(gaps, x * np.where(sine > 0, other, sign), y * np.where(sine > 0, sign, other), branch)
 
     def limits(self) -> list[float]:
-        return [2 * v - 0.5 * np.pi - float(self._sizes[3]) for v in half_limits(self._sizes[0])]
+        return [2 * v - 0.5 * np.pi - float(np.angle(self._sizes[2])) for v in half_limits(self._sizes[0])]
 
     def place(self, p0: Poses, branch: Whole | int) -> None:
-        gaps, c, _, _ = self._sizes
+        gaps, c, _ = self._sizes
         roots = p0.cache[self] = self.roots(p0, branch)
         bar = paired(roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1])
-        p0.direction[self.dyad.body] = scaled(bar, self.dyad.rail.direction / self.dyad.arm, used=True)
+        p0.direction[self.dyad.body] = bar * (self.dyad.rail.direction / self.dyad.arm)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.theta_prime[self.dyad.body] = p0.cache[self].tau

@@ -16,9 +16,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...core.records import record
-from ...plane.vec import Array, Complex, Real, Whole, cross, dot
-from . import tape as tape
-from .tape import Recorded
+from ...plane.vec import Complex, Real, Whole, cross, dot
+from .recording import paired
 
 Numbers = TypeVar("Numbers", Real, Complex)
 
@@ -66,68 +65,30 @@ class Anchor:
 
     @cached_property
     def _arms(self) -> list[tuple[str, complex | Complex]]:
-        return [(b, z) for b, z in ((self.body, self.place), *self.arms) if isinstance(z, np.ndarray) or z != 0]
+        return [(b, z) for b, z in ((self.body, self.place), *self.arms) if np.any(z != 0)]
 
     def at(self, p0: Poses) -> Complex:
         """Position, mm."""
-        return _sum(p0.origin[self.body], [scaled(p0.direction[b], z) for b, z in self._arms])
+        return _sum(p0.origin[self.body], [p0.direction[b] * z for b, z in self._arms])
 
     def first(self, p0: Poses, p1: Coefficients) -> Complex:
         """First derivative of the position."""
-        arms = [times(1j * p1.theta_prime[b], scaled(p0.direction[b], z)) for b, z in self._arms]
+        arms = [1j * p1.theta_prime[b] * (p0.direction[b] * z) for b, z in self._arms]
         return _sum(p1.origin[self.body], arms)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> Complex:
         """Second derivative of the position."""
-        arms = [
-            times(1j * p2.theta_prime[b] - p1.theta_prime[b] ** 2, scaled(p0.direction[b], z)) for b, z in self._arms
-        ]
+        arms = [(1j * p2.theta_prime[b] - p1.theta_prime[b] ** 2) * (p0.direction[b] * z) for b, z in self._arms]
         return _sum(p2.origin[self.body], arms)
 
 
 def _sum(origin: Complex, arms: list[Complex]) -> Complex:
-    """The sum, written into the arms; an origin at zero, as of most grounds, is not added to every frame."""
-    if not arms:
-        return origin
-    total = arms[0] if np.ndim(origin) == 0 and origin == 0 else plus(arms[0], origin)
-    for arm in arms[1:]:
-        total = plus(total, arm)
-    return total
-
-
-# Allocating an array of frames costs as much as a calculation in it, so temporary arrays are written over.
-def plus(used: Array, other: Array) -> Array:
-    """used + other, written into `used` if the shape allows."""
-    if other.shape and other.shape != used.shape:
-        return used + other
-    used += other
-    return used
-
-
-def times(used: Array, by: Array | complex) -> Array:
-    """used * by, written into `used` if the shape allows."""
-    if isinstance(by, np.ndarray) and by.shape and by.shape != used.shape:
-        return used * by
-    used *= by
-    return used
-
-
-def paired(real: Real, imag: Real) -> Complex:
-    """Complex numbers from their parts; real + 1j * imag would be wrong for parts that are not finite."""
-    for part in (real, imag):
-        if isinstance(part, Recorded):
-            recorded: Any = part.tape.record(tape.paired, (real, imag))
-            return recorded
-    z: Complex = np.empty(real.shape, dtype=complex)
-    z.real, z.imag = real, imag
-    return z
-
-
-def scaled(z: Complex, by: Complex | complex, used: bool = False) -> Complex:
-    """z times a constant, three times faster if the constant is real; `used`: written into z."""
-    real = not (isinstance(by, np.ndarray) and by.ndim) and by.imag == 0
-    factor = by.real if real else by
-    return times(z, factor) if used else z * factor
+    """The sum; an origin at zero, as of most grounds, is not added to every frame."""
+    if arms and np.ndim(origin) == 0 and origin == 0:
+        origin, *arms = arms
+    for arm in arms:
+        origin = origin + arm
+    return origin
 
 
 @record(eq=False)

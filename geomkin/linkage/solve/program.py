@@ -1,301 +1,341 @@
-"""Evaluation of a tape over frames: only the requested results, in blocks that stay in the processor's cache."""
+"""One program for all linkages of one structure: the formulas of their motion, with sizes and drive as inputs.
+
+The placements of the first linkage of a structure are recorded. What is requested of the motion is then written as a
+Python function, compiled once, and run for all other linkages of the structure.
+"""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Mapping
-from contextvars import Context
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
+from functools import lru_cache, reduce
 from math import prod
-from operator import itemgetter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from ...core.records import record
-from ...plane.vec import Array
-from .tape import VIEWS, Operation, Step, Tape
+from ...plane.vec import Array, Complex, Real
+from ..linkage import Linkage, Slider
+from ..timing import Timing
+from .branch import BranchSpec
+from .dyads import Dyad
+from .loops import Loops
+from .placement import Coefficients, Placement, Poses
+from .recording import Recording, Symbol, exact_sum, imag_part, paired, real_part
 
 # Frames times linkages that go through a program at once. With more, intermediate values leave the processor's cache;
-# with fewer, calling the steps takes longer than the steps.
+# with fewer, calling the operations takes longer than the operations.
 BLOCK = 4096
+# Frames times linkages up to which the groups that were requested last time are evaluated together with the first one.
+# With more, groups that are not requested this time cost time and memory.
+PREFETCHED = 16_384
+# Functions of a program that are kept.
+FUNCTIONS = 100
+# Structures of which programs are kept, and programs of each for other conditions.
+STRUCTURES, CONDITIONS = 256, 8
+Planner = Callable[[Linkage], tuple[Placement, ...]]
+# Group of results: a quantity of all bodies, or (quantity, body, name) of a named point.
+Group = str | tuple[str, str, str]
+Groups = frozenset[Group]
+Function = Callable[[dict[int, Any]], None]
+# Quantities of a point, in the order in which they are computed.
+QUANTITIES = "position", "first", "second", "velocity", "acceleration"
 
-# Frames of one linkage up to which a program keeps a workspace; number of workspaces of a thread, and their frames
-# together, each of which takes about 400 bytes. For more frames allocating arrays is cheap compared with arithmetic.
-SMALL, WORKSPACES, ROOM = 4096, 16, 16_384
-
-# Operations that take longer than writing their result to memory and reading it back.
-EXPENSIVE = {np.cos, np.sin}
-
-# Group of results: a quantity of all bodies, or (quantity, body) or (quantity, body, name) of a point.
-Group = str | tuple[str, ...]
-# Groups that are evaluated together.
-Batch = frozenset[Group]
-NOTHING: Batch = frozenset()
-# A result: its number on the tape, or a constant.
-Result = int | Array
-# Type of an array: its NumPy letter, and its extent as in `Step`.
-ArrayType = tuple[str, int]
-LETTERS = {float: "d", complex: "D", bool: "?"}
-
-
-class Points(Protocol):
-    """Provides the quantities of named points."""
-
-    def named(self, body: str, name: str) -> Mapping[str, Any]:
-        """Quantities of a body's point, as values on the tape."""
+NAMES = {name: value for name, value in vars(np).items() if not name.startswith("_")}
+NAMES |= {"paired": paired, "exact_sum": exact_sum}
+# Python text of operations; of all others it is a call.
+TEXTS: dict[Any, str] = {
+    np.add: "{} + {}",
+    np.subtract: "{} - {}",
+    np.multiply: "{} * {}",
+    np.divide: "{} / {}",
+    np.negative: "-{}",
+    np.logical_and: "{} & {}",
+    np.bitwise_and: "{} & {}",
+    np.equal: "{} == {}",
+    np.not_equal: "{} != {}",
+    np.absolute: "abs({})",
+    np.any: "{}.any()",
+    np.all: "{}.all()",
+    real_part: "{}.real",
+    imag_part: "{}.imag",
+}
 
 
 @record(eq=False)
-class Formulas:
-    """A tape with named results, in groups, and programs for batches of these.
+class LinkageProgram:
+    """The recording of a structure and its results: groups of symbols or constants by body.
 
-    points: adds the quantities of a named point to the tape when they are requested. requested: the groups requested
-    last, of the linkage with its named points (key ""), and of other points by body; previous: the same as batches.
+    inputs: numbers of the sizes that vary; times: of drive, speed and acceleration. joints: inner joints of the dyads,
+    whose signs can be given. functions: cache, by the groups that were computed one after the other, each with the
+    numbers of all values known after it. requested: the groups requested of the last motion and of this one.
     """
 
-    tape: Tape
-    groups: dict[Group, Mapping[str, Result]]
-    points: Points
-    programs: dict[tuple[Batch, ...], TapeProgram] = field(default_factory=dict)
-    requested: dict[str, set[Group]] = field(default_factory=dict)
-    previous: dict[str, Batch] = field(default_factory=dict)
+    recording: Recording
+    inputs: tuple[int, ...]
+    times: tuple[int, ...]
+    groups: Mapping[Group, Mapping[str, Any]]
+    joints: tuple[str, ...]
+    functions: dict[tuple[Groups, ...], tuple[Function, set[int]]] = field(init=False, repr=False, default_factory=dict)
+    requested: list[set[Group]] = field(init=False, repr=False, default_factory=lambda: [set(), set()])
 
-    def start(self, of: str) -> tuple[Batch, set[Group]]:
-        """The groups requested last time, and an empty set in which to note those of this time."""
-        before, previous = self.requested.get(of, NOTHING), self.previous.get(of, NOTHING)
-        if before != previous:
-            # Otherwise the same object is kept, which a dict finds ten times faster than an equal one.
-            previous = self.previous[of] = frozenset(before)
-        self.requested[of] = now = set[Group]()
-        return previous, now
+    def at(self, sizes: Iterable[Any]) -> dict[int, Any] | None:
+        """Values that depend on sizes alone, by number; None if the conditions of the recording do not hold."""
+        values = dict(zip(self.inputs, sizes, strict=True))
+        self.function(())[0](values)
+        for number, truth in self.recording.conditions.items():
+            if bool(values[number]) != truth:
+                return None
+        return values
 
-    def name(self, body: str, name: str) -> None:
-        """Add the quantities of a named point to the tape, as groups (quantity, body, name)."""
-        with _recording:
-            values = self.points.named(body, name).items()
-            self.groups.update({(quantity, body, name): {body: self.tape.result(value)} for quantity, value in values})
+    def _results(self, groups: Iterable[Group]) -> set[int]:
+        """Numbers of the results of groups; those that are constants have none."""
+        return {v.number for group in groups for v in self.groups[group].values() if isinstance(v, Symbol)}
 
-    def program(self, done: tuple[Batch, ...]) -> TapeProgram:
-        """The program of the last of these batches, which reuses the values kept by the others."""
-        if done not in self.programs:
-            before: set[int] = set()
-            for k in range(1, len(done)):
-                before.update(self.program(done[:k]).kept)
-            steps = self._leading(done[-1], before)
-            # Expensive intermediate values, and those that later points need, are kept as well.
-            keeping = {number for number in steps if self.tape.steps[number].operation in EXPENSIVE}
-            # A copy, since another thread may add a group meanwhile.
-            for name, group in self.groups.copy().items():
-                if isinstance(name, str) or name in done[-1]:
-                    keeping.update(number for number in group.values() if isinstance(number, int))
-            self.programs[done] = TapeProgram.of(self.tape, sorted(steps), steps & keeping)
-        return self.programs[done]
+    def function(self, done: tuple[Groups, ...]) -> tuple[Function, set[int]]:
+        """What adds the last of these groups to the values left by those before, and the numbers of all values then.
 
-    def _leading(self, batch: Batch, before: set[int]) -> set[int]:
-        """The steps needed for some groups, given those of before."""
-        known = before.union(self.tape.constants, self.tape.given.values())
+        Without groups, what adds the values of sizes.
+        """
+        if done not in self.functions:
+            if done:
+                known = self.function(done[:-1])[1]
+                wanted = self._results(done[-1])
+                # Kept as well, since what is requested next mostly needs them.
+                wanted |= self._results(("direction", "first", "second")) & self._needed(wanted, known)
+            else:
+                steps = self.recording.steps
+                used = {n for step in steps for n in step.of if step.value is None} | self._results(self.groups)
+                wanted = {k for k, step in enumerate(steps) if step.value is not None and k in used}
+                wanted, known = wanted | self.recording.conditions.keys(), {*self.inputs, *self.times}
+            if len(self.functions) > FUNCTIONS:
+                self.functions.clear()
+            self.functions[done] = self._function(wanted - known, known), known | wanted
+        return self.functions[done]
+
+    def _needed(self, wanted: set[int], known: set[int]) -> set[int]:
+        """The steps that lead from known values to wanted ones."""
         needed: set[int] = set()
-        waiting = [result for group in batch for result in self.groups[group].values() if isinstance(result, int)]
+        waiting = list(wanted)
         while waiting:
             number = waiting.pop()
             if number not in needed and number not in known:
                 needed.add(number)
-                waiting += self.tape.steps[number].of
+                waiting += [n for n in self.recording.steps[number].of if isinstance(n, int)]
         return needed
 
+    def _function(self, wanted: set[int], known: set[int]) -> Function:
+        """A Python function that adds wanted values to known ones."""
+        steps, needed = self.recording.steps, self._needed(wanted, known)
+        order = sorted(needed)
+        last = {n: number for number in order for n in steps[number].of if isinstance(n, int)}
+        lines = [f"v{n} = values[{n}]" for n in sorted(last) if n not in needed]
+        for number in order:
+            step = steps[number]
+            operands = [f"v{n}" if isinstance(n, int) else n for n in step.of]
+            text = TEXTS.get(step.operation, f"{step.operation.__name__}({', '.join('{}' for _ in operands)})")
+            lines.append(f"v{number} = {text.format(*operands)}")
+            done = [
+                f"v{n}"
+                for n in dict.fromkeys(step.of)
+                if isinstance(n, int) and last[n] == number and n in needed - wanted
+            ]
+            lines += [f"del {', '.join(done)}"] if done else []
+        lines += [f"values[{n}] = v{n}" for n in order if n in wanted]
+        namespace: dict[str, Any] = dict(NAMES)
+        exec("\n    ".join(["def function(values):", *lines, "return"]), namespace)
+        function: Function = namespace["function"]
+        return function
 
-@record(eq=False)
-class TapeProgram:
-    """Some steps of a tape, with a place for each value: constants, inputs, kept results, and temporaries.
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The functions cannot be pickled.
+        return LinkageProgram, (self.recording, self.inputs, self.times, self.groups, self.joints)
 
-    Views come last. fixed, given, kept: numbers on the tape of constants, inputs and kept results; kept_types,
-    made_types: how many arrays of each type; calls: the steps with the places of their arguments; prepared: cache of an
-    engine.
-    """
 
-    tape: Tape
-    steps: list[int]
-    fixed: list[int]
-    given: list[int]
-    kept: list[int]
-    kept_types: list[tuple[ArrayType, int]]
-    made_types: list[tuple[ArrayType, int]]
-    views: list[tuple[int, Operation]]
-    calls: list[tuple[Operation, Any]]
-    prepared: dict[Any, Any] = field(default_factory=dict)
+class ProgramRun:
+    """Results of a program for one linkage, or many, over frames; each group is computed on first use."""
 
-    @classmethod
-    def of(cls, tape: Tape, steps: list[int], keeping: set[int]) -> TapeProgram:
-        """The program of these steps that keeps some of the values."""
-        own_steps, tape_steps = set(steps), tape.steps
-        used = {base(tape, argument) for number in steps for argument in tape_steps[number].of}
-        constants = sorted(used & tape.constants.keys())
-        given = sorted(used - own_steps - tape.constants.keys())
-        kept = sorted(
-            (n for n in keeping if tape_steps[n].operation not in VIEWS), key=lambda number: _type(tape_steps[number])
-        )
-        place = {number: k for k, number in enumerate([*constants, *given, *kept])}
-        arrays, holding = shared(tape, steps, place)
-        # In the order in which they are allocated, one type after the other.
-        order = sorted(range(len(arrays)), key=arrays.__getitem__)
-        first = len(place)
-        place |= {number: first + order.index(array) for number, array in holding.items()}
-        first += len(arrays)
-        views: list[tuple[int, Operation]] = []
+    def __init__(self, program: LinkageProgram, values: dict[int, Any], frames: int, linkages: int):
+        self.program, self.values, self.frames = program, values, frames
+        self._rows = max(1, BLOCK // max(1, linkages))
+        _, before = program.requested
+        self._requested: set[Group] = set()
+        program.requested[:] = before, self._requested
+        self._prefetched: Groups = frozenset(before if frames * linkages <= PREFETCHED else ())
+        self._done: tuple[Groups, ...] = ()
 
-        def place_of(number: int) -> int:
-            if tape_steps[number].operation not in VIEWS:
-                return place[number]
-            view = place_of(tape_steps[number].of[0]), tape_steps[number].operation
-            if view not in views:
-                views.append(view)
-            return first + views.index(view)
+    def value(self, group: Group, body: str) -> Array:
+        """A result of a group."""
+        if group not in self._requested:
+            self._requested.add(group)
+            if not any(group in groups for groups in self._done):
+                self._done += (
+                    (self._prefetched if group in self._prefetched and not self._done else frozenset((group,))),
+                )
+                with np.errstate(all="ignore"):
+                    self._run(self.program.function(self._done)[0])
+        result = self.program.groups[group][body]
+        values: Array = self.values[result.number] if isinstance(result, Symbol) else result
+        return values
 
-        made = [n for n in steps if tape_steps[n].operation not in VIEWS]
-        calls = [(tape_steps[n].operation, itemgetter(*map(place_of, tape_steps[n].of), place[n])) for n in made]
-        kept_types, made_types = (
-            [(array_type, types.count(array_type)) for array_type in sorted(set(types))]
-            for types in ([_type(tape_steps[n]) for n in kept], arrays)
-        )
-        return cls(tape, steps, constants, given, kept, kept_types, made_types, views, calls)
-
-    @property
-    def made(self) -> list[int]:
-        """The steps that are not views."""
-        return [number for number in self.steps if self.tape.steps[number].operation not in VIEWS]
-
-    def run(self, values: dict[int, Array], frames: int, linkages: tuple[int, ...]) -> None:
-        """Add the kept results to the values: (frames,) or (frames, linkages); (frames, 1) if equal for all."""
-        if frames <= min(SMALL, BLOCK) and not linkages:
-            # Removed while it runs, and put back as the newest.
-            workspace = _own.workspaces.pop((self, frames), None)
-            if workspace is None:
-                workspace = ProgramArrays(self, frames)
-                _own.make_room(frames)
-            workspace.run(values)
-            _own.workspaces[self, frames] = workspace
+    def _run(self, function: Function) -> None:
+        if self.frames <= self._rows:
+            function(self.values)
             return
-        constants = [self.tape.constants[number] for number in self.fixed]
-        full = _arrays(self.kept_types, frames, linkages)
-        values.update(zip(self.kept, full))
-        full = [*[values[number] for number in self.given], *full]
-        rows = max(1, min(frames, BLOCK // max(1, prod(linkages))))
-        made = _arrays(self.made_types, rows, linkages)
-        with np.errstate(all="ignore"):
-            for start in range(0, frames, rows):
-                end = min(frames, start + rows)
-                if end - start == frames:
-                    places = [*constants, *full, *made]
-                else:
-                    # Values that are equal at all frames are one number, or an array of length one.
-                    parts = [array[start:end] if array.ndim and len(array) == frames else array for array in full]
-                    places = [*constants, *parts, *(made if end - start == rows else [a[: end - start] for a in made])]
-                for place, part in self.views:
-                    places.append(part(places[place]))
-                for operation, arguments in self.calls:
-                    operation(*arguments(places))
+        drive = self.values[self.program.times[0]]
+        by_frame = {k for k, v in self.values.items() if np.ndim(v) == drive.ndim and len(v) == self.frames}
+        blocks = []
+        for start in range(0, self.frames, self._rows):
+            part = slice(start, start + self._rows)
+            blocks.append({k: v[part] if k in by_frame else v for k, v in self.values.items()})
+            function(blocks[-1])
+        for k in blocks[0].keys() - self.values.keys():
+            parts = [block[k] for block in blocks]
+            self.values[k] = np.concatenate(parts) if parts[0].ndim == drive.ndim else parts[0]
 
 
-class ProgramArrays:
-    """Arrays for all values of a program; its operations are bound to them once, not at every run."""
-
-    def __init__(self, program: TapeProgram, frames: int):
-        steps = program.tape.steps
-        given = [_rooms(_type(steps[number]), 1, frames)[1][0] for number in program.given]
-        self._given = list(zip(program.given, given))
-        self._kept, arrays, first = [], list[Array](), 0
-        for array_type, count in program.kept_types:
-            block, rows = _rooms(array_type, count, frames)
-            self._kept.append((program.kept[first : first + count], block))
-            arrays, first = [*arrays, *rows], first + count
-        constants = [program.tape.constants[number] for number in program.fixed]
-        made = [row for array_type, count in program.made_types for row in _rooms(array_type, count, frames)[1]]
-        places = [*constants, *given, *arrays, *made]
-        for place, part in program.views:
-            places.append(part(places[place]))
-        self._calls = [(operation, arguments(places)) for operation, arguments in program.calls]
-        # A context without NumPy's warnings, thirty times faster to enter than a new errstate.
-        self._quiet = Context()
-        self._quiet.run(np.seterr, all="ignore")
-
-    def run(self, values: dict[int, Array]) -> None:
-        """Add the kept results to the values, as new arrays."""
-        for number, array in self._given:
-            array[...] = values[number]
-        self._quiet.run(self._call)
-        for numbers, block in self._kept:
-            values.update(zip(numbers, block.copy()))
-
-    def _call(self) -> None:
-        for operation, arguments in self._calls:
-            operation(*arguments)
+@lru_cache(STRUCTURES)
+def _programs(*_: Hashable) -> list[LinkageProgram | None]:
+    """Programs of a structure and a branch, each for other conditions; None if it has none. Filled by `run_of`."""
+    return []
 
 
-def _rooms(array_type: ArrayType, count: int, frames: int) -> tuple[Array, list[Array]]:
-    """A block of `count` arrays over frames, and each of them; a value that is equal at all frames has no axis.
+def run_of(linkage: Linkage, drive: Real, timing: Timing, spec: BranchSpec, plan: Planner) -> ProgramRun | None:
+    """The program of a linkage over drives, (frames,); None if poses need iteration or a branch depends on the drive.
 
-    An operation on an array without axes takes half the time of one with a single element.
+    plan: finds the placements of a linkage.
     """
-    letter, extent = array_type
-    block = np.empty((count, frames if extent else 1), letter)
-    return block, [row if extent else row.reshape(()) for row in block]
+    if spec.follow or spec.branch_points:
+        return None
+    key = spec.default, tuple(sorted(spec.branch.items())), timing.steady
+    if key not in linkage.programs:
+        linkage.programs[key] = _program_of(linkage, timing, spec, plan, key)
+    program, sizes = linkage.programs[key]
+    if program is None:
+        return None
+    column = drive.reshape(-1, *(1,) * len(linkage.shape)) if linkage.is_batch else drive
+    values = sizes | dict(zip(program.times, (column, timing.speed, timing.acceleration)))
+    return ProgramRun(program, values, len(drive), prod(linkage.shape))
 
 
-class _Own(threading.local):
-    """The workspaces of a thread, the oldest first."""
-
-    def __init__(self) -> None:
-        self.workspaces: dict[tuple[TapeProgram, int], ProgramArrays] = {}
-
-    def make_room(self, frames: int) -> None:
-        """Make room for another workspace of so many frames."""
-        kept = self.workspaces
-        while kept and (len(kept) >= WORKSPACES or frames + sum(each for _, each in kept) > ROOM):
-            del kept[next(iter(kept))]
-
-
-_own = _Own()
-# Two threads that add steps to a tape at once would give them the same numbers.
-_recording = threading.Lock()
-
-
-def shared(tape: Tape, steps: list[int], place: Mapping[int, int]) -> tuple[list[ArrayType], dict[int, int]]:
-    """Types of the arrays for temporaries, which are reused, and which of them holds each value."""
-    last = {base(tape, argument): number for number in steps for argument in tape.steps[number].of}
-    arrays: list[ArrayType] = []
-    free: dict[ArrayType, list[int]] = {}
-    holding: dict[int, int] = {}
-    live: list[int] = []
-    for number in steps:
-        if number in place or tape.steps[number].operation in VIEWS:
-            continue
-        for done in [argument for argument in live if last.get(argument, argument) < number]:
-            live.remove(done)
-            free.setdefault(_type(tape.steps[done]), []).append(holding[done])
-        array_type = _type(tape.steps[number])
-        if not free.get(array_type):
-            free[array_type] = [len(arrays)]
-            arrays.append(array_type)
-        holding[number] = free[array_type].pop()
-        live.append(number)
-    return arrays, holding
+def _program_of(
+    linkage: Linkage, timing: Timing, spec: BranchSpec, plan: Planner, key: Hashable
+) -> tuple[LinkageProgram | None, dict[int, Any]]:
+    """The program of the linkage's structure, and the values that depend on its sizes alone."""
+    inputs = _inputs(linkage)
+    sizes = [value for value, form in inputs if form]
+    # Constant sizes are part of the formulas: 0, or a direction of 1.
+    programs = _programs(linkage.structure, tuple([form or value for value, form in inputs]), key)
+    for program in programs:
+        values = program.at(sizes) if program else {}
+        if values is not None:
+            return program, values
+    programs.append(_recorded(linkage, inputs, timing, spec, plan))
+    del programs[:-CONDITIONS]
+    return _program_of(linkage, timing, spec, plan, key)
 
 
-def base(tape: Tape, number: int) -> int:
-    """The value that a view belongs to; otherwise the value itself."""
-    while tape.steps[number].operation in VIEWS:
-        number = tape.steps[number].of[0]
-    return number
+def _inputs(linkage: Linkage) -> list[tuple[Any, str]]:
+    """Sizes as numbers, each with its type if it is an input, or "" if it is a constant."""
+    sizes = [z for points in linkage.bodies.values() for z in points.values()]
+    for slider in linkage.sliders:
+        sizes += [slider.point, slider.through, slider.direction, slider.rotation]
+    return [_input(z) for z in (*sizes, linkage.origin, linkage.ground_direction)]
 
 
-def _type(step: Step) -> ArrayType:
-    return LETTERS[step.kind], step.extent
+def _input(z: complex | Array) -> tuple[Any, str]:
+    if isinstance(z, np.ndarray) and z.ndim:
+        return (z, "complex array") if z.imag.any() else (z.real, "real array")
+    z = complex(z)
+    if z.imag:
+        return np.complex128(z), "complex"
+    return (z.real, "") if z.real in (0.0, 1.0) else (np.float64(z.real), "real")
 
 
-def _arrays(types: list[tuple[ArrayType, int]], rows: int, linkages: tuple[int, ...]) -> list[Array]:
-    arrays: list[Array] = []
-    for (letter, extent), count in types:
-        columns = linkages if extent == 2 else (1,) * len(linkages)
-        arrays.extend(np.empty((count, rows if extent else 1, *columns), letter))
-    return arrays
+def _recorded(
+    linkage: Linkage, inputs: Sequence[tuple[Any, str]], timing: Timing, spec: BranchSpec, plan: Planner
+) -> LinkageProgram | None:
+    if any(isinstance(placement, Loops) for placement in plan(linkage)):
+        return None
+    recording = Recording()
+    symbols = [recording.input(value, form.startswith("complex")) if form else value for value, form in inputs]
+    linkage = _symbolic(linkage, iter(symbols))
+    placements, ground = plan(linkage), linkage.ground
+    times = [recording.input(None) for _ in range(3)]
+    p0 = Poses({ground: np.zeros((), complex)}, {ground: np.ones((), complex)}, times[0])
+    p1, p2 = (Coefficients({ground: np.zeros((), complex)}, {ground: np.zeros(())}) for _ in range(2))
+    with np.errstate(all="ignore"):
+        for placement in placements:
+            placement.place(p0, spec.sign(placement.joint) if isinstance(placement, Dyad) else 1)
+        for placement in placements:
+            placement.first(p0, p1)
+        for placement in placements:
+            placement.second(p0, p1, p2)
+        reached = [np.isfinite(closure) for placement in placements if (closure := placement.reached(p0)) is not None]
+        angles = [angle for placement in placements if (angle := placement.transmission_angle(p0)) is not None]
+        groups = _groups(linkage, (p0, p1, p2), Timing(times[1], np.zeros(()) if timing.steady else times[2]))
+        groups["direction"][""] = reduce(np.logical_and, reached) if reached else np.True_
+        groups["angle"] = {"": reduce(np.fmin, angles) if angles else np.asarray(np.nan)}
+    joints = tuple(placement.joint for placement in placements if isinstance(placement, Dyad))
+    numbers = tuple(symbol.number for symbol in symbols if isinstance(symbol, Symbol))
+    return LinkageProgram(recording, numbers, tuple(symbol.number for symbol in times), groups, joints)
+
+
+def _symbolic(linkage: Linkage, symbols: Iterator[Any]) -> Linkage:
+    """The linkage with symbols for its sizes; they are not checked again."""
+    bodies = {body: {point: next(symbols) for point in points} for body, points in linkage.bodies.items()}
+    sliders = []
+    for slider in linkage.sliders:
+        sizes = {name: next(symbols) for name in ("point", "through", "direction", "rotation")}
+        sliders.append(object.__new__(Slider))
+        sliders[-1].__dict__.update(slider.__dict__ | sizes)
+    symbolic = object.__new__(Linkage)
+    symbolic.__dict__.update(bodies=bodies, driver=linkage.driver, sliders=tuple(sliders), estimate={})
+    symbolic.__dict__.update(shape=linkage.shape, origin=next(symbols), ground_direction=next(symbols))
+    return symbolic
+
+
+def _groups(
+    linkage: Linkage, orders: tuple[Poses, Coefficients, Coefficients], timing: Timing
+) -> dict[Group, dict[str, Any]]:
+    """Results by group and body: directions, origins and their coefficients, rates, and the same of named points."""
+    p0, p1, p2 = orders
+    directions = {body: _complex(p0.direction[body] * linkage.ground_direction) for body in linkage.bodies}
+    groups: dict[Group, dict[str, Any]] = {
+        "direction": {**directions},
+        "first": {**p1.theta_prime},
+        "second": {**p2.theta_prime},
+        "omega": {body: timing.rate(first) for body, first in p1.theta_prime.items()},
+        "alpha": {body: timing.second_rate(first, p2.theta_prime[body]) for body, first in p1.theta_prime.items()},
+    }
+    for k, origins in enumerate((p0.origin, p1.origin, p2.origin)):
+        shift = linkage.origin if k == 0 else 0.0
+        groups[f"origin {k}"] = {b: _complex(z * linkage.ground_direction + shift) for b, z in origins.items()}
+    for body, points in linkage.bodies.items():
+        origin, origin_1, origin_2 = (groups[f"origin {k}"][body] for k in range(3))
+        for name, place in points.items():
+            arm = directions[body] * place
+            first = first_of(arm, p1.theta_prime[body], origin_1)
+            second = second_of(arm, p1.theta_prime[body], p2.theta_prime[body], origin_2)
+            rates = timing.rate(first), timing.second_rate(first, second)
+            values = zip(QUANTITIES, (arm + origin, first, second, *rates))
+            groups |= {(quantity, body, name): {body: _complex(value)} for quantity, value in values}
+    return groups
+
+
+def _complex(z: Any) -> Any:
+    """A result as a complex number, though no operation made it one."""
+    if isinstance(z, Symbol):
+        return z if z.is_complex else z.recording.record(paired, (z, 0.0))
+    return np.asarray(z, dtype=complex)
+
+
+def first_of(arm: Complex, theta_prime: Real, origin: Complex) -> Complex:
+    """First coefficient of a point at the end of an arm, from those of the arm's angle and origin."""
+    return arm * theta_prime * 1j + origin
+
+
+def second_of(arm: Complex, theta_prime: Real, theta_second: Real, origin: Complex) -> Complex:
+    """Its second coefficient, from both coefficients of the angle and the second one of the origin."""
+    return paired(-(theta_prime**2), theta_second) * arm + origin

@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
-from math import prod
 
 import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real, Whole, known
 from ..linkage import Linkage
+from ..timing import Timing
 from .branch import BranchSpec, FollowedBranch
 from .drive_range import DriveRange, change_points
 from .dyads import Dyad
-from .formulas import LazyEvaluation, Timing, is_recordable, linkage_formulas
 from .input_dyads import InputDyad
 from .loops import Loops
 from .placement import Coefficients, Numbers, Placement, Poses, RevoluteInput
-from .program import Group
+from .program import Group, ProgramRun
 
 # Gap, as a share of the linkage's extent, below which it counts as zero. True meetings come out below 2e-16 after
 # chains of five dyads. A larger value takes a near miss for a meeting, a smaller one misses meetings after a dyad at
 # bad angles.
 ROUNDING = 1e-14
-# Frames times linkages, summed over all motions of a linkage, from which formulas are recorded; each motion counts as
-# MOVING more, for the cost of its Python. Recording takes about as long as moving WORTH frames.
-WORTH, MOVING = 10_000, 1000
 
 
 def extent_of(linkage: Linkage) -> float:
@@ -111,27 +107,28 @@ def _nearest(before: DriveRange, k: int, points: Mapping[str, complex]) -> tuple
     return None
 
 
-def _cache_key(branch: tuple[str, Whole | int | FollowedBranch]) -> tuple[str, bytes]:
-    """Key of a joint's branch in the cache of formulas; a followed branch has no formulas."""
-    joint, sign = branch
-    return joint, b"" if isinstance(sign, FollowedBranch) else np.asarray(sign).tobytes()
-
-
 @record(eq=False)
 class LinkageSolution:
     """Poses of all bodies and their derivatives by the drive, each computed on first use.
 
-    placements: how the bodies are placed, in order; drive: rad or mm, (frames,). Results are (frames,) or, for arrays
-    of linkages, (frames, linkages), and nan where the linkage is open.
+    plan: finds the placements of all bodies, in order; drive: rad or mm, (frames,). run: of the linkage's program; None
+    if the placements are evaluated instead. Results are (frames,) or, for arrays of linkages, (frames, linkages), and
+    nan where the linkage is open.
     """
 
     linkage: Linkage
-    placements: tuple[Placement, ...]
+    plan: Callable[[], tuple[Placement, ...]]
     drive: Real
     spec: BranchSpec
     timing: Timing
-    # Results of formulas that had to be expanded to all frames.
+    run: ProgramRun | None = None
+    # Results of programs that had to be expanded to all frames.
     _expanded: dict[tuple[Group, str], Array] = field(init=False, repr=False, default_factory=dict)
+
+    @cached_property
+    def placements(self) -> tuple[Placement, ...]:
+        """How the bodies are placed, in order."""
+        return self.plan()
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -140,6 +137,8 @@ class LinkageSolution:
 
     def origin(self, body: str, order: int) -> Complex:
         """Position of a body's origin, mm, or its derivative of order 1 or 2 by the drive."""
+        if self.run is not None:
+            return self.value(f"origin {order}", body)
         origin = (self.poses if order == 0 else self._first if order == 1 else self._second).origin[body]
         if self.linkage.ground_direction != 1:
             origin = origin * self.linkage.ground_direction
@@ -151,12 +150,11 @@ class LinkageSolution:
         """A quantity of a body over the frames.
 
         group: "direction", unit complex; "first" or "second" derivative of the angle by the drive, rad; "omega" and
-        "alpha", rad/s and rad/s2; or (quantity, body, name) of a named point, from the formulas.
+        "alpha", rad/s and rad/s2; or (quantity, body, name) of a named point, from the program.
         """
-        evaluation = self.evaluation
-        if evaluation is None:
+        if self.run is None:
             return self._placed(str(group), body)
-        values = evaluation.value(group, body)
+        values = self.run.value(group, body)
         if values.shape == self._whole:
             return values
         key = group, body
@@ -165,7 +163,7 @@ class LinkageSolution:
         return self._expanded[key]
 
     def _placed(self, quantity: str, body: str) -> Array:
-        """The same by the placements, without formulas."""
+        """The same by the placements, without a program."""
         if quantity == "direction":
             direction = self.poses.direction[body]
             if self.linkage.ground_direction != 1:
@@ -188,8 +186,8 @@ class LinkageSolution:
     @cached_property
     def assembled(self) -> Mask:
         """Whether every body can be placed."""
-        if self.evaluation is not None:
-            closed = self.evaluation.value("direction", "")
+        if self.run is not None:
+            closed = self.run.value("direction", "")
             return closed if closed.shape == self.shape else repeated(closed, self.shape)
         closed = np.ones(self.shape, dtype=bool)
         for placement in self.placements:
@@ -216,33 +214,6 @@ class LinkageSolution:
         return with_branches(self.linkage, self.placements, self.drive, self.shape[1:], self.spec)
 
     @cached_property
-    def evaluation(self) -> LazyEvaluation | None:
-        """Evaluation by recorded formulas; None if recording is not worthwhile, or not everything is a formula."""
-        spec, written, timing = self.spec, self.linkage.formulas, self.timing
-        # The formulas depend on the signs: those of the spec, or those that its points or the motion determine.
-        plain = not (spec.follow or spec.branch_points)
-        signs = spec.branch.items() if plain else map(_cache_key, self._range.branches.items())
-        key = self.placements, timing.steady, timing.speed.ndim, spec.default, *signs
-        formulas = written.get(key, 0)
-        if isinstance(formulas, int):
-            if spec.branch_points and not is_recordable(self.placements, self._range.branches):
-                # Such placements are not shared with another motion, so a count for them would never be used.
-                return None
-            written[key] = moved = formulas + len(self.drive) * prod(self.linkage.shape) + MOVING
-            if moved < WORTH or not is_recordable(self.placements, self._range.branches):
-                return None
-            written[key] = formulas = linkage_formulas(self.linkage, self.placements, self._range.branches, timing)
-        drive = self.drive.reshape(-1, *(1,) * len(self.linkage.shape)) if self.linkage.is_batch else self.drive
-        return LazyEvaluation(formulas, len(drive), self.linkage.shape, {"drive": drive, **timing.given})
-
-    def evaluation_at(self, body: str, local: complex | Complex) -> LazyEvaluation | None:
-        """The same for a point at this position in a body's frame, mm; the directions are shared."""
-        if self.evaluation is None:
-            return None
-        self.evaluation.value("direction", "")
-        return self.evaluation.at(body, "local", np.asarray(local, dtype=complex))
-
-    @cached_property
     def signs(self) -> Mapping[str, Whole]:
         """Sign of each dyad by its inner joint, also where the linkage is open; 0 where both branches meet."""
         signs: dict[str, Whole] = {}
@@ -264,11 +235,11 @@ class LinkageSolution:
     @property
     def transmission_angle(self) -> Real:
         """Smallest transmission angle of all joints that have one, rad; nan if none has."""
-        return self._least_angle if self.evaluation is None else self.value("angle", "")
+        return self._least_angle if self.run is None else self.value("angle", "")
 
     @cached_property
     def _least_angle(self) -> Real:
-        """The same by the placements, without formulas."""
+        """The same by the placements, without a program."""
         least = np.full(self.shape, np.nan)
         for placement in self.placements:
             angle = placement.transmission_angle(self.poses)

@@ -95,26 +95,13 @@ export class Handles {
 
   followPointer(element) {
     const { root } = element;
-    let off = [0, 0];
     // Without this, Chromium pans the page under the finger, also with `touch-action: none`, and the drag ends.
     root.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
-    root.addEventListener("pointerdown", (event) => {
-      event.stopPropagation();
-      event.preventDefault();
-      root.focus({ preventScroll: true });
-      if (element.handle.locked || this.held || event.button) return;
-      this.held = element;
-      root.setPointerCapture(event.pointerId);
-      root.classList.add("held");
-      // A circle follows the pointer itself: its radius is the distance of the pointer.
-      const at = element.surface.plane(event), place = placeOf(element.handle, this.player.frame);
-      off = element.handle.shape === "circle" ? [0, 0] : [place[0] - at[0], place[1] - at[1]];
-      this.editor.startDrag(element.handle);
-    });
+    root.addEventListener("pointerdown", (event) => this.grab(this.nearest(element, event), event));
     root.addEventListener("pointermove", (event) => {
       if (this.held !== element) return;
       const [x, y] = element.surface.plane(event);
-      this.editor.drag(element.handle, this.change(element, [x + off[0], y + off[1]], event.shiftKey));
+      this.editor.drag(element.handle, this.change(element, [x + this.off[0], y + this.off[1]], event.shiftKey));
     });
     for (const end of ["pointerup", "pointercancel"]) {
       root.addEventListener(end, () => {
@@ -124,6 +111,30 @@ export class Handles {
         this.editor.endDrag(element.handle);
       });
     }
+  }
+
+  // The circle whose rim is nearest, where the areas of several overlap; else the element itself.
+  nearest(element, event) {
+    if (element.handle.shape !== "circle") return element;
+    const at = element.surface.plane(event);
+    const distance = ({ handle }) => Math.abs(Math.hypot(...placeOf(handle, this.player.frame).map((x, k) => x - at[k])) - handle.radius);
+    const circles = [...this.elements.values()].filter(({ handle }) => handle.shape === "circle");
+    return circles.reduce((best, other) => (distance(other) < distance(best) ? other : best), element);
+  }
+
+  grab(element, event) {
+    const { root, handle, surface } = element;
+    event.stopPropagation();
+    event.preventDefault();
+    root.focus({ preventScroll: true });
+    if (handle.locked || this.held || event.button) return;
+    this.held = element;
+    root.setPointerCapture(event.pointerId);
+    root.classList.add("held");
+    // A circle follows the pointer itself: its radius is the distance of the pointer.
+    const at = surface.plane(event), place = placeOf(handle, this.player.frame);
+    this.off = handle.shape === "circle" ? [0, 0] : [place[0] - at[0], place[1] - at[1]];
+    this.editor.startDrag(handle);
   }
 
   key(element, event) {

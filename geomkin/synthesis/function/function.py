@@ -256,7 +256,7 @@ def _through(
     if not ((shares >= 0) & (shares <= 1)).all() or (np.diff(shares) < 1e-3).any():
         raise DesignError(
             "points",
-            f"found {', '.join(f'{one:g}' for one in x)}",
+            f"found {', '.join(f'{value:g}' for value in x)}",
             f"give rising values from {wanted.x0:g} to {wanted.x1:g}, at least a thousandth of that apart",
             "out-of-range",
         )

@@ -118,14 +118,14 @@ def linear_fits(terms: Real, right: Real, steepness: Callable[[Real], Real]) -> 
     residual is the output's error to first order.
     """
     weights = np.ones(right.shape)
-    found = np.zeros((len(terms), 3))
+    coefficients = np.zeros((len(terms), 3))
     for _ in range(3):
         rows, values = terms * weights[..., None], right * weights
         normal = np.einsum("kmi,kmj->kij", rows, rows)
         normal += TINY * np.einsum("kii->k", normal)[:, None, None] * np.eye(3)
-        found = np.linalg.solve(normal, np.einsum("kmi,km->ki", rows, values)[..., None])[..., 0]
-        weights = 1 / np.maximum(np.abs(steepness(found)), FLATTEST)
-    return found
+        coefficients = np.linalg.solve(normal, np.einsum("kmi,km->ki", rows, values)[..., None])[..., 0]
+        weights = 1 / np.maximum(np.abs(steepness(coefficients)), FLATTEST)
+    return coefficients
 
 
 # Relative addition to the diagonal of normal equations, without which singular starts would stop the others.
@@ -162,14 +162,14 @@ class SliderGenerator(AbstractGenerator):
 
     def slopes(self, p: Real, s: Real) -> Real:
         a, b, angle, w, q = self._placed(p, s)
-        found = np.zeros((*angle.shape, 6))
+        rates = np.zeros((*angle.shape, 6))
         with np.errstate(all="ignore"):
-            found[..., 0] = a * (np.cos(angle) + w * np.sin(angle) / q)
-            found[..., 1] = b**2 / q
-            found[..., 2] = -w / q
-            found[..., 3] = a * (w * np.cos(angle) / q - np.sin(angle))
-        found[..., 4] = -1
-        return found
+            rates[..., 0] = a * (np.cos(angle) + w * np.sin(angle) / q)
+            rates[..., 1] = b**2 / q
+            rates[..., 2] = -w / q
+            rates[..., 3] = a * (w * np.cos(angle) / q - np.sin(angle))
+        rates[..., 4] = -1
+        return rates
 
     def _sine(self, p: Real) -> tuple[Real, Real, Real, Real]:
         """Sine of the rod's angle to the slide line at its extremes, the crank angles there, crank, rod."""
@@ -231,13 +231,13 @@ class SliderGenerator(AbstractGenerator):
             np.pi * even if free[0] else self.starts[:1],
             np.tan(np.pi * (even - 0.5)) if free[1] else self.starts[1:],
         ]
-        first, place = (one.ravel()[:, None] for one in np.meshgrid(*grids))
+        first, place = (axis.ravel()[:, None] for axis in np.meshgrid(*grids))
         angle, x = first + self.swing * s, place + self.sense * self.share(s)
         terms = np.stack([x * np.cos(angle), np.sin(angle), np.ones(x.shape)], axis=-1)
-        found = linear_fits(terms, x**2, lambda k: 2 * x - k[:, :1] * np.cos(angle))
+        coefficients = linear_fits(terms, x**2, lambda k: 2 * x - k[:, :1] * np.cos(angle))
         with np.errstate(all="ignore"):
-            a, h = found[:, 0] / 2, found[:, 1] / found[:, 0]
-            logs = np.log(np.stack([np.abs(a), np.sqrt(found[:, 2] + a**2 + h**2)], axis=1))
+            a, h = coefficients[:, 0] / 2, coefficients[:, 1] / coefficients[:, 0]
+            logs = np.log(np.stack([np.abs(a), np.sqrt(coefficients[:, 2] + a**2 + h**2)], axis=1))
         turned = a < 0
         fits = np.isfinite(logs).all(axis=1) & np.isfinite(h) & ~(turned & ~free[0])
         start = first[:, 0] + np.pi * turned
@@ -302,13 +302,13 @@ class FourBarGenerator(AbstractGenerator):
         with np.errstate(all="ignore"):
             t = np.angle(u + c * np.exp(1j * out))
             over = 1 / (c * np.sin(out - t))
-            found = np.zeros((*over.shape, 6))
-            found[..., 0] = -a * np.cos(angle - t) * over
-            found[..., 1] = -b * over
-            found[..., 2] = c * np.cos(out - t) * over
-            found[..., 3] = a * np.sin(angle - t) * over
-        found[..., 4] = -1
-        return found
+            rates = np.zeros((*over.shape, 6))
+            rates[..., 0] = -a * np.cos(angle - t) * over
+            rates[..., 1] = -b * over
+            rates[..., 2] = c * np.cos(out - t) * over
+            rates[..., 3] = a * np.sin(angle - t) * over
+        rates[..., 4] = -1
+        return rates
 
     def _extreme(self, p: Real) -> Real:
         """(many, 4) crank angles between which the transmission angle is monotonic: the ends, and crank in line with
@@ -362,13 +362,13 @@ class FourBarGenerator(AbstractGenerator):
         each = round(count ** (1 / max(free.sum(), 1)))
         halves = np.pi * (np.arange(each) + 0.5) / each
         grid = np.meshgrid(*(halves if gap else np.array([start]) for start, gap in zip(self.starts, free)))
-        starts = np.stack([one.ravel() for one in grid], axis=1)
+        starts = np.stack([axis.ravel() for axis in grid], axis=1)
         angle, out = starts[:, :1] + self.swing * s, starts[:, 1:] + self.out * self.share(s)
         terms = np.stack([np.cos(out), -np.cos(angle), np.ones(out.shape)], axis=-1)
-        found = linear_fits(terms, np.cos(angle - out), lambda k: -k[:, :1] * np.sin(out) - np.sin(angle - out))
+        coefficients = linear_fits(terms, np.cos(angle - out), lambda k: -k[:, :1] * np.sin(out) - np.sin(angle - out))
         with np.errstate(all="ignore"):
-            a, c = 1 / found[:, 0], 1 / found[:, 1]
-            square = 1 + a**2 + c**2 - 2 * a * c * found[:, 2]
+            a, c = 1 / coefficients[:, 0], 1 / coefficients[:, 1]
+            square = 1 + a**2 + c**2 - 2 * a * c * coefficients[:, 2]
             turned = np.stack([a < 0, c < 0], axis=1)
             logs = np.log(np.stack([np.abs(a), np.sqrt(square), np.abs(c)], axis=1))
         fits = np.isfinite(logs).all(axis=1) & ~(turned & ~free).any(axis=1)

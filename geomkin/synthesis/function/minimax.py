@@ -217,7 +217,7 @@ def _linearised(task: AbstractTask, p: Real, s: Real, free: Whole) -> tuple[Real
     n = len(free)
     e, (limits, steep) = task.error(p, s), task.limits(p)
     # At a toggle the error has infinite slope; such a row gives no direction.
-    slopes, steep = (np.nan_to_num(one, nan=0.0, posinf=0.0, neginf=0.0) for one in (task.slopes(p, s), steep))
+    slopes, steep = (np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0) for slopes in (task.slopes(p, s), steep))
     m, k = e.shape[1], limits.shape[1]
     end = 2 * m + k
     rows, bounds = np.zeros((len(p), end + 1 + 2 * n, n + 2)), np.zeros((len(p), end + 1 + 2 * n))
@@ -262,10 +262,10 @@ def _least_return(held: Real, paid: Mask, n: int) -> Real:
     # A larger addition to the diagonal, since two rows may nearly coincide.
     square[:, range(n + 2), range(n + 2)] = square[:, range(n + 2), range(n + 2)] * (1 + 1e-10) + ~paid
     try:
-        found: Real = ((free[:, None] * np.swapaxes(held, 1, 2)) @ np.linalg.inv(square))[:, :n]
+        step_map: Real = ((free[:, None] * np.swapaxes(held, 1, 2)) @ np.linalg.inv(square))[:, :n]
     except np.linalg.LinAlgError:
-        found = np.zeros((len(held), n, n + 2))
-    return found
+        step_map = np.zeros((len(held), n, n + 2))
+    return step_map
 
 
 def _curvature(task: AbstractTask, p: Real, s: Real, prices: Real, free: Whole, limits: int) -> Real:
@@ -285,8 +285,8 @@ def _curvature(task: AbstractTask, p: Real, s: Real, prices: Real, free: Whole, 
         down[:, at] -= DIFFERENCE
         with np.errstate(all="ignore"):
             columns.append((slope(up) - slope(down)) / (2 * DIFFERENCE))
-    found = np.nan_to_num(np.stack(columns, axis=1), nan=0.0, posinf=0.0, neginf=0.0)
-    return 0.5 * (found + np.swapaxes(found, 1, 2))
+    hessian = np.nan_to_num(np.stack(columns, axis=1), nan=0.0, posinf=0.0, neginf=0.0)
+    return 0.5 * (hessian + np.swapaxes(hessian, 1, 2))
 
 
 @record(eq=False)
@@ -306,20 +306,20 @@ def certified(task: AbstractTask, p: Real, s: Real, errors: Real) -> OptimalityC
     on the active ones, dropping the most negative until none is.
     """
     free = task.free
-    limits, steep = (one[0] for one in task.limits(p[None]))
+    limits, steep = (rows[0] for rows in task.limits(p[None]))
     slopes = np.sign(errors)[:, None] * task.slopes(p[None], s[None])[0]
     holds = np.concatenate([np.abs(errors) >= (1 - LEVEL) * np.abs(errors).max(), limits >= -ACTIVE])
     columns = np.concatenate([slopes, steep])[:, free].T
     # The last row makes the multipliers of the peaks sum to 1.
     system = np.vstack([columns, np.concatenate([np.ones(len(s)), np.zeros(len(limits))])])
     right = np.append(np.zeros(len(columns)), 1.0)
-    found = np.zeros(len(holds))
+    multipliers = np.zeros(len(holds))
     while holds.any():
-        found[:] = 0
-        found[holds] = np.linalg.lstsq(system[:, holds], right, rcond=None)[0]
-        if found.min() >= 0:
+        multipliers[:] = 0
+        multipliers[holds] = np.linalg.lstsq(system[:, holds], right, rcond=None)[0]
+        if multipliers.min() >= 0:
             break
-        holds[np.argmin(found)] = False
-    size = np.linalg.norm(columns, axis=0) @ found
-    left = float(np.linalg.norm(system @ found - right) / max(size, 1.0))
-    return OptimalityCertificate(found[: len(s)], found[len(s) :], left)
+        holds[np.argmin(multipliers)] = False
+    size = np.linalg.norm(columns, axis=0) @ multipliers
+    residual = float(np.linalg.norm(system @ multipliers - right) / max(size, 1.0))
+    return OptimalityCertificate(multipliers[: len(s)], multipliers[len(s) :], residual)

@@ -196,28 +196,32 @@ def searched(task: AbstractGenerator, squares: bool) -> tuple[LocalOptimum, ...]
     if not len(starts):
         return ()
     if squares:
-        found = _fitted(task, starts)
+        candidates = _fitted(task, starts)
     else:
-        found = starts
+        candidates = starts
         for _ in range(2):
-            found, value, _ = descend(task, found, _ends_close(33)[None], STEPS, gain_left=NEARLY)
-            found = found[_distinct(task, found, value, MOST_REPORTED, SAME)]
-        found = _finished(task, found)
-    found = task.rounded(found)
-    s, errors, real = peaks(task, found, PEAKS, LOOKS)
-    broken, worst = task.limits(found)[0].max(axis=1), np.abs(errors).max(axis=1)
-    rows = zip(found, worst.tolist(), s, errors, real, broken.tolist())
+            candidates, value, _ = descend(task, candidates, _ends_close(33)[None], STEPS, gain_left=NEARLY)
+            candidates = candidates[_distinct(task, candidates, value, MOST_REPORTED, SAME)]
+        candidates = _finished(task, candidates)
+    candidates = task.rounded(candidates)
+    s, errors, real = peaks(task, candidates, PEAKS, LOOKS)
+    broken, worst = task.limits(candidates)[0].max(axis=1), np.abs(errors).max(axis=1)
+    rows = zip(candidates, worst.tolist(), s, errors, real, broken.tolist())
     optima = [LocalOptimum(p, most, at[top], e[top], off) for p, most, at, e, top, off in rows]
-    kept = [one for one in optima if one.broken <= KEPT and np.isfinite(one.worst)]
-    if not kept:
+    feasible = [optimum for optimum in optima if optimum.broken <= KEPT and np.isfinite(optimum.worst)]
+    if not feasible:
         return tuple(sorted(optima, key=lambda one: one.broken)[:1])
     if not squares:
-        kept.sort(key=lambda one: one.worst)
+        feasible.sort(key=lambda one: one.worst)
         order = _distinct(
-            task, np.stack([one.p for one in kept]), np.array([one.worst for one in kept]), MOST_REPORTED, SAME
+            task,
+            np.stack([optimum.p for optimum in feasible]),
+            np.array([optimum.worst for optimum in feasible]),
+            MOST_REPORTED,
+            SAME,
         )
-        kept = [kept[k] for k in order]
-    return tuple(kept)
+        feasible = [feasible[k] for k in order]
+    return tuple(feasible)
 
 
 def _ends_close(count: int) -> Real:

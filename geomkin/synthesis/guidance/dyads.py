@@ -100,19 +100,19 @@ def _polished(z: Complex, u: Complex, starts: Pairs) -> tuple[Pairs, Mask]:
 
 
 def _different(found: Pairs) -> Whole:
-    kept: list[int] = []
+    distinct: list[int] = []
     for k in range(found.fixed.size):
         duplicates = [
             j
-            for j in kept
+            for j in distinct
             if all(
                 far[j] == far[k] and abs(place[j] - place[k]) <= SAME * (1 + abs(place[k]))
                 for far, place in ((found.fixed_far, found.fixed), (found.moving_far, found.moving))
             )
         ]
         if not duplicates and np.isfinite(found.fixed[k]) and np.isfinite(found.moving[k]):
-            kept.append(k)
-    return np.array(kept, dtype=int)
+            distinct.append(k)
+    return np.array(distinct, dtype=int)
 
 
 def fitted_circles(points: Complex) -> tuple[Complex, Mask]:

@@ -61,9 +61,9 @@ class HeldPins:
 def held_pins(body: Displacements, dyads: Dyads, most: int | None = None) -> HeldPins:
     """Dyads with a pin on the body, at most `most` of each type; a line of the body over a pivot has none."""
     pinned, far = np.isfinite(dyads.moving), ~np.isfinite(dyads.fixed)
-    kept = np.concatenate([np.flatnonzero(pinned & sort)[:most] for sort in (~far, far)])
-    pins = body.pins(body.pins_of(dyads.moving[kept]))
-    return HeldPins(pins=pins, pivots=dyads.fixed[kept], rails=dyads.fixed_direction[kept])
+    chosen = np.concatenate([np.flatnonzero(pinned & sort)[:most] for sort in (~far, far)])
+    pins = body.pins(body.pins_of(dyads.moving[chosen]))
+    return HeldPins(pins=pins, pivots=dyads.fixed[chosen], rails=dyads.fixed_direction[chosen])
 
 
 def inside_box(held: HeldPins, low: complex, high: complex) -> HeldPins:
@@ -71,8 +71,8 @@ def inside_box(held: HeldPins, low: complex, high: complex) -> HeldPins:
     middle, box = 0.5 * (low + high), high - low
     pivots = np.where(np.isfinite(held.pivots), held.pivots, middle)
     off = np.concatenate([held.pins, pivots[None]]) - middle
-    kept = ((np.abs(off.real) <= 0.5 * box.real) & (np.abs(off.imag) <= 0.5 * box.imag)).all(axis=0)
-    return HeldPins(pins=held.pins[:, kept], pivots=held.pivots[kept], rails=held.rails[kept])
+    is_inside = ((np.abs(off.real) <= 0.5 * box.real) & (np.abs(off.imag) <= 0.5 * box.imag)).all(axis=0)
+    return HeldPins(pins=held.pins[:, is_inside], pivots=held.pivots[is_inside], rails=held.rails[is_inside])
 
 
 def best_pairs(
@@ -89,26 +89,26 @@ def best_pairs(
     watch.report(0.5)
     starts = order[np.isfinite(score[order])]
     starts = starts[distinct(_at_first(held, one[starts], other[starts]), STARTS, DISTINCT * search.size)]
-    found: list[tuple[float, int, int]] = []
+    results: list[tuple[float, int, int]] = []
     for at in starts.tolist():
-        if found and watch.over():
+        if results and watch.over():
             break
         ones, others = _near(held, one[at]), _near(held, other[at])
         pairs = [k.ravel() for k in np.meshgrid(ones, others, indexing="ij")]
         scores = _scored(search, held, *pairs)
         best = int(scores.argmax())
-        found.append((-float(scores[best]), int(pairs[0][best]), int(pairs[1][best])))
-    found.sort()
-    firsts, seconds = (np.array([row[k] for row in found], dtype=int) for k in (1, 2))
-    kept = distinct(_at_first(held, firsts, seconds), most, DISTINCT * search.size)
+        results.append((-float(scores[best]), int(pairs[0][best]), int(pairs[1][best])))
+    results.sort()
+    firsts, seconds = (np.array([row[k] for row in results], dtype=int) for k in (1, 2))
+    chosen = distinct(_at_first(held, firsts, seconds), most, DISTINCT * search.size)
     guides = held.paired(search.kind, search.slides, one[bad], other[bad])
     with np.errstate(all="ignore"):
         wrong = bad[search.fits(guides) & ~guides.defects.none][:DEFECTIVE]
     return held.paired(
         search.kind,
         search.slides,
-        np.concatenate([firsts[kept], one[wrong]]),
-        np.concatenate([seconds[kept], other[wrong]]),
+        np.concatenate([firsts[chosen], one[wrong]]),
+        np.concatenate([seconds[chosen], other[wrong]]),
     )
 
 
@@ -141,7 +141,7 @@ LARGER = 6
 NEAR = 3.0
 # Number of dyads of each type that are paired for least-squares fits, the best first.
 NEAREST = 8
-KINDS: tuple[Kind, ...] = tuple(get_args(one)[0] for one in get_args(Kind))
+KINDS: tuple[Kind, ...] = tuple(get_args(literal)[0] for literal in get_args(Kind))
 
 
 @record(eq=False, kw_only=True)

@@ -249,9 +249,9 @@ def climbed(
 
 def distinct(pairs: Complex, most: int, apart: float) -> list[int]:
     """Indices of at most so many pairs, the first ones first, that differ by more than `apart` from all before."""
-    kept: list[int] = []
-    left = np.arange(len(pairs))
-    while len(left) and len(kept) < most:
-        kept.append(int(left[0]))
-        left = left[np.abs(pairs[left] - pairs[left[0]]).max(axis=1) > apart]
-    return kept
+    chosen: list[int] = []
+    remaining = np.arange(len(pairs))
+    while len(remaining) and len(chosen) < most:
+        chosen.append(int(remaining[0]))
+        remaining = remaining[np.abs(pairs[remaining] - pairs[remaining[0]]).max(axis=1) > apart]
+    return chosen

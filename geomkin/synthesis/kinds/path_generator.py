@@ -373,12 +373,12 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
-        found = self.found
+        design = self.found
         marks: list[AbstractCurve] = self.crosses
         span = (float(np.radians(self.way[0])), float(np.radians(self.way[1])))
-        if not found.defects and span[1] > span[0]:
-            marks.append(CouplerCurve(found.linkage, "coupler_point", found.branch, span))
-        at = move(found.linkage, np.array([found.drive[0]]), found.branch)
+        if not design.defects and span[1] > span[0]:
+            marks.append(CouplerCurve(design.linkage, "coupler_point", design.branch, span))
+        at = move(design.linkage, np.array([design.drive[0]]), design.branch)
         return (*super().parts, engraved("path", [*marks, *skeleton(at, 0, plate)], plate))
 
     @property

@@ -147,8 +147,8 @@ def _step(now: Linearised, x: Real, t: Real, low: Real, high: Real, damping: Rea
     for _ in range(3):
         # Unknowns at a bound leave the system, and so do those that the step would drive through one.
         free = ~held
-        kept = free[:, :, None] & free[:, None, :]
-        system = np.where(kept, damped, np.where(np.eye(p, dtype=bool), scale[:, :, None], 0.0))
+        is_free = free[:, :, None] & free[:, None, :]
+        system = np.where(is_free, damped, np.where(np.eye(p, dtype=bool), scale[:, :, None], 0.0))
         fixed = np.where(held, shift, 0.0)
         pull = right + np.einsum("spq,sq->sp", damped, fixed)
         moved = _solved(system, np.where(free, -pull, 0.0))
@@ -179,10 +179,10 @@ def _solved(system: Real, right: Real) -> Real:
     scaled[bad] = np.eye(scaled.shape[-1])
     scaled = scaled + 1e-15 * np.eye(scaled.shape[-1])
     try:
-        found = np.linalg.solve(scaled, (right * scale)[..., None])[..., 0] * scale
+        solutions = np.linalg.solve(scaled, (right * scale)[..., None])[..., 0] * scale
     except np.linalg.LinAlgError:
-        found = np.einsum("spq,sq->sp", np.linalg.pinv(scaled), right * scale) * scale
-    return np.where(bad[:, None] | ~np.isfinite(found), 0.0, found)
+        solutions = np.einsum("spq,sq->sp", np.linalg.pinv(scaled), right * scale) * scale
+    return np.where(bad[:, None] | ~np.isfinite(solutions), 0.0, solutions)
 
 
 def _some(of: Linearised, which: Mask) -> Linearised:
@@ -462,6 +462,6 @@ def nearest(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
     path = points_of(x, np.broadcast_to(looks, (len(x), LOOKS)), branch, task.slides)
     far = np.abs(path[:, None, :] - task.wanted[None, :, None])
     at = np.argmin(np.where(np.isfinite(far), far, np.inf), axis=2)
-    found = np.take_along_axis(far, at[..., None], axis=2)[..., 0]
+    distances = np.take_along_axis(far, at[..., None], axis=2)[..., 0]
     now = np.abs(points_of(x, t, branch, task.slides) - task.wanted)
-    return np.where(found < now, looks[at], t)
+    return np.where(distances < now, looks[at], t)

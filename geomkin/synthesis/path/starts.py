@@ -220,12 +220,12 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
 
 def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
     """The linkages rotated and scaled by `turned` (s,), with the middle of their paths at `at`."""
-    found = x.copy()
+    placed = x.copy()
     size = np.abs(turned)
-    found[:, [GROUND, CRANK, COUPLER, ROCKER, ARM_X, ARM_Y]] *= size[:, None]
+    placed[:, [GROUND, CRANK, COUPLER, ROCKER, ARM_X, ARM_Y]] *= size[:, None]
     origin = at - turned * middle
-    found[:, ORIGIN_X], found[:, ORIGIN_Y], found[:, TURN] = origin.real, origin.imag, np.angle(turned)
-    return found
+    placed[:, ORIGIN_X], placed[:, ORIGIN_Y], placed[:, TURN] = origin.real, origin.imag, np.angle(turned)
+    return placed
 
 
 def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:

@@ -171,7 +171,7 @@ class _Drawing:
         if tag in ("svg", "use"):
             placement = placement.after(AffineMap(r=complex(_pixels(element, "x"), _pixels(element, "y"))))
         below = [self._used(element)] if tag == "use" else element
-        if tag == "use" and any(one is below[0] for one in above):
+        if tag == "use" and any(ancestor is below[0] for ancestor in above):
             raise _refused(f"it uses {shown(below[0].get('id'))} within itself")
         return self._among(below, placement, [*above, element])
 

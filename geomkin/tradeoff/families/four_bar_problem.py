@@ -11,9 +11,9 @@ from ...core.records import record
 from ...linkage.moving import move, placements_for
 from ...linkage.named_linkages import FourBar
 from ...linkage.solve.branch import as_branch_spec
-from ...linkage.solve.formulas import Timing
 from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
+from ...linkage.timing import Timing
 from ...plane.vec import Complex, Real
 from ..exact import circling, fixed, many_digits, pinned
 from ..family import Method
@@ -96,10 +96,12 @@ def closing_gaps(a: float, b: float, c: float, d: float) -> tuple[float, float]:
 
 def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     general = problem.linkage.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
+    steps = tuple(
+        placement.dyad if isinstance(placement, CrankDriven) else placement for placement in placements_for(general, 1)
+    )
 
     def call() -> Directions:
-        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1), STEADY)
+        solution = LinkageSolution(general, lambda: steps, problem.drive, as_branch_spec(1), STEADY)
         return solution.value("direction", "coupler"), solution.value("direction", "rocker")
 
     return call

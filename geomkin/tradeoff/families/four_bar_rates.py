@@ -41,10 +41,12 @@ def _library(problem: FourBarProblem, _: float) -> Call:
 
 def _general_dyad(problem: FourBarProblem, _: float) -> Call:
     general = problem.linkage.linkage
-    steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
+    steps = tuple(
+        placement.dyad if isinstance(placement, CrankDriven) else placement for placement in placements_for(general, 1)
+    )
 
     def call() -> Rates:
-        solution = LinkageSolution(general, steps, problem.drive, as_branch_spec(1), STEADY)
+        solution = LinkageSolution(general, lambda: steps, problem.drive, as_branch_spec(1), STEADY)
         first, second = ((solution.value(k, "coupler"), solution.value(k, "rocker")) for k in ("first", "second"))
         return *first, *second
 

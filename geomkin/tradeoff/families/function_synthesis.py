@@ -90,7 +90,7 @@ def _over_starts(wanted: LogarithmTask, count: float) -> Callable[[], Generators
     """By hand from each pair of starts on a square grid of so many."""
     each = round(count**0.5)
     halves = np.pi * (np.arange(each) + 0.5) / each
-    starts = np.stack([one.ravel() for one in np.meshgrid(halves, halves)], axis=1)
+    starts = np.stack([axis.ravel() for axis in np.meshgrid(halves, halves)], axis=1)
     return lambda: _best(wanted, by_hand(wanted, starts))
 
 

@@ -76,7 +76,7 @@ def root_mean_square(path: TimedPath, found: list[PlacedFourBar | None]) -> Real
 
     The rocker's pin is where two circles meet, about the crank's pin and about the rocker's pivot.
     """
-    return np.array([np.nan if one is None else _root_mean_square(path, one) for one in found])
+    return np.array([np.nan if four_bar is None else _root_mean_square(path, four_bar) for four_bar in found])
 
 
 def _root_mean_square(path: TimedPath, found: PlacedFourBar) -> float:

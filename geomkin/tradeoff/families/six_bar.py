@@ -55,7 +55,8 @@ def _library(track: Track, _: float) -> Call:
 def _general_dyads(track: Track, _: float) -> Call:
     general = SIX_BAR.linkage
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1), STEADY).value("direction", "output")
+    spec = as_branch_spec(1)
+    return lambda: LinkageSolution(general, lambda: steps, track.drive, spec, STEADY).value("direction", "output")
 
 
 def _circles(track: Track, _: float) -> Call:
@@ -177,7 +178,7 @@ def _iterated(linkage: Linkage, drive: Real) -> LinkageSolution:
     known = frozenset((linkage.ground, linkage.driver))
     waiting = tuple(body for body in linkage.bodies if body not in known)
     steps = (*crank, Loops(linkage, waiting, known, known, True, False))
-    return LinkageSolution(linkage, steps, drive, as_branch_spec(1), STEADY)
+    return LinkageSolution(linkage, lambda: steps, drive, as_branch_spec(1), STEADY)
 
 
 SIX_BAR_POSITION: MethodFamily[Track, Array] = MethodFamily(

@@ -35,7 +35,9 @@ def _library(track: Track, _: float) -> Call:
 def _general_dyad(track: Track, _: float) -> Call:
     general = LINKAGE.linkage
     steps = tuple(one.dyad if isinstance(one, CrankDriven) else one for one in placements_for(general, 1))
-    return lambda: LinkageSolution(general, steps, track.drive, as_branch_spec(1), STEADY).origin("slider", 0).real
+    return lambda: (
+        LinkageSolution(general, lambda: steps, track.drive, as_branch_spec(1), STEADY).origin("slider", 0).real
+    )
 
 
 def _factors(track: Track, _: float) -> Call:

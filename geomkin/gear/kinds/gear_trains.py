@@ -1,0 +1,257 @@
+"""Recipe of a gear train."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import Literal
+
+from ...core.errors import DesignError
+from ...core.fields import entry, quantity
+from ...core.records import record
+from ...making.assembly import Assembly
+from ...making.bases import BaseStock
+from ...model.check import Check
+from ...model.part import Part
+from ...model.scene import Scene, SceneHandle
+from ...model.table import Table
+from ...recipe.recipe import AbstractAssembledRecipe
+from ...recipe.settings import Files
+from ..checks import gear_checks, mesh_checks
+from ..module import LARGEST
+from ..parts.gears import GearStock
+from ..parts.trains import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
+from ..scene_train import train_handles, train_scene
+from ..train import FEWEST_TEETH, MOST_TEETH, Direction, GearTrain, Stages, train_table
+from ..train_search import LARGEST_RATIO, MOST_SEARCHED, gear_train
+from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes, shown
+
+
+@record(checked=True)
+class TrainSpecification:
+    """The wanted ratio of a train, within bounds, or the teeth of all its stages.
+
+    Parameters
+    ----------
+    module : float
+        Pitch diameter per tooth of all gears, mm.
+    ratio : float, optional
+        Rotations of the first gear for one of the last, in either direction. Give this or `stages`.
+    stages : tuple of tuple of int, optional
+        Teeth of the driver and of the driven gear of each stage.
+    least_teeth, most_teeth, most_stages : int, optional
+        Bounds of a wanted ratio's train.
+    error : float, optional
+        Largest relative error of a wanted ratio; 0 for an exact train.
+    arrangement : {"line", "reverted"}, optional
+        Arbors in a line, or two stages with input and output on one axis.
+    centre_distance : float, optional
+        Centre distance of every stage of a wanted ratio's train, mm; free if omitted.
+    directions_deg : tuple of float, optional
+        Direction from each arbor to the next one, deg; by default that of the arrangement.
+    backlash : float, optional
+        Backlash of each mesh along the pitch circles, modules.
+    friction : float, optional
+        Mean coefficient of friction of the flanks, for the efficiency.
+    """
+
+    module: float = quantity("pitch diameter per tooth of all gears", "mm", above=0, at_most=LARGEST, example=2.5)
+    ratio: float | None = quantity(
+        "wanted rotations of the first gear for one of the last, in either direction; give this or stages",
+        default=None,
+        at_least=1 / LARGEST_RATIO,
+        at_most=LARGEST_RATIO,
+        example=12,
+    )
+    stages: Stages | None = entry(
+        "teeth of driver and driven gear of each stage, such as [[10, 30], [8, 32]]; give this or ratio", default=None
+    )
+    least_teeth: int = quantity(
+        "least number of teeth of a gear, for a wanted ratio",
+        whole=True,
+        default=12,
+        at_least=FEWEST_TEETH,
+        at_most=MOST_TEETH,
+    )
+    most_teeth: int = quantity(
+        "largest number of teeth of a gear, for a wanted ratio",
+        whole=True,
+        default=60,
+        at_least=FEWEST_TEETH,
+        at_most=MOST_TEETH,
+    )
+    most_stages: int = quantity(
+        "largest number of stages, for a wanted ratio", whole=True, default=3, at_least=1, at_most=MOST_SEARCHED
+    )
+    error: float = quantity(
+        "largest relative error of the wanted ratio; 0 for an exact train", default=0.0, at_least=0, at_most=0.5
+    )
+    arrangement: Literal["line", "reverted"] = entry(
+        "arbors in a line, or two stages with input and output on one axis", default="line"
+    )
+    centre_distance: float | None = quantity(
+        "centre distance of every stage, for a wanted ratio; free if omitted",
+        "mm",
+        default=None,
+        above=0,
+        at_most=1e9,
+    )
+    directions_deg: tuple[Direction, ...] = entry(
+        "direction from each arbor to the next one, deg; by default that of the arrangement", default=()
+    )
+    backlash: float = quantity(
+        "backlash of each mesh along the pitch circles", "modules", default=0.04, at_least=0, at_most=0.5
+    )
+    friction: float = quantity(
+        "mean coefficient of friction of the flanks, for the efficiency", default=0.1, at_least=0, at_most=1
+    )
+
+    def __post_init__(self) -> None:
+        if (self.ratio is None) == (self.stages is None):
+            number = "neither" if self.ratio is None else "both"
+            raise DesignError("ratio", f"found {number} ratio and stages", "give one of them", "conflict")
+        if self.arrangement == "reverted" and self.directions_deg:
+            problem = "found directions for a reverted train"
+            raise DesignError("directions_deg", problem, 'omit them, or give arrangement = "line"', "conflict")
+        self.train  # noqa: B018  raises if no train has the ratio, or the gears do not mesh
+
+    @cached_property
+    def train(self) -> GearTrain:
+        """The given train, or the one of the wanted ratio."""
+        reverted = self.arrangement == "reverted"
+        if self.stages is not None:
+            directions = tuple(180.0 * (k % 2) for k in range(len(self.stages))) if reverted else self.directions_deg
+            train = GearTrain(self.stages, self.module, directions, self.backlash, self.friction)
+            if reverted:
+                self._check_reverted(train)
+            return train
+        assert self.ratio is not None
+        train = gear_train(
+            self.ratio,
+            self.module,
+            least_teeth=self.least_teeth,
+            most_teeth=self.most_teeth,
+            most_stages=self.most_stages,
+            error=self.error,
+            reverted=reverted,
+            centre_distance=self.centre_distance,
+        )
+        directions = train.directions_deg or self.directions_deg
+        return replace(train, directions_deg=directions, backlash=self.backlash, friction=self.friction)
+
+    def _check_reverted(self, train: GearTrain) -> None:
+        if len(train.stages) % 2 == 0 and train.arbors[-1] == train.arbors[0]:
+            return
+        sums = ", ".join(str(a + b) for a, b in train.stages)
+        problem = f"found stages of {sums} teeth, whose input and output are not on one axis"
+        raise DesignError("stages", problem, "give two stages with equal sums of teeth", "conflict")
+
+
+@record(kw_only=True)
+class GearTrainRecipe(AbstractAssembledRecipe):
+    """A compound gear train with a wanted ratio: gears joined on their arbors, and the plate that holds the arbors.
+
+    Parameters
+    ----------
+    train : TrainSpecification
+        The wanted ratio, or the teeth of all stages.
+    stock : ArborStock, optional
+        Sheet and bore of all gears, and the pins that join two gears on an arbor.
+    first_stock, last_stock : GearStock, optional
+        Sheet and bore of the driving and of the last gear, if different from those of the others.
+    base : BaseStock, optional
+        The plate that holds the arbors.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
+
+    kind: Literal["gear-train"] = "gear-train"
+    train: TrainSpecification
+    stock: ArborStock = entry("sheet and bore of all gears, and their pins", default=ArborStock())
+    first_stock: GearStock | None = entry(
+        "sheet, bore and motor of the driving gear; if omitted, those of the others", default=None
+    )
+    last_stock: GearStock | None = entry(
+        "sheet and bore of the last gear; if omitted, those of the others", default=None
+    )
+    base: BaseStock = entry("the plate that holds the arbors", default=BaseStock())
+    files: Files = entry("formats and tolerance of the files", default=Files())
+
+    def __post_init__(self) -> None:
+        self.stocks.gears(self.design)
+
+    @cached_property
+    def design(self) -> GearTrain:
+        """The given train, or the one of the wanted ratio."""
+        return self.train.train
+
+    @property
+    def stocks(self) -> TrainStocks:
+        """Sheets, bores and pins."""
+        return TrainStocks(self.stock, self.first_stock, self.last_stock, self.base)
+
+    @cached_property
+    def table(self) -> Table:
+        return train_table(self.design)
+
+    @property
+    def design_checks(self) -> tuple[Check, ...]:
+        train, gears = self.design, self.stocks.gears(self.design)
+        meshes = (check for k, pair in enumerate(train.pairs, 1) for check in mesh_checks(pair, f"stage_{k}"))
+        teeth = (check for g in gears for check in gear_checks(g.gear, g.stock.rim_under(g.gear), g.name))
+        boss = boss_checks("driver_1", gears[0].gear.root_radius, gears[0].stock.motor, self.base)
+        return (*meshes, *teeth, *boss, arbor_check(train, self.stocks))
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [g.gear.outline for g in self.stocks.gears(self.design)])
+        return train_parts(self.design, self.stocks)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Arbors, collars, pins and screws, and the steps of assembly."""
+        return train_assembly(self.design, self.stocks)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """All gears in mesh."""
+        return train_scene(self.design, self.parts)
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(train_handles(self.design, self.train.stages is not None, bool(self.train.directions_deg)))
+
+    @classmethod
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        """The bore of the other gears."""
+        return {key: GearStock(bore=ArborStock().bore) for key in ("first_stock", "last_stock") if key in tables}
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        train = self.design
+        return {
+            "train": {
+                "stages": [list(teeth) for teeth in train.stages],
+                "ratio": shown(train.ratio),
+                **({} if self.train.ratio is None else {"error": shown(abs(train.ratio) / self.train.ratio - 1)}),
+                "efficiency": shown(train.efficiency),
+                "axes_mm": [[round(z.real, 6) + 0.0, round(z.imag, 6) + 0.0] for z in train.axes.tolist()],
+            },
+            **{
+                f"stage_{k}": {**mesh_notes(pair), "efficiency": shown(efficiency)}
+                for k, (pair, efficiency) in enumerate(zip(train.pairs, train.efficiencies), start=1)
+            },
+            "measures_mm": {g.name: gear_notes(g.gear) for g in self.stocks.gears(train)},
+            **self.assembly_summary,
+        }
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """The stages that were found, the ratio and the efficiency."""
+        train = self.design
+        stages = " x ".join(f"{driven}/{driver}" for driver, driven in train.stages)
+        return (
+            f"stages {stages}: {shown(train.ratio):g} rotations of the first gear for one of the last",
+            f"efficiency {train.efficiency:.3f} at friction {train.friction:g}, without bearings",
+        )

@@ -1,0 +1,284 @@
+"""Whether pins and plates of a linkage hold under its joint forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import field
+from itertools import permutations
+
+import numpy as np
+
+from ...core.arguments import checked
+from ...core.errors import DesignError
+from ...core.records import record
+from ...making.fasteners import MINOR_DEPTH
+from ...model.check import Check
+from ...model.part import Part
+from ...plane.flatten import flatten
+from ...plane.vec import Array, Complex, Real, cross, dot, first_largest
+from ..checks import driver_at
+from ..dynamics.inverse import ForceAnalysis
+from ..dynamics.wrenches import Wrenches
+from ..motion import Motion
+from .stack import Stack, link_parts, stack_links
+from .stock import LinkStock
+
+# Largest mean shear stress of pins, N/mm2: half of the yield strength of 240 N/mm2 (screws of property class 4.6, ISO
+# 898-1; bright bars of S235), by the criterion of Tresca, over a safety of 2 chosen here.
+MOST_PIN_SHEAR = 60.0
+# Least ratio of the strength that a material carries to the nominal stress of a plate; chosen here. Next to a hole the
+# stress is 2 to 3 times the nominal one.
+LEAST_PLATE_SAFETY = 4.0
+# Sections between two holes, beginning with that through the first.
+SECTIONS = 8
+# Ratio to the limit from which a unit is probably wrong by 1,000.
+WRONG_UNIT = 500.0
+# Tolerance of outlines as a share of the bar's width.
+FINE = 1e-4
+
+
+@record(eq=False)
+class PlateLoads(Wrenches):
+    """Forces on each body one by one, as needed for sections of its plate.
+
+    Parameters
+    ----------
+    acting : dict of str to list
+        Body to pairs of a place, mm in the body's frame, and a force there, N on the ground; one value or one for each
+        frame.
+    couples : dict of str to list
+        Body to pairs of a place and a couple, N mm.
+    """
+
+    acting: dict[str, list[tuple[Array, Array]]] = field(init=False, default_factory=dict)
+    couples: dict[str, list[tuple[Array, Array]]] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        Wrenches.__post_init__(self)
+        for body in self.motion.linkage.bodies:
+            self.acting[body], self.couples[body] = [], []
+
+    def add_force(self, body: str, place: complex | Complex, force: Array | complex) -> None:
+        self.acting[body].append((np.asarray(place), np.asarray(force)))
+
+    def add_moment(self, body: str, moment: Array | float, reaction_on: str = "") -> None:
+        for one, sign in ((body, 1), (reaction_on, -1)):
+            if one:
+                place = next(iter(self.motion.linkage.bodies[one].values()), 0j)
+                self.couples[one].append((np.asarray(place), sign * np.asarray(moment)))
+
+
+def plate_loads(analysis: ForceAnalysis) -> PlateLoads:
+    """All forces on each body: loads, weights and inertia, joints and driver. Dry friction's couples are left out."""
+    motion, loads = analysis.motion, PlateLoads(analysis.motion)
+    linkage = motion.linkage
+    analysis.loads.apply_to(loads)
+    for pin, bodies in linkage.pins.items():
+        for body in bodies:
+            loads.add_force(body, linkage.bodies[body][pin], analysis.pin(pin, body))
+    for slider in linkage.sliders:
+        line = motion.bodies[slider.along].direction * slider.direction
+        slide, at = analysis.slide(slider.name), loads.position(slider.body, slider.point)
+        along = (
+            analysis.driver * (-1 if linkage.driver == slider.along else 1) if slider is linkage.driven_slider else 0
+        )
+        force = line * (along + 1j * slide.normal)
+        guide = motion.bodies[slider.along]
+        on_guide = (at - guide.origin.position) * np.conj(guide.direction)
+        for body, place, sign in ((slider.body, slider.point, 1), (slider.along, on_guide, -1)):
+            loads.add_force(body, place, sign * force)
+            loads.couples[body].append((np.asarray(place), sign * slide.moment))
+    if linkage.driver_pivot:
+        place = linkage.bodies[linkage.driver][linkage.driver_pivot]
+        loads.couples[linkage.driver].append((np.asarray(place), analysis.driver))
+    return loads
+
+
+@record
+class PlateSection:
+    """A section of a plate across the direction `across`. area: mm2. centre: mm. modulus: of bending, mm3."""
+
+    area: float
+    centre: complex
+    modulus: float
+
+
+def section_of(loops: Sequence[Complex], thickness: float, place: complex, direction: complex) -> PlateSection | None:
+    """The section of a plate through a place, at right angles to a direction; None if it misses the plate.
+
+    loops: points of outline and holes, mm. The line crosses them in pairs of points, between which there is material.
+    """
+    crossings = []
+    for loop in loops:
+        start = (loop - place) * np.conj(direction)
+        end = np.roll(start, -1)
+        meets = (start.real >= 0) != (end.real >= 0)
+        start, end = start[meets], end[meets]
+        crossings.append(start.imag - start.real * (end.imag - start.imag) / (end.real - start.real))
+    low, high = np.sort(np.concatenate(crossings)).reshape(-1, 2).T
+    if not low.size:
+        return None
+    length = float((high - low).sum())
+    centre = float((high**2 - low**2).sum() / 2 / length)
+    inertia = float(((high - centre) ** 3 - (low - centre) ** 3).sum() / 3)
+    outermost = max(high.max() - centre, centre - low.min())
+    return PlateSection(length * thickness, place + 1j * direction * centre, inertia * thickness / float(outermost))
+
+
+def plate_stress(loads: PlateLoads, part: Part, places: Complex, tolerance: float) -> Real:
+    """Largest nominal stress of a plate over its sections, N/mm2 at each frame.
+
+    Parameters
+    ----------
+    loads : PlateLoads
+        The forces on the bodies.
+    part : Part
+        The plate of a body.
+    places : array of complex
+        Centres of its holes, mm; sections go through them and between each two, across the line that joins them.
+    tolerance : float
+        Of its outline, mm.
+
+    Returns
+    -------
+    array, shape (frames,)
+        Tension or pressure, plus bending; nan where a force is unknown. Shear is not in it.
+    """
+    body = loads.motion.bodies[part.body]
+    forces = [(place, force * np.conj(body.direction)) for place, force in loads.acting[part.body]]
+    loops = [flatten(curve, tolerance) for curve in (part.outline, *part.holes)]
+    worst = np.zeros(loads.motion.assembled.shape)
+    for one, other in permutations(places.tolist(), 2):
+        direction = (other - one) / abs(other - one)
+        for share in np.arange(SECTIONS) / SECTIONS:
+            place = one + share * (other - one)
+            section = section_of(loops, part.thickness, place, direction)
+            if section is None:
+                continue
+            hair = 1e-9 * abs(other - one)
+            normal, moment = np.zeros(worst.shape), np.zeros(worst.shape)
+            for at, force in forces:
+                beyond = dot(direction, at - place)
+                # A pin presses on the side of its hole towards which its force points.
+                counts = (beyond > hair) | ((np.abs(beyond) <= hair) & (dot(direction, force) > 0))
+                normal = normal + np.where(counts, dot(direction, force), 0.0)
+                moment = moment + np.where(counts, cross(at - section.centre, force), 0.0)
+            for at, couple in loads.couples[part.body]:
+                moment = moment + np.where(dot(direction, at - place) > hair, couple, 0.0)
+            worst = np.maximum(worst, np.abs(normal) / section.area + np.abs(moment) / section.modulus)
+    return worst
+
+
+def pin_shears(analysis: ForceAnalysis, stack: Stack) -> Iterator[tuple[str, Real]]:
+    """The largest shear force in each pin, N at each frame: between two layers, all forces on the pin below add up.
+
+    So a pin that joins two plates is in single shear, and one between two plates of a body in double shear. A shaft of
+    a motor and guide pins in slots are left out.
+    """
+    for pin in stack.pins:
+        bodies = [stack.plates[name].body for name in pin.holes]
+        if pin.motor or pin.slots or pin.name not in analysis.motion.linkage.pins:
+            continue
+        below, largest = np.zeros(analysis.motion.assembled.shape, dtype=complex), np.zeros(1)
+        for name in sorted(pin.holes, key=stack.layers.__getitem__):
+            body = stack.plates[name].body
+            below = below - analysis.pin(pin.name, body) / bodies.count(body)
+            largest = np.maximum(largest, np.abs(below))
+        yield pin.name, largest
+
+
+def pin_pressures(analysis: ForceAnalysis, stack: Stack, stock: LinkStock) -> Iterator[tuple[str, Real]]:
+    """The pressure of each pin in each hole, force over diameter and thickness, N/mm2 at each frame."""
+    for pin in stack.pins:
+        bodies = [stack.plates[name].body for name in pin.holes]
+        if pin.name not in analysis.motion.linkage.pins:
+            continue
+        diameter = stock.shaft.bore if pin.motor and stock.shaft else stock.pin_diameter
+        for name, body in zip(pin.holes, bodies):
+            force = np.abs(analysis.pin(pin.name, body)) / bodies.count(body)
+            yield f"{pin.name} in the {name}", force / (diameter * stock.thickness)
+
+
+@checked
+def linkage_strength_checks(
+    analysis: ForceAnalysis, stock: LinkStock = LinkStock(), stack: Stack | None = None
+) -> tuple[Check, ...]:
+    """Check that pins and moving plates hold at the worst frame.
+
+    Parameters
+    ----------
+    analysis : ForceAnalysis
+        Joint forces of one linkage.
+    stock : LinkStock
+        Sheet and pins; its material sets the limits of pressure and stress.
+    stack : Stack, optional
+        `stack_links(motion, stock)` over the whole range, by default that of the analysed motion.
+
+    Returns
+    -------
+    tuple of Check
+        The mean shear stress of the pins, the pressure of the pins in their holes, and the nominal stress of the plates
+        that move, N/mm2, each where it is largest; without those whose limit or value is unknown.
+
+    Raises
+    ------
+    DesignError
+        If the motion is of many linkages at once.
+
+    Notes
+    -----
+    Forces on a body act at points, its weight and inertia at the centre of mass; the bending by distributed inertia of
+    a slender bar is overestimated by up to two times. The pin's bending and the friction's couples are left out. The
+    limits are constants of this module and values of the material, each with its source.
+
+    Examples
+    --------
+    >>> motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 2 * np.pi, 91), speed=1.0)
+    >>> result = gk.forces(motion, gk.Loads(forces=[gk.Force("rocker", "rocker_pin", -20j)]))
+    >>> stock = gk.linkage.LinkStock(material=gk.making.material("birch-plywood"))
+    >>> [check.id for check in gk.linkage.linkage_strength_checks(result, stock)]
+    ['pin_shear', 'pin_pressure', 'plate_stress']
+    """
+    motion = analysis.motion
+    if motion.linkage.is_batch:
+        raise DesignError("analysis", "found many linkages at once", "give one", "wrong-type")
+    stack, material = stack or stack_links(motion, stock), stock.material
+    fastener, core = stock.fastener_used, stock.pin_diameter
+    if fastener.form == "screw" and fastener.size:
+        core -= MINOR_DEPTH * fastener.size.pitch
+    area = np.pi / 4 * core**2
+    shears = ((name, force / area) for name, force in pin_shears(analysis, stack))
+    checks = [_check("pin_shear", "shear stress of pin", shears, MOST_PIN_SHEAR, motion, "give thicker pins")]
+    if material and material.bearing_pressure:
+        advice = "give thicker pins, a thicker sheet or another material"
+        pressures, most = pin_pressures(analysis, stack, stock), material.bearing_pressure
+        checks.append(_check("pin_pressure", "pressure of pin", pressures, most, motion, advice))
+    if material and material.carried_stress:
+        loads, tolerance = plate_loads(analysis), FINE * stock.bar_width
+        stresses = (
+            (part.name, plate_stress(loads, part, plate.centres, tolerance))
+            for part in link_parts(motion, stock, stack)
+            if (plate := stack.plates.get(part.name)) and plate.body != motion.linkage.ground
+        )
+        most, advice = (
+            material.carried_stress / LEAST_PLATE_SAFETY,
+            "give wider bars, a thicker sheet or another material",
+        )
+        checks.append(_check("plate_stress", "stress of the", stresses, most, motion, advice))
+    return tuple(check for check in checks if check)
+
+
+def _check(
+    id: str, what: str, values: Iterator[tuple[str, Real]], most: float, motion: Motion, advice: str
+) -> Check | None:
+    """Check of the largest of some named values over the frames; None if none is known."""
+    known = [(name, value) for name, value in values if np.isfinite(value).any()]
+    if not known:
+        return None
+    name, value = max(known, key=lambda pair: float(np.nanmax(pair[1])))
+    largest = float(np.nanmax(value))
+    if largest > WRONG_UNIT * most:
+        advice = "a unit is probably wrong: forces are in N, lengths in mm, masses in kg"
+    # A value that is the same at all frames has no worst one.
+    at = driver_at(motion, first_largest(value)) if np.shape(value) == motion.drive.shape else None
+    return Check(id, f"{what} {name}", largest, "at most", float(f"{most:.6g}"), "N/mm2", advice, at=at)

@@ -1,0 +1,146 @@
+"""Whole designs in the studio by the mouse alone: each in fewer than 30 gestures, counted."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.cam.measures import pressure_angle
+
+from .test_editor import RECIPES, centre, settle, studio  # noqa: F401  the fixture
+
+MOST_GESTURES = 30
+SMALL_CAM = """kind = "disk-cam"
+[cam]
+base_radius = 20
+follower = { kind = "translating-roller", roller_radius = 8 }
+[[cam.program]]
+kind = "rise"
+law = "cycloidal"
+rise = 20
+end_deg = 90
+[[cam.program]]
+kind = "return"
+law = "3-4-5"
+end_deg = 360
+"""
+
+
+class Hand:
+    """A mouse on the page of the studio that counts what it does."""
+
+    def __init__(self, editor):
+        self.editor, self.page, self.gestures = editor, editor.page, 0
+        self.page.set_default_timeout(15_000)
+
+    def count(self):
+        self.gestures += 1
+        assert self.gestures < MOST_GESTURES
+
+    def click(self, selector):
+        self.count()
+        self.page.click(selector)
+        settle(self.page)
+
+    def drag(self, handle, right, up):
+        self.count()
+        x, y = centre(self.page, handle)
+        self._drag(x, y, x + right, y - up)
+
+    def drag_rim(self, handle, outwards):
+        """Drags a circle by its point on the left."""
+        self.count()
+        box = self.page.locator(f'[data-handle="{handle}"] .rim').bounding_box()
+        x, y = box["x"], box["y"] + box["height"] / 2
+        self._drag(x, y, x - outwards, y)
+
+    def _drag(self, x, y, to_x, to_y):
+        mouse = self.page.mouse
+        mouse.move(x, y)
+        mouse.down()
+        mouse.move(to_x, to_y, steps=3)
+        mouse.up()
+        settle(self.page)
+
+    def quantity(self, label):
+        row = self.page.locator("#quantities tr", has=self.page.locator(f'th:text-is("{label}")'))
+        return row.locator("td").first.inner_text().split()
+
+    def saved(self):
+        """The recipe in the file after a click on Save."""
+        self.click("#save")
+        self.page.wait_for_selector("#dirty", state="hidden")
+        return gk.load(self.editor.file)
+
+
+@pytest.fixture
+def hand(studio):  # noqa: F811
+    return lambda text: Hand(studio(text, viewport={"width": 1300, "height": 1100}))
+
+
+def test_the_stride_of_a_walking_leg_is_made_longer(hand):
+    text = (RECIPES / "walking-leg.toml").read_text()
+
+    def foot(recipe):
+        place = recipe.motion.point("foot").position
+        return np.ptp(place.real), np.ptp(place.imag)
+
+    stride, lift = foot(gk.load(text))
+    mouse = hand(text)
+    # A longer crank lengthens the stride, and a longer leg lowers the foot.
+    mouse.drag("point:M", 9, 0)
+    mouse.drag("point:foot", 0, -12)
+    changed = mouse.saved()
+    assert changed.motion.assembled.all()
+    longer, higher = foot(changed)
+    assert longer > 1.05 * stride and higher > lift
+
+
+def test_a_body_is_guided_through_three_dragged_poses(hand):
+    mouse = hand((RECIPES / "three-poses.toml").read_text())
+    mouse.drag("point:wanted.poses[1][0]", 14, 9)
+    mouse.drag("point:wanted.poses[2][2]", -16, -5)
+    mouse.drag("point:wanted.region[1]", 20, 15)
+    mouse.page.wait_for_selector("body:not(.unchecked) #candidates button")
+    mouse.click("#candidates button >> nth=1")
+    recipe = mouse.saved()
+    poses = recipe.wanted.pairs
+    assert recipe.choose == 2 and abs(poses[1][0] - (-20 + 60j)) > 3 and np.degrees(poses[2][1]) != 90
+    # The coupler of the saved linkage goes through all poses, without a defect of branch, circuit or order.
+    motion = gk.move(recipe.found.linkage, recipe.found.drive, recipe.found.branch)
+    assert np.allclose(motion.point("coupler_point").position, [place for place, _ in poses], atol=0.01)
+    turned = motion.coupler.direction / motion.coupler.direction[0]
+    assert np.allclose(turned, np.exp(1j * np.array([angle - poses[0][1] for _, angle in poses])), atol=1e-3)
+    assert not recipe.found.defects
+
+
+def test_a_cam_is_enlarged_until_its_pressure_angle_is_at_most_30_degrees(hand):
+    mouse = hand(SMALL_CAM)
+    assert float(mouse.quantity("pressure angle on the rise")[0]) > 33
+    while float(mouse.quantity("pressure angle on the rise")[0]) > 30:
+        mouse.drag_rim("circle:cam.base_radius", 12)
+    recipe = mouse.saved()
+    angle = pressure_angle(recipe.cam, np.linspace(0, 2 * np.pi, 2001))
+    assert np.degrees(np.abs(angle)).max() <= 30 and recipe.cam.base_radius > 20
+
+
+def test_a_gear_pair_gets_a_given_centre_distance(hand):
+    wanted = 60.0
+    mouse = hand((RECIPES / "gear-pair.toml").read_text())
+
+    def distance():
+        return float(mouse.quantity("centre distance")[0])
+
+    # Teeth bring the distance near, and profile shifts the rest; closer by the buttons of the drawing.
+    while wanted - distance() > 1.5:
+        mouse.drag_rim("circle:second.teeth", 8)
+    mouse.click('button[aria-label="Zoom in"]')
+    for _ in range(4):
+        before, (_, y) = distance(), centre(mouse.page, "point:first.profile_shift")
+        mouse.drag("point:first.profile_shift", 0, 6 if wanted > before else -6)
+        scale = (y - centre(mouse.page, "point:first.profile_shift")[1]) / (distance() - before)
+        mouse.drag("point:first.profile_shift", 0, (wanted - distance()) * scale)
+        if abs(distance() - wanted) < 0.02:
+            break
+    pair = mouse.saved().design
+    assert pair.centre_distance == pytest.approx(wanted, abs=0.05) and pair.second.teeth > 24
+    assert pair.first.module == pair.second.module == 3 and not pair.interferences
