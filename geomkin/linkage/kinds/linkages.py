@@ -215,6 +215,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
 
     @property
+    def motion_checks(self) -> tuple[Check, ...]:
+        return (*linkage_checks(self.motion), *self.input_range.checks)
+
+    @property
     def design_checks(self) -> tuple[Check, ...]:
         advice = "summary.json names them under stack; give narrower bars or other lengths"
         return (
