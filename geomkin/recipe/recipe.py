@@ -127,6 +127,11 @@ class AbstractRecipe(_Shared, ABC):
     def design_checks(self) -> tuple[Check, ...]:
         """Checks of the mechanism, without those of the walls of its parts."""
 
+    @property
+    def motion_checks(self) -> tuple[Check, ...]:
+        """Checks that an editor shows while one drags: `design_checks` without those of plates if these take long."""
+        return self.design_checks
+
     @cached_property
     def checks(self) -> tuple[Check, ...]:
         """Checks of the mechanism and of the walls of its parts."""

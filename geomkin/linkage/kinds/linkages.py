@@ -137,7 +137,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """The motor that drives the linkage against the loads: given, or the smallest that suffices."""
         if self.loads is None or self.force_analysis is None or self.copies:
             return None
-        return motor_of(self.force_analysis, self.loads.motor or MOTORS.get(self.stock.motor or ""))
+        return motor_of(self.force_analysis, self.loads.motor or MOTORS.get(str(self.stock.motor)))
 
     @cached_property
     def fine_motion(self) -> Motion:
@@ -213,6 +213,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         # Plots are those of the requested mode, or of both.
         table = Table(self.table.columns[:2])
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
+
+    @property
+    def motion_checks(self) -> tuple[Check, ...]:
+        return (*linkage_checks(self.motion), *self.input_range.checks)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
