@@ -133,7 +133,7 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
         except FileError as error:
             click.secho(str(error), fg="red", err=True)
             results.append(False)
-    outcomes = _each(to_verify, certify)
+    outcomes = _each(to_verify, certify) if to_verify else []
     _print_refusals(outcomes)
     results += [False] * (len(outcomes) - len(_made(outcomes)))
     for certificate in _made(outcomes):
