@@ -24,7 +24,7 @@ from .model.part import Part
 from .model.table import Table
 from .recipe import load as reading
 from .recipe.load import to_toml
-from .recipe.recipe import AbstractRecipe
+from .recipe.recipe import SHARED, AbstractRecipe
 from .recipe.settings import Files, Format
 
 # Largest number of bytes of a recipe's name, so that a name with an ending suits every file system.
@@ -327,9 +327,7 @@ def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:
     """The keys of a recipe and their values, as JSON states them."""
     data: dict[str, Any] = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
-    if not recipe.expected_failures:
-        del data["expected_failures"]
-    return data
+    return {key: value for key, value in data.items() if value or key not in (*SHARED, "tolerances")}
 
 
 def name_of(file: str, name: str) -> str:
@@ -369,9 +367,7 @@ def _key(recipe: AbstractRecipe, field: str) -> str:
         return f"files.{field}"
     # The mechanism is the first table; texts and numbers, such as a helix angle, are skipped.
     scalars = str | float | bool
-    mechanism = next(
-        n for n in keys if n not in ("kind", "expected_failures") and not isinstance(getattr(recipe, n), scalars)
-    )
+    mechanism = next(n for n in keys if n not in ("kind", *SHARED) and not isinstance(getattr(recipe, n), scalars))
     table = getattr(recipe, mechanism)
     # A field that the recipe leaves out was computed, such as the linkage of a goal.
     is_field = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None

@@ -133,7 +133,7 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
         except FileError as error:
             click.secho(str(error), fg="red", err=True)
             results.append(False)
-    outcomes = _each(to_verify, certify)
+    outcomes = _each(to_verify, certify) if to_verify else []
     _print_refusals(outcomes)
     results += [False] * (len(outcomes) - len(_made(outcomes)))
     for certificate in _made(outcomes):
@@ -254,11 +254,11 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @cli.command("optimise")
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
-    "--vary", "ranges", multiple=True, required=True, metavar="KEY=LOW:HIGH",
+    "--vary", "ranges", multiple=True, metavar="KEY=LOW:HIGH",
     help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, all are tried.",
 )  # fmt: skip
 @click.option(
-    "--minimise", "objective", required=True, metavar="FORMULA",
+    "--minimise", "objective", metavar="FORMULA",
     help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum.",
 )  # fmt: skip
 @click.option(
@@ -270,10 +270,10 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.option("--time-limit", default=60.0, show_default=True, help="Time limit, s; the best design by then is taken.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the file.")
 def optimise_command(
-    recipe: Path, ranges: tuple[str, ...], objective: str, constraints: tuple[str, ...],
+    recipe: Path, ranges: tuple[str, ...], objective: str | None, constraints: tuple[str, ...],
     starts: int, seed: int, time_limit: float, out: Path,
 ) -> None:  # fmt: skip
-    """Find the best values of a RECIPE's keys.
+    """Find the best values of a RECIPE's keys, as its table [optimise] or these options say.
 
     Writes OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so
     far is written.
@@ -281,27 +281,23 @@ def optimise_command(
     import signal
 
     from .core.errors import GeomkinError, harmless, printable
-    from .optimisation.optimiser import optimise
+    from .optimisation.optimiser import optimise, ranges_of
 
-    vary: dict[str, tuple[float, float]] = {}
-    for text in ranges:
-        key, _, pair = text.partition("=")
-        try:
-            low, high = map(float, pair.split(":"))
-        except ValueError:
-            raise click.BadParameter(f"{printable(text)} is not KEY=LOW:HIGH", param_hint="--vary") from None
-        vary[key.strip()] = (low, high)
+    try:
+        vary = ranges_of(ranges) or None
+    except GeomkinError as error:
+        raise click.BadParameter(harmless(error), param_hint="--vary") from None
     # Ctrl-C ends the search, not the process.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with _progress():
-            best = optimise(recipe, vary, objective, list(constraints), starts, seed, time_limit, out)
+            best = optimise(recipe, vary, objective, list(constraints) or None, starts, seed, time_limit, out)
     except GeomkinError as error:
         click.secho(_refused(recipe, error).text, fg="red", err=True)
         sys.exit(1)
     for key, value in best.values.items():
         click.echo(f"{printable(key)} = {value:.8g}")
-    click.echo(f"{printable(objective.strip())} = {best.objective:.8g}")
+    click.echo(f"{printable(best.minimised)} = {best.objective:.8g}")
     for check in best.constraints:
         click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
     note = ", ended before it was complete" if best.cut_short else ""

@@ -107,7 +107,7 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
 
 
 def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
-    """How far the cam is from undercut, or what undercut takes."""
+    """Margin before undercut, or the lost lift if the cam is undercut."""
     roller = cam.follower.roller_radius
     if roller:
         tightest, angle = tightest_convex(cam)

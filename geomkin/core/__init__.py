@@ -1,1 +1,1 @@
-"""What all of geomkin uses: errors, validation, names, reprs, progress, processes."""
+"""Shared by all of geomkin: errors, validation, names, reprs, progress, processes."""

@@ -1,8 +1,7 @@
 """Sizes with meaning: one declaration gives the range check, the unit, the template and the schema.
 
-A size is an ordinary dataclass field whose metadata carries what a person and a program need to
-know. The key names of the metadata are those that pydantic reads from dataclass fields, so a
-recipe is validated from the same declaration without importing pydantic here.
+A size is a dataclass field whose metadata states its meaning, unit and limits. The keys of the metadata are those that
+pydantic reads from dataclass fields, so that the same declaration validates a recipe, without importing pydantic here.
 """
 
 from __future__ import annotations
@@ -40,9 +39,9 @@ def quantity(
     whole: bool = False,
     filled_in: float | None = None,
 ) -> Any:
-    """A dataclass field for a number: what it means, its unit, its limits, and an example for templates.
+    """A dataclass field for a number: its meaning, unit and limits, and an example for templates.
 
-    filled_in: what usually becomes of one that is left out, whose default is None.
+    filled_in: the usual value of an omitted one whose default is None.
     """
     limits = {"gt": above, "ge": at_least, "lt": below, "le": at_most}
     metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
@@ -63,7 +62,7 @@ def entry(
 ) -> Any:
     """A dataclass field that is not a number (a choice, a point, a table): its meaning and an example.
 
-    units: of the numbers in a row, or in each of many.
+    units: of the numbers in a row, or in each of several rows.
     """
     shown = example if example is not None else default
     metadata: dict[str, Any] = {
@@ -73,7 +72,7 @@ def entry(
     if units is not None:
         metadata["units"] = units
     if isinstance(default, bool):
-        metadata["strict"] = True  # or "yes" and 1 would do for true
+        metadata["strict"] = True  # otherwise "yes" and 1 would count as true
     if default_factory is not MISSING:
         return dataclasses.field(default_factory=default_factory, metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
@@ -88,16 +87,16 @@ def allowed(metadata: Any) -> str:
 
 
 def check_sizes(thing: Any, many: bool = False) -> None:
-    """Raise DesignError for the first field of a dataclass that is not what it was declared to be.
+    """Raise DesignError for the first field of a dataclass that does not satisfy its declaration.
 
-    Call it from `__post_init__`. Where `many` are one thing, arrays of numbers pass when every element does.
+    Call it from `__post_init__`. If `many`, arrays of numbers pass if every element does.
     """
     check_quantities(thing, many)
     check_fields(thing)
 
 
 def check_quantities(thing: Any, many: bool = False) -> None:
-    """The same of the quantities alone: finite numbers in their ranges."""
+    """Raise DesignError for the first quantity that is not a finite number in its range."""
     rows: dict[str, int] = {}
     for field in dataclasses.fields(thing):
         about, value = field.metadata, getattr(thing, field.name)
@@ -120,19 +119,19 @@ def check_quantities(thing: Any, many: bool = False) -> None:
 
 
 def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
-    """The size nearest to a bad one that still fits, from one that does: by halves, to rounding."""
+    """The size nearest to `bad` that still fits, by bisection from one that does, to rounding."""
     for _ in range(60):
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if fits(middle) else (good, middle)
     return good
 
 
-# Digits of a number that is advised: fewer than messages show, more than a workshop can set.
+# Digits of a recommended number: fewer than messages show, more than a workshop can set.
 DIGITS = 7
 
 
 def rounded_up(least: float, digits: int = DIGITS) -> str:
-    """The least number of so many digits that is not below `least`, as text: what a refusal names, and what works."""
+    """The smallest number of so many digits that is not below `least`, as text, for remedies."""
     return _rounded(least, digits, ROUND_CEILING)
 
 
@@ -141,13 +140,13 @@ def rounded_down(most: float, digits: int = DIGITS) -> str:
     return _rounded(most, digits, ROUND_FLOOR)
 
 
-def _rounded(value: float, digits: int, way: str) -> str:
-    # As it is written: in full, 0.0072 is a little less than its own digits say.
-    return f"{float(Context(digits, way).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
+def _rounded(value: float, digits: int, mode: str) -> str:
+    # From its decimal text, since the float 0.0072 is a little less than 0.0072.
+    return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
 
 
 def _id_of(value: Any, about: Any) -> ProblemId:
-    """The kind of refusal of a value that does not fit."""
+    """Id of the problem of a value that does not fit."""
     if is_endless(value):
         return "not-finite"
     return "out-of-range" if numbers(value, "iu" if about.get("whole") else "iuf") is not None else "wrong-type"
@@ -158,7 +157,7 @@ _TESTS: dict[str, Callable[[Any, Any], Any]] = {"gt": gt, "ge": ge, "lt": lt, "l
 
 def _fits(value: Any, about: Any, many: bool) -> bool:
     if isinstance(value, float) and not about.get("whole"):
-        # Most are, also those of NumPy, whose functions take ten times as long over one number.
+        # The usual case; NumPy's functions take ten times as long for one number.
         value = float(value)
         return isfinite(value) and all(test(value, about[key]) for key, test in _TESTS.items() if key in about)
     number = numbers(value, "iu" if about.get("whole") else "iuf")
@@ -171,14 +170,14 @@ def _fits(value: Any, about: Any, many: bool) -> bool:
     return all(np.all(test(number, about[key])) for key, test in _TESTS.items() if key in about)
 
 
-# Least size that is not 0, in its own unit. In mm it is a hundred-thousandth of an atom; products of a few smaller
-# ones fall below the smallest number there is, and quotients of them overflow. A size that may be negative is a place
-# on a line or an angle, and near 0 it is but a rounded 0: it has no such limit.
+# Smallest size that is not 0, in its unit. In mm it is a hundred-thousandth of an atom. Products of a few smaller sizes
+# underflow, and their quotients overflow. A size that may be negative is a coordinate or an angle; a tiny
+# one is a rounded 0, so it has no such limit.
 SMALLEST = 1e-12
 
 
 def _is_tiny(value: Any, about: Any) -> bool:
-    """Whether a size of one sign is too small to calculate with, though not 0."""
+    """Whether a size of one sign is too small for calculations, but not 0."""
     if about.get("whole") or about.get("gt", about.get("ge")) != 0:
         return False
     if isinstance(value, float):
@@ -187,9 +186,9 @@ def _is_tiny(value: Any, about: Any) -> bool:
     return bool(((number > 0) & (number < SMALLEST)).any())
 
 
-# Width of a part that is written, mm: a hundred metres. Larger is a slip of units, and its points would fill the disk.
+# Largest width of a written part, mm. A larger one is a mistake of units, and its points would fill the disk.
 WIDEST = 1e5
-# A thousand kilometres, mm. Larger is a slip of units, and its squares and cubes overflow.
+# Largest length, mm. A larger one is a mistake of units, and its squares and cubes overflow.
 FARTHEST = 1e9
 # A length that may be 0, and one that may not, mm.
 Length = Annotated[float, between(0, FARTHEST, "mm")]
@@ -197,9 +196,9 @@ Size = Annotated[float, between(SMALLEST, FARTHEST, "mm")]
 
 
 class PointXY(ArgumentType):
-    """Marks a complex field that a recipe gives as `[x, y]` in mm; what lies nearer to 0 than `SMALLEST` is 0.
+    """Marks a complex field that a recipe gives as `[x, y]` in mm; coordinates below `SMALLEST` count as 0.
 
-    many: in the library it may be an array, one for each of many linkages.
+    many: in the library it may be an array, with one point for each linkage.
     """
 
     def __init__(self, many: bool = False) -> None:
@@ -224,7 +223,7 @@ class PointXY(ArgumentType):
 
 
 class OneOrMany:
-    """Marks a size that in the library may be an array, one for each of many linkages; in a recipe it is one number."""
+    """Marks a size that may be an array in the library, one value for each linkage; in a recipe it is one number."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return handler(float)
@@ -236,7 +235,7 @@ ComplexOrArray = Annotated[complex | NDArray[Any], PointXY(many=True)]
 
 
 class NotBoolean:
-    """Marks a choice of numbers, where `true` would otherwise count as 1."""
+    """Marks a choice of numbers, so that `true` does not count as 1."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core import core_schema
@@ -247,7 +246,7 @@ class NotBoolean:
 
 
 class AsWritten:
-    """Marks a number in a row, where text that reads like one would otherwise do."""
+    """Marks a number in a row, so that a text such as "1" is refused."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return handler(source) | {"strict": True}
@@ -255,7 +254,7 @@ class AsWritten:
 
 @dataclass(frozen=True)
 class RowsOf:
-    """Marks rows of so many numbers each, as a recipe gives them."""
+    """Marks rows of a recipe with so many numbers each."""
 
     numbers: int
 
@@ -269,7 +268,7 @@ class RowsOf:
 
 
 class SignOrPlace:
-    """Marks a branch of one joint: 1 or -1, or the place `[x, y]` of a point, in mm, that it is nearest to."""
+    """Marks a branch of one joint: 1 or -1, or a point `[x, y]` in mm to which the joint is nearest."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core import core_schema
@@ -287,12 +286,12 @@ class SignOrPlace:
 
 
 class KindTable(UserDict[str, type[T]]):
-    """kind -> dataclass of tables that a recipe distinguishes by their `kind`; recipes read it anew when it changes.
+    """kind -> dataclass of tables that a recipe distinguishes by their `kind`; recipes read it again if it changes.
 
-    A class that leaves out what its contract asks for is refused at its row, with the names of what is missing.
+    A class that lacks an abstract method is refused when its row is added; the message lists the missing names.
     """
 
-    # Of all tables together.
+    # Number of changes of all tables together.
     changes = 0
 
     def __setitem__(self, kind: str, table: type[T]) -> None:

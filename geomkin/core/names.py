@@ -28,7 +28,7 @@ UNSEEN = "\u115f\u1160\u3164\uffa0"
 ALLOWED = f"letters, digits, spaces, _ and -, beginning with a letter or digit, at most {LONGEST} letters"
 
 
-# Where the files that a recipe names are looked for: in a folder or below, anywhere (None), or among texts by name.
+# Where the files that a recipe names may be: in a folder or below, anywhere (None), or in a mapping from name to text.
 Folder = str | Path | Mapping[str, str] | None
 
 
@@ -70,7 +70,7 @@ def _flaw(name: object) -> str:
 
 @lru_cache(NAMES)
 def _letters_flaw(name: str) -> str:
-    """The same for a text that is neither empty nor too long."""
+    """The reason why a text is not plain, apart from its length."""
     for before, letter in zip(f" {name}", name):
         if not (is_letter(letter, before) or letter in " _-"):
             return f"has the sign {shown(letter)}"

@@ -18,7 +18,7 @@ KINDS = {"f": "real", "c": "complex", "i": "whole", "u": "whole", "b": "bool", "
 
 
 def one_line(self: Any) -> str:
-    """What `__repr__` gives: the class and its fields, those left at their default out.
+    """Text for `__repr__`: the class and its fields, without those that have their default.
 
     Arrays are shown by shape and kind, sequences by their length, other things by their class alone. A class
     takes it by `__repr__ = one_line` in its body; every curve has it.
@@ -61,12 +61,12 @@ def short(value: object) -> str:
 
 
 def moving(self: Any) -> str:
-    """What `_repr_html_` gives, by `_repr_html_ = moving` in a class: the thing moving, or in words why it cannot."""
+    """HTML for `_repr_html_`, by `_repr_html_ = moving` in a class: the moving drawing, or why there is none."""
     html: str = import_module("geomkin.studio.notebook").inline(self)
     return html
 
 
 def still(self: Any, curves: Sequence[Any], marks: Sequence[Any] = ()) -> str | None:
-    """What `_repr_svg_` gives: curves and engraved marks of a thing as an SVG text; None where they cannot be drawn."""
+    """SVG for `_repr_svg_`: curves and engraved marks of an object; None if they cannot be drawn."""
     svg: str | None = import_module("geomkin.export.svg_path").picture(repr(self), curves, marks)
     return svg

@@ -80,7 +80,7 @@ WRITERS: dict[str, Writer] = {
     "3mf": Writer("parts", _in("export.threemf:write_3mf"), ("shapely",), opt_in=True),
     "step": Writer("parts", _in("export.step:write_step"), ("shapely",), opt_in=True),
 }
-# What is written where a recipe names no formats.
+# Formats that are written if a recipe names none.
 DEFAULT_FORMATS = tuple(name for name, writer in WRITERS.items() if not writer.opt_in)
 
 

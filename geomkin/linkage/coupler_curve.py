@@ -337,7 +337,7 @@ def _drawn(
 
 
 def _levels(dashes: int) -> int:
-    """How often the chords of so many dashes may be doubled, including the first time."""
+    """Number of times that the chords of so many dashes may be computed, each time with twice as many."""
     nodes = MOST_POINTS / max(1, dashes)
     return 1 + int(np.clip(np.log2(max(1.0, (nodes - 1) / 4)), 0, FINEST))
 

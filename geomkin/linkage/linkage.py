@@ -19,7 +19,7 @@ from ..core.reprs import LONGEST, moving, one_line
 from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
 
-# What is the same for linkages that differ by sizes alone.
+# The structure of a linkage, equal for linkages that differ only in sizes.
 Structure = tuple[tuple[tuple[str, ...], ...], tuple[tuple[str, str, str], ...], str]
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
 MOTION_ATTRIBUTES = {

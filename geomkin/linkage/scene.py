@@ -257,7 +257,7 @@ def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> 
 
 
 def place_plot(point: str, rate: str = "") -> Plot:
-    """Of a point's x and y, or of its velocity or acceleration."""
+    """Plot of a point's x and y, or of those of its velocity or acceleration."""
     id = f"{point}_{rate}" if rate else point
     return Plot(f"{point.replace('_', ' ')}, {rate or 'place'}", (f"{id}_x", f"{id}_y"))
 

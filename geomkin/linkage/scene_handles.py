@@ -20,7 +20,7 @@ CHANGE = 1e-3
 # Distances of handles from the reference point of a direction, a line, an origin and an unused point, as shares of that
 # size: no pin is likely to be there.
 ARMS = {"direction": 0.6 + 0j, "slide": 0.35 + 0j, "origin": -0.15 - 0.15j, "unused": 0.2 + 0.15j}
-# What a handle is called: that of a point by the point's name alone.
+# Labels of handles; the handle of a point has the name of the point.
 LABELS = {"point": "{}", "slide": "line of {}", "direction": "direction of {}", "origin": "position of {}"}
 
 

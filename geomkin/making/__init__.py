@@ -1,4 +1,4 @@
-"""What mechanisms share when they are made: fits, bores, fasteners, motors, base plates, assembly."""
+"""Shared by mechanisms for fabrication: fits, bores, fasteners, motors, base plates, assembly."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What mechanisms pass to writers: parts, tables, checks, scenes."""
+"""Data that mechanisms pass to writers: parts, tables, checks, scenes."""
 
 import lazy_loader
 

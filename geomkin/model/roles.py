@@ -28,8 +28,8 @@ Role = Literal[
 class RoleStyle(NamedTuple):
     """How a drawing treats a role.
 
-    label: of its switch. shown: whether it is on at first; pictures that stand still leave out the others. room: share
-    of the mechanism's size, on each side, by which a drawing grows for it; 0 if the drawing always holds all of it.
+    label: text of its switch. shown: whether it is switched on at first, and in still pictures. room: share of the
+    mechanism's size by which a drawing grows on each side for it; 0 if the drawing always contains all of it.
     """
 
     label: str
@@ -37,7 +37,7 @@ class RoleStyle(NamedTuple):
     room: float = 0.0
 
 
-# Of what may reach far beyond the mechanism: the subject of a recipe, and all else.
+# Room for elements that may extend far beyond the mechanism: those that are the subject of a recipe, and others.
 WIDE, NARROW = 0.5, 0.25
 
 # In the order of the switches.

@@ -20,12 +20,24 @@ from .table import Column, Table
 
 @record(checked=True, eq=False)
 class SceneBody:
-    """A body: the very parts that are cut of it, and its frame at each frame of the scene.
+    """A body: its parts, which are also those that are cut, and its pose at each frame of the scene.
 
-    origin: (frames,) complex, mm; direction: (frames,) complex, of the body's x axis, kept as a unit one; nan where the
-    mechanism cannot be. parts in the body's own frame, the lowest first; layer: of the stack, 0 the lowest, for what
-    lies over what. A body may have no parts. fixed: the ground, which is hatched. named: whether drawings show its
-    name, as they need not for one of many that are alike.
+    Parameters
+    ----------
+    name : str
+        Name of the body.
+    parts : tuple of Part
+        Parts in the body's frame, the lowest first; may be empty.
+    origin : array of complex, shape (frames,)
+        Position of the body's origin, mm; nan if the mechanism cannot be assembled.
+    direction : array of complex, shape (frames,)
+        Direction of the body's x axis; stored as unit numbers.
+    layer : int
+        Layer of the stack, 0 the lowest; higher layers are drawn over lower ones.
+    fixed : bool
+        Whether it is the ground, which is hatched.
+    named : bool
+        Whether drawings show its name.
     """
 
     name: str
@@ -141,14 +153,14 @@ class Plot:
     bars: bool = False
 
     def with_limits(self, limits: Iterable[Limit]) -> Plot:
-        """The same with those of these lines that belong to its columns, column by column."""
+        """A copy with those limits that belong to its columns, column by column."""
         limits = tuple(limits)
         return replace(self, limits=tuple(line for id in self.columns for line in limits if line.column == id))
 
 
 @record(checked=True, eq=False)
 class Choice:
-    """What there was to choose from, and which row of it was made: a table of its own, whose first column rises."""
+    """A table of solutions, the row that was chosen, and plots. The first column of the table rises."""
 
     table: Table
     chosen: int
@@ -232,7 +244,7 @@ class Scene:
 
     @property
     def drive(self) -> Column:
-        """What is driven: the table's first column."""
+        """The driver: the first column of the table."""
         return self.table.columns[0]
 
     @property

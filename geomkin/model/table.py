@@ -96,7 +96,7 @@ class Table:
 
     @property
     def ids(self) -> tuple[str, ...]:
-        """Of the columns, in order."""
+        """Ids of the columns, in order."""
         return tuple(column.id for column in self.columns)
 
     def column(self, id: str) -> Column:
@@ -146,7 +146,7 @@ def significant(values: Array, scale: float | Array = 0.0) -> Real:
 
 
 def _exponent(values: Array | float) -> Array:
-    """Of ten, of the leading digit; a hair below a power of ten counts as that power."""
+    """Power of ten of the leading digit; a number slightly below a power of ten counts as that power."""
     with np.errstate(divide="ignore", over="ignore"):
         exponent: Array = np.floor(np.log10(np.abs(values) * (1 + 1e-9)))
     return exponent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
@@ -66,6 +66,8 @@ class OptimisedDesign:
         The recipe with the best values; `gk.make` makes it, `gk.recipe.to_toml` writes it.
     values : mapping of str to float or int
         The best value of each key.
+    minimised : str
+        The formula of the objective.
     objective : float
         Value of the objective.
     constraints : tuple of Check
@@ -80,6 +82,7 @@ class OptimisedDesign:
 
     recipe: AbstractRecipe
     values: Mapping[str, float]
+    minimised: str
     objective: float
     constraints: tuple[Check, ...]
     evaluations: int
@@ -90,9 +93,9 @@ class OptimisedDesign:
 @checked
 def optimise(
     recipe: AbstractRecipe | Readable,
-    vary: Ranges,
-    minimise: str,
-    subject_to: Texts = (),
+    vary: Ranges | None = None,
+    minimise: str | None = None,
+    subject_to: Texts | None = None,
     starts: Annotated[int, whole_between(1, 1000)] = 6,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
     time_limit: PositiveFloat = 60,
@@ -103,15 +106,16 @@ def optimise(
     Parameters
     ----------
     recipe : AbstractRecipe, str, Path or mapping
-        A recipe, or anything that `gk.load` reads.
-    vary : mapping of str to (low, high)
+        A recipe, or anything that `gk.load` reads. Its table `[optimise]` gives the next three arguments if they are
+        omitted.
+    vary : mapping of str to (low, high), optional
         Dotted keys of numbers, such as "linkage.crank", with their ranges in the unit of the key. Keys of whole
         numbers, such as "gear.teeth", take every value of their range.
-    minimise : str
+    minimise : str, optional
         The objective: a formula of ids of columns and checks with `min`, `max`, `mean`, `range` and `rms`, such as
         "max(rocker_omega)", or "-min(transmission_angle)" for a maximum. "rms(distance(coupler_point, [[10, 20],
         [15, 22]]))" measures points from the path of a traced point, mm.
-    subject_to : str or sequence of str
+    subject_to : str or sequence of str, optional
         Constraints, such as "min(transmission_angle) >= 40".
     starts : int
         Number of gradient searches, 1 to 1000. With 1 the only one starts from the recipe's own
@@ -155,13 +159,43 @@ def optimise(
     """
     source, stem = varied(recipe)
     name = name_of(source.file, stem)
+    arguments: dict[str, Any] = {"vary": vary, "minimise": minimise, "subject_to": subject_to}
+    omitted = [argument for argument, value in arguments.items() if value is None]
+    table = source.opened({}).optimise if omitted else None
+    try:
+        if table is not None:
+            given = {"vary": ranges_of(table.vary), "minimise": table.minimise, "subject_to": table.subject_to}
+            arguments |= {argument: given[argument] for argument in omitted}
+        found = _optimised(source, **arguments, starts=starts, seed=seed, time_limit=time_limit)
+    except DesignError as error:
+        if table is None or error.field not in omitted:
+            raise
+        raise DesignError(f"optimise.{error.field}", error.problem, error.remedy, error.id) from None
+    if out is None:
+        return found
+    folder, content = Path(out) / name, to_toml(found.recipe).encode()
+    write_whole(folder, {f"{name}{ENDING}": content})
+    return replace(found, files={folder / f"{name}{ENDING}": len(content)})
+
+
+def _optimised(
+    source: VariedRecipe,
+    vary: Mapping[str, tuple[float, float]] | None,
+    minimise: str | None,
+    subject_to: str | Sequence[str] | None,
+    starts: int,
+    seed: int,
+    time_limit: float,
+) -> OptimisedDesign:
+    if not vary:
+        remedy = 'give a key and its range, as {"linkage.crank": (20, 40)}, or a table [optimise] in the recipe'
+        raise DesignError("vary", "found none", remedy, "missing-key")
+    if minimise is None:
+        remedy = 'give a formula, as "max(rocker_omega)", or a table [optimise] in the recipe'
+        raise DesignError("minimise", "found none", remedy, "missing-key")
     ranges = {key: _range(key, pair) for key, pair in vary.items()}
-    if not ranges:
-        raise DesignError(
-            "vary", "found none", 'give a key and its range, as {"linkage.crank": (20, 40)}', "missing-key"
-        )
     source.check_keys({key: pair[0] for key, pair in ranges.items()})
-    constraints = [subject_to] if isinstance(subject_to, str) else subject_to
+    constraints = [subject_to] if isinstance(subject_to, str) else subject_to or ()
     trials = Trials(source, objective(minimise), [condition(text) for text in constraints])
     watch = Watch(time_limit, "optimising")
     is_interrupted = False
@@ -174,12 +208,25 @@ def optimise(
     except KeyboardInterrupt:
         is_interrupted = True
     watch.report(1.0)
-    found = _result(trials, watch.cut or is_interrupted)
-    if out is None:
-        return found
-    folder, content = Path(out) / name, to_toml(found.recipe).encode()
-    write_whole(folder, {f"{name}{ENDING}": content})
-    return replace(found, files={folder / f"{name}{ENDING}": len(content)})
+    return _result(trials, watch.cut or is_interrupted)
+
+
+def ranges_of(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Ranges by key from texts such as `linkage.crank = 20:40`."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        key, _, pair = (part.strip() for part in text.partition("="))
+        try:
+            low, high = map(float, pair.split(":"))
+            if not is_real(low) or not is_real(high):
+                raise ValueError
+        except ValueError:
+            remedy = "give KEY=LOW:HIGH, such as linkage.crank=20:40"
+            raise DesignError("vary", f"found {shown(text)}", remedy, "wrong-type") from None
+        if key in ranges:
+            raise DesignError("vary", f"{shown(key)} is given twice", "give one range for each key", "conflict")
+        ranges[key] = (low, high)
+    return ranges
 
 
 def _range(key: str, pair: Sequence[float]) -> tuple[float, float]:
@@ -241,6 +288,7 @@ def _result(trials: Trials, cut_short: bool) -> OptimisedDesign:
     return OptimisedDesign(
         recipe=recipe,
         values=design.values,
+        minimised=trials.objective.text,
         objective=design.objective,
         constraints=tuple(
             one.check(f"constraint_{k}", *sides)

@@ -13,7 +13,7 @@ from ..export.text import capital, text
 from .scene_json import scene_json
 from .sections import all_of, verdict
 
-# Of the player, in an order in which each may use those before it; the plot library stands first.
+# Scripts of the player, each after those that it uses.
 SCRIPTS = (
     "uplot/uPlot.iife.min.js",
     *("shapes.js", "names.js", "pictures.js", "drawing.js", "hands.js", "plots.js", "player.js"),
@@ -22,7 +22,7 @@ START = (
     'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 )
 
-# The same where the mechanism was chosen among others, which are plotted too.
+# For a mechanism that was chosen from several solutions, which are plotted too.
 CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice));'
 
 
@@ -108,5 +108,5 @@ def head(title: str, style: str, script: str = "", mark: str = "") -> str:
 
 
 def _hashed(content: str) -> str:
-    """How a policy names a script or a style that may be in its page."""
+    """Source of a script or style, as a content security policy names it."""
     return f"'sha256-{b64encode(sha256(content.encode()).digest()).decode()}'"

@@ -25,7 +25,9 @@ def with_values(recipe: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[s
 
 
 def edited_text(text: str, changes: Mapping[str, Any]) -> str:
-    """A recipe's text with other values under dotted keys; None removes a key or row, the next number adds a row.
+    """A recipe's text with other values under dotted keys; None removes a key or row.
+
+    The index after the last row of a list adds a row.
 
     Raises DesignError as `with_values`, and if the text is not TOML.
     """
@@ -36,35 +38,34 @@ def edited_text(text: str, changes: Mapping[str, Any]) -> str:
             _set(document, key, value)
         return tomlkit.dumps(document)
     except (TOMLKitError, RecursionError) as error:
-        raise DesignError("", f"the text cannot be edited ({error})", "mend it", "invalid-toml") from None
+        raise DesignError("", f"the text cannot be edited ({error})", "correct it", "invalid-toml") from None
 
 
 def _append_row(document: Any, key: str) -> None:
-    """Add an empty row if the key is that of the row after a list's last one."""
-    *way, last = _parts(key)
-    place, parent = document, None
-    for part in way:
-        is_table = isinstance(place, Mapping)
-        place, parent = (place.get(part) if is_table else None), place
-    if last == 0 and place is None and isinstance(parent, Mapping):
-        parent[way[-1]] = [{}]  # type: ignore[index]
-    elif isinstance(place, list) and last == len(place):
-        place.append({})
+    """Add an empty row if the key names the row after the last one of a list."""
+    *parents, last = _parts(key)
+    table, parent = document, None
+    for part in parents:
+        is_table = isinstance(table, Mapping)
+        table, parent = (table.get(part) if is_table else None), table
+    if last == 0 and table is None and isinstance(parent, Mapping):
+        parent[parents[-1]] = [{}]  # type: ignore[index]
+    elif isinstance(table, list) and last == len(table):
+        table.append({})
 
 
 def _set(table: Any, key: str, value: Any) -> None:
-    *way, last = _parts(key)
-    place = table
-    for part in way:
-        _check_step(key, place, part)
-        if value is None and not isinstance(part, int) and part not in place:
+    *parents, last = _parts(key)
+    for part in parents:
+        _check_step(key, table, part)
+        if value is None and not isinstance(part, int) and part not in table:
             return
-        place = place[part] if isinstance(part, int) else place.setdefault(part, {})
-    _check_step(key, place, last)
+        table = table[part] if isinstance(part, int) else table.setdefault(part, {})
+    _check_step(key, table, last)
     if value is not None:
-        place[last] = value
-    elif isinstance(last, int) or last in place:
-        del place[last]
+        table[last] = value
+    elif isinstance(last, int) or last in table:
+        del table[last]
 
 
 def _parts(key: str) -> list[str | int]:
@@ -74,14 +75,14 @@ def _parts(key: str) -> list[str | int]:
     return parts
 
 
-def _check_step(key: str, place: Any, part: str | int) -> None:
-    """Refuse one part of a key that leads through something that is not a table, or to a row that a list lacks."""
+def _check_step(key: str, table: Any, part: str | int) -> None:
+    """DesignError if a part of a key leads through something that is not a table, or to a row that a list lacks."""
     kind, what = (list, "list") if isinstance(part, int) else (Mapping, "table")
-    if not isinstance(place, kind):
+    if not isinstance(table, kind):
         raise DesignError(
             key, f"there is no {what} that [{part}] could be of", "give a key of the recipe", "unknown-key"
         )
-    if isinstance(part, int) and part >= len(place):
+    if isinstance(part, int) and part >= len(table):
         raise DesignError(
-            key, f"found [{part}], but there are {len(place)}, from [0]", "give a smaller number", "out-of-range"
+            key, f"found [{part}], but there are only {len(table)}, from [0]", "give a smaller number", "out-of-range"
         )

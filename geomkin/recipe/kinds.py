@@ -97,7 +97,7 @@ def recipe_class(kind: str) -> type[AbstractRecipe]:
         recipe: type[AbstractRecipe] = getattr(import_module(module), name)
     except Exception as error:
         fault = printable(f"{type(error).__name__}: {error}", 200)
-        raise GeomkinError(f"kind {kind}: {row.recipe} cannot be imported ({fault}); mend its package") from error
+        raise GeomkinError(f"kind {kind}: {row.recipe} cannot be imported ({fault}); correct its package") from error
     return recipe
 
 

@@ -1,4 +1,4 @@
-"""A text or a table to a recipe, or all that is wrong with it at once."""
+"""Loading: from a text or a table to a recipe, or to an error with all its problems; and back to text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..core.scaling import scaled
 from .kinds import kind_names, recipe_class
 from .recipe import AbstractRecipe
 
-# No recipe comes near this, in bytes; a larger file is something else by mistake, and may take minutes to read.
+# Largest recipe, bytes. A larger file is something else, and may take minutes to parse.
 LARGEST = 500_000
 # A key with so many parts, bare or quoted, that no recipe has it. A start inside a word or after a backslash would
 # read the same parts again and again.
@@ -29,26 +29,26 @@ DEEP_KEY = re.compile(r"""(?<![\w\\-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]
 
 
 def read(path: Path) -> AbstractRecipe:
-    """The recipe in a TOML file, called as the file is.
+    """The recipe in a TOML file, with the name of the file.
 
-    Raises FileError where the file cannot be read, and RecipeError with every problem, key by key.
+    Raises FileError if the file cannot be read, and RecipeError with every problem, key by key.
     """
     return from_table(table_of(path), str(path), str(path.parent)).with_name(path.stem)
 
 
 def table_of(path: Path) -> dict[str, Any]:
-    """What a TOML file holds, as yet no recipe. Raises FileError, and RecipeError where it is not TOML."""
+    """The table of a TOML file. Raises FileError, and RecipeError if it is not TOML."""
     return parsed(_text(path), str(path))
 
 
 def parse(text: str, file: str = "recipe", folder: Folder = ".") -> AbstractRecipe:
-    """The recipe in a TOML text; `file` is what messages call it, `folder` where files that it names lie, or below."""
+    """The recipe in a TOML text. file: its name in messages; folder: holds the files that it names."""
     return from_table(parsed(text, file), file, folder)
 
 
 def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
-    """What a TOML text holds, as yet no recipe; `file` is what messages call it."""
-    # The reader's time grows with the square of a key's parts.
+    """The table of a TOML text. file: its name in messages."""
+    # The time of the parser grows with the square of the number of parts of a key.
     if DEEP_KEY.search(text):
         raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep", "invalid-toml")
     try:
@@ -56,13 +56,13 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
     except RecursionError:
         raise _whole(file, "it nests too deep", "give tables at most three deep", "invalid-toml") from None
     except ValueError as error:
-        # Only what is wrong needs the words for it, here and below.
+        # Imported only for errors, here and below.
         from .messages import toml_mistake
 
-        slipped = toml_mistake(text, str(error))
-        if slipped:
-            raise RecipeError(file, [slipped]) from None
-        raise _whole(file, f"it is not TOML: {printable(error, 200)}", "mend the line named", "invalid-toml") from None
+        mistake = toml_mistake(text, str(error))
+        if mistake:
+            raise RecipeError(file, [mistake]) from None
+        raise _whole(file, f"it is not TOML: {printable(error, 200)}", "correct this line", "invalid-toml") from None
 
 
 def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = ".") -> AbstractRecipe:
@@ -76,11 +76,11 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
         id: ProblemId = "unknown-kind" if "kind" in data else "missing-key"
         kinds = kind_names()
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
-        inner = {table: held.get("kind") for table, held in data.items() if isinstance(held, dict)}
-        held = next((table for table, named in inner.items() if isinstance(named, str) and named in kinds), None)
-        near = f"it stands under [{printable(held)}]: put it above the first table; " if held else nearest(name, kinds)
+        inner = {table: value.get("kind") for table, value in data.items() if isinstance(value, dict)}
+        owner = next((table for table, kind in inner.items() if isinstance(kind, str) and kind in kinds), None)
+        near = f"move it from [{printable(owner)}] above the first table; " if owner else nearest(name, kinds)
         raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)]) from None
-    # A key of the text alone: what it makes of the lengths is the recipe.
+    # `scale` is no field: the recipe has the scaled lengths.
     fields = {key: value for key, value in data.items() if key != "scale" or not kind.can_be_scaled}
     try:
         recipe = adapter(kind).validate_python(fields, extra="forbid", context={"folder": folder})
@@ -95,7 +95,7 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
 
 
 def adapter(recipe: type[AbstractRecipe]) -> TypeAdapter[AbstractRecipe]:
-    """Validator and serialiser of a kind's recipes, with the rows that tables of kinds have by now."""
+    """Validator and serialiser of the recipes of a kind, with the current rows of all tables of kinds."""
     return _adapter(recipe, KindTable.changes)
 
 
@@ -107,7 +107,7 @@ def _adapter(recipe: type[AbstractRecipe], changes: int) -> TypeAdapter[Abstract
 def _text(path: Path) -> str:
     try:
         if not path.is_file():
-            raise FileNotFoundError(0, "it is no file")
+            raise FileNotFoundError(0, "it is not a file")
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
@@ -129,8 +129,7 @@ def _whole(file: str, problem: str, remedy: str, id: ProblemId) -> RecipeError:
     return RecipeError(file, [Problem("", problem, remedy, id)])
 
 
-# Tables so deep stand in lines of their own, as `[linkage.bodies]`; deeper ones in one line each. More lines would
-# tear apart what belongs together, fewer make lines that nobody reads.
+# Tables down to this depth have a heading, such as `[linkage.bodies]`; deeper ones are written inline.
 DEEPEST = 2
 
 
@@ -151,15 +150,17 @@ def to_toml(recipe: AbstractRecipe) -> str:
     table = adapter(type(recipe)).dump_python(recipe, mode="json")
     usual = {f.name for f in fields(recipe) if f.name != "kind" and getattr(recipe, f.name) == f.default}
     table = {key: value for key, value in table.items() if key not in usual}
+    # The mechanism comes first.
+    table |= {key: table.pop(key) for key in ("optimise",) if key in table}
     return "\n".join(_table("", table)).lstrip("\n") + "\n"
 
 
 def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
-    """Lines of a table: what is plain first, then its own tables."""
+    """Lines of a table: its keys with plain values first, then the tables in it."""
     plain: list[str] = []
     tables: list[str] = []
-    # What is empty so far up was left out; deeper it may be a body without points.
-    for key, value in _kept(table, empty=depth >= DEEPEST).items():
+    # An empty table near the top was omitted; a deeper one may be a body without points.
+    for key, value in _without_none(table, with_empty=depth >= DEEPEST).items():
         name = f"{path}.{_key(key)}" if path else _key(key)
         if isinstance(value, dict) and depth < DEEPEST:
             tables += ["", f"[{name}]", *_table(name, value, depth + 1)]
@@ -171,16 +172,16 @@ def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
     return [*plain, *tables]
 
 
-def _kept(table: dict[str, Any], empty: bool = True) -> dict[str, Any]:
-    """Without what is left out, which TOML has no word for. empty: whether empty tables and rows are kept."""
-    return {key: value for key, value in table.items() if value is not None and (empty or value not in ({}, []))}
+def _without_none(table: dict[str, Any], with_empty: bool = True) -> dict[str, Any]:
+    """The table without None, which TOML lacks, and without empty tables and lists unless `with_empty`."""
+    return {key: value for key, value in table.items() if value is not None and (with_empty or value not in ({}, []))}
 
 
 def toml_value(value: Any) -> str:
     """The TOML text of a value inside a line."""
     match value:
         case dict():
-            inside = ", ".join(f"{_key(key)} = {toml_value(held)}" for key, held in _kept(value).items())
+            inside = ", ".join(f"{_key(key)} = {toml_value(item)}" for key, item in _without_none(value).items())
             return f"{{ {inside} }}" if value else "{}"
         case list() | tuple():
             return f"[{', '.join(map(toml_value, value))}]"

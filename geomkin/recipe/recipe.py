@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Protocol, Self
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
+from ..core.fields import entry
 from ..core.records import record
 from ..core.reprs import moving
 from ..core.scaling import with_lengths
@@ -22,10 +23,10 @@ from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
 from ..plane.vec import Complex
-from .settings import Files
+from .settings import Files, OptimiseTable
 
 # Tables that `scale` leaves alone: a mechanism of another size has the same screws and sheets, and is cut as exactly.
-UNSCALED = ("stock", "base", "files", "tolerances")
+UNSCALED = ("stock", "base", "files", "tolerances", "optimise")
 
 
 @record(kw_only=True)
@@ -40,6 +41,14 @@ class _Shared:
             "examples": [{}],
         },
     )
+    optimise: OptimiseTable | None = entry(
+        "what `geomkin optimise` varies, minimises and keeps; the recipe itself is made with the values that it has",
+        default=None,
+    )
+
+
+# Keys of every kind: the mechanism's own come before them, and a summary leaves them out if they are empty.
+SHARED = tuple(field.name for field in dataclasses.fields(_Shared))
 
 
 class AbstractRecipe(_Shared, ABC):
@@ -117,6 +126,11 @@ class AbstractRecipe(_Shared, ABC):
     @abstractmethod
     def design_checks(self) -> tuple[Check, ...]:
         """Checks of the mechanism, without those of the walls of its parts."""
+
+    @property
+    def motion_checks(self) -> tuple[Check, ...]:
+        """Checks that an editor shows while one drags: `design_checks` without those of plates if these take long."""
+        return self.design_checks
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:

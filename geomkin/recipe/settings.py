@@ -78,7 +78,7 @@ def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -
 
 @record(checked=True)
 class Files:
-    """What is written, and how true to the exact curves."""
+    """The formats to write, and their options."""
 
     write: tuple[Format, ...] = entry("files to write", default=DEFAULT_FORMATS)
     tolerance: float = quantity(
@@ -96,16 +96,16 @@ class Files:
         at_most=20,
     )
     style: Literal["drawing", "laser"] = entry(
-        "SVG to look at, or in the red and blue hairlines that laser cutters' programs go by", default="drawing"
+        "SVG for viewing, or with the red and blue hairlines that programs of laser cutters expect", default="drawing"
     )
     labels: bool = entry(
         "engrave each part with its name, and the holes of links with the letters of their pins", default=True
     )
 
     sheet: tuple[Side, Side] | None = entry("[width, height] in mm of the sheets that parts are cut from", default=None)
-    title: Title = entry("further entries in the title of the drawing with sizes", default=Title())
+    title: Title = entry("further entries in the title block of dimensioned drawings", default=Title())
     assembly_at: float | None = quantity(
-        "where the driver stands in pictures of the assembly: deg where it turns, mm where it slides",
+        "position of the driver in pictures of the assembly: deg, or mm if it slides",
         default=None,
         at_least=-FARTHEST,
         at_most=FARTHEST,
@@ -113,21 +113,36 @@ class Files:
 
     @property
     def wants_all(self) -> bool:
-        """Whether it is all that is usual, as where nothing is asked for: then what a kind lacks is no slip."""
+        """Whether the formats are the default ones, of which a kind may lack some."""
         return self.write == Files.write
 
     @property
     def wants_parts(self) -> bool:
-        """Whether any of the formats is made of the parts."""
+        """Whether any of the formats needs the parts."""
         return any(WRITERS[ending].needs == "parts" for ending in self.write)
 
 
-# The least speeds of a driver that turns, rpm, and of one that slides, mm/s: slower ones take years.
+@record(checked=True)
+class OptimiseTable:
+    """The task of `geomkin optimise`: keys to vary, the result to minimise, and constraints."""
+
+    vary: tuple[str, ...] = entry(
+        "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
+    )
+    minimise: str = entry(
+        "the result to minimise, a formula of ids of columns and checks", example="-min(transmission_angle)"
+    )
+    subject_to: tuple[str, ...] = entry(
+        "constraints: two formulas with >= or <= between them, such as min(transmission_angle) >= 40", default=()
+    )
+
+
+# Smallest speeds of a driver that turns, rpm, and of one that slides, mm/s: slower ones take years.
 SLOWEST_RPM, SLOWEST = 0.001, 1e-6
 
 
 def _speed_rpm() -> Any:
-    return quantity("speed of the driver; clockwise where negative", "rpm", default=60.0, at_least=-1e6, at_most=1e6)
+    return quantity("speed of the driver; negative if clockwise", "rpm", default=60.0, at_least=-1e6, at_most=1e6)
 
 
 def _acceleration(unit: str) -> Any:
@@ -160,7 +175,7 @@ class Drive:
 
     speed_rpm: float = _speed_rpm()
     step_deg: float = quantity(
-        "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
+        "rotation of the driver between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
     )
     acceleration_rad_per_s2: float = _acceleration("rad/s2")
 
@@ -184,16 +199,16 @@ class Drive:
 
 @record(checked=True)
 class Turn:
-    """How a linkage's driver turns, and in which steps its motion is given."""
+    """Rotation of a linkage's driver, and the step between rows of the table."""
 
     speed_rpm: float = _speed_rpm()
     step_deg: float = quantity(
-        "driver's turn between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
+        "rotation of the driver between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
     )
     start_deg: float = quantity("driver's first angle", "deg", default=0.0, at_least=-3600, at_most=3600)
-    # What is left out is filled in.
+    # Never None after `__post_init__`.
     end_deg: float = quantity(
-        "driver's last angle; left out, -360 where speed_rpm is negative",
+        "driver's last angle; by default 360, or -360 if speed_rpm is negative",
         "deg",
         default=None,
         at_least=-3600,
@@ -218,18 +233,18 @@ class Turn:
 
     @property
     def turn_deg(self) -> float:
-        """How far it turns, deg, whichever way."""
+        """Size of the rotation, deg."""
         return abs(self.end_deg - self.start_deg)
 
     @property
     def rising(self) -> tuple[float, float]:
-        """The least and the greatest angle, rad."""
+        """Smallest and largest angle, rad."""
         low, high = np.radians(sorted(self.span_deg)).tolist()
         return low, high
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """A word where the way is a number of quarter turns in radians: in degrees it is hardly ever meant."""
+        """A failed check if the rotation looks like a number of quarter turns in radians."""
         turn = self.turn_deg
         quarters = round(turn / (np.pi / 2))
         if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
@@ -238,7 +253,7 @@ class Turn:
         return (Check("driver_range", "way of the driver", turn, "at least", 90 * quarters, "deg", advice),)
 
     def check_rows(self, columns: int = 1) -> None:
-        """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""
+        """DesignError if a table with so many columns would have too many rows."""
         check_rows("drive.step_deg", self.turn_deg, self.step_deg, "deg", columns)
 
     @property
@@ -253,12 +268,12 @@ class Turn:
 
     @property
     def frames(self) -> Real:
-        """Driver angles, rad, both ends included, in equal steps no larger than asked."""
+        """Angles of the driver, rad, both ends included, in equal steps of at most `step_deg`."""
         return self._in_steps(self.step_deg)
 
     @property
-    def fine(self) -> Real:
-        """The same in steps in which nothing slips through between two plates; finer ones only take longer."""
+    def collision_samples(self) -> Real:
+        """Angles of the driver, rad, in steps fine enough to find every collision of plates."""
         return self._in_steps(float(np.clip(self.step_deg, FINEST_DEG, 1.0)))
 
     def _in_steps(self, step: float) -> Real:
@@ -268,21 +283,21 @@ class Turn:
 
 @record(checked=True)
 class Stroke:
-    """How a sliding driver moves, and in which steps its motion is given."""
+    """Stroke of a sliding driver, and the step between rows of the table."""
 
     start: float = quantity(
-        "driver's first place along its line", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=70
+        "driver's first position along its line", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=70
     )
-    end: float = quantity("driver's last place", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=110)
+    end: float = quantity("driver's last position", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=110)
     speed: float = quantity(
-        "speed of the driver; negative where the end lies below the start",
+        "speed of the driver; negative if the end is below the start",
         "mm/s",
         default=50.0,
         at_least=-FARTHEST,
         at_most=FARTHEST,
     )
     step: float = quantity(
-        "driver's way between rows of the motion table", "mm", default=1.0, above=0, at_most=FARTHEST
+        "displacement of the driver between rows of the motion table", "mm", default=1.0, above=0, at_most=FARTHEST
     )
     acceleration_mm_per_s2: float = _acceleration("mm/s2")
 
@@ -292,12 +307,12 @@ class Stroke:
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Nothing that a way in mm could be mistaken for."""
+        """No checks: a displacement in mm cannot be mistaken for another unit."""
         return ()
 
     @property
     def rising(self) -> tuple[float, float]:
-        """The least and the greatest place, mm."""
+        """Smallest and largest position, mm."""
         return min(self.start, self.end), max(self.start, self.end)
 
     @property
@@ -306,19 +321,19 @@ class Stroke:
         return self.acceleration_mm_per_s2
 
     def check_rows(self, columns: int = 1) -> None:
-        """Refuse more rows, of so many columns, than a table may have; a recipe, which knows the columns, asks it."""
+        """DesignError if a table with so many columns would have too many rows."""
         check_rows("stroke.step", abs(self.end - self.start), self.step, "mm", columns)
 
     @property
     def frames(self) -> Real:
-        """Driver places, mm, both ends included, in equal steps no larger than asked."""
+        """Positions of the driver, mm, both ends included, in equal steps of at most `step`."""
         return self._in_steps(self.step)
 
     @property
-    def fine(self) -> Real:
-        """The same in steps in which nothing slips through between two plates."""
-        way = abs(self.end - self.start)
-        return self._in_steps(float(np.clip(self.step, way / 1440, way / 180)))
+    def collision_samples(self) -> Real:
+        """Positions of the driver, mm, in steps fine enough to find every collision of plates."""
+        stroke = abs(self.end - self.start)
+        return self._in_steps(float(np.clip(self.step, stroke / 1440, stroke / 180)))
 
     def _in_steps(self, step: float) -> Real:
         return np.linspace(self.start, self.end, int(np.ceil(abs(self.end - self.start) / step - 1e-9)) + 1)

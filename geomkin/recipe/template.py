@@ -16,7 +16,7 @@ from ..core.fields import allowed
 from .kinds import kind_names, recipe_class
 from .load import adapter, toml_value
 from .messages import kind_of, nearest, tables_in
-from .recipe import AbstractRecipe
+from .recipe import SHARED, AbstractRecipe
 
 # Editors look for the schema in the folder of the recipe, so no network is needed.
 SCHEMA = "geomkin.schema.json"
@@ -84,7 +84,7 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
     plain, tables = [], []
     if not path and value.can_be_scaled:
         plain.append(("# scale = 1", SCALE))
-    for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name == "expected_failures")):
+    for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name in SHARED)):
         inner = getattr(value, field.name)
         name = f"{path}.{field.name}" if path else field.name
         rows = getattr(inner, "segments", inner)

@@ -240,7 +240,7 @@ def _scene(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> Non
     reply["handles"] = [_handle(handle, locks) for handle in recipe.handles]
     reply["quantities"] = [
         {"id": "", "label": harmless(label), "text": harmless(text)} for label, text in recipe.quantities.items()
-    ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.design_checks]
+    ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.motion_checks]
     reply["scene"] = None if scene is None else scene_data(scene, name)
 
 
@@ -260,7 +260,10 @@ def _handle(handle: SceneHandle, locks: Collection[str]) -> dict[str, Any]:
 
 
 def _row(values: Real) -> list[float | None]:
-    return [float(f"{v:.{DIGITS}g}") if np.isfinite(v) else None for v in values.tolist()]
+    known = np.isfinite(values)
+    largest = float(np.abs(values[known]).max(initial=0.0))
+    rounded = np.round(values, DIGITS - int(np.ceil(np.log10(largest)))) if largest else values
+    return [v if is_known else None for v, is_known in zip(rounded.tolist(), known.tolist())]
 
 
 def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> None:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from ..recipe.kinds import recipe_class
 from ..recipe.messages import hints_of, kind_of, tables_in
+from ..recipe.recipe import SHARED
 from ..recipe.template import SCALE
 
 
@@ -58,7 +59,7 @@ def _groups(
     kinds = {kind_of(one): list(_fields(one, path)) for one in tables or () if kind_of(one)}
     yield group | ({"fields": [], "kinds": kinds} if len(kinds) > 1 else {"fields": list(_fields(table, path))})
     for one in tables or [table]:
-        for field in dataclasses.fields(one):
+        for field in sorted(dataclasses.fields(one), key=lambda field: field.name in SHARED):
             hint = hints_of(one)[field.name]
             if inner := tables_in(hint):
                 key = f"{path}.{field.name}" if path else field.name

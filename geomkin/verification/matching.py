@@ -20,7 +20,7 @@ SAMPLES = 240
 # Steps of the fit of a position, which converges quadratically.
 STEPS = 12
 # Candidates of area nearest to that of the loops of a file that are tried.
-TRIED = 4
+TRIED = 2
 
 
 @record(eq=False)

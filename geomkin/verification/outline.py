@@ -15,6 +15,8 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 HALVINGS = 40
 # Relative difference of distances that rounding explains.
 EVEN = 1e-6
+# Share of a distance that it may be rounded up by. Unlike shapes would take long to measure more finely.
+COARSE = 0.02
 # Most pieces of a polygon that are halved at once, and most edges of a chain that one piece may lie along.
 MOST_PIECES, LONGEST_CHAIN = 1_000_000, 64
 
@@ -89,8 +91,9 @@ def outline_of(curve: AbstractCurve, error: float) -> Outline:
 
 
 def farthest(outline: Outline, edges: Edges, resolution: float) -> tuple[float, complex]:
-    """The largest distance from a point of a polygon to a set of edges, mm, rounded up by at most `resolution`.
+    """The largest distance from a point of a polygon to a set of edges, mm.
 
+    It is rounded up by at most `resolution`, or by a share of itself if that is more.
     Also the point where it is found. Pieces of the polygon are halved until a bound on their distance is close to one
     that occurs; if they become too many, which happens between unlike shapes only, the bound is returned.
     """
@@ -104,6 +107,7 @@ def farthest(outline: Outline, edges: Edges, resolution: float) -> tuple[float, 
         if distance[at] > least * (1 + EVEN):
             least, place = float(distance[at]), complex(points[at])
         bound = _bounds(starts, ends, first, last, edges)
+        resolution = max(resolution, COARSE * least)
         wide = bound > least + resolution
         most = max(most, float(bound[~wide].max(initial=0.0)))
         starts, ends, first, last = starts[wide], ends[wide], first[wide], last[wide]

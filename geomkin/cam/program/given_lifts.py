@@ -207,7 +207,7 @@ def _times(a: Real, b: Real) -> Real:
 
 
 def _inverse(a: Real) -> Real:
-    """Of a 2 x 2 matrix."""
+    """Inverse of a 2 x 2 matrix."""
     (p, q), (r, s) = a.tolist()
     return np.array([[s, -q], [-r, p]]) / float(p * s - q * r)
 

@@ -62,11 +62,11 @@ def least_peak(equal: Real, values: Real, rows: Real, limited: Real) -> tuple[Re
 
 
 def bound(equal: Real, values: Real, rows: Real, weights: Real, limited: Real, shares: Real, near: Real) -> float:
-    """What max |rows c| is at least, for every c with equal c = values and |limited c| <= 1.
+    """A lower bound of max |rows c| for all c with equal c = values and |limited c| <= 1.
 
     For weights w of the rows with sum |w| = 1, shares u of the limited rows and any m with
     equal^T m = rows^T w + limited^T u, max |rows c| >= w rows c = m values - u limited c >= m values - sum |u|.
-    near: coefficients near the optimum; what rounding leaves of the equation is worth that much there.
+    near: coefficients near the optimum, by which the rounding error of the equation is weighted.
     """
     total = float(np.abs(weights).sum())
     if total == 0:
@@ -177,8 +177,9 @@ NEAR = 0.01
 # rounds would refuse the segment.
 ROUNDS = 40
 
-# A peak no larger than this, for a rise or slopes of 1 over an angle of 1, is none: where a motion may go straight on,
-# no bound comes as near to 0 as rounding does. Less refuses such segments, more calls a small acceleration none.
+# A peak acceleration below this, for a rise or slopes of 1 over an angle of 1, counts as 0: for a motion that may be
+# uniform the bound only reaches 0 to rounding. A smaller value would refuse such segments; a larger one would ignore
+# small accelerations.
 NOTHING = 1e-12
 
 
@@ -186,8 +187,9 @@ NOTHING = 1e-12
 class OptimalLaw:
     """A motion of least peak acceleration within its family, over an angle.
 
-    law: its lift from 0 and the derivatives over 0 <= x <= 1, before any scaling. peak_acceleration,
-    peak_jerk: their largest sizes by angle. bound: what no peak acceleration of the family can be below. Derived here.
+    law: its lift from 0 and the derivatives over 0 <= x <= 1, before any scaling. peak_acceleration, peak_jerk: largest
+    magnitudes of the derivatives by angle. bound: proven lower bound of the peak acceleration of the family. Derived
+    here.
     """
 
     law: Law
@@ -199,21 +201,21 @@ class OptimalLaw:
 
     @property
     def gap(self) -> float:
-        """How far the peak lies above the bound, relative to it: 0 proves the optimum."""
+        """Relative difference of the peak and the bound: 0 proves the optimum."""
         return float(max(self.peak_acceleration / self.bound - 1, 0.0)) if self.bound > 0 else 0.0
 
     @property
     def acceleration_coefficient(self) -> float:
-        """Peak acceleration as a multiple of rise / angle^2, to hold against 2 pi of cycloidal; nan for no rise."""
+        """Peak acceleration as a multiple of rise / angle^2 (2 pi for cycloidal motion); nan without a rise."""
         return self.peak_acceleration * self.angle**2 / abs(self.rise) if self.rise else np.nan
 
     @property
     def jerk_coefficient(self) -> float:
-        """Peak jerk as a multiple of rise / angle^3, to hold against 4 pi^2 of cycloidal; nan for no rise."""
+        """Peak jerk as a multiple of rise / angle^3 (4 pi^2 for cycloidal motion); nan without a rise."""
         return self.peak_jerk * self.angle**3 / abs(self.rise) if self.rise else np.nan
 
     def scaled(self, size: float, angle: float) -> OptimalLaw:
-        """The same for lifts `size` times as large, over that angle instead of 1; the law stays as it is."""
+        """The optimum for lifts `size` times as large, over another angle than 1; the law is unchanged."""
         by = abs(size) / angle**2
         peaks = self.peak_acceleration * by, self.peak_jerk * by / angle, self.bound * by
         return OptimalLaw(self.law, *peaks, self.rise * size, angle)

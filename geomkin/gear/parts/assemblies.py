@@ -198,7 +198,7 @@ def lantern_assembly(
 
 
 def _second_disc(stock: AbstractBored) -> str:
-    """How a second disc is aligned on its shaft, as part of a step."""
+    """End of an assembly step: the alignment of a second disc on its shaft."""
     if stock.across_flat is not None:
         return ", its flat on that of the shaft"
     return ", with its own key" if stock.keyway[0] else ""

@@ -165,7 +165,7 @@ class Shared:
 
 
 def shared_rods(copies: tuple[Copy, ...], linkage: AbstractLinkage, stack: Stack, thickness: float) -> Iterator[Shared]:
-    """How neighbouring copies drive each other; pin "" and length 0 if no rod can.
+    """The rods by which neighbouring copies drive each other; pin "" and length 0 if no rod fits.
 
     Back to back, the shaft goes from crank to crank through both grounds. Face to face, the cranks share a pin if they
     are in phase and it ends in the uppermost layer, so that nothing passes over it. Derived here.

@@ -244,7 +244,7 @@ class CognatesRecipe(AbstractMovedRecipe):
     def figure(self) -> Motion:
         """Roberts' figure over the same drive, in steps so small that no collision of plates is missed."""
         # Ten bars are solved iteratively at each frame, so the steps are no finer than necessary.
-        drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).fine
+        drive = replace(self.drive, step_deg=max(1.0, self.drive.step_deg)).collision_samples
         roberts = roberts_linkage(self.linkage, float(drive[0]), self.branch)
         return move(roberts, drive, "follow", self.drive.speed, self.drive.acceleration)
 

@@ -143,7 +143,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def fine_motion(self) -> Motion:
         """The motion in steps so small that no collision of plates is missed."""
-        return self.moved(self.input_range.fine, self.signs)
+        return self.moved(self.input_range.collision_samples, self.signs)
 
     @cached_property
     def stack(self) -> Stack:
@@ -219,6 +219,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
 
     @property
+    def motion_checks(self) -> tuple[Check, ...]:
+        return (*linkage_checks(self.motion), *self.input_range.checks)
+
+    @property
     def design_checks(self) -> tuple[Check, ...]:
         advice = "summary.json names them under stack; give narrower bars or other lengths"
         return (
@@ -279,7 +283,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     def _reached(self, branch: Branch) -> Mapping[str, object]:
         """The ranges of the driver in which the linkage closes."""
-        drives, in_deg = self.input_range.fine, isinstance(self.input_range, Turn)
+        drives, in_deg = self.input_range.collision_samples, isinstance(self.input_range, Turn)
         limits = driver_limits(self.linkage, branch, (float(drives[0]), float(drives[-1])))
         reached = [[_ten_digits(np.degrees(q) if in_deg else q) for q in part] for part in limits]
         return {f"driver_reaches_{'deg' if in_deg else 'mm'}": reached}

@@ -208,7 +208,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
 
 def _label(rank: int, found: Found) -> str:
-    """What distinguishes a linkage from the others."""
+    """A label that distinguishes a linkage from the others."""
     angle = f"transmission angle {found.transmission_angle_deg:.3g} deg, " if not found.defects else ""
     defects = f", with a defect of {' and '.join(found.defects)}" if found.defects else ""
     return f"{rank}: {angle}ratio of links {found.ratio:.3g}{defects}"

@@ -23,7 +23,7 @@ REFINEMENTS, REFINED = 12, 1e-10
 
 @record(eq=False)
 class Ends:
-    """Where paths ended.
+    """The ends of the paths.
 
     Parameters
     ----------
