@@ -16,7 +16,7 @@ from ..making.bases import BaseOpening, BaseStock, standing_plate
 from ..making.bores import bore, fits_of, shaft
 from ..making.fits import AbstractBored
 from ..making.materials import STEEL_DENSITY
-from ..making.motors import MotorName
+from ..making.motor_faces import MountedMotorKey
 from ..model.mass import Mass
 from ..model.part import Bought, HoleFit, Part
 from ..plane.curve import AbstractCurve
@@ -44,7 +44,7 @@ def cam_base(
     shafts: Mapping[str, float],
     thickness: float,
     base: BaseStock,
-    motor: MotorName | None = None,
+    motor: MountedMotorKey | None = None,
 ) -> Part:
     """The base under a cam and its follower, in the ground's frame, with the cam's axis at the origin.
 
@@ -136,7 +136,7 @@ class CamStock(AbstractBored):
         Form and fit of the cam's bore, as of `AbstractBored`. All other holes run on their pins.
     clearance : float, optional
         How much wider a hole is than its pin or shaft, mm.
-    motor : {"nema17"}, optional
+    motor : str or MotorFace, optional
         Motor that drives the cam.
     material : Material, optional
         Material of cam and follower.

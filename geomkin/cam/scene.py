@@ -8,7 +8,7 @@ from dataclasses import fields
 import numpy as np
 
 from ..core.arguments import checked
-from ..making.motors import split_motor_parts, with_motor_plate
+from ..making.motor_faces import split_motor_parts, with_motor_plate
 from ..model.handles import circle_handle, plot_handle, point_handle
 from ..model.part import Part
 from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, dimension, mm

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motors import split_motor_parts, with_motor_plate
+from ..making.motor_faces import split_motor_parts, with_motor_plate
 from ..model.handles import circle_handle
 from ..model.part import Part
 from ..model.roles import Role

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motors import split_motor_parts, with_motor_plate
+from ..making.motor_faces import split_motor_parts, with_motor_plate
 from ..model.handles import circle_handle, point_handle
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark

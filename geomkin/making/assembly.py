@@ -10,7 +10,7 @@ from .bases import BaseStock
 from .bores import PARALLEL_KEYS, key_of
 from .fasteners import SIZES, Fastener, gathered
 from .fits import AbstractBored
-from .motors import MOTOR_FACES, MotorFace, MotorName, fixed_under
+from .motor_faces import MotorFace, MountedMotorKey, face_of, fixed_under
 
 # The items of one joint: name and number of each.
 Bill = tuple[tuple[str, int], ...]
@@ -37,10 +37,10 @@ def shaft_bill(
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
-        motor = MOTOR_FACES[stock.motor]
+        motor = face_of(stock.motor)
         shaft_length = f"cut to {_shown(length)} mm from its face" if is_cut else _at_least(length)
         item = ", ".join([f"motor {motor.product}", *([form] if stock.bore else []), *([shaft_length] if base else [])])
-        return (item, count), (motor.screw(base or stock.thickness, sunk=base > 0), 4 * count), *key
+        return (item, count), *motor.bill(base or stock.thickness, base > 0, count), *key
     return ((f"{form}, {_at_least(length)}", count), *key) if stock.bore else ()
 
 
@@ -128,7 +128,7 @@ class AssemblyBuilder:
         Screws of the base.
     lettered : bool
         Whether letters are engraved at the holes.
-    motor : {"nema17"}, optional
+    motor : str or MotorFace, optional
         Motor of the lowest wheel. It is under the base or, without a base, on its own plate under all others.
     """
 
@@ -138,7 +138,7 @@ class AssemblyBuilder:
         thickness: float = 0.0,
         base: BaseStock | None = None,
         lettered: bool = False,
-        motor: MotorName | None = None,
+        motor: MountedMotorKey | None = None,
     ):
         self.plate, self.thickness, self.base, self.lettered = plate, thickness, base, lettered
         self._bills: list[tuple[str, Bill]] = []
@@ -146,12 +146,13 @@ class AssemblyBuilder:
         self._upper_collars: list[tuple[int, str]] = []
         self._last: list[str] = []
         self._height_below = 0.0
-        self._motor = None if motor is None else MOTOR_FACES[motor]
+        self._motor = None if motor is None else face_of(motor)
         # Number of layers that the motor's own plate takes.
         self._motor_layers = int(motor is not None and base is None)
         if self._motor and self._motor_layers:
             self._layers[0] = [
-                f"screw motor_plate from above onto motor {self._motor.product}, shaft up, with 4 screws"
+                f"screw motor_plate from above onto motor {self._motor.product}, shaft up, "
+                f"with {len(self._motor.screws)} screws"
             ]
         if plate:
             self.add_step(0, f"lay {plate}{' on the heads of its screws' if self._motor_layers else ''}")
@@ -190,7 +191,7 @@ class AssemblyBuilder:
         if stock.motor is not None:
             self.buy(joint, shaft_bill(stock, grip, base=0.0 if self._motor_layers else self.thickness, keys=keys))
             if not self._motor_layers:
-                self.add_step(0, fixed_under(self.plate, letter))
+                self.add_step(0, fixed_under(self.plate, letter, len(face_of(stock.motor).screws)))
             return
         if not stock.bore:
             return

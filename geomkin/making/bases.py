@@ -16,7 +16,7 @@ from ..plane.measure import separation
 from ..plane.primitives import Circle, rounded_hull, slot
 from ..plane.vec import Complex
 from .bores import SMALLEST, clearance, widened
-from .motors import MOTOR_FACES, MotorName
+from .motor_faces import MountedMotorKey, face_of
 
 
 @record(checked=True)
@@ -78,12 +78,12 @@ class BaseOpening:
     points: tuple[complex, ...]
     letter: str = ""
     head: float = 0.0
-    motor: MotorName | None = None
+    motor: MountedMotorKey | None = None
 
     @property
     def face(self) -> Complex:
         """Corners of the motor's face, mm; none without a motor."""
-        return MOTOR_FACES[self.motor].corners(self.points[0]) if self.motor else np.zeros(0, dtype=complex)
+        return face_of(self.motor).corners(self.points[0]) if self.motor else np.zeros(0, dtype=complex)
 
     def curves(self, clearance: float) -> tuple[AbstractCurve, ...]:
         """The hole or slot, wider by the clearance. Raises DesignError if it is too narrow to cut."""
@@ -95,7 +95,7 @@ class BaseOpening:
                 "conflict",
             )
         if self.motor:
-            return MOTOR_FACES[self.motor].holes(clearance, self.points[0])
+            return face_of(self.motor).holes(clearance, self.points[0])
         radius = widened(self.diameter, clearance) / 2
         start, end = self.points[0], self.points[-1]
         return (Circle(start, radius) if len(self.points) == 1 else slot(start, end, radius),)
@@ -103,7 +103,7 @@ class BaseOpening:
     def fits(self, clearance: float) -> tuple[HoleFit, ...]:
         """The fit of each of these holes."""
         if self.motor:
-            return MOTOR_FACES[self.motor].fits(clearance)
+            return face_of(self.motor).fits(clearance)
         return (HoleFit(self.diameter, clearance, travel=abs(self.points[-1] - self.points[0])),)
 
     def distance(self, other: BaseOpening) -> float:
@@ -121,7 +121,7 @@ def standing_plate(
     """
     for opening in openings:
         if opening.motor:
-            MOTOR_FACES[opening.motor].check_plate(opening.motor, thickness, _motor_key(opening))
+            face_of(opening.motor).check_plate(thickness, _motor_key(opening))
     points = np.concatenate([np.array(box), *(opening.face for opening in openings)])
     # Heads of screws are at most twice as wide as the screws (ISO 7045, 4762, 4017).
     beyond = stock.screw * (1 + 1j)
@@ -170,7 +170,8 @@ def _check_apart(first: BaseOpening, second: BaseOpening, clearance: float) -> N
 
 def _check_beside(motor_opening: BaseOpening, other: BaseOpening, clearance: float) -> None:
     """Refuse an opening over the face of a motor: its item would meet the motor or the motor's holes."""
-    face = MOTOR_FACES[motor_opening.motor or ""]
+    assert motor_opening.motor is not None
+    face = face_of(motor_opening.motor)
     overlap = max(widened(other.diameter, clearance), other.head) / 2 - float(
         separation(motor_opening.face, np.array(other.points))
     )

@@ -23,7 +23,7 @@ from .bores import (
     widened,
 )
 from .materials import MaterialKey, material_entry
-from .motors import MOTOR_FACES, MotorName, motor_plate
+from .motor_faces import MountedMotorKey, face_of, motor_plate, mounted_motor_entry
 
 # mm. Twice the error of lasers and printers, so that the hole still grips. A hole of 5 mm is stretched by 2 %, which
 # wood and plastics withstand. More cracks acrylic; with less the part may slip on its shaft.
@@ -85,7 +85,7 @@ class AbstractBored:
     bore_form : {"round", "D", "keyed"}, optional
         Form of the bore: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1.
     flat : float, optional
-        Of a D-shaft, from its flat side across to the round side, mm; if omitted, that of a usual motor.
+        Of a D-shaft, from its flat side across to the round side, mm; if omitted, that of the motor or of a usual one.
     keyway_width, keyway_depth : float, optional
         Width of the keyway, and its depth beyond the bore along its centre line, mm. In a keyed bore 0 stands for the
         sizes of the standard, otherwise for no keyway.
@@ -95,7 +95,7 @@ class AbstractBored:
         Interference of a press-fit bore, mm.
     clearance : float, optional
         How much wider a hole is than its pin or shaft, mm.
-    motor : {"nema17"}, optional
+    motor : str or MotorFace, optional
         Motor that drives the part.
     material : Material, optional
         Material of the part.
@@ -115,9 +115,8 @@ class AbstractBored:
     fit: Fit = fit()
     interference: float = interference()
     clearance: float = clearance(0.0)
-    motor: MotorName | None = entry(
-        "motor that drives the part: adds the motor's mounting plate, or its holes in a base; none if omitted",
-        default=None,
+    motor: MountedMotorKey | None = mounted_motor_entry(
+        "motor that drives the part; adds the motor's mounting plate, or its holes in a base"
     )
     material: MaterialKey = material_entry("the part")
 
@@ -171,7 +170,12 @@ class AbstractBored:
         """Distance from the flat of the D-shaft to its round side, mm; None for other shafts."""
         if self.bore_form != "D":
             return None
-        return MOTOR_FLATS.get(self.bore) if self.flat is None else self.flat
+        if self.flat is not None:
+            return self.flat
+        face = None if self.motor is None else face_of(self.motor)
+        if face is not None and face.shaft == self.bore and face.flat is not None:
+            return face.flat
+        return MOTOR_FLATS.get(self.bore)
 
     def hole(self, towards: complex, widest: float, key: str) -> tuple[Circle | Polyline, ...]:
         """The bore about the part's axis; empty for diameter 0.
@@ -199,7 +203,7 @@ class AbstractBored:
         if self.flat is not None and self.bore_form != "D":
             problem = f"found {self.flat:g} mm for a bore without a flat"
             raise DesignError("flat", problem, 'omit it, or give bore_form = "D"', "conflict")
-        if self.motor is not None and self.bore >= (boss := MOTOR_FACES[self.motor].boss_diameter):
+        if self.motor is not None and self.bore >= (boss := face_of(self.motor).boss_diameter):
             problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
             raise DesignError("bore", problem, f"give less than {boss:g} mm, or omit motor")
         if self.bore_form == "D":

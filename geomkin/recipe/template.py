@@ -137,6 +137,9 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     hints = get_type_hints(recipe)
     for field in dataclasses.fields(recipe):
         tables, key = tables_in(hints[field.name]), path + field.name
+        if str in get_args(hints[field.name]):
+            # A motor has a name; only one that is not in the table of motors needs its values.
+            continue
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
         is_shown = bool(field.metadata.get("examples", [None])[0])
         if len(kinds) > 1:

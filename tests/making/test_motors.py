@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.making.motors import MOTOR_FACES
+from geomkin.making.motor_faces import MOTOR_FACES
 from tests.making.test_bases import PAIR, PLANETARY, RACK, cam
 from tests.texts import parse, template_of
 
@@ -145,3 +145,94 @@ def test_what_would_meet_the_motor_is_refused(recipe, field, words):
     with pytest.raises(gk.DesignError) as caught:
         _ = recipe().parts
     assert caught.value.field == field and words in f"{caught.value.problem} {caught.value.remedy}"
+
+
+# Face width, spacings of the screws in rising order, boss, shaft, and the distance of the screws' middle from the shaft:
+# NEMA ICS 16 and the drawings of the makers.
+DRAWN = {
+    "nema14": (35.2, [26, 26, 26, 26, 36.77, 36.77], 22, 0),
+    "nema23": (56.4, [47.14, 47.14, 47.14, 47.14, 66.67, 66.67], 38.1, 0),
+    "25d-75": (25, [17], 7, 0),
+    "37d-50": (37, [15.5, 15.5, 15.5, 26.85, 26.85, 31], 12, 13.71),
+}
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_plates_of_other_motors_are_those_that_makers_draw(name, tmp_path):
+    width, spacings, boss, away = DRAWN[name]
+    gk.write(gk.making.motor_plate(name, thickness=6, clearance=0.2), tmp_path / "plate.dxf")
+    (plate,), holes = contours(tmp_path / "plate.dxf", "CUT"), list(contours(tmp_path / "plate.dxf", "HOLE"))
+    opening = max(holes, key=lambda hole: hole.area)
+    assert opening.area == pytest.approx(np.pi / 4 * (boss + 0.2) ** 2, rel=1e-3)
+    places = np.array([complex(hole.centroid.x, hole.centroid.y) for hole in holes if hole is not opening])
+    apart = sorted(abs(a - b) for k, a in enumerate(places) for b in places[:k])
+    assert apart == pytest.approx(spacings, abs=0.01)
+    axis = complex(opening.centroid.x, opening.centroid.y)
+    assert abs(places.mean() - axis) == pytest.approx(away, abs=0.01)
+    assert plate.bounds[2] - plate.bounds[0] == pytest.approx(width, abs=1e-3)
+    assert all(plate.contains(hole) for hole in holes)
+
+
+def crank(tmp_path, **stock):
+    """Openings of the ground and of the crank of a driven crank-rocker, as drawn."""
+    sizes = {"thickness": 6, "bar_width": 20, "pin_diameter": 4, "clearance": 0.2}
+    linkage = {"ground": 120, "crank": 40, "coupler": 100, "rocker": 80}
+    recipe = gk.load({"kind": "four-bar", "linkage": linkage, "stock": {**sizes, **stock}})
+    for name in ("ground", "crank"):
+        gk.write([part for part in recipe.parts if part.name == name], tmp_path / f"{name}.dxf")
+        yield list(contours(tmp_path / f"{name}.dxf", "HOLE"))
+    yield recipe
+
+
+def test_a_gear_motor_turns_a_crank_by_its_d_shaft(tmp_path):
+    ground, on_crank, recipe = crank(tmp_path, motor="37d-30")
+    assert sorted(width(hole) for hole in ground) == pytest.approx([3.4, 3.4, 3.4, 3.4, 4.2, 12.2], abs=2e-3)
+    (bore,) = [hole for hole in on_crank if hole.area > 20]
+    # 6.2 mm round, and 5.7 mm from the flat to the round side.
+    left, low, right, high = bore.bounds
+    assert sorted([right - left, high - low]) == pytest.approx([5.7, 6.2], abs=2e-3)
+    bought = {item.name: item.count for item in recipe.bought}
+    assert bought["M3 x 8 countersunk screw ISO 7046"] == 4 and any("37 mm gear motor 30:1" in name for name in bought)
+
+
+def test_a_flanged_motor_has_nuts_and_a_opening(tmp_path):
+    ground, on_crank, recipe = crank(tmp_path, motor="nema23")
+    assert sorted(width(hole) for hole in ground) == pytest.approx([4.2, 4.5, 4.5, 4.5, 4.5, 38.3], abs=2e-3)
+    assert sorted(width(hole) for hole in on_crank) == pytest.approx([4.2, 6.55], abs=2e-3)
+    # Four for the motor, and one for each of the three other joints.
+    assert {item.name: item.count for item in recipe.bought}["M4 lock nut ISO 7040"] == 4 + 3
+
+
+OWN = {
+    "product": "own", "face_width": 30, "screws": [[12, 0], [-12, 0]], "boss_diameter": 10, "boss_height": 1,
+    "shaft": 5.4, "flat": 3.7,
+}  # fmt: skip
+
+
+def test_a_motor_is_given_by_its_values(tmp_path):
+    ground, on_crank, recipe = crank(tmp_path, motor=OWN)
+    assert sorted(width(hole) for hole in ground) == pytest.approx([3.4, 3.4, 4.2, 10.2], abs=2e-3)
+    (bore,) = [hole for hole in on_crank if hole.area > 15]
+    left, low, right, high = bore.bounds
+    assert min(right - left, high - low) == pytest.approx(3.9, abs=2e-3)
+    assert gk.load(gk.recipe.to_toml(recipe)) == recipe
+    named = next(iter(list(crank(tmp_path, motor="nema14"))[2:]))
+    assert named.stock.motor == "nema14" and gk.load(gk.recipe.to_toml(named)) == named
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"boss_height": 6.5}, "stock.motor"),
+        ({"boss_diameter": 5}, "stock.motor.boss_diameter"),
+        ({"flat": 2.6}, "stock.motor.flat"),
+        ({"thread": 3.5}, "stock.motor.thread"),
+        ({"screws": [[12, 0]]}, "stock.motor.screws"),
+        ({"screws": [[12, 0], [6, 0]]}, "stock.motor.screws"),
+        ({"least_depth": 5}, "stock.motor.least_depth"),
+    ],
+)
+def test_motors_that_cannot_be_mounted_are_refused(changes, field, tmp_path):
+    with pytest.raises(gk.RecipeError) as caught:
+        list(crank(tmp_path, motor={**OWN, **changes}))
+    assert caught.value.problems[0].key == field

@@ -252,6 +252,6 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         train = self.design
         stages = " x ".join(f"{driven}/{driver}" for driver, driven in train.stages)
         return (
-            f"stages {stages}: {shown(train.ratio):g} rotations of the first gear for one of the last",
+            f"stages {stages}, ratio {shown(train.ratio):.9g}",
             f"efficiency {train.efficiency:.3f} at friction {train.friction:g}, without bearings",
         )

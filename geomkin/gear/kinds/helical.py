@@ -13,7 +13,7 @@ from ...core.fields import WIDEST, entry
 from ...core.records import record
 from ...making.bases import BaseStock
 from ...making.materials import MATERIALS
-from ...making.motors import MOTOR_FACES, MotorName
+from ...making.motor_faces import MountedMotorKey, face_of
 from ...model.check import Check
 from ...model.material import Material
 from ...plane.curve import AbstractCurve
@@ -142,14 +142,14 @@ def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str
     return f"give at most {teeth:,} teeth"
 
 
-def boss_checks(name: str, radius: float, motor: MotorName | None, base: BaseStock | None) -> tuple[Check, ...]:
+def boss_checks(name: str, radius: float, motor: MountedMotorKey | None, base: BaseStock | None) -> tuple[Check, ...]:
     """Check that a wheel on a motor under the base rests on the base, outside the hole for the motor's boss.
 
     radius: of the wheel's solid part, such as the root radius, mm. Derived here.
     """
     if motor is None or base is None:
         return ()
-    rests = radius - (MOTOR_FACES[motor].boss_diameter + base.clearance) / 2
+    rests = radius - (face_of(motor).boss_diameter + base.clearance) / 2
     words = f"{name} beyond the hole for the motor's boss"
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 

@@ -14,7 +14,7 @@ from ...core.fields import entry
 from ...core.records import record
 from ...making.assembly import Assembly, collar_across
 from ...making.bases import BaseStock
-from ...making.motors import plate_radius
+from ...making.motor_faces import plate_radius
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle

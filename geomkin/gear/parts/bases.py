@@ -12,7 +12,7 @@ from ...core.fields import Length
 from ...making.assembly import collar_across
 from ...making.bases import BaseOpening, BaseStock, RackBaseStock, standing_plate
 from ...making.bores import bore, fits_of
-from ...making.motors import MotorName
+from ...making.motor_faces import MountedMotorKey
 from ...model.part import Part
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull
@@ -34,7 +34,7 @@ def pair_base(
     thickness: PositiveFloat,
     stock: BaseStock = BaseStock(),
     keys: tuple[str, str] = ("first_stock.bore", "second_stock.bore"),
-    motor: MotorName | None = None,
+    motor: MountedMotorKey | None = None,
 ) -> Part:
     """The base plate of two wheels.
 
@@ -52,7 +52,7 @@ def pair_base(
         Screws, edge and clearance.
     keys : tuple of str, optional
         Keys of the diameters in the recipe, for messages.
-    motor : {"nema17"}, optional
+    motor : str or MotorFace, optional
         Motor of the first shaft; the plate then has holes for it.
 
     Returns
@@ -83,7 +83,7 @@ def rack_base(
     shaft: Length,
     stock: RackBaseStock = RackBaseStock(),
     key: str = "stock.bore",
-    motor: MotorName | None = None,
+    motor: MountedMotorKey | None = None,
 ) -> tuple[Part, Part]:
     """The rack with two guide pins, and the base plate of rack and pinion.
 
@@ -99,7 +99,7 @@ def rack_base(
         Screws, edge, clearance and guide pins.
     key : str, optional
         Key of the shaft's diameter in the recipe, for messages.
-    motor : {"nema17"}, optional
+    motor : str or MotorFace, optional
         Motor of the pinion; the base then has holes for it.
 
     Returns
@@ -158,7 +158,7 @@ def planetary_base(
     rim: PositiveFloat,
     shaft: Length,
     stock: BaseStock = BaseStock(),
-    motor: MotorName | None = None,
+    motor: MountedMotorKey | None = None,
 ) -> tuple[Part, Part]:
     """The ring with screw holes in its rim, and the base plate of a planetary set.
 
@@ -174,7 +174,7 @@ def planetary_base(
         Diameter of the sun's shaft, mm.
     stock : BaseStock, optional
         Screws, edge and clearance.
-    motor : {"nema17"}, optional
+    motor : str or MotorFace, optional
         Motor of the sun; the base then has holes for it.
 
     Returns

@@ -138,7 +138,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """The motor that drives the linkage against the loads: given, or the smallest that suffices."""
         if self.loads is None or self.force_analysis is None or self.copies:
             return None
-        return motor_of(self.force_analysis, self.loads.motor or MOTORS.get(self.stock.motor or ""))
+        return motor_of(self.force_analysis, self.loads.motor or MOTORS.get(str(self.stock.motor)))
 
     @cached_property
     def fine_motion(self) -> Motion:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.records import record
-from ...making.motors import CORNER, MOTOR_FACES
+from ...making.motor_faces import CORNER, face_of
 from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
 from ...plane.measure import separation
@@ -134,7 +134,7 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
     seats_by_body = {}
     for body, place in axes[name].items():
         if body == ground:
-            face = MOTOR_FACES[stock.motor]
+            face = face_of(stock.motor)
             # Nuts under the ground must clear the motor; rods are cut flush.
             beside = max(stock.fastener_used.across, stock.hole_diameter) - stock.hole_diameter
             rim = face.corners(place, min(CORNER, stock.bar_width / 2))

@@ -17,7 +17,7 @@ from ...making.assembly import Bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
 from ...making.materials import STEEL_DENSITY
-from ...making.motors import fixed_under
+from ...making.motor_faces import fixed_under
 from ...model.mass import Mass
 from ...model.part import Bought, Part
 from ...plane.primitives import Circle
@@ -195,7 +195,14 @@ class Stack:
                     [letters[pin.name] for pin in pins if pin.first == layer and pin not in from_above],
                 ),
                 ("lay {}", plates),
-                ("{}", [fixed_under(plates[0], letters[pin.name]) for pin in motors if pin.first == layer]),
+                (
+                    "{}",
+                    [
+                        fixed_under(plates[0], letters[pin.name], pin.motor[1][1])
+                        for pin in motors
+                        if pin.first == layer
+                    ],
+                ),
                 ("a spacer on {}", [letters[pin.name] for pin in self.pins if layer in pin.spacers]),
                 (
                     "nothing on {}, which a plate here passes",
@@ -216,7 +223,9 @@ class Stack:
         low, crank = (next(name for name in pin.holes if self.layers[name] == layer) for layer in (pin.first, pin.last))
         crossed = pin.last - pin.first - 1
         height = f", {crossed * pin.length / (crossed + 2):.6g} mm above {low}" if crossed else ""
-        return f"{crank} on the motor's shaft {self.letters[pin.name]}, flat on flat{height}"
+        seat = self.plates[crank].seat
+        fixed = ", flat on flat" if seat and seat.fits[0].flat else " and glue it"
+        return f"{crank} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
 
     def _bare(self, pin: PinSpan) -> set[int]:
         """Layers that a pin crosses without a plate or spacer."""

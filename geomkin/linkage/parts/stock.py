@@ -11,7 +11,7 @@ from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, fastener_of
 from ...making.fits import AbstractBored, Fit, fit, interference
 from ...making.materials import MaterialKey, material_entry
-from ...making.motors import MOTOR_FACES, MotorName
+from ...making.motor_faces import MountedMotorKey, face_of, mounted_motor_entry
 
 
 @record(checked=True)
@@ -35,8 +35,9 @@ class LinkStock:
         Axial play along a pin, so that its plates can turn, mm; from 0 to 10.
     head_height : float, optional
         Height of the screws' heads, mm, if it is not that of the standard.
-    motor : str, optional
-        Motor that turns the crank: its holes are in the ground, the hole for its shaft in the crank.
+    motor : str or MotorFace, optional
+        Motor that turns the crank, by its name in `gk.making.MOTOR_FACES` or its dimensions. Its holes are in the
+        ground, the hole for its shaft in the crank.
     fit : str
         Fit of the crank's bore on the motor's shaft.
     interference : float
@@ -63,9 +64,8 @@ class LinkStock:
         "height of the screws' heads, if it is not that of the standard", "mm", default=None, at_least=0, at_most=100
     )
 
-    motor: MotorName | None = entry(
-        "motor that turns the crank: its holes are in the ground, its shaft's in the crank; by default none",
-        default=None,
+    motor: MountedMotorKey | None = mounted_motor_entry(
+        "motor that turns the crank; its holes are in the ground, its shaft's in the crank"
     )
     fit: Fit = fit("the crank's bore on a motor")
     interference: float = interference()
@@ -97,10 +97,12 @@ class LinkStock:
         """The motor's shaft and its fit in the crank; None without a motor."""
         if self.motor is None:
             return None
+        face = face_of(self.motor)
         return AbstractBored(
             thickness=self.thickness,
-            bore=MOTOR_FACES[self.motor].shaft,
-            bore_form="D",
+            bore=face.shaft,
+            bore_form="round" if face.flat is None else "D",
+            flat=face.flat,
             fit=self.fit,
             interference=self.interference,
             clearance=self.clearance,
@@ -112,7 +114,7 @@ class LinkStock:
             if self.fit == "press":
                 raise DesignError("fit", "found press, but no motor", "give motor, or omit fit", "conflict")
             return
-        MOTOR_FACES[self.motor].check_plate(self.motor, self.thickness, "motor")
+        face_of(self.motor).check_plate(self.thickness, "motor")
         if self.bar_width <= (widest := shaft.bore + shaft.play):
             raise DesignError(
                 "bar_width",

@@ -1,0 +1,335 @@
+"""Faces of motors: shaft, boss and screws, the plate to which they are screwed, and motors in scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+
+from ..core.arguments import ArgumentType, PositiveFloat, checked
+from ..core.errors import DesignError, shown
+from ..core.fields import FARTHEST, ComplexPoint, Length, entry, quantity
+from ..core.records import record
+from ..model.part import HoleFit, Part
+from ..model.scene import SceneBody
+from ..plane.primitives import Circle, rounded_hull
+from ..plane.vec import Complex
+from .fasteners import LENGTHS, SIZES
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic_core.core_schema import CoreSchema
+
+
+@record
+class MotorScrew:
+    """The screws of a motor by their thread, mm.
+
+    hole: clearance hole, ISO 273, medium. sunk: height of the head, shortest and longest countersunk screw, ISO 7046.
+    """
+
+    hole: float
+    sunk: tuple[float, float, float]
+
+
+# Sources: ISO 273 and ISO 7046.
+MOTOR_SCREWS = {
+    2.0: MotorScrew(2.4, (1.2, 3, 20)),
+    2.5: MotorScrew(2.9, (1.5, 3, 25)),
+    3.0: MotorScrew(3.4, (1.65, 4, 30)),
+    4.0: MotorScrew(4.5, (2.7, 5, 40)),
+    5.0: MotorScrew(5.5, (2.7, 6, 50)),
+}
+THREADS = ", ".join(f"{thread:g}" for thread in MOTOR_SCREWS)
+SUNK = "countersunk screw ISO 7046"
+# Corners of a square of side 2 about 0.
+CORNERS = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
+
+
+@record(checked=True)
+class MotorFace:
+    """The face of a motor by which it is screwed to a plate, seen from its shaft, which is at the origin.
+
+    Parameters
+    ----------
+    product : str
+        Its name in the bill of materials.
+    face_width : float
+        Width of the square face, or diameter of a round one, mm.
+    screws : tuple of complex
+        Positions of the screws, mm.
+    boss_diameter, boss_height : float
+        Of the boss round the shaft, mm.
+    shaft : float
+        Diameter of the shaft, mm.
+    flat : float, optional
+        Of a D-shaft, from its flat side across to the round side, mm; None for a round shaft.
+    thread : {2, 2.5, 3, 4, 5}, optional
+        Thread of the screws, mm.
+    least_depth, largest_depth : float, optional
+        Length of a screw beyond the plate, mm: in the threads of the motor, or through its flange and a nut.
+    nuts : bool, optional
+        Whether the screws pass through a flange and have nuts.
+    face_offset : float, optional
+        Distance of the face's middle from the shaft, mm, along +x.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, the flat does not fit the shaft, or the screws meet the boss or are off the face.
+    """
+
+    product: str = entry("name of the motor in the bill of materials", example="own motor")
+    face_width: float = quantity(
+        "width of the square face, or diameter of a round one", "mm", above=0, at_most=FARTHEST, example=42.3
+    )
+    screws: tuple[ComplexPoint, ...] = entry(
+        "positions of the screws from the shaft, each [x, y] in mm",
+        example=(15.5 + 15.5j, -15.5 + 15.5j, -15.5 - 15.5j, 15.5 - 15.5j),
+    )
+    boss_diameter: float = quantity("diameter of the boss round the shaft", "mm", above=0, at_most=FARTHEST, example=22)
+    boss_height: float = quantity("height of the boss", "mm", at_least=0, at_most=FARTHEST, example=2)
+    shaft: float = quantity("diameter of the shaft", "mm", above=0, at_most=FARTHEST, example=5)
+    flat: float | None = quantity(
+        "of a D-shaft, from its flat side across to the round side; if omitted, the shaft is round",
+        "mm",
+        default=None,
+        above=0,
+        at_most=FARTHEST,
+    )
+    thread: float = quantity(f"thread of the screws: {THREADS}", "mm", default=3.0, above=0, at_most=5)
+    least_depth: float = quantity(
+        "least length of a screw beyond the plate", "mm", default=2.0, at_least=0, at_most=100
+    )
+    largest_depth: float = quantity(
+        "largest length of a screw beyond the plate", "mm", default=4.5, above=0, at_most=100
+    )
+    nuts: bool = entry("whether the screws pass through a flange and have nuts", default=False)
+    face_offset: float = quantity(
+        "distance of the face's middle from the shaft, along +x",
+        "mm",
+        default=0.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+
+    def __post_init__(self) -> None:
+        if self.thread not in MOTOR_SCREWS:
+            raise DesignError("thread", f"found {self.thread:g} mm", f"give {THREADS}", "out-of-range")
+        if self.least_depth > self.largest_depth:
+            problem = f"found {self.least_depth:g} mm, more than largest_depth"
+            raise DesignError("least_depth", problem, f"give at most {self.largest_depth:g} mm", "conflict")
+        if self.boss_diameter <= self.shaft:
+            problem = f"found {self.boss_diameter:g} mm round a shaft of {self.shaft:g} mm"
+            raise DesignError("boss_diameter", problem, f"give more than {self.shaft:g} mm", "conflict")
+        if self.flat is not None and not self.shaft / 2 < self.flat < self.shaft:
+            problem = f"found {self.flat:g} mm across a shaft of {self.shaft:g} mm"
+            limits = f"give more than {self.shaft / 2:g} and less than {self.shaft:g} mm"
+            raise DesignError("flat", problem, limits, "out-of-range")
+        if len(self.screws) < 2:
+            raise DesignError("screws", f"found {len(self.screws)}", "give at least two")
+        places, half = np.array(self.screws), self.face_width / 2
+        clear = (self.boss_diameter + MOTOR_SCREWS[self.thread].hole) / 2
+        inside = np.maximum(np.abs((places - self.face_offset).real), np.abs(places.imag)) < half
+        if not (inside & (np.abs(places) > clear)).all():
+            problem = "found a screw in the hole of the boss, or off the face"
+            raise DesignError("screws", problem, f"give places more than {clear:g} mm from the shaft, on the face")
+
+    def __str__(self) -> str:
+        return self.product
+
+    @property
+    def screw_hole(self) -> float:
+        """Clearance hole of a screw, mm."""
+        return MOTOR_SCREWS[self.thread].hole
+
+    def screw(self, thickness: float, sunk: bool = False) -> str:
+        """The screw through a plate of a thickness, mm. sunk: countersunk; its length then includes the head."""
+        least, most = thickness + self.least_depth, thickness + self.largest_depth
+        name, lengths = SIZES[self.thread].screw, SIZES[self.thread].lengths
+        if sunk:
+            name, lengths = SUNK, MOTOR_SCREWS[self.thread].sunk[1:]
+        fitting = [length for length in LENGTHS if max(least, lengths[0]) <= length <= min(most, lengths[1])]
+        if not fitting:
+            product = "countersunk screw" if sunk else "screw"
+            return f"M{self.thread:g} {product}, {least:g} to {most:g} mm {'long' if sunk else 'under its head'}"
+        return f"M{self.thread:g} x {fitting[-1]:g} {name}"
+
+    def bill(self, thickness: float, sunk: bool = False, count: int = 1) -> tuple[tuple[str, int], ...]:
+        """Screws through a plate of a thickness, mm, and their nuts; count: number of motors."""
+        number = count * len(self.screws)
+        nuts = ((f"M{self.thread:g} {SIZES[self.thread].nut}", number),) if self.nuts else ()
+        return (self.screw(thickness, sunk), number), *nuts
+
+    def holes(self, clearance: float, place: complex = 0j) -> tuple[Circle, ...]:
+        """Holes round a shaft's place for the boss, wider by the clearance, mm, and for the screws."""
+        screws = (Circle(complex(place + z), self.screw_hole / 2) for z in self.screws)
+        return Circle(place, (self.boss_diameter + clearance) / 2), *screws
+
+    def fits(self, clearance: float) -> tuple[HoleFit, ...]:
+        """The fits of these holes."""
+        screw = HoleFit(self.thread, self.screw_hole - self.thread)
+        return HoleFit(self.boss_diameter, clearance), *(len(self.screws) * (screw,))
+
+    def corners(self, place: complex = 0j, inset: float = 0.0) -> Complex:
+        """Corners of the face, or of the square round it, mm, moved inwards by the inset; place: of the shaft."""
+        return place + self.face_offset + (self.face_width / 2 - inset) * CORNERS
+
+    def check_plate(self, thickness: float, key: str) -> None:
+        """Refuse a plate from which the boss or the heads of the screws would project: a wheel turns on it."""
+        if thickness < (least := max(self.boss_height, MOTOR_SCREWS[self.thread].sunk[0])):
+            name = name_of(self)
+            raise DesignError(
+                key,
+                f"found {name}, whose boss is {self.boss_height:g} mm high, under a plate {thickness:g} mm thick",
+                f"give a thickness of at least {least:g} mm, or omit the motor",
+            )
+
+
+def _square(spacing: float) -> tuple[complex, ...]:
+    """Four screws at the corners of a square."""
+    return tuple((spacing / 2 * CORNERS).tolist())
+
+
+def _nema17(product: str) -> MotorFace:
+    return MotorFace(product, 42.3, _square(31.0), 22.0, 2.0, 5.0, 4.5)
+
+
+def _gear_motor_37(product: str) -> MotorFace:
+    """Four of six threads on a circle of 31 mm, clear of the boss; the shaft is 7 mm from its middle."""
+    screws = tuple(complex(7 + 15.5 * z) for z in np.exp(1j * np.pi / 6 * np.array([1, 3, 9, 11])))
+    return MotorFace(product, 37.0, screws, 12.0, 6.0, 6.0, 5.5, 3.0, 2.0, 3.0, face_offset=7.0)
+
+
+def _gear_motor_25(product: str) -> MotorFace:
+    return MotorFace(product, 25.0, (8.5 + 0j, -8.5 + 0j), 7.0, 2.5, 4.0, 3.5, 3.0, 2.0, 3.0)
+
+
+# Sources: NEMA ICS 16 for faces, screws and diameters of bosses of steppers; makers' drawings for the heights of
+# bosses, shafts and depths of threads; Pololu's and DFRobot's drawings of gear motors of 25 mm and 37 mm. With other
+# numbers the motor does not fit.
+MOTOR_FACES: dict[str, MotorFace] = {
+    "nema14": MotorFace("NEMA 14 stepper", 35.2, _square(26.0), 22.0, 2.0, 5.0, 4.5),
+    "nema17": _nema17("NEMA 17"),
+    "nema17-short": _nema17("NEMA 17 stepper, 20 mm long"),
+    "nema17-long": _nema17("NEMA 17 stepper, 60 mm long"),
+    # Its flange of about 5 mm has holes of 5 mm, which M4 screws and nuts fit.
+    "nema23": MotorFace("NEMA 23 stepper", 56.4, _square(47.14), 38.1, 1.6, 6.35, None, 4.0, 12.0, 18.0, True),
+    "25d-4": _gear_motor_25("25 mm gear motor 4.4:1, 6 V"),
+    "25d-75": _gear_motor_25("25 mm gear motor 75:1, 12 V"),
+    "37d-19": _gear_motor_37("37 mm gear motor 19:1, 12 V"),
+    "37d-30": _gear_motor_37("37 mm gear motor 30:1, 12 V"),
+    "37d-50": _gear_motor_37("37 mm gear motor 50:1, 12 V"),
+}
+# Corner radius of the plate, mm, about that of the motor's face; larger ones come close to the screws.
+CORNER = 4.0
+
+
+class MountedMotor(ArgumentType):
+    """Marks a motor on its plate: a name in MOTOR_FACES or, in a recipe, a table of the values of a MotorFace."""
+
+    def __init__(self) -> None:
+        names = ", ".join(MOTOR_FACES)
+        super().__init__(self._fits_face, f"{names}, or a MotorFace", (str,))
+
+    @staticmethod
+    def _fits_face(value: object) -> bool:
+        return isinstance(value, MotorFace) or (isinstance(value, str) and value in MOTOR_FACES)
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        from pydantic_core import core_schema
+
+        def named(value: object, values: Any) -> object:
+            if not isinstance(value, str):
+                return values(value)
+            if value not in MOTOR_FACES:
+                names = ", ".join(MOTOR_FACES)
+                raise DesignError("motor", f"found {shown(value)}", f"give {names}, or a table of values")
+            return value
+
+        values = core_schema.wrap_serializer_function_ser_schema(
+            lambda value, written: value if isinstance(value, str) else written(value)
+        )
+        schema = handler.generate_schema(MotorFace)
+        return core_schema.no_info_wrap_validator_function(named, schema, serialization=values)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"type": "string", "enum": list(MOTOR_FACES)}, handler(schema)]}
+
+
+MountedMotorKey = Annotated[str | MotorFace, MountedMotor()]
+
+
+def face_of(motor: str | MotorFace) -> MotorFace:
+    """The face of a motor of the table, or the given one."""
+    return MOTOR_FACES[motor] if isinstance(motor, str) else motor
+
+
+def name_of(face: MotorFace) -> str:
+    """The name of a face in the table, or of the product."""
+    return next((name for name, known in MOTOR_FACES.items() if known == face), face.product)
+
+
+def mounted_motor_entry(meaning: str) -> Any:
+    """The field for the motor of a stock."""
+    return entry(f"{meaning}: {', '.join(MOTOR_FACES)}, or a table of values; none if omitted", default=None)
+
+
+def fixed_under(plate: str, letter: str, count: int) -> str:
+    """The first step of an assembly with a motor under a plate; letter: of its shaft; count: number of screws."""
+    screws = f"with its {count} countersunk screws from above, heads flush"
+    return f"fix the motor under {plate}, its shaft up through {letter}, {screws}"
+
+
+def plate_radius(motor: MountedMotorKey) -> float:
+    """Radius round the shaft that contains the motor's plate, mm."""
+    return float(np.abs(face_of(motor).corners(inset=CORNER)).max()) + CORNER
+
+
+@checked
+def motor_plate(motor: MountedMotorKey, thickness: PositiveFloat, clearance: Length = 0.0) -> Part:
+    """The mounting plate of a motor, as large as its face, with the shaft at the origin.
+
+    Parameters
+    ----------
+    motor : str or MotorFace
+        The motor: a name such as "nema17", or its dimensions.
+    thickness : float
+        Thickness of the plate, mm, above 0.
+    clearance : float, optional
+        How much wider the hole is than the motor's boss, mm.
+
+    Returns
+    -------
+    Part
+        Of the fixed body `motor`.
+
+    Examples
+    --------
+    >>> plate = gk.making.motor_plate("nema17", thickness=5.0)
+    >>> len(plate.holes)
+    5
+    """
+    face = face_of(motor)
+    outline = rounded_hull(face.corners(inset=CORNER), CORNER)
+    holes, fits = face.holes(clearance), face.fits(clearance)
+    return Part("motor_plate", outline, holes, thickness, body="motor", fits=fits)
+
+
+MOTOR = "motor"
+
+
+def split_motor_parts(parts: Sequence[Part]) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+    """All parts of a mechanism except those of the motor, and those of the motor."""
+    return tuple(p for p in parts if p.body != MOTOR), tuple(p for p in parts if p.body == MOTOR)
+
+
+def with_motor_plate(bodies: tuple[SceneBody, ...], plates: tuple[Part, ...]) -> tuple[SceneBody, ...]:
+    """The bodies one layer higher, above a motor's plates about the origin; unchanged without such plates."""
+    if not plates:
+        return bodies
+    one = np.ones(bodies[0].origin.shape, dtype=complex)
+    motor = SceneBody(MOTOR, plates, 0 * one, one, 0, True)
+    return (motor, *(replace(body, layer=body.layer + 1) for body in bodies))
