@@ -142,11 +142,15 @@ class Limit:
 
 @record
 class Plot:
-    """Columns of the scene's table that are drawn in one plot, by their ids; all of one unit."""
+    """Columns of the scene's table that are drawn in one plot, by their ids; all of one unit.
+
+    bars: whether the values of the frame shown, and the largest ones, are drawn as bars too; they are 0 or more.
+    """
 
     title: str
     columns: tuple[str, ...]
     limits: tuple[Limit, ...] = ()
+    bars: bool = False
 
     def with_limits(self, limits: Iterable[Limit]) -> Plot:
         """A copy with those limits that belong to its columns, column by column."""
