@@ -194,7 +194,7 @@ def forward_dynamics(
     Examples
     --------
     >>> turn = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 2 * np.pi, 361))
-    >>> loads = gk.Loads(masses={"rocker": gk.Mass(0.5, centre=35, inertia=200)})
+    >>> loads = gk.Loads(masses={"crank": gk.Mass(0.5, inertia=500), "rocker": gk.Mass(0.5, centre=35)})
     >>> result = gk.forward_dynamics(turn, loads, speed=10.0, duration=1.0)
     >>> result.energy_error < 1e-6
     True
