@@ -150,8 +150,12 @@ class ToleranceAnalysis:
             name: np.abs(derivative(name)) * tolerance for name, tolerance in self.lengths.items()
         }
         for pin, clearance in self.clearances.items():
-            for body in self.motion.linkage.pins[pin]:
-                play = 0.5 * clearance * np.hypot(*(derivative(f"{body}.{pin}.{axis}") for axis in "xy"))
+            bodies = self.motion.linkage.pins[pin]
+            # Both holes of a pin of two bodies displace an output equally, unless it is the pin itself.
+            are_alike = len(bodies) == 2 and self._quantity.name != pin
+            for body in bodies[are_alike:]:
+                per_mm = np.hypot(*(derivative(f"{body}.{pin}.{axis}") for axis in "xy"))
+                play = (1.0 if are_alike else 0.5) * clearance * per_mm
                 terms[pin] = terms[pin] + play if pin in terms else play
         return terms
 

@@ -123,10 +123,13 @@ class _Results:
         for column in columns:
             if name in (column.id, column.header):
                 return column.values
+        further = self.recipe.further_values
+        if name in further:
+            return further[name]
         checks = {check.id: check.value for check in self.recipe.checks}
         if name in checks:
             return checks[name]
-        known = [*(column.id for column in columns), *checks]
+        known = [*(column.id for column in columns), *further, *checks]
         raise DesignError(
             self.field,
             f"found {shown(name)}",

@@ -22,7 +22,7 @@ from ..model.part import Bought, Part
 from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
-from ..plane.vec import Complex
+from ..plane.vec import Complex, Real
 from .settings import Files, OptimiseTable
 
 # Tables that `scale` leaves alone: a mechanism of another size has the same screws and sheets, and is cut as exactly.
@@ -204,6 +204,11 @@ class AbstractRecipe(_Shared, ABC):
     def facts(self) -> tuple[str, ...]:
         """Lines that `geomkin check` prints below the checks."""
         return ()
+
+    @property
+    def further_values(self) -> Mapping[str, Real]:
+        """Values at each frame, by id, that formulas may use besides the columns of the table."""
+        return {}
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -138,11 +138,11 @@ TABLE = {"vary": ["linkage.coupler = 60:120", "linkage.rocker = 60:120"], "minim
 def test_table_of_the_recipe_gives_the_search(tmp_path):
     """The same optimum as by arguments, by the command without options, and by the recipe that it writes."""
     recipe = {**FOUR_BAR, "optimise": {**TABLE, "subject_to": ["max(rocker_angle) <= 150"]}}
-    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, "max(rocker_angle) <= 150", starts=2)
-    assert gk.optimise(recipe, starts=2).values == best.values
-    assert gk.optimise(recipe, subject_to=(), starts=2).objective < best.objective - 1
+    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, "max(rocker_angle) <= 150", starts=1)
+    assert gk.optimise(recipe, starts=1).values == best.values
+    assert gk.optimise(recipe, subject_to=(), starts=1).objective < best.objective - 1
     (tmp_path / "bar.toml").write_text(gk.recipe.to_toml(gk.load(recipe)))
-    result = CliRunner().invoke(cli, ["optimise", str(tmp_path / "bar.toml"), "--out", str(tmp_path), "--starts=2"])
+    result = CliRunner().invoke(cli, ["optimise", str(tmp_path / "bar.toml"), "--out", str(tmp_path), "--starts=1"])
     assert result.exit_code == 0 and "max(rocker_angle) <= 150" in result.output, result.output
     written = gk.load(tmp_path / "bar" / "bar.optimum.toml")
     assert written.optimise == gk.load(recipe).optimise
@@ -159,7 +159,6 @@ def test_table_of_the_recipe_gives_the_search(tmp_path):
         ({"vary": []}, "optimise.vary", "linkage.crank"),
         ({"vary": ["linkage.coupler = 120:60"]}, "linkage.coupler", "120 to 60"),
         ({"vary": ["kind = 1:2"]}, "kind", "four-bar"),
-        ({"vary": ["linkage.coupler = 10:20"]}, "optimise.vary", "assembled"),
         ({"minimise": "max(rocker_omeg)"}, "optimise.minimise", "rocker_omega"),
         ({"subject_to": ["rocker_angle"]}, "optimise.subject_to", ">="),
         ({"subject_to": ["min(transmission_angle) >= 80"]}, "optimise.subject_to", "by 23.4"),
@@ -273,3 +272,12 @@ def test_command_writes_a_recipe_that_holds_the_optimum(tmp_path):
     assert wrong.exit_code == 2 and "KEY=LOW:HIGH" in wrong.output
     unmet = CliRunner().invoke(cli, [*arguments, "--subject-to", "min(transmission_angle) >= 70"])
     assert unmet.exit_code == 1 and "min(transmission_angle) >= 70" in unmet.output
+
+
+def test_pins_of_a_linkage_are_known_to_formulas():
+    """The highest position of the rocker's pin that a limit allows."""
+    limited = gk.optimise(
+        FOUR_BAR, {"linkage.rocker": (60, 90)}, "-max(rocker_pin_y)", "max(rocker_pin_y) <= 65", starts=1
+    )
+    motion = gk.move(limited.recipe.design, np.radians(np.arange(361)))
+    assert motion.point("rocker_pin").position.imag.max() == pytest.approx(65, abs=1e-5)

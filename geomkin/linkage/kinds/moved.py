@@ -121,6 +121,12 @@ class AbstractMovedRecipe(AbstractRecipe):
         return self.moved(self.input_range.frames, self.signs)
 
     @property
+    def further_values(self) -> dict[str, Real]:
+        """Coordinates of the pins, mm, such as `rocker_pin_x`."""
+        places = {pin: self.motion.point(pin).position for pin in self.motion.linkage.pins}
+        return {f"{pin}_{axis}": part for pin, z in places.items() for axis, part in (("x", z.real), ("y", z.imag))}
+
+    @property
     def further_handles(self) -> Iterator[SceneHandle]:
         """Handles besides those of the linkage: the ends of a stroke."""
         if self.stroke is not None:
