@@ -89,6 +89,7 @@ GOOD = {
     "Linkage": {"bodies": ROD, "driver": "slider", "sliders": (WAY,), "origin": 1j, "ground_angle_deg": 5.0, "estimate": {}},
     "Motor": {"name": "a", "torque_n_mm": 100.0, "speed_rpm": 60.0, "lasting_torque_n_mm": 25.0, "mass_g": 50.0},
     "motor": {"name": "nema17"},
+    "forward_dynamics": {"motion": gk.move(FOUR_BAR, np.linspace(0, 1, 30)), "loads": gk.Loads(masses={"coupler": gk.Mass(1.0)}), "torque": 5.0, "speed": 1.0, "duration": 0.1, "steps": 5, "start": 0.1},
     "linkage_strength_checks": {"analysis": gk.forces(MOTION, gk.Loads(masses={"coupler": gk.Mass(1.0)})), "stock": gk.linkage.LinkStock()},
     "smallest_motor": {"duty": gk.model.MotorDuty(DRIVE, DRIVE, DRIVE), "margin": 1.5},
     "Mirrored": {"curve": CIRCLE},
@@ -282,7 +283,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
+    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
     "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
