@@ -242,7 +242,8 @@ def _size_of(fit: HoleFit | None, diameter: float | None) -> str:
     if fit.travel:
         sizes = [f"slot {width} wide", f"{length_text(fit.travel + fit.diameter + fit.play)} long"]
     if fit.flat:
-        sizes = [f"D dia {width}", f"across flat {length_text(fit.flat)}"]
+        form, across = ("D", "across flat") if fit.flats == 1 else ("double D", "between flats")
+        sizes = [f"{form} dia {width}", f"{across} {length_text(fit.flat)}"]
     if any(fit.keyway):
         sizes.append("keyway {} wide {} deep".format(*map(length_text, fit.keyway)))
     if not fit.play:

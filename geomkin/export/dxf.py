@@ -18,8 +18,9 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
 from .cut import decimals
 from .dimensioned import COLOURS, drawing
+from .drawing_layers import LAYERS
 from .job import Job
-from .layout import LAYERS, Sheet
+from .layout import Sheet
 from .text import Text
 
 

@@ -231,15 +231,6 @@ class _SheetRaster:
         return True
 
 
-# Operations as layers, each with a colour index, for programs without RGB, and an RGB colour that colour-blind
-# readers can distinguish.
-LAYERS: dict[str, tuple[int, tuple[int, int, int]]] = {
-    "CUT": (1, (213, 94, 0)),
-    "HOLE": (5, (0, 114, 178)),
-    "ENGRAVE": (3, (0, 158, 115)),
-    "LABEL": (6, (204, 121, 167)),
-    "REFERENCE": (8, (110, 110, 110)),
-}
 # Gap between parts, mm; with less, kerf and heat of one cut affect the next part.
 GAP = 5.0
 # Size of the first nesting sheet relative to that of rows. A larger one makes the raster coarser; a smaller one

@@ -10,8 +10,9 @@ from ..core.errors import harmless
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real, rounded
 from .dimensioned import COLOURS, drawing
+from .drawing_layers import LAYERS
 from .job import Job
-from .layout import LAYERS, Sheet
+from .layout import Sheet
 
 # Stroke width, mm: thin, as cutting programs expect, and visible on a screen.
 STROKE = 0.25

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import lru_cache
 from math import prod
 from typing import Annotated
 
@@ -95,16 +96,8 @@ def gear_train(
     if reverted and most_stages < 2:
         raise DesignError("most_stages", f"found {most_stages} for a reverted train", "give at least 2", "conflict")
     total = None if centre_distance is None else _teeth_of(centre_distance, module, least_teeth, most_teeth)
-    nearest: _Candidate | None = None
-    for stages in (2,) if reverted else range(1, most_stages + 1):
-        # The teeth of reverted trains rise with the sum of each stage: the first candidate has the fewest.
-        for pairs in _choices(least_teeth, most_teeth, reverted, total):
-            candidate, near = _search(pairs, ratio, stages, error)
-            if candidate is not None:
-                return _train(candidate, module, reverted, centre_distance)
-            nearest = near if nearest is None or near.error < nearest.error else nearest
-    assert nearest is not None
-    raise _unreachable(ratio, error, nearest, least_teeth, most_teeth, 2 if reverted else most_stages)
+    candidate = _find(float(ratio), least_teeth, most_teeth, most_stages, float(error), reverted, total)
+    return _train(candidate, module, reverted, centre_distance)
 
 
 @record(eq=False)
@@ -128,6 +121,24 @@ class _Candidate:
     stages: tuple[tuple[int, int], ...]
     teeth: int
     error: float
+
+
+# An editor builds a recipe anew with each step of a drag, mostly with the same bounds.
+@lru_cache(maxsize=16)
+def _find(
+    ratio: float, least: int, most: int, most_stages: int, error: float, reverted: bool, total: int | None
+) -> _Candidate:
+    """The train with the fewest gears, then the fewest teeth. total: teeth of each stage, None if they are free."""
+    nearest: _Candidate | None = None
+    for stages in (2,) if reverted else range(1, most_stages + 1):
+        # The teeth of reverted trains rise with the sum of each stage: the first candidate has the fewest.
+        for pairs in _choices(least, most, reverted, total):
+            candidate, near = _search(pairs, ratio, stages, error)
+            if candidate is not None:
+                return candidate
+            nearest = near if nearest is None or near.error < nearest.error else nearest
+    assert nearest is not None
+    raise _unreachable(ratio, error, nearest, least, most, 2 if reverted else most_stages)
 
 
 def _choices(least: int, most: int, reverted: bool, total: int | None) -> Iterator[_Pairs]:

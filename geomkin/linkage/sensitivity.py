@@ -69,16 +69,17 @@ def size_names(linkage: AbstractLinkage) -> list[str]:
     for owner, name in entry_numbers(linkage.linkage):
         text = f"{owner}.{name}" if owner else name
         general += [text] if name.endswith("_deg") else [f"{text}.x", f"{text}.y"]
-    return list(dict.fromkeys([*_field_names(linkage), *general]))
+    return list(dict.fromkeys([*field_names(linkage), *general]))
 
 
-def _field_names(linkage: AbstractLinkage) -> Iterator[str]:
+def field_names(linkage: AbstractLinkage) -> Iterator[str]:
+    """Names of the sizes of a named linkage; those of a point by its coordinates."""
     if isinstance(linkage, Linkage):
         return
     for field in fields(linkage):  # type: ignore[arg-type]
         value = getattr(linkage, field.name)
         if isinstance(value, AbstractLinkage):
-            yield from (f"{field.name}.{name}" for name in _field_names(value))
+            yield from (f"{field.name}.{name}" for name in field_names(value))
         elif "unit" in field.metadata:
             yield field.name
         elif not isinstance(value, bool) and is_place(value):
@@ -87,7 +88,7 @@ def _field_names(linkage: AbstractLinkage) -> Iterator[str]:
 
 def size_rate(linkage: AbstractLinkage, name: str) -> Complex:
     """Derivative of the linkage's data by one of its sizes, per mm or per rad, (entries, *linkages)."""
-    if name in _field_names(linkage):
+    if name in field_names(linkage):
         rate = _field_rate(linkage, name)
         return rate / RAD if name.endswith("_deg") else rate
     general = linkage.linkage
@@ -163,7 +164,7 @@ class Sensitivities:
     def __init__(self, solution: LinkageSolution, given: AbstractLinkage):
         self.solution, self.given = solution, given
         self.quantities = quantities(solution.linkage)
-        self.fields = list(_field_names(given))
+        self.fields = list(field_names(given))
         self._blocks: dict[str, list[SizeDerivatives]] = {}
 
     def of(self, quantity: str, size: str) -> Array:

@@ -35,6 +35,8 @@ def shaft_bill(
     """
     across, (width, _) = stock.across_flat, stock.keyway
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
+    if stock.bore_form == "double-D":
+        form = f"shaft {stock.bore:g} mm with two flats {across:g} mm apart"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
         motor = face_of(stock.motor)

@@ -128,6 +128,23 @@ def flattened_bore(
     return (Polyline(np.array([corner, np.conj(corner)]) * towards, np.array([np.tan(sweep / 4), 0])),)
 
 
+def double_flattened_bore(
+    diameter: float, clearance: float, flat: float, towards: complex, widest: float, key: str
+) -> tuple[Circle | Polyline, ...]:
+    """The hole for a shaft with two parallel flats about a part's axis; none for diameter 0.
+
+    flat: distance of the flats, mm, less than the diameter. towards: unit direction that one of them faces. Otherwise
+    as `flattened_bore`.
+    """
+    if not (circles := bore(diameter, clearance, widest, f"{key}.bore")):
+        return ()
+    radius, height = circles[0].radius, (flat + clearance) / 2
+    corner = height + 1j * np.sqrt(radius**2 - height**2)
+    bulge = np.tan((np.pi - 2 * float(np.angle(corner))) / 4)
+    corners = np.array([corner, -np.conj(corner), -corner, np.conj(corner)])
+    return (Polyline(corners * towards, np.array([bulge, 0.0, bulge, 0.0])),)
+
+
 @record
 class ParallelKey:
     """A parallel key of one section; all in mm.

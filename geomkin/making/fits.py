@@ -15,6 +15,7 @@ from .bores import (
     THINNEST,
     bore,
     clearance,
+    double_flattened_bore,
     fits_of,
     flattened_bore,
     key_of,
@@ -34,19 +35,24 @@ MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
 
 
 SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
-BoreForm = Literal["round", "D", "keyed"]
+BoreForm = Literal["round", "D", "double-D", "keyed"]
+# Forms with one and with two flats.
+FLATTENED = ("D", "double-D")
 Fit = Literal["running", "press"]
 
 
 def form(bore: str = "the bore") -> Any:
     """The field for the form of a bore; bore: its name in the meaning."""
-    meaning = f"form of {bore}: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1"
+    meaning = f"form of {bore}: for a round shaft, a shaft with one or two flats, or with the keyway of DIN 6885-1"
     return entry(meaning, default="round")
 
 
 def flat_across() -> Any:
     """The field for the flat side of a D-shaft."""
-    meaning = f"of a D-shaft, from its flat side across to the round side; if omitted, a motor's: {SHAFTS}"
+    meaning = (
+        f"of a D-shaft, from its flat side across to the round side; if omitted, a motor's: {SHAFTS}; "
+        "of a shaft with two flats, their distance"
+    )
     return quantity(meaning, "mm", default=None, above=0, at_most=FARTHEST)
 
 
@@ -82,8 +88,8 @@ class AbstractBored:
         Thickness of the sheet, mm.
     bore : float, optional
         Diameter of the shaft, mm; 0 for no hole.
-    bore_form : {"round", "D", "keyed"}, optional
-        Form of the bore: for a round shaft, a motor's D-shaft, or with the keyway of DIN 6885-1.
+    bore_form : {"round", "D", "double-D", "keyed"}, optional
+        Form of the bore: for a round shaft, a motor's shaft with one or two flats, or with the keyway of DIN 6885-1.
     flat : float, optional
         Of a D-shaft, from its flat side across to the round side, mm; if omitted, that of the motor or of a usual one.
     keyway_width, keyway_depth : float, optional
@@ -149,7 +155,7 @@ class AbstractBored:
         if not self.bore:
             return ()
         flat = 0.0 if self.across_flat is None else self.across_flat + self.play
-        return (HoleFit(self.bore, self.play, flat, self.keyway),)
+        return (HoleFit(self.bore, self.play, flat, self.keyway, flats=2 if self.bore_form == "double-D" else 1),)
 
     @property
     def hole_reach(self) -> float:
@@ -167,15 +173,15 @@ class AbstractBored:
 
     @property
     def across_flat(self) -> float | None:
-        """Distance from the flat of the D-shaft to its round side, mm; None for other shafts."""
-        if self.bore_form != "D":
+        """Distance from the flat of a D-shaft to its round side, or of two flats, mm; None for other shafts."""
+        if self.bore_form not in FLATTENED:
             return None
         if self.flat is not None:
             return self.flat
         face = None if self.motor is None else face_of(self.motor)
-        if face is not None and face.shaft == self.bore and face.flat is not None:
+        if face is not None and face.shaft == self.bore and face.bore_form == self.bore_form:
             return face.flat
-        return MOTOR_FLATS.get(self.bore)
+        return MOTOR_FLATS.get(self.bore) if self.bore_form == "D" else None
 
     def hole(self, towards: complex, widest: float, key: str) -> tuple[Circle | Polyline, ...]:
         """The bore about the part's axis; empty for diameter 0.
@@ -190,7 +196,8 @@ class AbstractBored:
             Key of the stock in the recipe, for messages.
         """
         if (across := self.across_flat) is not None:
-            return flattened_bore(self.bore, self.play, across, towards, widest, key)
+            shape = flattened_bore if self.bore_form == "D" else double_flattened_bore
+            return shape(self.bore, self.play, across, towards, widest, key)
         if any(keyway := self.keyway):
             return keyed_bore(self.bore, self.play, *keyway, towards, widest, key)
         return bore(self.bore, self.play, widest, f"{key}.bore")
@@ -200,13 +207,13 @@ class AbstractBored:
         if self.bore_form != "round" and not self.bore:
             problem = f'found 0 mm, which means no hole, and bore_form = "{self.bore_form}"'
             raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"', "conflict")
-        if self.flat is not None and self.bore_form != "D":
+        if self.flat is not None and self.bore_form not in FLATTENED:
             problem = f"found {self.flat:g} mm for a bore without a flat"
             raise DesignError("flat", problem, 'omit it, or give bore_form = "D"', "conflict")
         if self.motor is not None and self.bore >= (boss := face_of(self.motor).boss_diameter):
             problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
             raise DesignError("bore", problem, f"give less than {boss:g} mm, or omit motor")
-        if self.bore_form == "D":
+        if self.bore_form in FLATTENED:
             self._check_flat()
         if self.fit == "press":
             self._check_interference()
@@ -229,7 +236,10 @@ class AbstractBored:
             raise DesignError("interference", problem, most if narrowest > SMALLEST else "give a thicker shaft")
 
     def _check_flat(self) -> None:
-        half, across = self.bore / 2, self.across_flat
+        half, across = (self.bore / 2 if self.bore_form == "D" else 0.0), self.across_flat
+        if across is None and self.bore_form == "double-D":
+            remedy = f"give the distance of the flats, less than {self.bore:g} mm"
+            raise DesignError("flat", 'is missing for bore_form = "double-D"', remedy, "missing-key")
         if across is None:
             shafts = ", ".join(f"{shaft:g}" for shaft in MOTOR_FLATS)
             raise DesignError(

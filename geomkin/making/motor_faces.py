@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
 from ..core.arguments import ArgumentType, PositiveFloat, checked
 from ..core.errors import DesignError, shown
-from ..core.fields import FARTHEST, ComplexPoint, Length, entry, quantity
+from ..core.fields import FARTHEST, ComplexPoint, Length, NotBoolean, entry, quantity
 from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
@@ -65,7 +65,8 @@ class MotorFace:
     shaft : float
         Diameter of the shaft, mm.
     flat : float, optional
-        Of a D-shaft, from its flat side across to the round side, mm; None for a round shaft.
+        Of a D-shaft, from its flat side across to the round side, mm; of a shaft with two flats, their distance; None
+        for a round shaft.
     thread : {2, 2.5, 3, 4, 5}, optional
         Thread of the screws, mm.
     least_depth, largest_depth : float, optional
@@ -74,6 +75,8 @@ class MotorFace:
         Whether the screws pass through a flange and have nuts.
     face_offset : float, optional
         Distance of the face's middle from the shaft, mm, along +x.
+    flats : {1, 2}, optional
+        Number of flats of the shaft.
 
     Raises
     ------
@@ -93,7 +96,8 @@ class MotorFace:
     boss_height: float = quantity("height of the boss", "mm", at_least=0, at_most=FARTHEST, example=2)
     shaft: float = quantity("diameter of the shaft", "mm", above=0, at_most=FARTHEST, example=5)
     flat: float | None = quantity(
-        "of a D-shaft, from its flat side across to the round side; if omitted, the shaft is round",
+        "of a D-shaft, from its flat side across to the round side, or the distance of two flats; if omitted, the "
+        "shaft is round",
         "mm",
         default=None,
         above=0,
@@ -115,6 +119,8 @@ class MotorFace:
         at_most=FARTHEST,
     )
 
+    flats: Annotated[Literal[1, 2], NotBoolean()] = entry("number of flats of the shaft", default=1)
+
     def __post_init__(self) -> None:
         if self.thread not in MOTOR_SCREWS:
             raise DesignError("thread", f"found {self.thread:g} mm", f"give {THREADS}", "out-of-range")
@@ -124,9 +130,10 @@ class MotorFace:
         if self.boss_diameter <= self.shaft:
             problem = f"found {self.boss_diameter:g} mm round a shaft of {self.shaft:g} mm"
             raise DesignError("boss_diameter", problem, f"give more than {self.shaft:g} mm", "conflict")
-        if self.flat is not None and not self.shaft / 2 < self.flat < self.shaft:
+        least = self.shaft / 2 if self.flats == 1 else 0.0
+        if self.flat is not None and not least < self.flat < self.shaft:
             problem = f"found {self.flat:g} mm across a shaft of {self.shaft:g} mm"
-            limits = f"give more than {self.shaft / 2:g} and less than {self.shaft:g} mm"
+            limits = f"give more than {least:g} and less than {self.shaft:g} mm"
             raise DesignError("flat", problem, limits, "out-of-range")
         if len(self.screws) < 2:
             raise DesignError("screws", f"found {len(self.screws)}", "give at least two")
@@ -139,6 +146,11 @@ class MotorFace:
 
     def __str__(self) -> str:
         return self.product
+
+    @property
+    def bore_form(self) -> Literal["round", "D", "double-D"]:
+        """Form of the bore for the shaft."""
+        return "round" if self.flat is None else "D" if self.flats == 1 else "double-D"
 
     @property
     def screw_hole(self) -> float:
@@ -208,8 +220,8 @@ def _gear_motor_25(product: str) -> MotorFace:
 
 
 # Sources: NEMA ICS 16 for faces, screws and diameters of bosses of steppers; makers' drawings for the heights of
-# bosses, shafts and depths of threads; Pololu's and DFRobot's drawings of gear motors of 25 mm and 37 mm. With other
-# numbers the motor does not fit.
+# bosses, shafts and depths of threads; Pololu's and DFRobot's drawings of gear motors of 25 mm and 37 mm; NopSCADlib
+# for the 28BYJ-48. With other numbers the motor does not fit.
 MOTOR_FACES: dict[str, MotorFace] = {
     "nema14": MotorFace("NEMA 14 stepper", 35.2, _square(26.0), 22.0, 2.0, 5.0, 4.5),
     "nema17": _nema17("NEMA 17"),
@@ -217,6 +229,10 @@ MOTOR_FACES: dict[str, MotorFace] = {
     "nema17-long": _nema17("NEMA 17 stepper, 60 mm long"),
     # Its flange of about 5 mm has holes of 5 mm, which M4 screws and nuts fit.
     "nema23": MotorFace("NEMA 23 stepper", 56.4, _square(47.14), 38.1, 1.6, 6.35, None, 4.0, 12.0, 18.0, True),
+    # Over its ears, 35 mm from hole to hole, whose holes of 4.2 mm M4 screws and nuts fit.
+    "28byj-48": MotorFace(
+        "28BYJ-48 geared stepper", 42.0, (8 + 17.5j, 8 - 17.5j), 9.0, 1.5, 5.0, 3.0, 4.0, 8.0, 14.0, True, 8.0, 2
+    ),
     "25d-4": _gear_motor_25("25 mm gear motor 4.4:1, 6 V"),
     "25d-75": _gear_motor_25("25 mm gear motor 75:1, 12 V"),
     "37d-19": _gear_motor_37("37 mm gear motor 19:1, 12 V"),

@@ -142,11 +142,15 @@ class Limit:
 
 @record
 class Plot:
-    """Columns of the scene's table that are drawn in one plot, by their ids; all of one unit."""
+    """Columns of the scene's table that are drawn in one plot, by their ids; all of one unit.
+
+    bars: whether the values of the frame shown, and the largest ones, are drawn as bars too; they are 0 or more.
+    """
 
     title: str
     columns: tuple[str, ...]
     limits: tuple[Limit, ...] = ()
+    bars: bool = False
 
     def with_limits(self, limits: Iterable[Limit]) -> Plot:
         """A copy with those limits that belong to its columns, column by column."""
@@ -198,13 +202,28 @@ class Candidate:
 
 @record(checked=True, eq=False)
 class Scene:
-    """A mechanism moving.
+    """The moving drawing of a mechanism.
 
-    table: what the plots show; a row for each frame, its first column what the slider drives. time: (frames,) s, at
-    the recipe's speed. closed: (frames,) whether the mechanism can be there. plots: the most telling first. cyclic: the
-    last frame is the first again, and playing goes on. others: the same mechanism otherwise, by what it is called, such
-    as its other assembly mode; shown beside it, on the same drive. regions: areas that are shaded.
-    choice: what the mechanism was chosen from, where it was found among others.
+    Parameters
+    ----------
+    table : Table
+        Columns of the plots, a row for each frame; the first column is the driver.
+    time : array, shape (frames,)
+        Time at the recipe's speed, s.
+    assembled : array of bool, shape (frames,)
+        Whether the mechanism can be assembled at each frame.
+    bodies, curves, marks
+        The drawn elements.
+    plots : tuple of Plot
+        Plots, the most important first.
+    cyclic : bool
+        Whether the last frame equals the first, so that playing continues.
+    others : mapping of str to Scene
+        Variants on the same drive, by name, such as the other assembly mode; shown next to it.
+    regions : tuple of SceneRegion
+        Shaded areas.
+    choice : Choice, optional
+        The solutions from which the mechanism was chosen.
     """
 
     table: Table

@@ -106,6 +106,7 @@ class _Encoder:
                     if plot.limits
                     else {}
                 )
+                | ({"bars": True} if plot.bars else {})
                 for plot in plots
             ],
         }

@@ -14,11 +14,11 @@ from ..plane.vec import Array, Real
 from ..recipe.recipe import AbstractRecipe
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
-MOST_TRIALS = 40
+MOST_TRIALS = 24
 # Distance from the pointer, in pixels, at which a handle is under it; rounding of the values adds up to one more.
 UNDER_POINTER = 0.05
 # Movement, in pixels, below which a step of the search is not tried.
-NOTHING = 0.01
+NOTHING = 0.05
 # Change for a derivative, as a share of the largest value of the keys.
 CHANGE = 1e-6
 # Pixels that a snapped value may be away from the pointer: a round step is chosen below this.

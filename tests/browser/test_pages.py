@@ -101,8 +101,11 @@ def test_data_are_saved_as_the_csv_has_them(folder, opened):
     with tab.page.expect_download() as download:
         tab.page.click("text=Data as CSV")
     saved = list(csv.reader(Path(download.value.path()).read_text().splitlines()))
-    assert download.value.suggested_filename == "crank-rocker.csv" and saved[0] == list(recipe.table.to_columns())
-    for k, values in enumerate(recipe.table.to_columns().values()):
+    columns = recipe.scene.table.to_columns()
+    # The page has more quantities than the recipe's own file: the effects of sizes.
+    assert download.value.suggested_filename == "crank-rocker.csv" and saved[0] == list(columns)
+    assert saved[0][: len(recipe.table.columns)] == list(recipe.table.to_columns())
+    for k, values in enumerate(columns.values()):
         assert [float(row[k]) for row in saved[1:]] == pytest.approx(list(values), rel=1e-6, abs=1e-9)
     assert not tab.said and set(tab.asked.urls) <= {tab.asked.own, "data:,"}
 
@@ -225,6 +228,21 @@ def test_plots_follow_and_lead(folder, opened):
     assert abs(frame_of(page) - 90) <= 1
     line = page.locator(".plot .now").first.bounding_box()
     assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
+
+
+def test_bars_show_the_effect_of_sizes_at_the_frame(folder, opened):
+    recipe, file = page_of("crank-rocker", folder)
+    tab = opened(file)
+    tab.page.select_option(".plot select >> nth=0", label="effect of 1 mm of each size")
+    columns = [c for c in recipe.scene.table.columns if "_by_" in c.id]
+    for frame in (0, 100):
+        go_to(tab.page, frame)
+        widths = tab.page.eval_on_selector_all(
+            ".legend.bars i", "bars => bars.map((bar) => parseFloat(bar.style.getPropertyValue('--now')))"
+        )
+        most = max(column.values.max() for column in columns)
+        assert widths == pytest.approx([100 * column.values[frame] / most for column in columns], rel=1e-4, abs=1e-4)
+    assert not tab.said
 
 
 def test_switches_show_layers_that_are_hidden_at_first(folder, opened):

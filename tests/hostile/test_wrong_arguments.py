@@ -89,6 +89,7 @@ GOOD = {
     "Linkage": {"bodies": ROD, "driver": "slider", "sliders": (WAY,), "origin": 1j, "ground_angle_deg": 5.0, "estimate": {}},
     "Motor": {"name": "a", "torque_n_mm": 100.0, "speed_rpm": 60.0, "lasting_torque_n_mm": 25.0, "mass_g": 50.0},
     "motor": {"name": "nema17"},
+    "forward_dynamics": {"motion": gk.move(FOUR_BAR, np.linspace(0, 1, 30)), "loads": gk.Loads(masses={"coupler": gk.Mass(1.0)}), "torque": 5.0, "speed": 1.0, "duration": 0.1, "steps": 5, "start": 0.1},
     "linkage_strength_checks": {"analysis": gk.forces(MOTION, gk.Loads(masses={"coupler": gk.Mass(1.0)})), "stock": gk.linkage.LinkStock()},
     "smallest_motor": {"duty": gk.model.MotorDuty(DRIVE, DRIVE, DRIVE), "margin": 1.5},
     "Mirrored": {"curve": CIRCLE},
@@ -212,7 +213,7 @@ GOOD = {
     "BaseStock": {"screw": 4.0, "edge": 6.0, "clearance": 0.2},
     "RackBaseStock": {"screw": 4.0, "edge": 6.0, "clearance": 0.2, "guide_pin": 4.0},
     "CamStock": {"thickness": 5.0, "bore": 8.0, "bore_form": "keyed", "fit": "press", "interference": 0.1, "motor": "nema17", "keyway_width": 2.0, "keyway_depth": 1.0, "timing_mark": True, "clearance": 0.1},
-    "MotorFace": {"product": "a", "face_width": 42.3, "screws": (15+15j, -15-15j), "boss_diameter": 22.0, "boss_height": 2.0, "shaft": 5.0, "flat": 4.5, "thread": 3.0, "least_depth": 2.0, "largest_depth": 4.5, "nuts": True, "face_offset": 0.0},
+    "MotorFace": {"product": "a", "face_width": 42.3, "screws": (15+15j, -15-15j), "boss_diameter": 22.0, "boss_height": 2.0, "shaft": 5.0, "flat": 4.5, "thread": 3.0, "least_depth": 2.0, "largest_depth": 4.5, "nuts": True, "face_offset": 0.0, "flats": 2},
     "GearStock": {"thickness": 6.0, "bore": 8.0, "bore_form": "D", "flat": 7.0, "fit": "press", "interference": 0.1, "motor": "nema17", "clearance": 0.1, "web": gk.gear.Web(16, 5)},
     "LanternStock": {"thickness": 6.0, "bore": 8.0, "bore_form": "D", "flat": 7.0, "mate_bore": 8.0, "mate_bore_form": "D", "mate_flat": 7.0, "mate_fit": "press", "interference": 0.1, "motor": "nema17", "clearance": 0.1, "edge": 4.0, "rim": 8.0},
     "LinkStock": {"thickness": 3.0, "bar_width": 14.0, "pin_diameter": 4.0, "clearance": 0.2, "motor": "nema17", "fit": "press", "interference": 0.1},
@@ -282,7 +283,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
+    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
     "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.

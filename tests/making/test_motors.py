@@ -7,6 +7,7 @@ import ezdxf.path
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 import geomkin as gk
 from geomkin.making.motor_faces import MOTOR_FACES
@@ -152,6 +153,7 @@ def test_what_would_meet_the_motor_is_refused(recipe, field, words):
 DRAWN = {
     "nema14": (35.2, [26, 26, 26, 26, 36.77, 36.77], 22, 0),
     "nema23": (56.4, [47.14, 47.14, 47.14, 47.14, 66.67, 66.67], 38.1, 0),
+    "28byj-48": (42, [35], 9, 8),
     "25d-75": (25, [17], 7, 0),
     "37d-50": (37, [15.5, 15.5, 15.5, 26.85, 26.85, 31], 12, 13.71),
 }
@@ -201,6 +203,27 @@ def test_a_flanged_motor_has_nuts_and_a_opening(tmp_path):
     assert sorted(width(hole) for hole in on_crank) == pytest.approx([4.2, 6.55], abs=2e-3)
     # Four for the motor, and one for each of the three other joints.
     assert {item.name: item.count for item in recipe.bought}["M4 lock nut ISO 7040"] == 4 + 3
+
+
+@pytest.mark.parametrize(("fit", "play"), [("running", 0.2), ("press", -0.1)])
+def test_a_shaft_with_two_flats_has_a_bore_of_its_form(fit, play, tmp_path):
+    _, on_crank, recipe = crank(tmp_path, motor="28byj-48", fit=fit)
+    (bore,) = [hole for hole in on_crank if abs(width(hole) - hole.bounds[3] + hole.bounds[1]) > 1]
+    radius, half = (5 + play) / 2, (3 + play) / 2
+    # The crank lies along x, and so do the directions that its flats face.
+    shape = shapely.Point(0, 0).buffer(radius, quad_segs=900) & shapely.box(-half, -9, half, 9)
+    placed = shapely.affinity.translate(shape, bore.centroid.x, bore.centroid.y)
+    turned = shapely.affinity.rotate(placed, 90)
+    assert min((bore ^ placed).area, (bore ^ turned).area) < 2e-3 * shape.area
+    assert any("two flats 3 mm apart" in item.name for item in recipe.bought)
+
+
+@pytest.mark.parametrize(("sizes", "field"), [({}, "flat"), ({"flat": 5}, "flat"), ({"flat": 0}, "flat")])
+def test_a_bore_with_two_flats_needs_their_distance(sizes, field):
+    with pytest.raises(gk.DesignError) as caught:
+        gk.gear.GearStock(bore=5, bore_form="double-D", **sizes)
+    assert caught.value.field == field
+    assert gk.gear.GearStock(bore=5, bore_form="double-D", motor="28byj-48").across_flat == 3
 
 
 OWN = {

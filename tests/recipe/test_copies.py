@@ -11,7 +11,12 @@ import pytest
 import geomkin as gk
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
-LEG = (RECIPES / "walking-leg.toml").read_text("utf-8").replace('"csv"', '"csv", "bom"')
+LEG = (
+    (RECIPES / "walking-leg.toml")
+    .read_text("utf-8")
+    .replace("[drive]\nstep_deg = 2\n", "")
+    .replace('"csv"', '"csv", "bom"')
+)
 COPIES = """
 [drive]
 step_deg = 10

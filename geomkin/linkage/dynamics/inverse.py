@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from ...core.arguments import ArgumentType, checked, is_complex
+from ...core.arguments import ArgumentType, PositiveFloat, checked, is_complex
 from ...core.errors import DesignError, shown
 from ...core.records import record
 from ...model.motor import MotorDuty
@@ -199,6 +199,39 @@ class ForceAnalysis:
             raise DesignError("motion", "found many linkages at once", "give one", "wrong-type")
         speed = np.broadcast_to(np.asarray(motion.timing.speed, dtype=float), motion.drive.shape)
         return MotorDuty(self.driver, speed, motion.drive)
+
+    @checked
+    def flywheel(self, fluctuation: PositiveFloat) -> float:
+        """Inertia of a flywheel on the driver's shaft that limits the fluctuation of its speed under a constant torque.
+
+        Parameters
+        ----------
+        fluctuation : float
+            Difference of the largest and the least speed over their mean, above 0, such as 0.02.
+
+        Returns
+        -------
+        float
+            kg mm2, in addition to the masses of the analysis; nan if the torque is unknown at a frame.
+
+        Raises
+        ------
+        DesignError
+            If the motion is not a whole turn at a constant speed, or as for `duty`.
+
+        Notes
+        -----
+        The excess of energy over a turn is taken from the torque at constant speed (Norton, Design of Machinery, on
+        flywheels), which is exact for loads that do not depend on speed if the flywheel's inertia is much larger than
+        that of the linkage.
+        """
+        duty, speed = self.duty, self.motion.timing.speed
+        if speed.ndim or not speed or not self.motion.timing.steady or abs(duty.angle_deg - 360) > 1e-6:
+            raise DesignError("motion", "found no whole turn at a constant speed", "give one", "conflict")
+        drive = duty.angle
+        excess = self.driver - self.work / (drive[-1] - drive[0])
+        energy = np.cumsum(np.diff(drive) * (excess[1:] + excess[:-1]) / 2)
+        return float(np.ptp(np.append(energy, 0.0)) / NEWTON / (fluctuation * speed**2))
 
     @cached_property
     def friction_power(self) -> Real:

@@ -131,6 +131,11 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
         ]
         return replace(scene, marks=(*scene.marks, *marks))
 
+    @cached_property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """Those of a linkage, without its single coupler point, which an atlas does not use."""
+        return tuple(handle for handle in super().handles if handle.keys != ("linkage.coupler_point",))
+
     @property
     def further_handles(self) -> Iterator[SceneHandle]:
         """The middle and a corner of the grid, on the coupler."""

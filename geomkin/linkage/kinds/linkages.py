@@ -41,6 +41,7 @@ from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
+from ..scene_sizes import size_columns, size_plot
 from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
@@ -192,7 +193,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             plots = (*force_plots(self.force_analysis), *plots)
         if self.output_deviation:
             plots = (*self.output_deviation.plots(self.table), *plots)
-        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers, plots, self._others())
+        # Only the page shows them, no file of numbers.
+        effects = size_columns(self.motion)
+        table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
+        scene = linkage_scene(self.motion, table, self.parts, self.stack.layers, plots, self._others())
         if self.force_analysis:
             scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
         if self.output_deviation:

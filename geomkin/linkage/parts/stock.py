@@ -101,7 +101,7 @@ class LinkStock:
         return AbstractBored(
             thickness=self.thickness,
             bore=face.shaft,
-            bore_form="round" if face.flat is None else "D",
+            bore_form=face.bore_form,
             flat=face.flat,
             fit=self.fit,
             interference=self.interference,

@@ -125,7 +125,7 @@ export class Form {
       if (label) input.setAttribute("aria-label", label); else input.id = id;
       entry.inputs.push(input);
     };
-    const list = Array.isArray(value) ? value : type === "point" ? [0, 0] : null;
+    const isName = typeof value === "string", list = Array.isArray(value) ? value : type === "point" && !isName ? [0, 0] : null;
     if (!list) { add(slots, key, value); return; }
     list.forEach((item, k) => {
       const line = Array.isArray(item) ? make(slots, "div", { class: "line" }) : slots;
@@ -150,7 +150,8 @@ export class Form {
       return select;
     }
     if (type === "boolean") return make(parent, "input", { type: "checkbox" });
-    const numeric = ["number", "integer", "point"].includes(type) || typeof held === "number";
+    // A point may be given by its name.
+    const numeric = typeof held !== "string" && (["number", "integer", "point"].includes(type) || typeof held === "number");
     const limits = { ...(typeof least === "number" ? { min: least } : {}), ...(typeof most === "number" ? { max: most } : {}) };
     return make(parent, "input", numeric ? { type: "number", inputmode: "decimal", ...limits } : { type: "text", spellcheck: "false" });
   }
@@ -201,7 +202,7 @@ export class Form {
     const value = valueOf(input);
     if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5" }]); return; }
     if (value === null && !entry.optional) { this.showProblems([{ key: entry.key, problem: "a value is needed", remedy: entry.help }]); return; }
-    const point = entry.type === "point" && !Array.isArray(this.values[entry.key]);
+    const point = entry.type === "point" && input.type === "number" && !Array.isArray(this.values[entry.key]);
     const changes = point ? { [entry.key]: entry.inputs.map((other) => valueOf(other) ?? 0) } : { [input.name]: value };
     this.editor.set(changes, input.name);
   }

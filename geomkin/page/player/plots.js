@@ -174,12 +174,16 @@ export class Plots {
   }
 
   label(card, strokes) {
+    const { bars } = this.data.plots[card.chosen];
     card.legend.replaceChildren();
+    card.legend.classList.toggle("bars", !!bars);
+    card.most = max(...card.columns.flatMap(({ row }) => [...row].filter(isFinite)));
     card.values = card.columns.map((column, k) => {
       const item = make(card.legend, "li", { title: column.meaning });
       const key = make(item, "svg", { width: 26, height: 10, viewBox: "0 0 26 10", "aria-hidden": "true" });
       make(key, "path", { d: "M0 5H26", stroke: strokes[k], "stroke-width": 2, "stroke-dasharray": DASHES[k % 6].join(" ") || "none" });
       make(item, "span", {}, column.name);
+      if (bars) make(item, "i", {}).style.setProperty("--most", `${100 * max(...[...column.row].filter(isFinite)) / card.most}%`);
       return make(item, "b", {});
     });
   }
@@ -234,7 +238,11 @@ export class Plots {
 
   write(card) {
     const frame = card.hovered ?? this.frame;
-    card.columns.forEach((column, k) => { card.values[k].textContent = measured(column.row[frame], column.unit); });
+    card.columns.forEach((column, k) => {
+      const value = card.values[k], bar = value.parentNode.querySelector("i");
+      value.textContent = measured(column.row[frame], column.unit);
+      bar?.style.setProperty("--now", `${100 * (column.row[frame] || 0) / card.most}%`);
+    });
   }
 
   // Moves the cursors to a frame, and writes its values if `values`.

@@ -22,6 +22,7 @@ from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
 from ...model.scene import Candidate, Choice, Plot, Scene, SceneCurve
+from ...model.table import Table
 from ...plane.vec import Complex
 from ...recipe.recipe import AbstractGoal
 from ...recipe.settings import Drive, Files, Stroke, Turn
@@ -195,7 +196,10 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         found = self.design.scene
         assert found is not None
         curves, plots = (*found.curves, *self.shown), (*self.plotted, *found.plots)
-        return replace(found, table=self.table, curves=curves, plots=plots, choice=self.choice)
+        # With the columns that only the page of the linkage has.
+        shown = [column for column in found.table.columns if column.id not in self.table.ids]
+        table = Table((*self.table.columns, *shown))
+        return replace(found, table=table, curves=curves, plots=plots, choice=self.choice)
 
     @property
     def notes(self) -> Mapping[str, object]:
