@@ -13,7 +13,7 @@ from ..core.records import record
 from ..model.part import Part
 from ..plane.region import Edges, is_simple, offset
 from .drawing import Drawing, UnreadableError
-from .matching import Shape, candidates, nested, position
+from .matching import Shape, candidates, nested, positions
 from .outline import EVEN, Outline, deviation, farthest, larger, outline_of
 from .solid import Mesh, as_plate, section, section_heights
 
@@ -133,10 +133,14 @@ def _with(found: Measured, problems: Sequence[str]) -> Measured:
 
 
 def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
-    """A plate of a file against the exact one, after the plate's position was found."""
-    turn, shift = position(plate, exact, tolerance)
-    local = plate.placed(turn.conjugate(), -shift * turn.conjugate())
-    return compared(local, exact, name, tolerance)
+    """A plate of a file against the exact one, at the first position at which it passes, or at the best."""
+    tried: list[Measured] = []
+    for turn, shift in positions(plate, exact, tolerance):
+        local = plate.placed(turn.conjugate(), -shift * turn.conjugate())
+        tried.append(compared(local, exact, name, tolerance))
+        if tried[-1].deviation <= tolerance:
+            break
+    return min(tried, key=lambda one: one.deviation)
 
 
 def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:

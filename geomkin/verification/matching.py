@@ -78,12 +78,12 @@ def nested(cuts: Sequence[Outline], marks: Sequence[Outline]) -> list[tuple[list
     return list(plates.values())
 
 
-def position(found: Shape, exact: Shape, tolerance: float) -> tuple[complex, complex]:
-    """Rotation, unit complex, and shift, mm, that place an exact plate on that of a file.
+def positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[tuple[complex, complex]]:
+    """Rotations, unit complex, and shifts, mm, that may place an exact plate on that of a file; the likely one first.
 
     The centroids give the shift, the lowest moment of the area that is not zero the rotation, up to its symmetry, which
-    the loops decide; then the loops are fitted. Sheets are laid out in whole millimetres and degrees: a fit that comes
-    as close to these as the tolerance is taken to be exactly there.
+    the loops decide. Most parts lie on a sheet in whole millimetres and degrees: the position in these comes first
+    if it is as close as the tolerance. Then the loops are fitted.
     """
     here, there = found.outline.centroid, exact.outline.centroid
     samples = _samples(found)
@@ -98,9 +98,11 @@ def position(found: Shape, exact: Shape, tolerance: float) -> tuple[complex, com
     turn = min(rotations, key=misfit) if len(rotations) > 1 else rotations[0]
     shift = here - turn * there
     if rounded := _whole(turn, shift, there, exact.size, tolerance):
-        return rounded
+        yield rounded
     turn, shift = _fitted(samples, edges, turn, shift, tolerance)
-    return _whole(turn, shift, there, exact.size, tolerance) or (turn, shift)
+    if rounded := _whole(turn, shift, there, exact.size, tolerance):
+        yield rounded
+    yield turn, shift
 
 
 def _whole(

@@ -63,6 +63,16 @@ def good_recipes():
     return [(name, tomllib.loads(text)) for name, text in texts.items()]
 
 
+def varied(recipe, rng, changes=3):
+    """A copy of which some numbers are up to a tenth larger or smaller."""
+    recipe = deepcopy(recipe)
+    numbers = [(held, key) for held, key in _places(recipe) if type(held[key]) in (int, float) and key != "frames"]
+    for held, key in rng.sample(numbers, min(changes, len(numbers))):
+        value = held[key] * rng.uniform(0.9, 1.1)
+        held[key] = round(value) if isinstance(held[key], int) else round(value, 3)
+    return recipe
+
+
 def options(name):
     """Every --with of a kind's template, one at a time, and none."""
     offered = choices_of(name)

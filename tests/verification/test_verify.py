@@ -121,3 +121,15 @@ def test_a_missing_file_and_a_wrong_folder(copy, tmp_path_factory):
     assert set(wrong(copy)) == {"crank.stl"}
     with pytest.raises(gk.FileError):
         gk.verify(tmp_path_factory.mktemp("empty"))
+
+
+def test_parts_a_little_off_whole_millimetres_of_the_sheet_pass(tmp_path):
+    """Plates lie with their edges at whole millimetres, so that the origin of the crank is 0.0018 mm off."""
+    recipe = {
+        "kind": "four-bar",
+        "linkage": {"ground": 100, "crank": 30.0018, "coupler": 90, "rocker": 70},
+        "stock": {"thickness": 3, "bar_width": 14},
+    }
+    made = gk.make(recipe, tmp_path, ["dxf"])
+    (certificate,) = gk.verify(tmp_path / made.name)
+    assert certificate.passed

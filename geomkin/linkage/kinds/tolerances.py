@@ -68,7 +68,7 @@ class TolerancesTable:
         default=None,
         above=0,
         at_most=FARTHEST,
-        example=0.5,
+        example=2,
     )
     linkages: int = quantity(
         "number of random linkages that are compared; 0 for none", default=1000, at_least=0, at_most=100_000, whole=True
