@@ -25,8 +25,10 @@ body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 60re
 table { border-collapse: collapse; width: 100% } td, th { text-align: left; padding: .3rem .6rem; vertical-align: top;
   border-bottom: 1px solid #ddd } .bad { color: #a33a00; font-weight: 600 }
 figure { display: inline-block; margin: 1rem 1rem 0 0 } figcaption { max-width: 660px }
-svg { border: 1px solid #ddd; background: #fff } .exact { stroke: #0072b2; fill: none } .file { stroke: #d55e00;
-  fill: none; stroke-dasharray: 6 3 } .place { stroke: #000; fill: none }
+code { overflow-wrap: anywhere } .files { overflow-x: auto }
+svg { border: 1px solid #ddd; background: #fff; box-sizing: border-box; max-width: 100%; height: auto }
+.exact { stroke: #0072b2; fill: none } .file { stroke: #d55e00; fill: none; stroke-dasharray: 6 3 }
+.place { stroke: #000; fill: none }
 path, circle { vector-effect: non-scaling-stroke; stroke-width: 1.5 }
 @media (prefers-color-scheme: dark) { body { background: #1b1b1b; color: #ddd } td, th { border-color: #444 }
   .bad { color: #ff9a5c } }
@@ -57,8 +59,9 @@ def certificate_page(certificate: Certificate) -> bytes:
         f"<p>Each file was read back and compared with the exact curves of the recipe, both ways. The tolerance is "
         f"{certificate.tolerance:g} mm, the kerf {certificate.kerf:g} mm. Recipe: SHA-256 "
         f"<code>{text(certificate.recipe_hash)}</code>.</p>\n"
+        '<div class="files" role="region" aria-label="files" tabindex="0">'
         "<table><thead><tr><th>file</th><th>largest deviation, mm</th><th>at</th><th>parts</th><th>holes</th>"
-        f"<th>result</th></tr></thead><tbody>{rows}</tbody></table>\n{figures}</body></html>\n"
+        f"<th>result</th></tr></thead><tbody>{rows}</tbody></table></div>\n{figures}</body></html>\n"
     ).encode("utf-8", "replace")
 
 
@@ -85,8 +88,9 @@ def _figure(file: FileReport) -> str:
     low, high = _box(exact.outline.points)
     middle, half = (low + high) / 2, max((high - low).real, (high - low).imag) * 0.55
     near = max(CLOSE * file.deviation, 1e-6 * half)
-    whole = _svg(middle, half, [("exact", exact.loops)], place, 0.03 * half)
-    close = _svg(place, near, [("exact", exact.loops), ("file", plate.loops)], place, file.deviation)
+    whole = _svg("the part", middle, half, [("exact", exact.loops)], place, 0.03 * half)
+    both = [("exact", exact.loops), ("file", plate.loops)]
+    close = _svg("the place of the largest deviation", place, near, both, place, file.deviation)
     caption = (
         f"{text(file.file)}, {text(file.part)}: the largest deviation, {file.deviation:.4f} mm. Left: the part, with "
         f"its place ringed. Right: {2 * near:.3g} mm across, the exact curve solid, the file dashed; the ring has the "
@@ -99,7 +103,14 @@ def _box(points: Complex) -> tuple[complex, complex]:
     return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
 
 
-def _svg(middle: complex, half: float, drawn: Sequence[tuple[str, Sequence[Outline]]], place: complex, r: float) -> str:
+def _svg(
+    label: str,
+    middle: complex,
+    half: float,
+    drawn: Sequence[tuple[str, Sequence[Outline]]],
+    place: complex,
+    r: float,
+) -> str:
     """A square picture about a point; coordinates are taken from it, so that a close look keeps its digits."""
     scale = WIDE / (2 * half)
 
@@ -114,7 +125,8 @@ def _svg(middle: complex, half: float, drawn: Sequence[tuple[str, Sequence[Outli
                 lines.append(f'<path class="{name}" d="M{"L".join(at(complex(z)) for z in run)}"/>')
     x, y = at(place).split()
     lines.append(f'<circle class="place" cx="{x}" cy="{y}" r="{r * scale:.2f}"/>')
-    return f'<svg width="{WIDE}" height="{WIDE}" viewBox="0 0 {WIDE} {WIDE}" role="img">{"".join(lines)}</svg>'
+    size = f'width="{WIDE}" height="{WIDE}" viewBox="0 0 {WIDE} {WIDE}"'
+    return f'<svg {size} role="img" aria-label="{label}">{"".join(lines)}</svg>'
 
 
 def _runs(loop: Outline, middle: complex, reach: float) -> Iterator[Complex]:
