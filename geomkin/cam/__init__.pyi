@@ -3,6 +3,13 @@ from .base_circle import BaseCircle as BaseCircle
 from .base_circle import flat_face_base_radius as flat_face_base_radius
 from .base_circle import least_base_circle as least_base_circle
 from .checks import cam_checks as cam_checks
+from .dynamics import CamForces as CamForces
+from .dynamics import FollowerLoads as FollowerLoads
+from .dynamics import GuideFriction as GuideFriction
+from .dynamics import cam_forces as cam_forces
+from .dynamics import jump_speed as jump_speed
+from .dynamics import least_preload as least_preload
+from .dynamics import least_stiffness as least_stiffness
 from .followers.flat import AbstractFace as AbstractFace
 from .followers.follower import FOLLOWERS as FOLLOWERS
 from .followers.follower import AbstractFollower as AbstractFollower

@@ -44,6 +44,8 @@ PLATE = gk.Part("plate", gk.plane.Circle(0j, 70.0), (), 3.0)
 POSES = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4)
 RISE_ENDS = {"rise": 20, "start_deg": 90, "end_deg": 180}
 
+FOLLOWER_LOADS = gk.cam.FollowerLoads(gk.Mass(0.4), 3.0, 40.0, friction=gk.cam.GuideFriction(0.1, 50.0, 30.0))
+
 FOUR = (0j, 0.0), (40 + 20j, 0.5), (60 + 60j, 1.4), (40 + 90j, 1.9)
 STATE = gk.synthesis.BodyState(1 + 0j, 4.0, 10j, -10.0)
 
@@ -265,6 +267,12 @@ GOOD = {
     "TorsionSpring": {"body": "rocker", "to_body": "ground", "stiffness": 2.0, "free_angle_deg": 20.0, "preload": 0.0},
     "area_moments": {"curve": CIRCLE, "accuracy": 1e-9},
     "forces": {"motion": gk.move(FOUR_BAR, DRIVE, speed=10.0), "loads": gk.Loads(gravity=-9.81j, masses={"coupler": gk.Mass(0.5)}), "about": 0j},
+    "FollowerLoads": {"mass": gk.Mass(0.4), "stiffness": 3.0, "preload": 40.0, "force": -5.0, "gravity": -9810j, "friction": gk.cam.GuideFriction(0.1, 50.0, 30.0)},
+    "GuideFriction": {"coefficient": 0.1, "length": 50.0, "overhang": 30.0},
+    "cam_forces": {"cam": CAM, "loads": FOLLOWER_LOADS, "angle": DRIVE, "speed": 60.0, "acceleration": 100.0},
+    "jump_speed": {"cam": CAM, "loads": FOLLOWER_LOADS},
+    "least_preload": {"cam": CAM, "loads": FOLLOWER_LOADS, "speed": 60.0},
+    "least_stiffness": {"cam": CAM, "loads": FOLLOWER_LOADS, "speed": 60.0},
     "material": {"name": "brass"},
     "optimise": {"recipe": {"kind": "spur-gear", "gear": {"teeth": 12, "module": 2}}, "vary": {"gear.teeth": (12, 13)}, "minimise": "undercut", "subject_to": (), "starts": 1, "seed": 0, "time_limit": 5.0},
     "GearLoads": {"torque_n_mm": 2000.0, "application_factor": 1.25, "dynamic_factor": 1.1, "face_load_factor": 1.2},
@@ -283,7 +291,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "DriveTable", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
+    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "CamForces", "DriveTable", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
     "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.
