@@ -37,6 +37,7 @@ from .gear.train import GearTrain as GearTrain
 from .gear.train_search import gear_train as gear_train
 from .linkage.coupler_curve import CouplerCurve as CouplerCurve
 from .linkage.drive_limits import driver_limits as driver_limits
+from .linkage.dynamics.counterweights import balance as balance
 from .linkage.dynamics.forward import forward_dynamics as forward_dynamics
 from .linkage.dynamics.friction import PinFriction as PinFriction
 from .linkage.dynamics.friction import SlideFriction as SlideFriction

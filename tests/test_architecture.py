@@ -38,7 +38,7 @@ ALONE = {
     "trimesh": {"export/glb.py", "verification/read_mesh.py"},
     "click": {"cli.py", "__main__.py"},
     "highspy": {"cam/program/optimise.py"},
-    "nlopt": {"optimisation/search.py"},
+    "nlopt": {"optimisation/search.py", "linkage/dynamics/counterweights.py"},
     "mpmath": {"tradeoff/cell.py"},
 }
 

@@ -17,6 +17,8 @@ from .coupler_curve import dashes as dashes
 from .drive_limits import dead_centres as dead_centres
 from .dwell import OutputDwell as OutputDwell
 from .dwell import longest_dwell as longest_dwell
+from .dynamics.counterweights import Balance as Balance
+from .dynamics.counterweights import balance as balance
 from .dynamics.forward import ForwardMotion as ForwardMotion
 from .dynamics.forward import forward_dynamics as forward_dynamics
 from .dynamics.friction import PinFriction as PinFriction

@@ -105,7 +105,9 @@ def _field_rate(linkage: AbstractLinkage, name: str) -> Complex:
     while isinstance(value, AbstractLinkage):
         value, path = getattr(value, path[0]), path[1:]
     # A power of two between a quarter and half of the size: differences of linear data are then exact to rounding.
-    step = np.ldexp(1.0, np.frexp(np.imag(value) if path == ["y"] else np.real(value))[1] - 2)
+    exponent = np.frexp(np.imag(value) if path == ["y"] else np.real(value))[1] - 2
+    # The smallest of all numbers have no power of two below them.
+    step = np.ldexp(1.0, np.maximum(exponent, -1000))
 
     def data(steps: float) -> Complex:
         return linkage_data(_changed(linkage, name.split("."), steps * step).linkage)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Annotated, Literal
 
 from ..core.arguments import REAL, ArgumentType
@@ -87,7 +88,8 @@ class Check:
 
     def __str__(self) -> str:
         n = self.digits(3)
-        text = f"{self.name} {self.value:.{n}g} {self.unit}".rstrip()
+        value = "unknown" if isnan(self.value) else f"{self.value:.{n}g} {self.unit}".rstrip()
+        text = f"{self.name} {value}"
         if self.passed:
             return text
         text = f"{text}, should be {self.side} {self.limit:.{n}g} {self.unit}".rstrip()

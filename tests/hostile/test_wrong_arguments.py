@@ -266,6 +266,7 @@ GOOD = {
     "Torque": {"body": "rocker", "torque": 2.0, "reaction_on": "ground"},
     "TorsionSpring": {"body": "rocker", "to_body": "ground", "stiffness": 2.0, "free_angle_deg": 20.0, "preload": 0.0},
     "area_moments": {"curve": CIRCLE, "accuracy": 1e-9},
+    "balance": {"motion": gk.move(FOUR_BAR, DRIVE, speed=10.0), "loads": gk.Loads(gravity=-9.81j, masses={"coupler": gk.Mass(0.5)}), "bodies": ("crank", "rocker"), "objective": "shaking_force", "max_mass": 1.0, "max_radius": 40.0, "about": 0j},
     "forces": {"motion": gk.move(FOUR_BAR, DRIVE, speed=10.0), "loads": gk.Loads(gravity=-9.81j, masses={"coupler": gk.Mass(0.5)}), "about": 0j},
     "FollowerLoads": {"mass": gk.Mass(0.4), "stiffness": 3.0, "preload": 40.0, "force": -5.0, "gravity": -9810j, "friction": gk.cam.GuideFriction(0.1, 50.0, 30.0)},
     "GuideFriction": {"coefficient": 0.1, "length": 50.0, "overhang": 30.0},
@@ -291,7 +292,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "CamForces", "DriveTable", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
+    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "CamForces", "DriveTable", "Balance", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
     "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.

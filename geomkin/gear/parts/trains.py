@@ -315,9 +315,8 @@ def train_assembly(train: GearTrain, stocks: TrainStocks = TrainStocks()) -> Ass
         if not any(other.axis == item.axis and other.stage < item.stage for other in items):
             for step in _steps(train, stocks, item):
                 builder.add_step(item.stage + 1, step)
-    joined = len(train.stages) - 1
-    if joined and stocks.stock.pin:
-        builder.buy("gears", pin_bill(stocks.stock.pin, 2 * thickness, PINS * joined))
+            if 0 < item.axis < len(train.stages) and stocks.stock.pin:
+                builder.buy(item.name, pin_bill(stocks.stock.pin, 2 * thickness, PINS))
     return builder.build()
 
 

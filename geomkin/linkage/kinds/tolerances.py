@@ -185,6 +185,8 @@ class OutputDeviation:
         return (Check("deviation", name, worst, "at most", limit, self.unit, self._advice(limit), column, at),)
 
     def _advice(self, limit: float) -> str:
+        if not np.isfinite(self.largest[0]):
+            return "give another output"
         try:
             loosest = self.analysis.loosest(limit / self.factor)
         except DesignError:
