@@ -292,7 +292,8 @@ class ToleranceAnalysis:
         Raises
         ------
         DesignError
-            If there are more than 20 million linkages times frames.
+            If there are more than 20 million linkages times frames, or if the branches are followed from frame to
+            frame, which takes minutes and much memory for many linkages.
 
         Notes
         -----
@@ -303,6 +304,9 @@ class ToleranceAnalysis:
         if linkages * frames > MOST_SAMPLES:
             most = f"give at most {MOST_SAMPLES // frames:,} linkages, or fewer frames"
             raise DesignError("linkages", f"found {linkages:,} with {frames:,} frames each", most, "too-much-work")
+        if self.motion.solution.spec.follow:
+            remedy = "use the worst case or the root sum square, or a branch of 1 or -1"
+            raise DesignError("branch", "found follow, which is too slow for many linkages", remedy, "too-much-work")
         rng = np.random.default_rng(seed)
         exact = _values(self.motion, self._quantity)[:, None]
         deviation = np.empty((frames, linkages), dtype=exact.dtype)

@@ -215,3 +215,10 @@ def test_too_many_linkages_are_refused_before_they_are_moved():
     many = gk.move(gk.FourBar(100, np.array([30.0, 31.0]), 90, 70), DRIVE)
     with pytest.raises(gk.DesignError):
         gk.tolerances(many, "rocker_angle", 0.1)
+
+
+def test_many_linkages_are_not_followed_from_frame_to_frame():
+    followed = gk.move(MOTION.linkage, MOTION.drive, "follow")
+    with pytest.raises(gk.DesignError) as error:
+        gk.tolerances(followed, "coupler_point", 0.1).monte_carlo(10)
+    assert error.value.field == "branch" and error.value.id == "too-much-work"
