@@ -8,12 +8,15 @@ from ..core.arguments import checked
 from ..export.lettering import HEIGHTS, MARGIN, strokes_of
 from ..model.material import Material
 from ..model.part import Part
-from ..plane.primitives import Circle, Polyline
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Circle, Polyline, rounded_hull
 from ..plane.vec import Complex
 from .fit_test import FitTest
 
 # Width and length of the gauge, mm. A wider one shows the same kerf; a narrower one breaks.
 GAUGE_WIDTH, GAUGE_LENGTH = 10.0, 60.0
+# Corner radius of coupon and gauge, mm: the gauge enters its slots more easily.
+CORNER = 1.0
 # How much longer a slot is than the gauge is wide, mm, so that the gauge touches only its sides.
 END_PLAY = 2.0
 # Least material between openings and to the edge, mm, for thin sheets.
@@ -58,9 +61,10 @@ def fit_test_parts(fit_test: FitTest, material: Material | None = None) -> tuple
     tops = (*(centres + 0.5j * diameters), *(centres.real + 1j * slot_length))
     marks = [stroke for name, top in zip(opening_names(fit_test), tops) for stroke in _lettering_above(top, name)]
     margin = centres[1].real / 2 + wall
-    height = centres[0].imag + diameters[-1] / 2 + LETTERING + 2 * wall
-    outline = _rectangle(complex(-margin, -wall), centres[-1].real + 2 * margin, height)
-    bar = _rectangle(complex(-margin, -2 * wall - GAUGE_WIDTH), GAUGE_LENGTH, GAUGE_WIDTH)
+    # With room for the name of the part above the sizes of the holes.
+    height = centres[0].imag + diameters[-1] / 2 + 2 * LETTERING + 2 * wall
+    outline = _plate(complex(-margin, -wall), centres[-1].real + 2 * margin, height)
+    bar = _plate(complex(-margin, -2 * wall - GAUGE_WIDTH), GAUGE_LENGTH, GAUGE_WIDTH)
     thickness = fit_test.thickness
     return (
         Part("coupon", outline, (*holes, *slots), thickness, marks=tuple(marks), body="coupon", material=material),
@@ -102,3 +106,9 @@ def _width(name: str) -> float:
 def _rectangle(corner: complex, width: float, height: float) -> Polyline:
     """A rectangle from its lower left corner."""
     return Polyline(corner + np.array([0, width, width + 1j * height, 1j * height]))
+
+
+def _plate(corner: complex, width: float, height: float) -> AbstractCurve:
+    """A rectangle with rounded corners from its lower left corner."""
+    inner = _rectangle(corner + CORNER * (1 + 1j), width - 2 * CORNER, height - 2 * CORNER)
+    return rounded_hull(inner.vertices, CORNER)
