@@ -104,9 +104,8 @@ def test_a_closed_editor_is_shown_again_with_what_was_edited(folder):
 
 
 def test_only_pages_of_this_machine_may_frame_it(folder):
-    with gk.edit(FOUR_BAR) as editor:
-        with closing(sent(editor, "")) as connection:
-            policy = connection.getresponse().headers["Content-Security-Policy"]
+    with gk.edit(FOUR_BAR) as editor, closing(sent(editor, "")) as connection:
+        policy = connection.getresponse().headers["Content-Security-Policy"]
     (sources,) = [part for part in policy.split("; ") if "ancestors" in part]
     assert {urlsplit(source).hostname for source in sources.split()[1:]} == {"localhost", "127.0.0.1", None}
     assert "*" not in sources.split()
