@@ -1,5 +1,6 @@
 # The public names of this package. Each is imported when it is first used.
 from . import cam as cam
+from . import coupon as coupon
 from . import export as export
 from . import gear as gear
 from . import linkage as linkage
