@@ -84,6 +84,7 @@ from .plane.measure import curvature as curvature
 from .plane.measure import length as length
 from .plane.measure import nearest as nearest
 from .recipe.recipe import masses as masses
+from .studio.editor import edit as edit
 from .studio.notebook import show as show
 from .sweeps.sweep import sweep as sweep
 from .synthesis.function.function import function_generator as function_generator

@@ -212,6 +212,7 @@ GOOD = {
     "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "least_transmission_angle": {"motion": MOTION},
     "show": {"thing": FOUR_BAR},
+    "edit": {"recipe": {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}},
     "slider_crank_stroke": {"stroke": 80.0, "crank_turn_deg": 190, "offset": None, "crank": 38.0, "coupler": None, "free_angle_deg": None, "largest_ratio": 50},
     "assembly_failure": {"motion": MOTION},
     "BaseStock": {"screw": 4.0, "edge": 6.0, "clearance": 0.2},
