@@ -278,14 +278,9 @@ def optimise_command(
 ) -> None:  # fmt: skip
     """Find the best values of a RECIPE's keys.
 
-    <<<<<<< HEAD
-        Writes OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. With several objectives it writes a table, a
-        picture and a recipe for each design of their Pareto front. Ctrl-C ends the search; the best so far is written.
-    =======
-        The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
-        OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so far is
-        written.
-    >>>>>>> main
+    The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
+    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture and a
+    recipe for each design of their Pareto front. Ctrl-C ends the search; the best so far is written.
     """
     import signal
 
