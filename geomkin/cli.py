@@ -67,7 +67,10 @@ def cli() -> None:
     help=f"Write only these formats ({', '.join(WRITERS)}).",
 )  # fmt: skip
 @click.option(
-    "--verify", "verified", is_flag=True, help="Then read the files back and measure them, as `geomkin verify` does."
+    "--verify",
+    "verified",
+    is_flag=True,
+    help="Afterwards read the files back and measure them, as `geomkin verify` does.",
 )
 @_as_json
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: bool, as_json: bool) -> None:
@@ -178,7 +181,7 @@ def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
 def columns(recipe: Path) -> None:
     """List the columns of a RECIPE's table.
 
-    One line for each column: id, unit and meaning.
+    Each line has the id, the unit and the meaning of a column.
     """
     from .build import errors_named_by_key, load
     from .core.errors import GeomkinError, printable
@@ -199,8 +202,8 @@ def columns(recipe: Path) -> None:
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--set", "settings", multiple=True, required=True, metavar="KEY=VALUES",
-    help="Values of a key: gear.teeth=8:120:4 (start:stop:step), gear.profile_shift=-0.5,0,0.5, or of a list's item, "
-    "the first being [0]: cam.program[1].rise=10,20; once for each key.",
+    help="Values of a key: gear.teeth=8:120:4 (start:stop:step) or gear.profile_shift=-0.5,0,0.5; once for each key. "
+    "Items of a list are numbered from [0]: cam.program[1].rise=10,20.",
 )  # fmt: skip
 @click.option(
     "--result", "results", multiple=True, metavar="NAME",
@@ -211,8 +214,8 @@ def columns(recipe: Path) -> None:
 def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
     """Evaluate a RECIPE for all combinations of values.
 
-    Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues where it
-    was.
+    Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues with
+    the same command.
     """
     from .core.errors import GeomkinError, harmless, printable
     from .sweeps.sweep import by_processes, swept
@@ -255,7 +258,7 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--vary", "ranges", multiple=True, metavar="KEY=LOW:HIGH",
-    help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, all are tried.",
+    help="Range of a number: linkage.crank=20:40; once for each key. Of whole numbers all in the range are tried.",
 )  # fmt: skip
 @click.option(
     "--minimise", "objective", metavar="FORMULA",
@@ -273,10 +276,11 @@ def optimise_command(
     recipe: Path, ranges: tuple[str, ...], objective: str | None, constraints: tuple[str, ...],
     starts: int, seed: int, time_limit: float, out: Path,
 ) -> None:  # fmt: skip
-    """Find the best values of a RECIPE's keys, as its table [optimise] or these options say.
+    """Find the best values of a RECIPE's keys.
 
-    Writes OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so
-    far is written.
+    The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
+    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so far is
+    written.
     """
     import signal
 
@@ -340,7 +344,7 @@ def studio(recipe: Path | None, port: int, no_browser: bool) -> None:
     from .studio.server import Studio, StudioServer
     from .studio.workspace import Workspace
 
-    # The settings of a short process do not suit a server: it ends by itself, and lives long.
+    # A server runs for long: it must handle Ctrl-C itself and free its memory.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     gc.set_threshold(700, 10, 10)
     place = recipe or Path()
@@ -374,7 +378,7 @@ def list_command() -> None:
 def new(name: str, options: tuple[str, ...]) -> None:
     """Print a recipe of a KIND with every key explained.
 
-    It runs without changes.
+    The recipe runs without changes.
     """
     from .core.errors import DesignError, printable
     from .recipe.kinds import kind_names, recipe_class
@@ -408,12 +412,12 @@ def schema() -> None:
 
 @cli.command("chart")
 @click.argument("families", nargs=-1, metavar="[FAMILY]...")
-@click.option("--quick", is_flag=True, help="Less than a minute: fewer settings, without the slowest methods.")
+@click.option("--quick", is_flag=True, help="Take less than a minute: fewer settings, without the slowest methods.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     """Measure the methods: time per result against error.
 
-    Measures all families of methods, or those named, and writes tables, pictures and a page into OUT/chart/.
+    Measures all families of methods, or only those given, and writes tables, pictures and a page into OUT/chart/.
     """
     from importlib.util import find_spec
 

@@ -67,7 +67,7 @@ class CubicBranch:
         return psi, rate, self.sign * ends * root, total
 
     def at(self, psi: float) -> list[float]:
-        """The t, none to two, at which the lines have direction psi."""
+        """The values of t, at most two, at which the lines have direction psi."""
         if self.half == 0:
             return [np.pi]
         if np.isnan(self.half):

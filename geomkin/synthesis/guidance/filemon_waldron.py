@@ -208,7 +208,7 @@ def rectification(
     link_directions, lines = np.zeros(3, dtype=complex), []
     if driven is not None:
         link_directions = _driven_directions(Displacements(origins, directions), driven)
-        lines = [Segment(driven - reach * way, driven + reach * way) for way in link_directions.tolist()]
+        lines = [Segment(driven - reach * along, driven + reach * along) for along in link_directions.tolist()]
     return Rectification(
         image_poles=(images[0], images[1], images[2]),
         circles=tuple(circles),

@@ -41,8 +41,8 @@ MISSED_DEG = 1e-4
 # Members of a family that are ranked besides the best. More would only lie between these.
 OTHERS = 19
 RATIO_OF_LINKS = "longest link over the shortest"
-# Limits of the ratio of links that are compared, and one beyond which the transmission angle no longer changes in its
-# reported digits.
+# Compared limits of the ratio of links, and a limit above which the reported digits of the transmission angle no longer
+# change.
 RATIOS, LARGEST_RATIO = (3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0), 1e6
 
 
@@ -80,7 +80,7 @@ class AbstractTimed:
 
 
 def rounded_error(found: float, wanted: float) -> float:
-    """Error of a simulated value without the last digits, which differ between processors."""
+    """Error of a simulated value, rounded to digits that all processors agree on."""
     return float(rounded(abs(found - wanted), 9))
 
 
@@ -141,7 +141,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return 0.0, self.ranked[0].largest_ratio
 
     def rank(self, member: M) -> tuple[float, ...]:
-        """Key by which members are sorted; the least comes first."""
+        """Sort key of the members; the smallest one comes first."""
         return (-float(member.transmission_angle_deg),)
 
     @property
@@ -189,7 +189,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
 
     @property
     def trade_off(self) -> list[Mapping[str, object]]:
-        """The best linkage for several limits of the ratio of links: how much transmission angle longer links add."""
+        """The best linkage for several limits of the ratio of links, which shows the benefit of longer links."""
         entries: list[Mapping[str, object]] = []
         for ratio in sorted({*RATIOS, self.ranked[0].largest_ratio}):
             with suppress(DesignError):

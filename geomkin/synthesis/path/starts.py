@@ -195,10 +195,10 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
         x[:, ARM_X], x[:, ARM_Y] = arm.real, arm.imag
         branch = rng.choice([-1.0, 1.0], TRIED_AT_ONCE)
         start = rng.uniform(0, 2 * np.pi, TRIED_AT_ONCE)
-        way = np.where(rng.random(TRIED_AT_ONCE) < 0.5, -1, 1) * rng.uniform(0.3, 2 * np.pi, TRIED_AT_ONCE)
+        span = np.where(rng.random(TRIED_AT_ONCE) < 0.5, -1, 1) * rng.uniform(0.3, 2 * np.pi, TRIED_AT_ONCE)
         if task.closed:
-            start, way = np.zeros(TRIED_AT_ONCE), np.full(TRIED_AT_ONCE, 2 * np.pi)
-        cranks = start[:, None] + way[:, None] * np.linspace(0, 1, CRANKS + 1)
+            start, span = np.zeros(TRIED_AT_ONCE), np.full(TRIED_AT_ONCE, 2 * np.pi)
+        cranks = start[:, None] + span[:, None] * np.linspace(0, 1, CRANKS + 1)
         path = points_of(x, cranks, branch, task.slides)
         good = np.isfinite(path).all(axis=1)
         if not task.closed:
