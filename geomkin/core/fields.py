@@ -98,7 +98,7 @@ def check_sizes(thing: Any, many: bool = False) -> None:
 def check_quantities(thing: Any, many: bool = False) -> None:
     """Raise DesignError for the first quantity that is not a finite number in its range."""
     rows: dict[str, int] = {}
-    for field in _quantities(type(thing)):
+    for field in _quantities(type(thing)):  # type: ignore[arg-type]
         about, value = field.metadata, getattr(thing, field.name)
         if value is None and field.default is None:
             continue
@@ -304,6 +304,20 @@ class SignOrPlace:
             serialization=core_schema.plain_serializer_function_ser_schema(
                 lambda value: [value.real, value.imag] if isinstance(value, complex) else value
             ),
+        )
+
+
+class TextOrTexts:
+    """Marks a text or a row of texts of a recipe, so that an error names the key and not one of its types."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        text = core_schema.str_schema(strict=True)
+        return core_schema.union_schema(
+            [text, core_schema.tuple_schema([text], variadic_item_index=0)],
+            custom_error_type="texts",
+            custom_error_message="a text or a row of texts",
         )
 
 
