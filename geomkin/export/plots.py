@@ -25,6 +25,8 @@ DEGREES, STEPS = (1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360), (1, 2, 5, 10)
 # Colours in the page's palette, and dashes, which distinguish the curves without colour.
 STROKES = ("wanted", "traced", "velocity", "acceleration", "s4", "s5")
 DASHES = ("none", "7 3", "2 3", "9 3 2 3", "13 4", "4 2 1 2")
+# Width of a dot.
+DOT = 7
 # Room above and below the curves as a share of their range.
 MARGIN = 0.06
 
@@ -44,8 +46,8 @@ def write_plots(job: Job) -> dict[str, bytes]:
     return contents
 
 
-def plot_file(table: Table, plot: Plot) -> bytes:
-    """A plot of columns of a table over its first column, as an SVG file."""
+def plot_file(table: Table, plot: Plot, dots: bool = False) -> bytes:
+    """A plot of columns of a table over its first column, as an SVG file; with `dots` each value is a dot."""
     drive, columns = table.columns[0], [table.column(id) for id in plot.columns]
     frames = kept_frames(len(drive.values))
     x = np.asarray(drive.values, dtype=float)[frames]
@@ -56,10 +58,11 @@ def plot_file(table: Table, plot: Plot) -> bytes:
     colours = palette()
     lines = [
         *(_limit(limit, up, colours["wanted"]) for limit in plot.limits),
-        *(_curve(across, up, x, row, _look(k, colours)) for k, row in enumerate(rows)),
+        *(_curve(across, up, x, row, _look(k, colours, dots), dots) for k, row in enumerate(rows)),
     ]
     grid = _grid(across, up, drive.unit, columns[0].unit, colours["grid"])
-    return _file(plot.title, (*grid, *_axis_titles(up, _named(drive), _quantity(columns))), lines, columns, up)
+    titles = _axis_titles(up, _named(drive), _quantity(columns))
+    return _file(plot.title, (*grid, *titles), lines, _legend(columns, up, colours, dots), up.start, len(columns))
 
 
 def hodograph_file(table: Table, hodograph: Hodograph) -> bytes:
@@ -73,11 +76,12 @@ def hodograph_file(table: Table, hodograph: Hodograph) -> bytes:
     across = _Axis(middles[0] - half, middles[0] + half, LEFT, WIDE - RIGHT)
     up = _Axis(middles[1] - half, middles[1] + half, TOP + WIDE - RIGHT - LEFT, TOP)
     colours, unit = palette(), columns[0].unit
-    curves = [_curve(across, up, *row, _look(k, colours)) for k, row in enumerate(zip(x, y))]
+    curves = [_curve(across, up, *row, _look(k, colours, False), False) for k, row in enumerate(zip(x, y))]
     origin = f'<circle cx="{across.at(0.0):.2f}" cy="{up.at(0.0):.2f}" r="3"/>'
     names = (text(f"{axis}, {unit_sign(unit)}") for axis in "xy")
     grid = _grid(across, up, unit, unit, colours["grid"])
-    return _file(hodograph.title, (*grid, *_axis_titles(up, *names)), [origin, *curves], columns, up)
+    axes = (*grid, *_axis_titles(up, *names))
+    return _file(hodograph.title, axes, [origin, *curves], _legend(columns, up, colours, False), up.start, len(columns))
 
 
 def _axis_titles(up: _Axis, across_title: str, up_title: str) -> Iterator[str]:
@@ -86,14 +90,16 @@ def _axis_titles(up: _Axis, across_title: str, up_title: str) -> Iterator[str]:
     yield f"{up_title}</text>"
 
 
-def _file(title: str, axes: Iterable[str], curves: Sequence[str], columns: Sequence[Column], up: _Axis) -> bytes:
-    """The SVG file of a plot: title, axes, curves and legend."""
-    height, colours = up.start + BELOW + ROW * (len(columns) + 1) // 2, palette()
+def _file(
+    title: str, axes: Iterable[str], curves: Iterable[str], legend: Iterable[str], below: float, names: int
+) -> bytes:
+    """The SVG file of a plot: title, axes that end at a height, curves, and a legend of so many names."""
+    height, colours = below + BELOW + ROW * (names + 1) // 2, palette()
     body = [
         f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(title)}</text>',
         *axes,
         *curves,
-        *_legend(columns, up, colours),
+        *legend,
     ]
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}mm" height="{WIDTH * height / WIDE:g}mm" '
@@ -155,28 +161,33 @@ def _limit(limit: Limit, up: _Axis, colour: str) -> str:
     )
 
 
-def _curve(across: _Axis, up: _Axis, x: Real, row: Real, look: str) -> str:
+def _curve(across: _Axis, up: _Axis, x: Real, row: Real, look: str, dots: bool) -> str:
     """A line through the known values, with gaps where there are none; a value without neighbours is a dot."""
     known = np.isfinite(x + row)
     path = ""
-    for run in np.split(np.arange(len(row)), np.flatnonzero(np.diff(known)) + 1):
+    ends = np.arange(1, len(row)) if dots else np.flatnonzero(np.diff(known)) + 1
+    for run in np.split(np.arange(len(row)), ends):
         if known[run[0]]:
             points = [f"{u:.2f} {v:.2f}" for u, v in zip(across.at(x[run]), up.at(row[run]))]  # type: ignore[arg-type]
             path += f"M{'L'.join(points if len(points) > 1 else points * 2)}"
-    return f'<path d="{path}" {look} stroke-linecap="round" stroke-linejoin="round"/>'
+    caps = "" if dots else ' stroke-linecap="round" stroke-linejoin="round"'
+    return f'<path d="{path}" {look}{caps}/>'
 
 
-def _look(k: int, colours: dict[str, str]) -> str:
+def _look(k: int, colours: dict[str, str], dots: bool) -> str:
     dashes = DASHES[k % len(DASHES)]
-    stroke = f'fill="none" stroke="{colours[STROKES[k % len(STROKES)]]}" stroke-width="1.75"'
+    colour = f'fill="none" stroke="{colours[STROKES[k % len(STROKES)]]}"'
+    if dots:
+        return f'{colour} stroke-width="{DOT}" stroke-linecap="round"'
+    stroke = f'{colour} stroke-width="1.75"'
     return stroke if dashes == "none" else f'{stroke} stroke-dasharray="{dashes}"'
 
 
-def _legend(columns: Sequence[Column], up: _Axis, colours: dict[str, str]) -> Iterator[str]:
+def _legend(columns: Sequence[Column], up: _Axis, colours: dict[str, str], dots: bool) -> Iterator[str]:
     """The curves with their names, two in a line."""
     for k, column in enumerate(columns):
         x, y = LEFT + k % 2 * (WIDE - LEFT - RIGHT) // 2, up.start + BELOW + 6 + k // 2 * ROW
-        yield f'<path d="M{x} {y}h28" {_look(k, colours)}/>'
+        yield f'<path d="M{x + 14 * dots} {y}h{28 * (not dots)}" {_look(k, colours, dots)}/>'
         yield f'<text x="{x + 36}" y="{y + 4}">{text(column.id.replace("_", " "))}</text>'
 
 

@@ -115,8 +115,9 @@ class PathFound(Found):
 
     @cached_property
     def cognates(self) -> tuple[Cognate, ...]:
-        """This linkage and the two other four-bars that draw the same path; empty for a slider-crank or degenerate
-        cognates.
+        """This linkage and the two other four-bars that draw the same path.
+
+        Empty for a slider-crank, or if the cognates are degenerate.
         """
         if not isinstance(self.linkage, FourBar):
             return ()

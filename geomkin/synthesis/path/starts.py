@@ -52,8 +52,7 @@ CRANKS, PLACES = 64, 32
 
 
 def random_linkages(task: PathTask, rng: np.random.Generator, count: int) -> Real:
-    """Lengths (count, 4): ground, crank, coupler, rocker with the crank 1; for a slider-crank offset, crank, coupler,
-    1.
+    """Random lengths (count, 4) with the crank 1: ground, crank, coupler, rocker, or offset, crank, coupler, 1.
 
     A four-bar whose crank turns fully is given by coupler, rocker and its two extreme transmission angles, which are
     random between the limits; others by random lengths. Derived here.
@@ -229,9 +228,7 @@ def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
 
 
 def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:
-    """Points (s, PLACES) at equal shares of the paths' lengths, with both ends or only the first, and the shares (s,
-    k).
-    """
+    """Points (s, PLACES) at equal shares of the paths' lengths, with both ends or only the first; and shares (s, k)."""
     length = np.cumsum(np.abs(np.diff(path, axis=1)), axis=1)
     share = np.concatenate([np.zeros((len(path), 1)), length], axis=1) / np.maximum(length[:, -1:], 1e-300)
     row = np.arange(len(path))[:, None]

@@ -59,8 +59,9 @@ class TwoPositions:
 
     @property
     def tie(self) -> Real:
-        """Coefficients of 1/ground, 1/crank and 1/rocker in the loop condition (their sum is 0), as products to keep
-        digits.
+        """Coefficients of 1/ground, 1/crank and 1/rocker in the loop condition, as products that keep their digits.
+
+        Their sum is 0.
         """
         (crank_1, crank_2), (rocker_1, rocker_2) = self.crank, self.rocker
         relative = self.crank_swing - self.rocker_swing
@@ -73,9 +74,7 @@ class TwoPositions:
 
 @record(eq=False)
 class MotionBetween:
-    """Motion of four-bars between the two positions: masks (linkages,), the branch, and the least transmission angle,
-    rad.
-    """
+    """Motion of four-bars between the two positions, as arrays (linkages,): defects, branch, angles, rad."""
 
     circuit: Mask
     branch: Mask
