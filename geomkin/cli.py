@@ -261,8 +261,8 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
     help="Range of a number: linkage.crank=20:40; once for each key. Of whole numbers all in the range are tried.",
 )  # fmt: skip
 @click.option(
-    "--minimise", "objective", metavar="FORMULA",
-    help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum.",
+    "--minimise", "objectives", multiple=True, metavar="FORMULA",
+    help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum; several: Pareto front.",
 )  # fmt: skip
 @click.option(
     "--subject-to", "constraints", multiple=True, metavar="CONSTRAINT",
@@ -273,14 +273,14 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.option("--time-limit", default=60.0, show_default=True, help="Time limit, s; the best design by then is taken.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the file.")
 def optimise_command(
-    recipe: Path, ranges: tuple[str, ...], objective: str | None, constraints: tuple[str, ...],
+    recipe: Path, ranges: tuple[str, ...], objectives: tuple[str, ...], constraints: tuple[str, ...],
     starts: int, seed: int, time_limit: float, out: Path,
 ) -> None:  # fmt: skip
     """Find the best values of a RECIPE's keys.
 
     The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
-    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so far is
-    written.
+    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture and a
+    recipe for each design of their Pareto front. Ctrl-C ends the search; the best so far is written.
     """
     import signal
 
@@ -295,15 +295,13 @@ def optimise_command(
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with _progress():
-            best = optimise(recipe, vary, objective, list(constraints) or None, starts, seed, time_limit, out)
+            minimise = objectives[0] if len(objectives) == 1 else objectives or None
+            best = optimise(recipe, vary, minimise, list(constraints) or None, starts, seed, time_limit, out)
     except GeomkinError as error:
         click.secho(_refused(recipe, error).text, fg="red", err=True)
         sys.exit(1)
-    for key, value in best.values.items():
-        click.echo(f"{printable(key)} = {value:.8g}")
-    click.echo(f"{printable(best.minimised)} = {best.objective:.8g}")
-    for check in best.constraints:
-        click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
+    for line in best.lines:
+        click.echo(harmless(line))
     note = ", ended before it was complete" if best.cut_short else ""
     click.echo(f"{', '.join(map(printable, best.files))}: {best.evaluations:,} designs tried{note}")
 

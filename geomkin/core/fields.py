@@ -307,6 +307,20 @@ class SignOrPlace:
         )
 
 
+class TextOrTexts:
+    """Marks a text or a row of texts of a recipe, so that an error names the key and not one of its types."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        text = core_schema.str_schema(strict=True)
+        return core_schema.union_schema(
+            [text, core_schema.tuple_schema([text], variadic_item_index=0)],
+            custom_error_type="texts",
+            custom_error_message="a text or a row of texts",
+        )
+
+
 class KindTable(UserDict[str, type[T]]):
     """A mapping of `kind` to the dataclass of a recipe's table; a later change of the mapping affects all recipes.
 
