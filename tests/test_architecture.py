@@ -19,7 +19,7 @@ ORDER = (
     ("model",),
     ("export",),
     ("page", "recipe", "making"),
-    ("linkage", "cam", "gear"),
+    ("linkage", "cam", "gear", "coupon"),
     ("synthesis",),
     ("build",),
     ("sweeps", "tradeoff", "optimisation", "studio", "verification"),
@@ -27,7 +27,7 @@ ORDER = (
     ("__init__", "__main__"),
 )
 RANK = {name: k for k, row in enumerate(ORDER) for name in row}
-MECHANISMS = {"linkage", "cam", "gear", "synthesis"}
+MECHANISMS = {"linkage", "cam", "gear", "coupon", "synthesis"}
 # What the analysis of a mechanism may import, and what its checks, parts and scenes may.
 ANALYSIS = {"core", "plane", "model"}
 FABRICATION = ANALYSIS | {"export", "making"}

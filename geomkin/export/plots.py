@@ -14,15 +14,15 @@ from .job import Job
 from .still import kept_frames, palette
 from .text import number, text, unit_sign
 
-# Width of a file, mm, that of a text column; sizes inside it in units of which it has `WIDE`. Letters are 2.8 mm high.
+# Width of a file, mm, that of a text column, and in the units of all sizes inside it. Letters are 2.8 mm high.
 WIDTH, WIDE = 160, 640
-# Room left, above, right and below of the axes, height of the axes, and of a line of the legend.
+# Margins on the left, above, on the right and below the axes, height of the axes, and of a line of the legend.
 LEFT, TOP, RIGHT, BELOW, HIGH, ROW = 74, 34, 18, 46, 240, 18
-# Most intervals between the ticks of an axis across and upwards.
+# Largest numbers of intervals between the ticks of the horizontal and of the vertical axis.
 MOST_ACROSS, MOST_UP = 9, 6
 # Steps between ticks of an axis in deg, and of any other one in a decade.
 DEGREES, STEPS = (1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360), (1, 2, 5, 10)
-# Colours in the page's palette and dashes of the curves, which differ without colour too.
+# Colours in the page's palette, and dashes, which distinguish the curves without colour.
 STROKES = ("wanted", "traced", "velocity", "acceleration", "s4", "s5")
 DASHES = ("none", "7 3", "2 3", "9 3 2 3", "13 4", "4 2 1 2")
 # Room above and below the curves as a share of their range.

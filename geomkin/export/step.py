@@ -12,8 +12,8 @@ from ..plane.primitives import Circle
 from .cut import Cut, Loop
 from .job import Job
 
-# Decimals, mm, of computed centres and radii. With fewer an arc misses its ends by more than programs close;
-# further ones differ between processors.
+# Decimals, mm, of computed centres and radii. With fewer, arcs miss their ends by more than programs tolerate; further
+# ones differ between processors.
 DIGITS = 9
 # Most edges of an outline and its holes: such a file has some 40 MB, and programs take minutes for more.
 MOST_EDGES = 50_000
@@ -142,7 +142,7 @@ class _Entities:
         return context, self.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
 
     def _loop(self, edges: list[Edge], thickness: float) -> tuple[list[str], str, str]:
-        """The walls along a loop, and its ring of edges as seen by the lower and by the upper face."""
+        """The walls along a loop, and its ring of edges in the directions of the lower and of the upper face."""
         starts = [start for start, _ in edges]
         levels = (0.0, thickness)
         corners = [[self.add(f"VERTEX_POINT('',{self._point(z, level)})") for z in starts] for level in levels]

@@ -50,7 +50,7 @@ def read_svg(path: Path, error: float) -> Drawing:
 def _lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
     """The lines of an element and of those inside it."""
     if depth > 100:
-        raise UnreadableError("its elements lie more than 100 deep in each other")
+        raise UnreadableError("its elements are nested more than 100 deep")
     if "transform" in element.attrib:
         view = view.after(transform_of(element.get("transform", "")))
     layer = _layer(element) or layer
@@ -78,12 +78,12 @@ def _number(element: Element, key: str) -> float:
 
 
 def _placed(outline: Outline, view: AffineMap) -> Outline:
-    """In mm, y up; the drawing's lower left corner is not the origin, which the fit of a part does not need."""
+    """The outline in mm, y up, about an arbitrary origin, which does not matter for the fit of a part."""
     return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
 
 
 def subpaths(text: str, error: float) -> Iterator[Outline]:
-    """The subpaths of the attribute `d`: straight steps, arcs of circles and cubic curves."""
+    """The subpaths of the attribute `d`, made of straight edges, circular arcs and cubic curves."""
     tokens, at = [], 0
     while at < len(text):
         if not (found := TOKEN.match(text, at)):
@@ -116,7 +116,7 @@ def subpaths(text: str, error: float) -> Iterator[Outline]:
                 yield pen.outline(closed=False, end=here)
                 pen = Pen(error)
             here = start = base + complex(*values)
-            # Further pairs of numbers are straight steps.
+            # Further pairs of numbers are straight edges.
             command = "L" if command == "M" else "l"
         else:
             end = _end(command, values, here, base)

@@ -95,7 +95,7 @@ def section_heights(mesh: Mesh, part: Part) -> list[float]:
 
 
 def as_plate(loops: list[Outline], part: Part, share: float) -> Shape | None:
-    """The section of a solid as the plate that it has at its bottom, with its twist taken back; None for two plates."""
+    """The section of a solid with its twist undone, as a plate; None if it is not a single plate."""
     outer = [loop for loop in loops if loop.area > 0]
     if len(outer) != 1:
         return None

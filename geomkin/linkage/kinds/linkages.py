@@ -44,7 +44,21 @@ from ..scene import linkage_scene, motion_plots
 from ..scene_sizes import size_columns, size_plot
 from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
-from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
+from .copies import (
+    Copy,
+    Shared,
+    check_copies,
+    copied,
+    copies_entry,
+    copying,
+    counted,
+    cut_shaft,
+    driven_check,
+    joining,
+    shared_rods,
+    with_copies,
+    without_motor,
+)
 from .dwell_bands import DwellBand
 from .loads import (
     LoadsTable,
@@ -86,9 +100,6 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     def __post_init__(self) -> None:
         self.check_stroke()
         check_copies(self.copies, self.linkage, self.input_range)
-        if self.copies and self.stock.motor is not None:
-            problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
-            raise DesignError("stock.motor", problem, "omit motor or copies", "conflict")
         # Upper limit of the columns of the bodies, the slides and the points that are not pins.
         linkage = self.linkage.linkage
         points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
@@ -148,25 +159,43 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def stack(self) -> Stack:
         """The plates in layers."""
-        return stack_links(self.fine_motion, self.stock)
+        stack = stack_links(self.fine_motion, self.stock)
+        return cut_shaft(stack, self.stock) if self.copies else stack
+
+    @cached_property
+    def copy_stack(self) -> Stack:
+        """The plates of a copy in layers; the motor is in the first linkage only."""
+        if self.stock.motor is None:
+            return self.stack
+        return without_motor(stack_links(self.fine_motion, self.copy_stock), self.stack)
+
+    @property
+    def copy_stock(self) -> LinkStock:
+        """Sheet and pins of a copy."""
+        if self.stock.motor is None:
+            return self.stock
+        return dataclasses.replace(self.stock, motor=None, fit="running")
+
+    @property
+    def _stacks(self) -> tuple[Stack, ...]:
+        """Those of the first linkage and of its copies."""
+        return (self.stack, *(self.copy_stack for _ in self.copies))
 
     @cached_property
     def shared(self) -> tuple[Shared, ...]:
         """The rods by which neighbouring copies drive each other."""
-        return tuple(shared_rods(self.copies, self.linkage, self.stack, self.stock.thickness))
+        return tuple(shared_rods(self.copies, self.linkage, self._stacks, self.stock.thickness))
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return joining(self.stack, self.shared, self.count)
-
-    @property
-    def count(self) -> int:
-        """Number of linkages that are made."""
-        return 1 + len(self.copies)
+        return joining(self._stacks, self.shared)
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return (*self.stack.steps, *copying(self.copies, self.shared))
+        if not self.copies:
+            return self.stack.steps
+        without = self.copy_stack.steps if self.stock.motor else ()
+        return (*self.stack.steps, *copying(self.copies, self.shared, without))
 
     @cached_property
     def table(self) -> Table:
@@ -196,7 +225,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         # Only the page shows them, no file of numbers.
         effects = size_columns(self.motion)
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
-        scene = linkage_scene(self.motion, table, self.parts, self.stack.layers, plots, self._others())
+        scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
         if self.force_analysis:
             scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
         if self.output_deviation:
@@ -204,7 +233,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if not self.copies:
             return scene
         copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
-        return with_copies(scene, copies, self.parts, self.stack.layers)
+        lowest = 1 + max(self.stack.layers.values())
+        return with_copies(scene, copies, self.copy_parts, self.copy_stack.layers, lowest)
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
@@ -213,7 +243,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         joint, motion = self.other
         # The slots of a ground are for the requested mode only.
         slotted = self.motion.linkage.ground if self.motion.linkage.sliders else ""
-        parts = [part for part in self.parts if not slotted or part.body != slotted]
+        parts = [part for part in self.own_parts if not slotted or part.body != slotted]
         # Plots are those of the requested mode, or of both.
         table = Table(self.table.columns[:2])
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
@@ -228,7 +258,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return (
             *linkage_checks(self.motion),
             hole_check(self.stock.hole_diameter, self.stock.thickness),
-            collision_check(len(self.stack.collisions), advice),
+            collision_check(sum(len(stack.collisions) for stack in dict.fromkeys(self._stacks)), advice),
+            *((driven_check(self.shared),) if self.copies and self.stock.motor else ()),
             *(self.output_deviation.checks if self.output_deviation else ()),
             *self.input_range.checks,
             *self._load_checks(),
@@ -242,16 +273,25 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return (*motor_checks(self.force_analysis, self.motor), *holds)
 
     @cached_property
+    def own_parts(self) -> tuple[Part, ...]:
+        """The parts of the first linkage."""
+        return link_parts(self.fine_motion, self.stock, self.stack)
+
+    @cached_property
+    def copy_parts(self) -> tuple[Part, ...]:
+        """The parts of a copy."""
+        if self.stock.motor is None:
+            return self.own_parts
+        return link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
-        parts = link_parts(self.fine_motion, self.stock, self.stack)
-        return (
-            tuple(dataclasses.replace(part, count=self.count * part.count) for part in parts) if self.copies else parts
-        )
+        return counted(self.own_parts, self.copy_parts, len(self.copies)) if self.copies else self.own_parts
 
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:
         """Mass of each body, with its screws or rods; of one linkage if there are copies."""
-        bodies = part_masses(self.parts)
+        bodies = part_masses(self.own_parts)
         if bodies:
             for body, mass in fastener_masses(self.fine_motion, self.stock, self.stack).items():
                 bodies[body] = bodies[body] + mass if body in bodies else mass
@@ -270,6 +310,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         loads = {"loads": force_summary(self.force_analysis, self.motor)} if self.force_analysis else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
+            if self.stock.motor:
+                stack["copy"] = self.copy_stack.summary()
         return {
             **self._reached(self.signs),
             **self.turning,

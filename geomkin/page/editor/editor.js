@@ -29,14 +29,21 @@ class Editor {
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
     document.addEventListener("keydown", (event) => this.key(event));
-    addEventListener("beforeunload", (event) => { if (this.isDirty) event.preventDefault(); });
+    addEventListener("beforeunload", (event) => { if (this.isDirty && !this.isKept) event.preventDefault(); });
   }
 
   get isDirty() { return this.text !== this.savedText; }
 
   async start() {
-    const { first } = await get("start");
-    if (first) await this.open(first); else await showGallery(this);
+    const { first, text } = await get("start");
+    // A notebook keeps what is edited: a page that is loaded again goes on there.
+    this.isKept = text !== "";
+    if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
+    if (first && text && text !== this.text) {
+      this.history.begin(this.text);
+      this.ask({}, text);
+      this.whenIdle(() => this.history.end(this.text));
+    }
     this.watch();
   }
 

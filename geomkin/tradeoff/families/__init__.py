@@ -15,11 +15,13 @@ from .four_bar_rates import RATES, TOGGLE_RATES
 from .function_synthesis import FUNCTION_SYNTHESIS
 from .gear_root import GEAR_ROOT
 from .iteration import ITERATION
+from .nine_points import NINE_POINTS
 from .path_synthesis import PATH_SYNTHESIS
 from .sampled_integrals import INTEGRATION
 from .sampled_rates import ACCELERATION, VELOCITY
 from .six_bar import SIX_BAR_POSITION
 from .slider_crank import SLIDER_CRANK
+from .tolerance import TOLERANCE_BAND
 
 FAMILIES: Mapping[str, MethodFamily[Any, Any]] = {
     family.name: family
@@ -34,6 +36,7 @@ FAMILIES: Mapping[str, MethodFamily[Any, Any]] = {
         SLIDER_CRANK,
         SIX_BAR_POSITION,
         ITERATION,
+        TOLERANCE_BAND,
         CAM_FLATTENING,
         GEAR_FLATTENING,
         CAM_PROFILE,
@@ -41,6 +44,7 @@ FAMILIES: Mapping[str, MethodFamily[Any, Any]] = {
         CONJUGATE_TOOTH,
         FUNCTION_SYNTHESIS,
         PATH_SYNTHESIS,
+        NINE_POINTS,
         CSV_WRITING,
         DXF_WRITING,
         STL_WRITING,
