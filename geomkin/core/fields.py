@@ -138,6 +138,11 @@ def rounded_down(most: float, digits: int = DIGITS) -> str:
     return _rounded(most, digits, ROUND_FLOOR)
 
 
+def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
+    """The value with so many to_digits digits, for summaries; 0 without a sign."""
+    return float(f"{value:.{digits}g}") + 0.0
+
+
 def _rounded(value: float, digits: int, mode: str) -> str:
     # From its decimal text, since the float 0.0072 is a little less than 0.0072.
     return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
@@ -263,6 +268,20 @@ class RowsOf:
             "items_schema": [{"type": "tuple", "items_schema": self.numbers * [number]}],
             "variadic_item_index": 0,
         }
+
+
+@dataclass(frozen=True)
+class RowWithin:
+    """Marks a row of numbers of a recipe, such as `[x, y]`, each from -most to most."""
+
+    most: float
+    count: int = 2
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
+        return core_schema.tuple_schema([number for _ in range(self.count)])
 
 
 class SignOrPlace:

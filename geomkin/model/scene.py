@@ -297,6 +297,11 @@ def dimension(start: complex, end: complex, words: str, body: str = "") -> Scene
     return SceneCurve(Segment(start, end), "dimension", words, body)
 
 
+def drawn_at(scale: float, unit: str) -> str:
+    """Text that states the scale of arrows, if one of the unit is drawn `scale` mm long."""
+    return f"1 mm is {float(f'{1 / scale:.3g}'):g} {unit}"
+
+
 def mm(length: float) -> str:
     """A length with its unit, to five digits."""
     return f"{length:.5g} mm"

@@ -9,12 +9,14 @@ from ..family import MethodFamily
 from .cam_profile import CAM_PROFILE
 from .conjugate_tooth import CONJUGATE_TOOTH
 from .curve_flattening import CAM_FLATTENING, GEAR_FLATTENING
+from .derivatives import DERIVATIVES
 from .file_writing import CSV_WRITING, DXF_WRITING, STL_WRITING
 from .four_bar_position import POSITION, TOGGLE
 from .four_bar_rates import RATES, TOGGLE_RATES
 from .function_synthesis import FUNCTION_SYNTHESIS
 from .gear_root import GEAR_ROOT
 from .iteration import ITERATION
+from .new_lengths import NEW_LENGTHS
 from .nine_points import NINE_POINTS
 from .path_synthesis import PATH_SYNTHESIS
 from .sampled_integrals import INTEGRATION
@@ -30,6 +32,8 @@ FAMILIES: Mapping[str, MethodFamily[Any, Any]] = {
         TOGGLE,
         RATES,
         TOGGLE_RATES,
+        NEW_LENGTHS,
+        DERIVATIVES,
         VELOCITY,
         ACCELERATION,
         INTEGRATION,
