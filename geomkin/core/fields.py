@@ -11,7 +11,7 @@ from collections import UserDict
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from functools import reduce
+from functools import cache, reduce
 from math import isfinite
 from operator import ge, gt, le, lt, or_
 from typing import Annotated, Any, Literal, TypeVar
@@ -98,9 +98,9 @@ def check_sizes(thing: Any, many: bool = False) -> None:
 def check_quantities(thing: Any, many: bool = False) -> None:
     """Raise DesignError for the first quantity that is not a finite number in its range."""
     rows: dict[str, int] = {}
-    for field in dataclasses.fields(thing):
+    for field in _quantities(type(thing)):  # type: ignore[arg-type]
         about, value = field.metadata, getattr(thing, field.name)
-        if "unit" not in about or (value is None and field.default is None):
+        if value is None and field.default is None:
             continue
         if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
@@ -114,6 +114,11 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         other = next(name for name in others if rows[name] != rows[first])
         found = f"found {rows[other]} sizes, but {rows[first]} of {first}"
         raise DesignError(other, found, "give one number, or arrays of the same length", "conflict")
+
+
+@cache
+def _quantities(kind: type) -> tuple[dataclasses.Field[Any], ...]:
+    return tuple(field for field in dataclasses.fields(kind) if "unit" in field.metadata)
 
 
 def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
@@ -299,6 +304,20 @@ class SignOrPlace:
             serialization=core_schema.plain_serializer_function_ser_schema(
                 lambda value: [value.real, value.imag] if isinstance(value, complex) else value
             ),
+        )
+
+
+class TextOrTexts:
+    """Marks a text or a row of texts of a recipe, so that an error names the key and not one of its types."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        text = core_schema.str_schema(strict=True)
+        return core_schema.union_schema(
+            [text, core_schema.tuple_schema([text], variadic_item_index=0)],
+            custom_error_type="texts",
+            custom_error_message="a text or a row of texts",
         )
 
 

@@ -12,7 +12,7 @@ from ..model.check import Check
 from ..model.motor import Motor, MotorDuty
 from .named import NamedIn
 
-# Least margin of a motor that `smallest_motor` chooses; chosen here, for friction and loads that are not stated.
+# Least margin of a motor that `smallest_motor` chooses, for friction and loads that are not stated; chosen here.
 LEAST_MOTOR_MARGIN = 1.5
 # Shares of the greatest torque: direct-current motors and servos heat up if they supply more than a quarter of their
 # torque at standstill for long (makers' advice); steppers supply about half of the holding torque up to 300 rpm.

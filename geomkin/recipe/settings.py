@@ -8,7 +8,17 @@ import numpy as np
 
 from ..core.arguments import ArgumentType, between
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, WIDEST, AsWritten, ComplexPoint, RowWithin, entry, quantity, rounded_up
+from ..core.fields import (
+    FARTHEST,
+    WIDEST,
+    AsWritten,
+    ComplexPoint,
+    RowWithin,
+    TextOrTexts,
+    entry,
+    quantity,
+    rounded_up,
+)
 from ..core.records import record
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
@@ -125,13 +135,14 @@ class Files:
 
 @record(checked=True)
 class OptimiseTable:
-    """The task of `geomkin optimise`: keys to vary, the result to minimise, and constraints."""
+    """The task of `geomkin optimise`: keys to vary, the result or results to minimise, and constraints."""
 
     vary: tuple[str, ...] = entry(
         "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
     )
-    minimise: str = entry(
-        "the result to minimise, a formula of ids of columns and checks", example="-min(transmission_angle)"
+    minimise: Annotated[str | tuple[str, ...], TextOrTexts()] = entry(
+        "the result to minimise, a formula of ids of columns and checks; a row of 2 to 4 gives the Pareto front",
+        example="-min(transmission_angle)",
     )
     subject_to: tuple[str, ...] = entry(
         "constraints: two formulas with >= or <= between them, such as min(transmission_angle) >= 40", default=()
