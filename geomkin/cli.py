@@ -42,7 +42,7 @@ Exit status:
 
 
 def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
-    """The formats in a list with commas."""
+    """The formats in a comma-separated list."""
     chosen = None if value is None else [part.strip() for part in value.split(",")]
     if unknown := [ending for ending in chosen or () if ending not in WRITERS]:
         raise click.BadParameter(f"unknown format {unknown[0]!r}; choose from {', '.join(WRITERS)}")
@@ -123,7 +123,7 @@ def verify(folders: tuple[Path, ...], as_json: bool) -> None:
 
 
 def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
-    """Verify folders and print the result of each recipe; whether each is as designed."""
+    """Verify folders and print the result of each recipe. Returns whether each is as designed."""
     from .core.errors import FileError, harmless, printable
     from .verification.certificate import recipe_folders
     from .verification.certificate_files import certify
@@ -258,7 +258,8 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--vary", "ranges", multiple=True, metavar="KEY=LOW:HIGH",
-    help="Range of a number: linkage.crank=20:40; once for each key. Of whole numbers all in the range are tried.",
+    help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, every "
+    "whole number in the range is tried.",
 )  # fmt: skip
 @click.option(
     "--minimise", "objectives", multiple=True, metavar="FORMULA",
@@ -575,7 +576,7 @@ def _is_terminal(stream: TextIO | None) -> bool:
 
 
 def _row(result: Made) -> tuple[str, str, str, str]:
-    """Folder of a recipe's files, their endings, their size, and the checks that passed."""
+    """Cells of a recipe in the report: folder, endings and size of its files, and the checks that passed."""
     from .core.errors import printable
 
     endings = list(dict.fromkeys(path.suffix[1:] for path in result.files))

@@ -236,7 +236,9 @@ def body_guides(
                 raise DesignError("poses", problem, f"give a larger region: [{low}, {high}] is large enough")
             if watch.over():
                 raise DesignError("poses", problem, "give a larger region, weaker limits, another kind or other poses")
-    raise DesignError("poses", problem, "give weaker limits, another kind or other poses: more room does not help")
+    raise DesignError(
+        "poses", problem, "give weaker limits, another kind or other poses; a larger region does not help"
+    )
 
 
 def _ranked(request: GuideRequest, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:

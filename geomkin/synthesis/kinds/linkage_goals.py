@@ -158,7 +158,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
     @property
     def met(self) -> tuple[Check, ...]:
-        """The same checks for the chosen linkage."""
+        """`met_by` for the chosen linkage."""
         return self.met_by(self.found)
 
     @property

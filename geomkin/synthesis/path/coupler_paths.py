@@ -111,7 +111,7 @@ def folded(x: Real, cranks: Real, slides: bool) -> Real:
 
 
 def folding(x: Real, cranks: Real, slides: bool) -> tuple[Real, Real, Real]:
-    """The same with its derivatives by sizes (s, n, 9) and by crank (s, n)."""
+    """`folded` with its derivatives by sizes (s, n, 9) and by crank (s, n)."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
     cos, sin = np.cos(cranks), np.sin(cranks)
     value = folded(x, cranks, slides)

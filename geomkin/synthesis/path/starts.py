@@ -24,14 +24,14 @@ from .coupler_paths import (
 )
 from .fits import PathTask, nearest
 
-# Share of random linkages whose crank turns fully, if it need not.
+# Share of random linkages whose crank turns fully, if a full turn is not required.
 TURNING = 0.6
 # Least transmission angle, rad, of random linkages; least squares hardly leave a toggle.
 LEAST = np.radians(5)
 # Largest ratio of lengths of random linkages; beyond it they hardly differ from slider-cranks.
 WIDEST = 40.0
-# Difference of lengths, as logarithms, and of arms below which linkages are of one type. A larger value leaves types
-# out; a smaller one lets one type crowd out the others.
+# Linkages are of one type if the logarithms of their lengths, and their arms, differ by less. With a larger value types
+# are missing; with a smaller one most starts are of one type.
 NEAR = 0.3
 # For a timed path: number of linkages scored, and number improved. Fewer miss the best of problems with many valleys;
 # more take longer and find no better one.
@@ -182,7 +182,7 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
     closed ones from every starting point and in both senses, by Fourier transforms. Derived here.
     """
     rows: list[tuple[Real, Real, Real, Real]] = []
-    # Nearly every linkage fits few points.
+    # Few points can be fitted by nearly every linkage.
     tried = TRIED if len(task.wanted) > FEW_OPEN else TRIED // 4
     for k in range(tried // TRIED_AT_ONCE):
         if watch.over():
@@ -254,7 +254,7 @@ def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callabl
 
 
 def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
-    """The same for open paths."""
+    """`_closed` for open paths."""
     target, shares = _evenly(task.wanted[None], True)
     even, reached = _evenly(path, True)
     at, middle = target[0].mean(), even.mean(axis=1)
