@@ -178,10 +178,14 @@ def _one_way(values: Real) -> Mask:
 def of_four_bars(ground: Real, crank: Real, coupler: Real, rocker: Real, start: Real, end: Real) -> Real:
     """Driven by the crank: the angle at the rocker pin depends on the diagonal, which is monotonic from 0 to pi."""
     turns = [start, end, _passed(start, end, 0.0), _passed(start, end, np.pi)]
-    # By half angles, so that the distance keeps its digits when crank and ground are folded.
-    across = [np.hypot(ground - crank, 2 * np.sqrt(ground * crank) * np.sin(t / 2)) for t in turns]
-    least: Real = np.minimum.reduce([acute_at(coupler, rocker, one) for one in across])
-    return least
+    # By half angles, so that the distance keeps its digits when crank and ground are folded. The acute angle rises up
+    # to a right one and falls from there on, so its minimum is at the shortest or the longest diagonal.
+    sines = [np.abs(np.sin(t / 2)) for t in turns]
+    ends = (
+        np.hypot(ground - crank, 2 * np.sqrt(ground * crank) * sine)
+        for sine in (np.minimum.reduce(sines), np.maximum.reduce(sines))
+    )
+    return np.minimum(*(acute_at(coupler, rocker, end) for end in ends))
 
 
 def of_slider_cranks(crank: Real, coupler: Real, offset: Real, start: Real, end: Real) -> Real:

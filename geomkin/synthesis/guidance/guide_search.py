@@ -74,9 +74,10 @@ class Displacements:
         a, b = pins[1] - pins[0], pins[2] - pins[0]
         with np.errstate(all="ignore"):
             centres: Complex = pins[0] + 0.5j * (a * np.abs(b) ** 2 - b * np.abs(a) ** 2) / cross(a, b)
+            if len(pins) == 3:
+                return centres
             radii = np.abs(pins - centres)
-            on = (len(pins) == 3) | (np.ptp(radii, axis=0) <= ROUND * radii[0])
-            return np.where(on, centres, np.inf)
+            return np.where(np.ptp(radii, axis=0) <= ROUND * radii[0], centres, np.inf)
 
     def at_first(self, pivots: Complex) -> Complex:
         """Positions at the first of three poses of points that move about pivots; the inverse of `centre`."""
