@@ -15,7 +15,7 @@ from ezdxf import path as dxf_path
 from jsonschema import Draft202012Validator
 
 import geomkin as gk
-from tests.gallery import NAMES, RECIPES, recipe
+from tests.gallery import FIRST_OF_KIND, NAMES, RECIPES, recipe
 from tests.texts import schema_of_all
 
 KEPT = RECIPES.parent / "out"
@@ -62,7 +62,11 @@ def test_a_recipe_is_written_as_it_was_read_and_its_scene_shows_its_parts(name, 
     assert all(id(part) in held for part in own.parts if part.body and part.name != "spacer")
 
 
-@pytest.mark.parametrize("name", NAMES)
+# One recipe of each kind always, the others in campaigns.
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=() if name in FIRST_OF_KIND.values() else pytest.mark.campaign) for name in NAMES],
+)
 def test_files_of_a_recipe_are_its_parts_and_its_table_and_those_kept(name, tmp_path):
     own = recipe(name)
     result = gk.make(own, tmp_path)

@@ -11,7 +11,7 @@ from collections import UserDict
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from functools import reduce
+from functools import cache, reduce
 from math import isfinite
 from operator import ge, gt, le, lt, or_
 from typing import Annotated, Any, Literal, TypeVar
@@ -98,9 +98,9 @@ def check_sizes(thing: Any, many: bool = False) -> None:
 def check_quantities(thing: Any, many: bool = False) -> None:
     """Raise DesignError for the first quantity that is not a finite number in its range."""
     rows: dict[str, int] = {}
-    for field in dataclasses.fields(thing):
+    for field in _quantities(type(thing)):  # type: ignore[arg-type]
         about, value = field.metadata, getattr(thing, field.name)
-        if "unit" not in about or (value is None and field.default is None):
+        if value is None and field.default is None:
             continue
         if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
@@ -114,6 +114,11 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         other = next(name for name in others if rows[name] != rows[first])
         found = f"found {rows[other]} sizes, but {rows[first]} of {first}"
         raise DesignError(other, found, "give one number, or arrays of the same length", "conflict")
+
+
+@cache
+def _quantities(kind: type) -> tuple[dataclasses.Field[Any], ...]:
+    return tuple(field for field in dataclasses.fields(kind) if "unit" in field.metadata)
 
 
 def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
@@ -136,6 +141,11 @@ def rounded_up(least: float, digits: int = DIGITS) -> str:
 def rounded_down(most: float, digits: int = DIGITS) -> str:
     """The largest number with this many digits that is not above `most`, as text."""
     return _rounded(most, digits, ROUND_FLOOR)
+
+
+def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
+    """The value with so many to_digits digits, for summaries; 0 without a sign."""
+    return float(f"{value:.{digits}g}") + 0.0
 
 
 def _rounded(value: float, digits: int, mode: str) -> str:
@@ -265,6 +275,20 @@ class RowsOf:
         }
 
 
+@dataclass(frozen=True)
+class RowWithin:
+    """Marks a row of numbers of a recipe, such as `[x, y]`, each from -most to most."""
+
+    most: float
+    count: int = 2
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
+        return core_schema.tuple_schema([number for _ in range(self.count)])
+
+
 class SignOrPlace:
     """Marks a branch of one joint: 1 or -1, or a point `[x, y]` in mm to which the joint is nearest."""
 
@@ -280,6 +304,20 @@ class SignOrPlace:
             serialization=core_schema.plain_serializer_function_ser_schema(
                 lambda value: [value.real, value.imag] if isinstance(value, complex) else value
             ),
+        )
+
+
+class TextOrTexts:
+    """Marks a text or a row of texts of a recipe, so that an error names the key and not one of its types."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        text = core_schema.str_schema(strict=True)
+        return core_schema.union_schema(
+            [text, core_schema.tuple_schema([text], variadic_item_index=0)],
+            custom_error_type="texts",
+            custom_error_message="a text or a row of texts",
         )
 
 

@@ -129,7 +129,7 @@ def read_text_file(name: str | Path, folder: Folder, what: str) -> str:
         home = Path(folder or ".").resolve()
         path = (home / name).resolve()
         if folder is not None and not path.is_relative_to(home):
-            problem = f"found {shown(str(name))}, which lies outside the folder that names it"
+            problem = f"found {shown(str(name))}, which is outside the folder of the recipe"
             raise DesignError("file", problem, "put it next to the recipe or below, not as a link", "file-unreadable")
         if not path.is_file():
             raise FileNotFoundError(0, "it is not a file")

@@ -42,9 +42,9 @@ def animation(job: Job) -> bytes:
     still = Still(scene, np.concatenate([[first], looks]))
     film = Film(still, frames, np.asarray(scene.time, dtype=float)[frames])
     drawn = "".join(film.shown())
-    way = "infinite" if round_ else "infinite alternate"
+    repetition = "infinite" if round_ else "infinite alternate"
     css = (
-        f"{style(still)}@media(prefers-reduced-motion:no-preference){{.move{{animation:{SECONDS}s linear {way}}}"
+        f"{style(still)}@media(prefers-reduced-motion:no-preference){{.move{{animation:{SECONDS}s linear {repetition}}}"
         f"{film.rules()}}}{film.keyframes()}"
     )
     body = [f'<g transform="scale(1 -1)">{drawn}</g>']

@@ -87,7 +87,7 @@ def naming(path: Path, done: str = "written") -> Iterator[None]:
         # A path with an invalid character raises ValueError.
         reason = getattr(error, "strerror", None) or str(error)
         problem = f"cannot be {done} ({reason})"
-        raise FileError(path, problem, "choose another place (--out)", "file-unwritable") from error
+        raise FileError(path, problem, "choose another folder (--out)", "file-unwritable") from error
 
 
 def remove(path: Path) -> None:

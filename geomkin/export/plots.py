@@ -25,6 +25,8 @@ DEGREES, STEPS = (1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360), (1, 2, 5, 10)
 # Colours in the page's palette, and dashes, which distinguish the curves without colour.
 STROKES = ("wanted", "traced", "velocity", "acceleration", "s4", "s5")
 DASHES = ("none", "7 3", "2 3", "9 3 2 3", "13 4", "4 2 1 2")
+# Width of a dot.
+DOT = 7
 # Room above and below the curves as a share of their range.
 MARGIN = 0.06
 
@@ -44,8 +46,8 @@ def write_plots(job: Job) -> dict[str, bytes]:
     return contents
 
 
-def plot_file(table: Table, plot: Plot) -> bytes:
-    """A plot of columns of a table over its first column, as an SVG file."""
+def plot_file(table: Table, plot: Plot, dots: bool = False) -> bytes:
+    """A plot of columns of a table over its first column, as an SVG file; with `dots` each value is a dot."""
     drive, columns = table.columns[0], [table.column(id) for id in plot.columns]
     frames = kept_frames(len(drive.values))
     x = np.asarray(drive.values, dtype=float)[frames]
@@ -62,8 +64,8 @@ def plot_file(table: Table, plot: Plot) -> bytes:
         f'<text transform="translate(16 {TOP + HIGH / 2:g}) rotate(-90)" text-anchor="middle">',
         f"{_quantity(columns)}</text>",
         *(_limit(limit, up, colours["wanted"]) for limit in plot.limits),
-        *(_curve(across, up, x, row, _look(k, colours)) for k, row in enumerate(rows)),
-        *_legend(columns, colours),
+        *(_curve(across, up, x, row, _look(k, colours, dots), dots) for k, row in enumerate(rows)),
+        *_legend(columns, colours, dots),
     ]
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}mm" height="{WIDTH * height / WIDE:g}mm" '
@@ -125,28 +127,33 @@ def _limit(limit: Limit, up: _Axis, colour: str) -> str:
     )
 
 
-def _curve(across: _Axis, up: _Axis, x: Real, row: Real, look: str) -> str:
+def _curve(across: _Axis, up: _Axis, x: Real, row: Real, look: str, dots: bool) -> str:
     """A line through the known values, with gaps where there are none; a value without neighbours is a dot."""
     known = np.isfinite(x + row)
     path = ""
-    for run in np.split(np.arange(len(row)), np.flatnonzero(np.diff(known)) + 1):
+    ends = np.arange(1, len(row)) if dots else np.flatnonzero(np.diff(known)) + 1
+    for run in np.split(np.arange(len(row)), ends):
         if known[run[0]]:
             points = [f"{u:.2f} {v:.2f}" for u, v in zip(across.at(x[run]), up.at(row[run]))]  # type: ignore[arg-type]
             path += f"M{'L'.join(points if len(points) > 1 else points * 2)}"
-    return f'<path d="{path}" {look} stroke-linecap="round" stroke-linejoin="round"/>'
+    caps = "" if dots else ' stroke-linecap="round" stroke-linejoin="round"'
+    return f'<path d="{path}" {look}{caps}/>'
 
 
-def _look(k: int, colours: dict[str, str]) -> str:
+def _look(k: int, colours: dict[str, str], dots: bool) -> str:
     dashes = DASHES[k % len(DASHES)]
-    stroke = f'fill="none" stroke="{colours[STROKES[k % len(STROKES)]]}" stroke-width="1.75"'
+    colour = f'fill="none" stroke="{colours[STROKES[k % len(STROKES)]]}"'
+    if dots:
+        return f'{colour} stroke-width="{DOT}" stroke-linecap="round"'
+    stroke = f'{colour} stroke-width="1.75"'
     return stroke if dashes == "none" else f'{stroke} stroke-dasharray="{dashes}"'
 
 
-def _legend(columns: Sequence[Column], colours: dict[str, str]) -> Iterator[str]:
+def _legend(columns: Sequence[Column], colours: dict[str, str], dots: bool) -> Iterator[str]:
     """The curves with their names, two in a line."""
     for k, column in enumerate(columns):
         x, y = LEFT + k % 2 * (WIDE - LEFT - RIGHT) // 2, TOP + HIGH + BELOW + 6 + k // 2 * ROW
-        yield f'<path d="M{x} {y}h28" {_look(k, colours)}/>'
+        yield f'<path d="M{x + 14 * dots} {y}h{28 * (not dots)}" {_look(k, colours, dots)}/>'
         yield f'<text x="{x + 36}" y="{y + 4}">{text(column.id.replace("_", " "))}</text>'
 
 

@@ -99,8 +99,8 @@ class _Entities:
             for lid, ring in zip(lids, rings):
                 lid.append(self.add(f"{bound}('',{ring},.T.)"))
         down = self._direction(0, 0, -1)
-        for lid, z, way in zip(lids, (0.0, thickness), (down, self.up)):
-            plane = self.add(f"PLANE('',{self._placement(0j, z, way, self.east)})")
+        for lid, z, normal in zip(lids, (0.0, thickness), (down, self.up)):
+            plane = self.add(f"PLANE('',{self._placement(0j, z, normal, self.east)})")
             walls.append(self.add(f"ADVANCED_FACE('',({','.join(lid)}),{plane},.T.)"))
         shell = self.add(f"CLOSED_SHELL('',({','.join(walls)}))")
         solid = self.add(f"MANIFOLD_SOLID_BREP('{self.name}',{shell})")
@@ -183,8 +183,8 @@ class _Entities:
         oriented = [self.add(f"ORIENTED_EDGE('',*,*,{edge},{_yes(forward)})") for edge, forward in edges]
         return self.add(f"EDGE_LOOP('',({','.join(oriented)}))")
 
-    def _line(self, through: complex, level: float, way: str) -> str:
-        vector = self.add(f"VECTOR('',{way},1.)")
+    def _line(self, through: complex, level: float, direction: str) -> str:
+        vector = self.add(f"VECTOR('',{direction},1.)")
         return self.add(f"LINE('',{self._point(through, level)},{vector})")
 
     def _placement(self, z: complex, level: float, axis: str, across: str) -> str:

@@ -174,11 +174,27 @@ class Plot:
 
 @record(checked=True, eq=False)
 class Choice:
-    """A table of solutions, the row that was chosen, and plots. The first column of the table rises."""
+    """A table of solutions, the row that was chosen, and plots.
+
+    Parameters
+    ----------
+    table : Table
+        The solutions; its first column rises.
+    chosen : int
+        The row that was chosen.
+    plots : tuple of Plot
+        Plots of the table.
+    key : str
+        Key of the recipe that chooses the row with its value in the first column; empty if there is none.
+    instead_of : tuple of str
+        Keys of the recipe that choose a row by something else: they are removed where `key` is given.
+    """
 
     table: Table
     chosen: int
     plots: tuple[Plot, ...]
+    key: str = ""
+    instead_of: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_plots(self.plots, self.table)
@@ -295,6 +311,11 @@ class Scene:
 def dimension(start: complex, end: complex, words: str, body: str = "") -> SceneCurve:
     """The dimension of a length on a body, mm in its frame; words: the number as drawn, then the name of the length."""
     return SceneCurve(Segment(start, end), "dimension", words, body)
+
+
+def drawn_at(scale: float, unit: str) -> str:
+    """Text that states the scale of arrows, if one of the unit is drawn `scale` mm long."""
+    return f"1 mm is {float(f'{1 / scale:.3g}'):g} {unit}"
 
 
 def mm(length: float) -> str:

@@ -58,6 +58,8 @@ def scene_data(scene: Scene, name: str) -> dict[str, object]:
             **solutions.plotted(columns, scene.choice.plots),
             "frames": len(solutions.frames),
             "chosen": scene.choice.chosen,
+            "key": scene.choice.key,
+            "instead_of": list(scene.choice.instead_of),
             "series": solutions.series,
         }
     return data

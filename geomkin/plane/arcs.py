@@ -116,7 +116,7 @@ def _over_seam(z: Complex, bulges: Real, turn: complex) -> Chain:
 
 
 def _no_large_arcs(curve: Polyline) -> Chain:
-    """The same chain with arcs of more than half a turn cut in two."""
+    """The chain with arcs of more than half a turn cut in two."""
     edges = len(curve.breaks) - 1
     bulges = np.zeros(edges) if curve.bulges is None else np.asarray(curve.bulges)
     if np.abs(bulges).max() <= 1:

@@ -8,11 +8,22 @@ import numpy as np
 
 from ..core.arguments import ArgumentType, between
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, WIDEST, AsWritten, entry, quantity, rounded_up
+from ..core.fields import (
+    FARTHEST,
+    WIDEST,
+    AsWritten,
+    ComplexPoint,
+    RowWithin,
+    TextOrTexts,
+    entry,
+    quantity,
+    rounded_up,
+)
 from ..core.records import record
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check
+from ..model.mass import Mass
 from ..plane.vec import Real
 
 if TYPE_CHECKING:
@@ -124,13 +135,14 @@ class Files:
 
 @record(checked=True)
 class OptimiseTable:
-    """The task of `geomkin optimise`: keys to vary, the result to minimise, and constraints."""
+    """The task of `geomkin optimise`: keys to vary, the result or results to minimise, and constraints."""
 
     vary: tuple[str, ...] = entry(
         "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
     )
-    minimise: str = entry(
-        "the result to minimise, a formula of ids of columns and checks", example="-min(transmission_angle)"
+    minimise: Annotated[str | tuple[str, ...], TextOrTexts()] = entry(
+        "the result to minimise, a formula of ids of columns and checks; a row of 2 to 4 gives the Pareto front",
+        example="-min(transmission_angle)",
     )
     subject_to: tuple[str, ...] = entry(
         "constraints: two formulas with >= or <= between them, such as min(transmission_angle) >= 40", default=()
@@ -337,3 +349,33 @@ class Stroke:
 
     def _in_steps(self, step: float) -> Real:
         return np.linspace(self.start, self.end, int(np.ceil(abs(self.end - self.start) / step - 1e-9)) + 1)
+
+
+# Largest component of gravity, m/s2: more is a number in mm/s2.
+MOST_GRAVITY = 100.0
+Gravity = Annotated[tuple[float, float], RowWithin(MOST_GRAVITY)]
+
+
+def gravity_entry() -> Any:
+    """Field for the gravity of a table of loads."""
+    return entry(
+        "acceleration of a falling body, [x, y] in m/s2; [0, 0] if it is not considered",
+        default=(0.0, -9.81),
+        units=("m/s2", "m/s2"),
+    )
+
+
+@record(checked=True)
+class BodyMass:
+    """Mass of a body in a recipe."""
+
+    mass_kg: float = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
+    centre: ComplexPoint = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)
+    inertia_kg_mm2: float = quantity(
+        "moment of inertia about the centre", "kg mm2", default=0.0, at_least=0, at_most=FARTHEST**2, example=100
+    )
+
+    @property
+    def mass(self) -> Mass:
+        """The mass as the library has it."""
+        return Mass(self.mass_kg, self.centre, self.inertia_kg_mm2)

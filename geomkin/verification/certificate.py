@@ -36,7 +36,7 @@ from .drawing import LARGEST, UnreadableError
 
 # Share of the tolerance by which a deviation may exceed it: the error of the measurement itself.
 MEASURED = 2 * FINENESS
-# Most files of a folder that are measured.
+# Largest number of files of a folder that are measured.
 MOST_FILES = 10_000
 
 

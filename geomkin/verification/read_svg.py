@@ -84,13 +84,7 @@ def _placed(outline: Outline, view: AffineMap) -> Outline:
 
 def subpaths(text: str, error: float) -> Iterator[Outline]:
     """The subpaths of the attribute `d`, made of straight edges, circular arcs and cubic curves."""
-    tokens, at = [], 0
-    while at < len(text):
-        if not (found := TOKEN.match(text, at)):
-            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
-        if not found.group(3):
-            tokens.append(found.group())
-        at = found.end()
+    tokens = _tokens(text)
     pen, here, start, command, k = Pen(error), 0j, 0j, "", 0
     while k < len(tokens):
         if tokens[k].isalpha():
@@ -124,6 +118,17 @@ def subpaths(text: str, error: float) -> Iterator[Outline]:
             here = end
     if pen.points:
         yield pen.outline(closed=False, end=here)
+
+
+def _tokens(text: str) -> list[str]:
+    tokens, at = [], 0
+    while at < len(text):
+        if not (match := TOKEN.match(text, at)):
+            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
+        if not match.group(3):
+            tokens.append(match.group())
+        at = match.end()
+    return tokens
 
 
 def _end(command: str, values: list[float], here: complex, base: complex) -> complex:

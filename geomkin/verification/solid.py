@@ -10,9 +10,9 @@ from ..plane.vec import Complex, Real, Whole
 from .matching import Shape
 from .outline import Outline
 
-# Shares of a slice's height at which it is cut: next to both ends, where a wrong corner shows, and halfway.
+# Heights of sections, as shares of a slice: next to both ends, where a wrong corner is visible, and in the middle.
 CUTS = (1e-3, 0.5, 1 - 1e-3)
-# Slices of a twisted part that are cut, spread over its height.
+# Largest number of slices of a twisted part with sections, spread over its height.
 MOST_SLICES = 6
 # Relative size of rounding in single precision, in which meshes are stored.
 SINGLE = 2.0**-23

@@ -66,7 +66,7 @@ def test_no_follower_enters_the_outline_and_each_corner_touches_two(cam):
 
 @each_undercut
 def test_lost_lift_is_what_a_follower_on_the_outline_loses(cam):
-    cut, angles = undercut(cam), np.radians(np.arange(0, 360, 2))
+    cut, angles = undercut(cam), np.radians(np.arange(0, 360, 5))
     lost = cam.program.motion(angles).lift - resting(cam, gk.flatten(cut.outline, 1e-4), angles)
     # On an arm the lift is an angle, and no contact is nearer to its pivot than 20 mm.
     assert cut.lost_lift(angles) == pytest.approx(lost, abs=3e-4 / (20 if cam.follower.oscillates else 1))

@@ -36,10 +36,9 @@ def assert_alike(motion):
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(other), initial=1.0))
 
 
-@pytest.mark.parametrize("block", [7, program.BLOCK])
 @pytest.mark.parametrize("name", ALL)
-def test_programs_equal_placements(name, block, monkeypatch):
-    monkeypatch.setattr(program, "BLOCK", block)
+def test_programs_equal_placements(name, monkeypatch):
+    monkeypatch.setattr(program, "BLOCK", 7)
     linkage, drive, branch = ALL[name]
     changing = {"speed": np.linspace(1, 3, len(drive)), "acceleration": np.linspace(-1, 2, len(drive))}
     for timing in ({"speed": 3.0}, changing):

@@ -164,6 +164,7 @@ def test_a_straight_line_is_followed_exactly_by_a_parallelogram():
     assert found.linkage.crank == pytest.approx(found.linkage.rocker) and found.linkage.coupler == pytest.approx(100)
 
 
+@pytest.mark.campaign
 def test_precision_points_are_met():
     """Three by Freudenstein's equation for given starts, four and five by what is left free."""
     x = chebyshev_points((1, 3), 3)

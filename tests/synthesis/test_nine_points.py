@@ -205,6 +205,7 @@ def test_points_in_special_positions_are_recognised():
     assert special(np.where(np.arange(9) == 4, POINTS[2], POINTS)) and not special(POINTS)
 
 
+@pytest.mark.campaign
 def test_all_real_linkages_of_the_published_problem_are_found():
     """64 of 1442: Wampler, Morgan and Sommese 1992, problem 3."""
     reports = []

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
+from ...core.fields import FARTHEST, RowWithin, entry, quantity, to_digits
 from ...core.records import record
 from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
 from ...model.check import Check
@@ -20,6 +19,7 @@ from ...model.motor import Motor, root_mean_square
 from ...model.scene import Plot, SceneHandle, SceneMark
 from ...model.table import Column, xy_columns
 from ...plane.vec import first_largest
+from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..checks import driver_at
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
@@ -29,34 +29,6 @@ from ..linkage import Linkage
 from ..motion import Motion
 from ..scene import vector_marks
 from ..scene_handles import body_point
-
-# Largest component of gravity, m/s2: more is a number in mm/s2.
-MOST_GRAVITY = 100.0
-
-
-@dataclass(frozen=True)
-class RowWithin:
-    """Marks a row of numbers of a recipe, such as `[x, y]`, each from -most to most."""
-
-    most: float
-    count: int = 2
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
-
-        number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
-        return core_schema.tuple_schema([number for _ in range(self.count)])
-
-
-@record(checked=True)
-class BodyMass:
-    """Mass of a body in a recipe."""
-
-    mass_kg: float = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
-    centre: ComplexPoint = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)
-    inertia_kg_mm2: float = quantity(
-        "moment of inertia about the centre", "kg mm2", default=0.0, at_least=0, at_most=FARTHEST**2, example=100
-    )
 
 
 @record(checked=True)
@@ -120,11 +92,7 @@ class LoadsTable:
     A body without an entry in `masses` has the mass of its parts, if the stock names a material.
     """
 
-    gravity_m_per_s2: Annotated[tuple[float, float], RowWithin(MOST_GRAVITY)] = entry(
-        "acceleration of a falling body, [x, y] in m/s2; [0, 0] if it is not considered",
-        default=(0.0, -9.81),
-        units=("m/s2", "m/s2"),
-    )
+    gravity_m_per_s2: Gravity = gravity_entry()
     masses: dict[str, BodyMass] = entry(
         "masses of bodies by name, each with mass_kg, centre and inertia_kg_mm2", default_factory=dict
     )
@@ -202,7 +170,7 @@ class LoadsTable:
     def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass]) -> ForceAnalysis:
         """Driver effort and joint forces. part_masses: of the parts, for bodies without an entry in `masses`."""
         self.check(motion)
-        given = {body: Mass(mass.mass_kg, mass.centre, mass.inertia_kg_mm2) for body, mass in self.masses.items()}
+        given = {body: mass.mass for body, mass in self.masses.items()}
         loads = self.by_key
         friction = (*loads.pop("pin_friction"), *loads.pop("slide_friction"))
         loads["springs"] = (*loads["springs"], *loads.pop("gas_springs"), *loads.pop("torsion_springs"))
@@ -295,21 +263,17 @@ def force_summary(analysis: ForceAnalysis, motor: Motor | None) -> Mapping[str, 
     if known.any():
         peak = first_largest(np.abs(analysis.driver))
         result[effort] = {
-            "peak": _nine_digits(analysis.driver[peak]),
-            f"peak_at_{unit}": _nine_digits(driver_at(motion, peak)),
-            "rms": _nine_digits(root_mean_square(analysis.driver, motion.drive)),
+            "peak": to_digits(analysis.driver[peak]),
+            f"peak_at_{unit}": to_digits(driver_at(motion, peak)),
+            "rms": to_digits(root_mean_square(analysis.driver, motion.drive)),
         }
     sizes = {
         pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
         for pin, bodies in motion.linkage.pins.items()
     }
     result["largest_pin_force_N"] = {
-        pin: _nine_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
+        pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
     }
     if motor:
         result["motor"] = motor_summary(motor, analysis.duty)
     return {**result, "undetermined": list(analysis.undetermined)}
-
-
-def _nine_digits(value: float | np.floating[Any]) -> float:
-    return float(f"{value:.9g}") + 0.0

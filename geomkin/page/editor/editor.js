@@ -2,7 +2,7 @@
 import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
-import { mountRows } from "../player/rows.js";
+import { mountRows, showRows } from "../player/rows.js";
 import { chooseName, showGallery } from "./dialogs.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
@@ -246,8 +246,20 @@ class Editor {
   showChoice(choice) {
     const root = at("choice");
     root.hidden = !choice;
-    root.replaceChildren(root.firstElementChild);
-    if (choice) mountRows(root, read(choice));
+    if (!choice) return;
+    at("choice-help").hidden = !choice.key;
+    if (this.family) showRows(this.family, read(choice));
+    else this.family = mountRows(root, read(choice), (row, data) => this.choose(row, data));
+  }
+
+  // Writes the value of a row of the family into the recipe, with as many digits as tell it from its neighbours.
+  choose(row, { key, instead_of, chosen, columns: [{ row: values }] }) {
+    if (!key || row === chosen) return;
+    const [first, last] = [values[0], values[values.length - 1]];
+    const digits = Math.max(0, Math.ceil(-Math.log10((last - first) / values.length)));
+    const value = +values[row].toFixed(Math.min(digits, 12));
+    this.set({ [key]: value < first || value > last ? values[row] : value, ...Object.fromEntries(instead_of.map((other) => [other, null])) }, key);
+    this.close();
   }
 
   showProblems(problems) {
