@@ -63,6 +63,7 @@ from .dwell_bands import DwellBand
 from .loads import (
     LoadsTable,
     force_columns,
+    force_hodographs,
     force_marks,
     force_plots,
     force_summary,
@@ -242,7 +243,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
         scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
         if self.force_analysis:
-            scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
+            marks = (*scene.marks, *force_marks(self.force_analysis))
+            scene = dataclasses.replace(scene, marks=marks, hodographs=force_hodographs(self.motion.linkage))
         if self.output_deviation:
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
