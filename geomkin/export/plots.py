@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from ..model.scene import Limit, Plot
+from ..model.scene import Hodograph, Limit, Plot
 from ..model.table import Column, Table
 from ..plane.vec import Real
 from .job import Job
@@ -32,17 +32,17 @@ MARGIN = 0.06
 
 
 def write_plots(job: Job) -> dict[str, bytes]:
-    """One file per plot, named after the recipe and the plot's title."""
+    """One file per plot and hodograph, named after the recipe and its title."""
     scene = job.scene
-    tables: list[tuple[Table, Sequence[Plot]]] = [(scene.table, scene.plots)]
+    files = [(plot.title, plot_file(scene.table, plot)) for plot in scene.plots]
+    files += [(hodograph.title, hodograph_file(scene.table, hodograph)) for hodograph in scene.hodographs]
     if scene.choice is not None:
-        tables.append((scene.choice.table, scene.choice.plots))
+        files += [(plot.title, plot_file(scene.choice.table, plot)) for plot in scene.choice.plots]
     contents: dict[str, bytes] = {}
-    for table, plots in tables:
-        for plot in plots:
-            title = re.sub(r"\W+", "-", plot.title).strip("-")
-            names = (f"{job.name}-{title}{suffix}-plot.svg" for suffix in ("", *(f"-{k}" for k in range(2, 100))))
-            contents[next(name for name in names if name not in contents)] = plot_file(table, plot)
+    for title, content in files:
+        stem = re.sub(r"\W+", "-", title).strip("-")
+        names = (f"{job.name}-{stem}{suffix}-plot.svg" for suffix in ("", *(f"-{k}" for k in range(2, 100))))
+        contents[next(name for name in names if name not in contents)] = content
     return contents
 
 
@@ -53,24 +53,58 @@ def plot_file(table: Table, plot: Plot, dots: bool = False) -> bytes:
     x = np.asarray(drive.values, dtype=float)[frames]
     rows = [np.asarray(column.values, dtype=float)[frames] for column in columns]
     low, high = _range(rows, plot.limits)
-    height = TOP + HIGH + BELOW + ROW * (len(rows) + 1) // 2
     across = _Axis(*_ends(x), LEFT, WIDE - RIGHT)
     up = _Axis(low, high, TOP + HIGH, TOP)
     colours = palette()
-    body = [
-        f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(plot.title)}</text>',
-        *_grid(across, up, drive.unit, columns[0].unit, colours["grid"]),
-        f'<text x="{(LEFT + WIDE - RIGHT) / 2:g}" y="{TOP + HIGH + 36}" text-anchor="middle">{_named(drive)}</text>',
-        f'<text transform="translate(16 {TOP + HIGH / 2:g}) rotate(-90)" text-anchor="middle">',
-        f"{_quantity(columns)}</text>",
+    lines = [
         *(_limit(limit, up, colours["wanted"]) for limit in plot.limits),
         *(_curve(across, up, x, row, _look(k, colours, dots), dots) for k, row in enumerate(rows)),
-        *_legend(columns, colours, dots),
+    ]
+    grid = _grid(across, up, drive.unit, columns[0].unit, colours["grid"])
+    titles = _axis_titles(up, _named(drive), _quantity(columns))
+    return _file(plot.title, (*grid, *titles), lines, _legend(columns, up, colours, dots), up.start, len(columns))
+
+
+def hodograph_file(table: Table, hodograph: Hodograph) -> bytes:
+    """The paths of the tips of vectors drawn from the origin, at one scale on both axes, as an SVG file."""
+    columns = [table.column(id) for id in hodograph.columns]
+    frames = kept_frames(len(table.columns[0].values))
+    x, y = ([np.asarray(table[f"{id}_{axis}"], dtype=float)[frames] for id in hodograph.columns] for axis in "xy")
+    ends = [_ends(np.append(np.concatenate(values), 0.0)) for values in (x, y)]
+    half = (0.5 + MARGIN) * max(high - low for low, high in ends)
+    middles = [(low + high) / 2 for low, high in ends]
+    across = _Axis(middles[0] - half, middles[0] + half, LEFT, WIDE - RIGHT)
+    up = _Axis(middles[1] - half, middles[1] + half, TOP + WIDE - RIGHT - LEFT, TOP)
+    colours, unit = palette(), columns[0].unit
+    curves = [_curve(across, up, *row, _look(k, colours, False), False) for k, row in enumerate(zip(x, y))]
+    origin = f'<circle cx="{across.at(0.0):.2f}" cy="{up.at(0.0):.2f}" r="3"/>'
+    names = (text(f"{axis}, {unit_sign(unit)}") for axis in "xy")
+    grid = _grid(across, up, unit, unit, colours["grid"])
+    axes = (*grid, *_axis_titles(up, *names))
+    return _file(hodograph.title, axes, [origin, *curves], _legend(columns, up, colours, False), up.start, len(columns))
+
+
+def _axis_titles(up: _Axis, across_title: str, up_title: str) -> Iterator[str]:
+    yield f'<text x="{(LEFT + WIDE - RIGHT) / 2:g}" y="{up.start + 36:g}" text-anchor="middle">{across_title}</text>'
+    yield f'<text transform="translate(16 {(up.start + up.end) / 2:g}) rotate(-90)" text-anchor="middle">'
+    yield f"{up_title}</text>"
+
+
+def _file(
+    title: str, axes: Iterable[str], curves: Iterable[str], legend: Iterable[str], below: float, names: int
+) -> bytes:
+    """The SVG file of a plot: title, axes that end at a height, curves, and a legend of so many names."""
+    height, colours = below + BELOW + ROW * (names + 1) // 2, palette()
+    body = [
+        f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(title)}</text>',
+        *axes,
+        *curves,
+        *legend,
     ]
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}mm" height="{WIDTH * height / WIDE:g}mm" '
-        f'viewBox="0 0 {WIDE} {height}" style="background:#fff" font-family="DejaVu Sans, Verdana, sans-serif" '
-        f'font-size="12" fill="{colours["ink"]}">\n<title>{text(plot.title)}</title>'
+        f'viewBox="0 0 {WIDE} {height:g}" style="background:#fff" font-family="DejaVu Sans, Verdana, sans-serif" '
+        f'font-size="12" fill="{colours["ink"]}">\n<title>{text(title)}</title>'
     )
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *body, "</svg>\n"]).encode()
 
@@ -110,8 +144,8 @@ def _range(rows: Sequence[Real], limits: Sequence[Limit]) -> tuple[float, float]
 def _grid(across: _Axis, up: _Axis, drive_unit: str, unit: str, colour: str) -> Iterator[str]:
     for value in across.ticks(drive_unit, MOST_ACROSS):
         x = f"{across.at(value):.2f}"
-        yield f'<path d="M{x} {TOP}v{HIGH}" stroke="{colour}"/>'
-        yield f'<text x="{x}" y="{TOP + HIGH + 16}" text-anchor="middle">{number(value, 5)}</text>'
+        yield f'<path d="M{x} {TOP}V{up.start:g}" stroke="{colour}"/>'
+        yield f'<text x="{x}" y="{up.start + 16:g}" text-anchor="middle">{number(value, 5)}</text>'
     for value in up.ticks(unit, MOST_UP):
         y = f"{up.at(value):.2f}"
         yield f'<path d="M{LEFT} {y}H{WIDE - RIGHT}" stroke="{colour}"/>'
@@ -149,10 +183,10 @@ def _look(k: int, colours: dict[str, str], dots: bool) -> str:
     return stroke if dashes == "none" else f'{stroke} stroke-dasharray="{dashes}"'
 
 
-def _legend(columns: Sequence[Column], colours: dict[str, str], dots: bool) -> Iterator[str]:
+def _legend(columns: Sequence[Column], up: _Axis, colours: dict[str, str], dots: bool) -> Iterator[str]:
     """The curves with their names, two in a line."""
     for k, column in enumerate(columns):
-        x, y = LEFT + k % 2 * (WIDE - LEFT - RIGHT) // 2, TOP + HIGH + BELOW + 6 + k // 2 * ROW
+        x, y = LEFT + k % 2 * (WIDE - LEFT - RIGHT) // 2, up.start + BELOW + 6 + k // 2 * ROW
         yield f'<path d="M{x + 14 * dots} {y}h{28 * (not dots)}" {_look(k, colours, dots)}/>'
         yield f'<text x="{x + 36}" y="{y + 4}">{text(column.id.replace("_", " "))}</text>'
 

@@ -172,6 +172,17 @@ class Plot:
         return replace(self, limits=tuple(line for id in self.columns for line in limits if line.column == id))
 
 
+@record
+class Hodograph:
+    """Paths of the tips of vectors drawn from one origin: a polar diagram, in the files of plots.
+
+    columns: ids of the columns of their sizes; each id with `_x` and `_y` is a column too. All have the same unit.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+
+
 @record(checked=True, eq=False)
 class Choice:
     """A table of solutions, the row that was chosen, and plots.
@@ -256,6 +267,8 @@ class Scene:
         Shaded areas.
     choice : Choice, optional
         The solutions from which the mechanism was chosen.
+    hodographs : tuple of Hodograph
+        Polar diagrams of vectors of the table.
     """
 
     table: Table
@@ -269,6 +282,7 @@ class Scene:
     others: dict[str, Scene] = field(default_factory=dict)
     regions: tuple[SceneRegion, ...] = ()
     choice: Choice | None = None
+    hodographs: tuple[Hodograph, ...] = ()
 
     def __post_init__(self) -> None:
         frames = len(self.drive.values)

@@ -123,7 +123,6 @@ class Trials:
             return None
         try:
             objective_rows = tuple(one.rows(_Results("minimise", recipe), "max") for one in self.objectives)
-            sides = self.sides(recipe)
             excess_rows = [one.excess(_Results("subject_to", recipe)) for one in self.conditions]
         except DesignError as error:
             # Some checks are made only if they matter; a wrong id is unknown from the first design.
@@ -134,7 +133,7 @@ class Trials:
         if not all(np.isfinite(rows).all() for rows in (*objective_rows, *excess_rows)):
             self.refusal = self.refusal or "a result that the formulas name is undefined at some positions"
             return None
-        self._scales = self._scales or [max(abs(least), abs(most)) or 1.0 for least, most in sides]
+        self._scales = self._scales or [max(map(abs, sides)) or 1.0 for sides in self.sides(recipe)]
         scaled = tuple(rows / scale for rows, scale in zip(excess_rows, self._scales))
         design = TriedDesign(dict(values), objective_rows, scaled)
         self.designs.append(design)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping
 from html import escape
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..core.errors import harmless
 from ..export.job import Job
+from ..export.plots import hodograph_file
 from ..export.still import kept_frames
 from ..export.svg_path import bounding_box, thumbnail
 from ..export.text import DIGITS, capital, number, text, unit_sign, with_unit
@@ -85,6 +87,16 @@ def choice(scene: Scene) -> str:
     first = text(scene.choice.table.columns[0].meaning)
     lead = f"<p>All solutions, by the {first}. A dot and a line mark the one that is made.</p>"
     return section("choice", "Solutions", lead)
+
+
+def hodograph(scene: Scene) -> str:
+    """The first polar diagram as a picture; the files of plots have all."""
+    if not scene.hodographs:
+        return ""
+    first = scene.hodographs[0]
+    picture = b64encode(hodograph_file(scene.table, first)).decode()
+    title = capital(first.title)
+    return section("hodograph", text(title), f'<img src="data:image/svg+xml;base64,{picture}" alt="{text(title)}">')
 
 
 def parts(job: Job) -> str:
@@ -314,6 +326,7 @@ def all_of(job: Job) -> Iterator[str]:
     scene = job.scene
     yield choice(scene)
     yield checks(job)
+    yield hodograph(scene)
     yield parts(job)
     yield stack(scene)
     yield assembly(job)

@@ -154,10 +154,3 @@ def test_motor_turns_the_copies_up_to_the_first_that_no_rod_joins(copies, loose)
     rods = sum(item.count for item in recipe.bought if item.name.startswith("rod"))
     # Rods between copies that are joined to each other, but not to the first, do not help.
     assert rods >= len(copies) - loose and (rods == 0) == (loose == len(copies))
-
-
-def test_shaft_of_the_motor_ends_below_the_copy_above_it(driven):
-    """Alone it may be longer, as nothing is above it."""
-    (shaft,) = (pin for pin in driven.stack.pins if pin.motor)
-    (motor,) = (item.name for item in driven.bought if item.name.startswith("motor"))
-    assert f"cut to {shaft.length:g} mm" in motor

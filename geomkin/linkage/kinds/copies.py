@@ -11,7 +11,6 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
-from ...making.assembly import shaft_bill
 from ...making.fasteners import gathered
 from ...model.check import Check
 from ...model.part import Bought, Part
@@ -24,7 +23,6 @@ from ..motion import Motion
 from ..moving import move
 from ..parts.plates import unused
 from ..parts.stack import PinSpan, Stack
-from ..parts.stock import LinkStock
 from ..scene import placed_bodies, traced_points
 from ..solve.branch import Branch
 
@@ -163,24 +161,14 @@ def _led(wanted: Real, frames: Real) -> Real:
 class Shared:
     """A rod that two neighbouring copies share, glued into the cranks of both instead of a screw in each.
 
-    pin: of the linkage; length: of the rod, mm; words: the arrangement of the copies, and the purpose of the rod.
+    pin: of the linkage; length: of the rod, mm; room: between the copies, mm; words: the arrangement of the copies, and
+    the purpose of the rod.
     """
 
     pin: str
     length: float
+    room: float
     words: str
-
-
-def cut_shaft(stack: Stack, stock: LinkStock) -> Stack:
-    """The stack of a linkage on a motor, whose shaft is cut so that it does not reach the copy above."""
-    shaft = stock.shaft
-    if shaft is None:
-        return stack
-    pins = (
-        replace(pin, motor=shaft_bill(shaft, pin.length, base=stock.thickness, is_cut=True)) if pin.motor else pin
-        for pin in stack.pins
-    )
-    return replace(stack, pins=tuple(pins))
 
 
 def without_motor(stack: Stack, driven: Stack) -> Stack:
@@ -217,7 +205,8 @@ def counted(driven: Sequence[Part], others: Sequence[Part], count: int) -> tuple
 def shared_rods(
     copies: tuple[Copy, ...], linkage: AbstractLinkage, stacks: Sequence[Stack], thickness: float
 ) -> Iterator[Shared]:
-    """The rods by which neighbouring copies drive each other; pin "" and length 0 if no rod fits.
+    """The rods by which neighbouring copies drive each other; pin "" and length 0 if no rod fits,
+    and the room is unknown.
 
     Back to back, the shaft goes from crank to crank through both grounds. Face to face, the cranks share a pin if they
     are in phase and it ends in the uppermost layer, so that nothing passes over it. Derived here.
@@ -234,15 +223,15 @@ def shared_rods(
             length = shaft.length + other_shaft.length + room
             rod = f"one rod {lower.letters[shaft.name]}, {length:g} mm long for both screws, glued into both cranks"
             words = f"{pair} back to back, {room:g} mm between their grounds: {rod} {apart:g} deg apart"
-            yield Shared(shaft.name, length, words)
+            yield Shared(shaft.name, length, room, words)
         elif two.mirrored and not one.mirrored and apart == 0 and (names := [n for n in common if n in other_common]):
             pin = names[0]
             room = sum(_beyond(stack, thickness, max(stack.layers.values()), pin) for stack in (lower, upper))
             length = common[pin].length + other_common[pin].length + room
             rod = f"one rod {lower.letters[pin]}, {length:g} mm long for both screws, glued into both cranks"
-            yield Shared(pin, length, f"{pair} face to face, {room:g} mm between them: {rod}")
+            yield Shared(pin, length, room, f"{pair} face to face, {room:g} mm between them: {rod}")
         else:
-            yield Shared("", 0.0, f"{pair}: no rod joins their cranks, so turn both by a shaft of yours")
+            yield Shared("", 0.0, np.nan, f"{pair}: no rod joins their cranks, so turn both by a shaft of yours")
 
 
 def _crank_pins(linkage: AbstractLinkage, stack: Stack) -> tuple[PinSpan, dict[str, PinSpan]]:

@@ -45,6 +45,7 @@ from ..scene_sizes import size_columns, size_plot
 from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import (
+    Copied,
     Copy,
     Shared,
     check_copies,
@@ -52,7 +53,6 @@ from .copies import (
     copies_entry,
     copying,
     counted,
-    cut_shaft,
     driven_check,
     joining,
     shared_rods,
@@ -63,6 +63,7 @@ from .dwell_bands import DwellBand
 from .loads import (
     LoadsTable,
     force_columns,
+    force_hodographs,
     force_marks,
     force_plots,
     force_summary,
@@ -82,6 +83,7 @@ from .moved import (
     branches_entry,
     coefficients_entry,
 )
+from .stance import UNKNOWN_STANCE, Stance, check_foot, foot_entry, stance_of
 from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
 
 
@@ -94,12 +96,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     both_modes: bool = False
     dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
+    foot: str | None = None
     loads: LoadsTable | None = None
     tolerances: TolerancesTable | None = None
 
     def __post_init__(self) -> None:
         self.check_stroke()
         check_copies(self.copies, self.linkage, self.input_range)
+        check_foot(self.foot, self.linkage.linkage, 1 + len(self.copies))
         # Upper limit of the columns of the bodies, the slides and the points that are not pins.
         linkage = self.linkage.linkage
         points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
@@ -159,8 +163,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def stack(self) -> Stack:
         """The plates in layers."""
-        stack = stack_links(self.fine_motion, self.stock)
-        return cut_shaft(stack, self.stock) if self.copies else stack
+        return stack_links(self.fine_motion, self.stock)
 
     @cached_property
     def copy_stack(self) -> Stack:
@@ -185,6 +188,19 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     def shared(self) -> tuple[Shared, ...]:
         """The rods by which neighbouring copies drive each other."""
         return tuple(shared_rods(self.copies, self.linkage, self._stacks, self.stock.thickness))
+
+    @cached_property
+    def moving_copies(self) -> tuple[Copied, ...]:
+        """The motion of each copy."""
+        return tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
+
+    @cached_property
+    def stance(self) -> Stance | None:
+        """How a walker stands on its feet; None without feet, or if the distances of the copies are unknown."""
+        if self.foot is None:
+            return None
+        sheet = self.stock.thickness
+        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, sheet)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -227,14 +243,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
         scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
         if self.force_analysis:
-            scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
+            marks = (*scene.marks, *force_marks(self.force_analysis))
+            scene = dataclasses.replace(scene, marks=marks, hodographs=force_hodographs(self.motion.linkage))
         if self.output_deviation:
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
-        copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
         lowest = 1 + max(self.stack.layers.values())
-        return with_copies(scene, copies, self.copy_parts, self.copy_stack.layers, lowest)
+        return with_copies(scene, self.moving_copies, self.copy_parts, self.copy_stack.layers, lowest)
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
@@ -260,6 +276,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             hole_check(self.stock.hole_diameter, self.stock.thickness),
             collision_check(sum(len(stack.collisions) for stack in dict.fromkeys(self._stacks)), advice),
             *((driven_check(self.shared),) if self.copies and self.stock.motor else ()),
+            *(self.stance.checks if self.stance else ()),
             *(self.output_deviation.checks if self.output_deviation else ()),
             *self.input_range.checks,
             *self._load_checks(),
@@ -299,7 +316,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        return (self.output_deviation.remark,) if self.output_deviation else ()
+        unknown = (UNKNOWN_STANCE,) if self.foot and not self.stance else ()
+        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *unknown)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -319,6 +337,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             **dwell,
             **loads,
             **tolerances,
+            **({"stance": self.stance.summary} if self.stance else {}),
             **self.mass_summary,
             "stack": stack,
         }
@@ -553,6 +572,7 @@ class LinkageRecipe(SlidingLinkageRecipe):
     kind: Literal["linkage"] = "linkage"
     linkage: BodyList
     copies: tuple[Copy, ...] = copies_entry()
+    foot: str | None = foot_entry()
     sliding: ClassVar = {
         "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
         "stroke": Stroke(start=70, end=110),

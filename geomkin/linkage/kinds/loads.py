@@ -16,7 +16,7 @@ from ...model.check import Check
 from ...model.handles import point_handle
 from ...model.mass import Mass
 from ...model.motor import Motor, root_mean_square
-from ...model.scene import Plot, SceneHandle, SceneMark
+from ...model.scene import Hodograph, Plot, SceneHandle, SceneMark
 from ...model.table import Column, xy_columns
 from ...plane.vec import first_largest
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
@@ -191,11 +191,11 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 1 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
+    return 5 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
 
 
 def force_columns(analysis: ForceAnalysis) -> Iterator[Column]:
-    """Driver effort and joint forces."""
+    """Driver effort, joint forces, and the force and moment by which the masses shake the ground."""
     linkage = analysis.motion.linkage
     if linkage.driven_slider is None:
         yield Column("driver_torque", "N mm", "torque of the driver, counterclockwise positive", analysis.driver)
@@ -212,20 +212,37 @@ def force_columns(analysis: ForceAnalysis) -> Iterator[Column]:
         meaning = f"on {slider.body}, along the left normal of {name}"
         yield Column(f"{name}_normal_force", "N", f"force of {slider.along} {meaning}", slide.normal)
         yield Column(f"{name}_moment", "N mm", f"moment of {slider.along} on {slider.body}", slide.moment)
+    meaning = "shaking force of the masses on the ground"
+    yield from xy_columns("shaking_force", "N", meaning, analysis.shaking_force)
+    yield Column("shaking_force", "N", f"{meaning}, its size", np.abs(analysis.shaking_force))
+    at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
+    moment = f"shaking moment of the masses about {at}"
+    yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
 
 
 def force_plots(analysis: ForceAnalysis) -> tuple[Plot, ...]:
     """Plots of the columns of `force_columns`."""
     linkage = analysis.motion.linkage
     effort = "torque" if linkage.driven_slider is None else "force"
-    pins = [f"{pin}_force_on_{body}" for pin, bodies in linkage.pins.items() for body in bodies[1:]]
     plots = [
         Plot(f"driver {effort}", (f"driver_{effort}",)),
-        Plot("pin forces", tuple(pins)),
+        Plot("pin forces", _pin_forces(linkage)),
         Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
         Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
+        Plot("shaking force", ("shaking_force",)),
     ]
     return tuple(plot for plot in plots if plot.columns)
+
+
+def _pin_forces(linkage: Linkage) -> tuple[str, ...]:
+    return tuple(f"{pin}_force_on_{body}" for pin, bodies in linkage.pins.items() for body in bodies[1:])
+
+
+def force_hodographs(linkage: Linkage) -> tuple[Hodograph, ...]:
+    """Polar diagrams of the shaking force and of the pin forces."""
+    shaking = Hodograph("polar diagram of the shaking force", ("shaking_force",))
+    pins = Hodograph("polar diagram of the pin forces", _pin_forces(linkage))
+    return (shaking, pins) if pins.columns else (shaking,)
 
 
 def force_marks(analysis: ForceAnalysis) -> Iterator[SceneMark]:

@@ -132,6 +132,7 @@ NINE_POINTS: MethodFamily[Complex, Places] = MethodFamily(
             "double-double.",
             _continued,
             rationale="It finds every linkage, and counts where all paths ended.",
+            caveat="These points need no second pass over doubtful ends; others lose linkages without it.",
         ),
         Method(
             "some of the paths",
