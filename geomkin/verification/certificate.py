@@ -249,7 +249,8 @@ class Expected:
         """The parts in the assembly, where a repeated name is numbered; those of mirrored copies are turned over."""
         files, counts, named = self.recipe.files, Counter[str](), dict[str, ExactPart]()
         known = {id(exact.part): exact for exact in self.parts}
-        for part in (part for body in self.recipe.scene.bodies for part in body.parts):
+        bodies = self.recipe.scene.bodies if self.recipe.scene else ()
+        for part in (part for body in bodies for part in body.parts):
             counts[part.name] += 1
             name = f"{part.name} {counts[part.name]}" if counts[part.name] > 1 else part.name
             named[name] = known.get(id(part)) or exact_part(part, files.kerf, files.tolerance)
