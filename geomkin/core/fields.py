@@ -105,8 +105,8 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
         if _is_tiny(value, about):
-            least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
-            raise DesignError(field.name, f"found {shown(value)}, which is too small", f"give {least}", "out-of-range")
+            remedy = f"give {'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
+            raise DesignError(field.name, f"found {shown(value)}, which is too small", remedy, "out-of-range")
         if many and np.ndim(value):
             rows[field.name] = len(value)
     if len(set(rows.values()) - {1}) > 1:
