@@ -34,8 +34,8 @@ def paired(real: Real, imag: Real) -> Complex:
 
 def exact_sum(*terms: Real) -> Real:
     """The sum of numbers as if added exactly and rounded about once, by adding the rounding errors back."""
-    if all([isinstance(term, float) for term in terms]):
-        rounded: Any = np.float64(fsum(terms))
+    if all(isinstance(term, float) for term in terms):
+        rounded: Real = np.asarray(fsum(terms))[()]
         return rounded
     for term in terms:
         if isinstance(term, Symbol):
