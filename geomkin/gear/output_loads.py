@@ -57,7 +57,7 @@ class RackStrength(AbstractMeshStrength):
     >>> pair = gk.gear.RackPair(gk.SpurGear(20, 2), gk.gear.GearRack(12, 2))
     >>> loaded = gk.gear.RackStrength(pair, gk.gear.RackLoads(force_n=100), 6, (pom, pom))
     >>> loaded.torque, round(loaded.teeth[0].root_stress, 1)
-    (2000.0, 23.4)
+    (2000.0, 22.2)
     """
 
     pair: RackPair
@@ -134,7 +134,7 @@ class TrainStrength:
     --------
     >>> train = gk.GearTrain(((10, 30), (8, 32)), 2, friction=0)
     >>> steel = gk.making.material("steel-C45")
-    >>> gk.gear.TrainStrength(train, gk.gear.TrainLoads(output_torque_n_mm=1200), 6, 4 * (steel,)).torques
+    >>> gk.gear.TrainStrength(train, gk.gear.TrainLoads(output_torque_n_mm=1200.0), 6, 4 * (steel,)).torques
     (100.0, 300.0, 1200.0)
     """
 
