@@ -14,9 +14,9 @@ SAMPLES = 256
 # If all stretches together would have more than TOGETHER samples, each gets fewer, but at least FEWEST. Smaller values
 # miss detail of a spline among many dwells; larger ones take seconds.
 TOGETHER, FEWEST = 256 * 256, 48
-# Each refinement narrows the interval of a peak to one 64th. After five the cam angle is exact to 1e-9 rad and the
-# value, which is stationary at a peak, to rounding.
-REFINEMENTS, FINE = 5, 129
+# Each refinement narrows the interval of a peak to one sixteenth. After seven the cam angle is exact to 1e-9 rad and
+# the value, which is stationary at a peak, to rounding.
+REFINEMENTS, FINE = 7, 33
 
 
 def samples(breaks: Real) -> Real:
