@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from textwrap import wrap
 from typing import Annotated, Any, Literal
 
 from .core.arguments import ArgumentType, checked
@@ -29,6 +30,8 @@ from .recipe.settings import Files, Format
 
 # Largest number of bytes of a recipe's name, so that a name with an ending suits every file system.
 LONGEST_NAME = 200
+# Width of a line of facts, in letters: the terminal shows at most 80.
+FACT_WIDTH = 72
 # A path, a TOML text, or a mapping such as a TOML parser returns.
 Readable = str | Path | Annotated[Mapping[str, Any], ArgumentType(lambda value: isinstance(value, Mapping), "a table")]
 
@@ -187,6 +190,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
         # Notes are part of the summary and may raise too.
         _ = recipe.notes
         facts, remarks = recipe.facts, (*recipe.remarks, *recipe.unknown_expectations)
+        if assumed := ", ".join(f"{key} {value:g} mm" for key, value in recipe.assumed_fits.items()):
+            facts = (*facts, *wrap(f"assumed, not measured: {assumed}", FACT_WIDTH))
     return Made(name, recipe.kind, checks, {}, facts, remarks)
 
 
@@ -320,8 +325,10 @@ def _job(name: str, source: Source, files: Files) -> Job:
 
 
 def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
-    """Further entries of summary.json, the files that the recipe reads among them."""
-    return {**recipe.notes, **({"sources": dict(recipe.sources)} if recipe.sources else {})}
+    """Further entries of summary.json, among them the files that the recipe reads, and fits that nobody measured."""
+    workshop = (recipe.loaded_table or {}).get("workshop")
+    entries = {"workshop": workshop, "assumed_mm": dict(recipe.assumed_fits), "sources": dict(recipe.sources)}
+    return {**recipe.notes, **{name: entry for name, entry in entries.items() if entry}}
 
 
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:
