@@ -189,9 +189,10 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
                 writer.write(job)
         # Notes are part of the summary and may raise too.
         _ = recipe.notes
-        facts, remarks = recipe.facts, (*recipe.remarks, *recipe.unknown_expectations)
+        facts = (*recipe.facts, *([recipe.forces_missing] if recipe.forces_missing else []))
         if assumed := ", ".join(f"{key} {value:g} mm" for key, value in recipe.assumed_fits.items()):
             facts = (*facts, *wrap(f"assumed, not measured: {assumed}", FACT_WIDTH))
+        remarks = (*recipe.remarks, *recipe.unknown_expectations)
     return Made(name, recipe.kind, checks, {}, facts, remarks)
 
 
@@ -319,15 +320,20 @@ def _job(name: str, source: Source, files: Files) -> Job:
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
-    about = " ".join((source.subtitle, *source.remarks))
+    about = " ".join((source.subtitle, *source.remarks, source.forces_missing)).rstrip()
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp)
 
 
 def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
-    """Further entries of summary.json, among them the files that the recipe reads, and fits that nobody measured."""
-    workshop = (recipe.loaded_table or {}).get("workshop")
-    entries = {"workshop": workshop, "assumed_mm": dict(recipe.assumed_fits), "sources": dict(recipe.sources)}
+    """Further entries of summary.json, such as the files that the recipe reads, and why there are no forces."""
+    missing = recipe.forces_missing
+    entries = {
+        "loads": {"not_computed": missing} if missing else {},
+        "workshop": (recipe.loaded_table or {}).get("workshop"),
+        "assumed_mm": dict(recipe.assumed_fits),
+        "sources": dict(recipe.sources),
+    }
     return {**recipe.notes, **{name: entry for name, entry in entries.items() if entry}}
 
 
