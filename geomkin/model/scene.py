@@ -269,6 +269,8 @@ class Scene:
         The solutions from which the mechanism was chosen.
     hodographs : tuple of Hodograph
         Polar diagrams of vectors of the table.
+    units : mapping of str to tuple of SceneBody
+        Bodies of each unit that is assembled for itself, by its name; empty if the whole scene is one unit.
     """
 
     table: Table
@@ -283,6 +285,7 @@ class Scene:
     regions: tuple[SceneRegion, ...] = ()
     choice: Choice | None = None
     hodographs: tuple[Hodograph, ...] = ()
+    units: dict[str, tuple[SceneBody, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         frames = len(self.drive.values)

@@ -37,7 +37,8 @@ from ..named_linkages import (
     Shaper,
     SliderCrank,
 )
-from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
+from ..parts.frame import frame_places, with_frame
+from ..parts.stack import MOTOR_PLATE, Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
@@ -161,16 +162,29 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return self.moved(self.input_range.collision_samples, self.signs)
 
     @cached_property
+    def _unframed(self) -> tuple[Stack, Stack]:
+        """The stacks of the first linkage and of a copy, without the frame of a walker."""
+        own = stack_links(self.fine_motion, self.stock)
+        return own, own if self.stock.motor is None else stack_links(self.fine_motion, self.copy_stock)
+
+    @cached_property
+    def frame(self) -> tuple[complex, ...]:
+        """Places of the rods that join the grounds of a walker, mm; empty without a foot, or if they are not known."""
+        if self.foot is None or any(not rod.pin for rod in self.shared):
+            return ()
+        return frame_places(self.fine_motion, self.stock, self._unframed[0].plates)
+
+    @cached_property
     def stack(self) -> Stack:
         """The plates in layers."""
-        return stack_links(self.fine_motion, self.stock)
+        return with_frame(self._unframed[0], self.linkage.linkage.ground, self.frame)
 
     @cached_property
     def copy_stack(self) -> Stack:
         """The plates of a copy in layers; the motor is in the first linkage only."""
         if self.stock.motor is None:
             return self.stack
-        return without_motor(stack_links(self.fine_motion, self.copy_stock), self.stack)
+        return without_motor(with_frame(self._unframed[1], self.linkage.linkage.ground, self.frame), self.stack)
 
     @property
     def copy_stock(self) -> LinkStock:
@@ -187,7 +201,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def shared(self) -> tuple[Shared, ...]:
         """The rods by which neighbouring copies drive each other."""
-        return tuple(shared_rods(self.copies, self.linkage, self._stacks, self.stock.thickness))
+        stacks = (self._unframed[0], *(self._unframed[1] for _ in self.copies))
+        return tuple(shared_rods(self.copies, self.linkage, stacks, self.stock.thickness))
 
     @cached_property
     def moving_copies(self) -> tuple[Copied, ...]:
@@ -204,14 +219,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return joining(self._stacks, self.shared)
+        return joining(self._stacks, self.shared, self.stock.thickness)
 
     @property
     def steps(self) -> tuple[str, ...]:
         if not self.copies:
             return self.stack.steps
-        without = self.copy_stack.steps if self.stock.motor else ()
-        return (*self.stack.steps, *copying(self.copies, self.shared, without))
+        return copying(self.copies, self.shared, self._stacks, self.stock.thickness)
 
     @cached_property
     def table(self) -> Table:
@@ -241,7 +255,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         # Only the page shows them, no file of numbers.
         effects = size_columns(self.motion)
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
-        scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
+        layers = {MOTOR_PLATE: -1, **self.stack.layers}
+        scene = linkage_scene(self.motion, table, self.own_parts, layers, plots, self._others())
         if self.force_analysis:
             marks = (*scene.marks, *force_marks(self.force_analysis))
             scene = dataclasses.replace(scene, marks=marks, hodographs=force_hodographs(self.motion.linkage))
@@ -299,7 +314,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """The parts of a copy."""
         if self.stock.motor is None:
             return self.own_parts
-        return link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+        own = {part.name: part for part in self.own_parts}
+        parts = link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+        return tuple(dataclasses.replace(own.get(part.name, part), count=part.count) for part in parts)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -316,8 +333,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        unknown = (UNKNOWN_STANCE,) if self.foot and not self.stance else ()
-        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *unknown)
+        stance = tuple(self.stance.remarks) if self.stance else (UNKNOWN_STANCE,) if self.foot else ()
+        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *stance)
 
     @property
     def notes(self) -> Mapping[str, object]:
