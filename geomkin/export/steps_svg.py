@@ -57,7 +57,9 @@ def write_steps_svg(job: Job) -> dict[str, bytes]:
     box = rounded(np.array(box), digits).tolist()
     about = "Layers from the lowest up; the parts to add are coloured, and letters mark their holes."
     return {
-        f"{job.name}-steps.svg": document(largest, tuple(box), f"{job.name}, assembly", about, style(largest), body)
+        f"{job.name}-steps.svg": document(
+            largest, tuple(box), f"{job.name}, assembly", about, style(largest, body), body
+        )
     }
 
 
