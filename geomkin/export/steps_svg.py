@@ -56,11 +56,8 @@ def write_steps_svg(job: Job) -> dict[str, bytes]:
     box = complex(left, top - rows * size.imag), complex(left + columns * size.real, top)
     box = rounded(np.array(box), digits).tolist()
     about = "Layers from the lowest up; the parts to add are coloured, and letters mark their holes."
-    return {
-        f"{job.name}-steps.svg": document(
-            largest, tuple(box), f"{job.name}, assembly", about, style(largest, body), body
-        )
-    }
+    css = style(largest, "".join(body))
+    return {f"{job.name}-steps.svg": document(largest, tuple(box), f"{job.name}, assembly", about, css, body)}
 
 
 def _bare(scene: Scene, bodies: tuple[SceneBody, ...]) -> Scene:
