@@ -91,7 +91,7 @@ def _card(recipe_folder: Path, summary: dict[str, object], picture: str) -> str:
     page = f"{name}{tail_of('page')}"
     files = sorted(file for file in listed_files(recipe_folder) if _is_there(recipe_folder / file))
     title = f'<a href="{_link(recipe_folder, page)}">{text(name)}</a>' if page in files else text(name)
-    image = f'<img alt="{text(name)}, assembled" src=\'{picture}\'>' if picture else '<div class="none"></div>'
+    image = f"<img alt=\"{text(name)}, assembled\" src='{picture}'>" if picture else '<div class="none"></div>'
     rows = "".join(f'<li><a href="{_link(recipe_folder, file)}">{text(file)}</a></li>' for file in files[:MOST_FILES])
     more = f"<li>and {len(files) - MOST_FILES:,} more</li>" if len(files) > MOST_FILES else ""
     listed = (

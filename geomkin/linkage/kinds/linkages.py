@@ -18,15 +18,17 @@ from ...model.check import Check
 from ...model.mass import Mass
 from ...model.motor import Motor
 from ...model.part import Bought, Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import grashof, least_transmission_angle
+from ..measures import grashof, least_transmission_angle, steady_bodies
 from ..motion import Motion, motion_table
 from ..named_linkages import (
     EllipticTrammel,
@@ -44,7 +46,18 @@ from ..scene import linkage_scene, motion_plots
 from ..scene_sizes import size_columns, size_plot
 from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
-from .copies import Copy, Shared, check_copies, copied, copies_entry, copying, joining, shared_rods, with_copies
+from .copies import (
+    Copy,
+    Shared,
+    check_copies,
+    copied,
+    copies_entry,
+    copying,
+    is_whole_turn,
+    joining,
+    shared_rods,
+    with_copies,
+)
 from .dwell_bands import DwellBand
 from .loads import (
     LoadsTable,
@@ -69,6 +82,9 @@ from .moved import (
     coefficients_entry,
 )
 from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
+
+# Decimals of rad to which angles of the driver count as one.
+SAME_ANGLE = 12
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe):
@@ -203,8 +219,29 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
-        copies = tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
+        return self._with_copies(scene, self.motion)
+
+    def _with_copies(self, scene: Scene, motion: Motion) -> Scene:
+        copies = tuple(copied(self.copies, motion, self.linkage, self.signs))
         return with_copies(scene, copies, self.parts, self.stack.layers)
+
+    @cached_property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """The driver and the bodies that turn as evenly, if the driver makes one whole turn on a fixed shaft."""
+        turns = is_whole_turn(self.input_range) and self.linkage.linkage.driver_pivot is not None
+        return steady_bodies(self.motion) if turns and self.motion.assembled.all() else {}
+
+    def scene_at(self, turn: Real) -> Scene:
+        # The motion over one turn in the recipe's own steps, so that it stays on its branch, and at the wanted angles.
+        first, steps = self.drive.frames[0], self.drive.frames - self.drive.frames[0]
+        angles, rows = np.unique(
+            np.round(np.abs(np.concatenate([steps, np.remainder(turn, steps[-1])])), SAME_ANGLE), return_inverse=True
+        )
+        motion = self.moved(first + np.sign(steps[-1]) * angles, self.signs)
+        table = motion_table(motion)
+        scene = linkage_scene(motion, table, self.parts, self.stack.layers, rates=False)
+        scene = self._with_copies(scene, motion) if self.copies else scene
+        return scene.at_frames(rows[len(steps) :])
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
