@@ -155,13 +155,16 @@ def joined_table(driver_turns: Real, time: Real, mechanisms: Sequence[PlacedMech
 def joined_scene(table: Table, mechanisms: Sequence[PlacedMechanism], is_cyclic: bool) -> Scene:
     """The scenes of all mechanisms as one, with the timing diagrams."""
     scenes = [mechanism.scene for mechanism in mechanisms]
+    # Equal mechanisms in one place leave the same trails, and only the first one's are drawn.
+    places = [(id(m.recipe), complex(m.pose.origin), complex(m.pose.direction)) for m in mechanisms]
+    first = [places.index(place) == k for k, place in enumerate(places)]
     return Scene(
         table,
         table["time"],
         np.logical_and.reduce([scene.assembled for scene in scenes]),
         tuple(body for scene in scenes for body in scene.bodies),
         tuple(curve for scene in scenes for curve in scene.curves),
-        tuple(mark for scene in scenes for mark in scene.marks),
+        tuple(replace(mark, trail=mark.trail and own) for own, scene in zip(first, scenes) for mark in scene.marks),
         tuple(timing_diagrams(mechanisms, table)),
         is_cyclic,
         regions=tuple(region for scene in scenes for region in scene.regions),

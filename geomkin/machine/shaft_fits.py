@@ -67,8 +67,8 @@ class ShaftFit:
     @property
     def step(self) -> str:
         """The assembly step of the shaft."""
-        first, *others = self.bodies
-        return f"one shaft through {first} and {' and '.join(others)}, fixed to each, instead of the shaft of each"
+        bodies = " and ".join(self.bodies)
+        return f"put one shaft through {bodies}, fixed to each, instead of the shaft or screw that each has by itself"
 
     def checks(self, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
@@ -132,8 +132,8 @@ def shaft_fits(
     by_name = {mechanism.name: mechanism for mechanism in mechanisms}
     for shaft in graph.shafts:
         bodies = {}
-        for name, body in ((shaft.mechanism, shaft.body), *((n, next(iter(graph.bodies[n]))) for n in shaft.turned)):
-            full = f"{name}/{body}"
+        for name, of in ((shaft.mechanism, shaft.body), *((n, next(iter(graph.bodies[n]))) for n in shaft.turned)):
+            full = f"{name}/{of}"
             bodies[full] = next(b for b in by_name[name].scene.bodies if b.name == full)
         axis = complex(by_name[shaft.mechanism].pose.place(graph.bodies[shaft.mechanism][shaft.body].axis))
         bores = {}

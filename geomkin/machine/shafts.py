@@ -23,6 +23,8 @@ FEWEST_FRAMES, MOST_FRAMES, FRAMES_PER_TURN = 240, 1000, 72
 MOST_TURNS = 40
 # Most turns of the fastest gear in a period of gears alone; with more there are fewer than 4 rows for each.
 MOST_GEAR_TURNS = 250
+# Most turns of any gear in a period; with more, its angle loses digits that a drawing shows.
+MOST_EXACT_TURNS = 1_000_000
 
 Bodies = Mapping[str, RotatingBody]
 
@@ -150,18 +152,17 @@ class ShaftGraph:
         Raises
         ------
         DesignError
-            If a crank or a cam turns too often in it; names the numbers.
+            If a crank, cam or gear turns too often in it; names the numbers.
         """
-        speeds = self._body_speeds(wheels=False)
+        speeds, wheels = self._body_speeds(wheels=False), self._body_speeds(wheels=True)
         if not speeds:
-            wheels = self._body_speeds(wheels=True)
             return min(common_period(wheels), MOST_GEAR_TURNS / max(wheels))
         period = common_period(speeds)
-        turns = period * max(speeds)
-        if turns > MOST_TURNS:
-            problem = f"a crank or cam turns {turns:,} times until all of them are where they began"
-            remedy = f"choose numbers of teeth with a simpler ratio, so that it turns at most {MOST_TURNS} times"
-            raise DesignError("mechanisms", problem, remedy, "too-much-work")
+        for what, each, most in (("crank or cam", speeds, MOST_TURNS), ("gear", wheels, MOST_EXACT_TURNS)):
+            if (turns := period * max(each, default=Fraction(0))) > most:
+                problem = f"a {what} turns {float(turns):,.6g} times until all cranks and cams are where they began"
+                remedy = f"choose numbers of teeth with simpler ratios, so that it turns at most {most:,} times"
+                raise DesignError("mechanisms", problem, remedy, "too-much-work")
         return period
 
     @property

@@ -68,7 +68,7 @@ KINDS: dict[str, KindRow] = {
     "straight-sided-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe"),
     "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
     "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),
-    "machine": KindRow("machines", "geomkin.machine.recipes:MachineRecipe"),
+    "machine": KindRow("machines", "geomkin.machine.kinds:MachineRecipe"),
 }
 
 

@@ -75,6 +75,11 @@ class AbstractRecipe(_Shared, ABC):
     _repr_html_ = moving
 
     @property
+    def is_in_own_file(self) -> bool:
+        """Whether it has a name, by which another recipe that contains it states it."""
+        return bool(self.name)
+
+    @property
     @abstractmethod
     def design(self) -> object:
         """The mechanism as a type of the library, such as FourBar, Cam or SpurGear."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Annotated, Any, Literal, NoReturn
 
 import numpy as np
@@ -17,12 +18,13 @@ from ..core.fields import entry, quantity
 from ..core.names import check_names, read_text_file
 from ..core.records import record
 from ..model.check import Check
+from ..model.mass import Mass
 from ..model.part import Bought, Part
 from ..model.scene import Scene
 from ..model.table import Table
 from ..plane.vec import Pose
-from ..recipe.load import from_table, parsed, short_table, to_toml
-from ..recipe.recipe import AbstractRecipe
+from ..recipe.load import LARGEST, from_table, parsed, short_table, to_toml
+from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
 from .placed import PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, shaft_fits
@@ -63,7 +65,11 @@ def _read(given: object, folder: Any) -> AbstractRecipe:
                 remedy = 'give the name of a file next to this one, such as "leg.toml"'
                 raise DesignError("", f"found {shown(given)}", remedy, "out-of-range")
             file = given
-            table = parsed(read_text_file(given, folder, "the file of a recipe"), given)
+            text = read_text_file(given, folder, "the file of a recipe")
+            if len(text) > LARGEST:
+                problem = f"{given} is larger than {LARGEST:,} bytes"
+                raise DesignError("", problem, "give a recipe, a short TOML file", "too-much-work")
+            table = parsed(text, given)
         if not isinstance(table, Mapping):
             remedy = 'give a file next to this one, such as "leg.toml", or a table with kind'
             raise DesignError("", f"found {shown(given)}", remedy, "wrong-type")
@@ -182,7 +188,9 @@ class MachineRecipe(AbstractRecipe):
             if mechanism.turned_by and (key := _motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
-        self.graph.period  # noqa: B018  raises for a long period, and for shafts that do not join
+        if not any(isinstance(recipe, AbstractGoal) for recipe in self.recipes.values()):
+            # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
+            self.graph.period  # noqa: B018
 
     @cached_property
     def recipes(self) -> Mapping[str, AbstractRecipe]:
@@ -289,11 +297,15 @@ class MachineRecipe(AbstractRecipe):
         """Steps of each mechanism, then the shafts that join them."""
         own = (f"{name}: {step}" for name, recipe in self.recipes.items() for step in recipe.steps)
         phases = (
-            f"turn the driver of {name} by {mechanism.phase_deg:g} deg before its shaft is fixed"
+            f"turn the driver of {name} by {mechanism.phase_deg:g} deg before it is fixed to its shaft"
             for name, mechanism in self.mechanisms.items()
             if mechanism.phase_deg
         )
-        return (*own, *(shaft.step for shaft in self.shafts), *phases)
+        neighbours = (
+            f"set {upper} above {lower} on tubes as high as the nuts and collars between them"
+            for lower, upper in pairwise(self.mechanisms)
+        )
+        return (*own, *neighbours, *(shaft.step for shaft in self.shafts), *phases)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
@@ -313,6 +325,12 @@ class MachineRecipe(AbstractRecipe):
                     for check in recipe.design_checks
                 )
         return (*checks, *(check for shaft in self.shafts for check in shaft.checks(self.placed)))
+
+    @cached_property
+    def body_masses(self) -> Mapping[str, Mass]:
+        """Mass of each body of all mechanisms whose stock names a material."""
+        masses = {name: recipe.body_masses for name, recipe in self.recipes.items()}
+        return {f"{name}/{body}": mass for name, bodies in masses.items() for body, mass in bodies.items()}
 
     @property
     def sources(self) -> Mapping[str, str]:
