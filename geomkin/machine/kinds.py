@@ -272,11 +272,7 @@ class MachineRecipe(AbstractRecipe):
     @cached_property
     def shafts(self) -> tuple[ShaftFit, ...]:
         """The shafts that join mechanisms, in the layers of the machine."""
-        heights: dict[int, float] = {}
-        for body in self.scene.bodies:
-            for part in body.parts:
-                heights[body.layer] = max(part.thickness, heights.get(body.layer, 0.0))
-        return tuple(shaft_fits(self.graph, self.placed, heights))
+        return tuple(shaft_fits(self.graph, self.placed))
 
     @property
     def bought(self) -> tuple[Bought, ...]:

@@ -127,6 +127,16 @@ class PlacedMechanism:
         )
 
     @property
+    def heights(self) -> dict[int, float]:
+        """Thickness of each layer in the machine, mm; a layer of spacers is as thick as the thickest."""
+        heights: dict[int, float] = {}
+        for body in self.scene.bodies:
+            for part in body.parts:
+                heights[body.layer] = max(part.thickness, heights.get(body.layer, 0.0))
+        most = max(heights.values(), default=0.0)
+        return {k: heights.get(k, most) for k in range(self.first_layer, self.first_layer + self.layers)}
+
+    @property
     def columns(self) -> Iterator[Column]:
         """Rotation of the driver, then positions and angles, under the names of the machine."""
         meaning = f"rotation of the driver of {self.name} from its first position"

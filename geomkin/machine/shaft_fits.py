@@ -125,10 +125,9 @@ def bore_at(part: Part, places: Complex) -> HoleFit | None:
     return None
 
 
-def shaft_fits(
-    graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism], heights: Mapping[int, float]
-) -> Iterator[ShaftFit]:
-    """The shafts of a machine in its layers. heights: thickness of each layer, mm."""
+def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iterator[ShaftFit]:
+    """The shafts of a machine in its layers."""
+    heights = {layer: height for mechanism in mechanisms for layer, height in mechanism.heights.items()}
     by_name = {mechanism.name: mechanism for mechanism in mechanisms}
     for shaft in graph.shafts:
         bodies = {}
@@ -142,4 +141,4 @@ def shaft_fits(
             bores[full] = next((bore for bore in found if bore is not None), None)
         layers = [body.layer for body in bodies.values()]
         low, high = min(layers), max(layers)
-        yield ShaftFit(shaft, axis, bodies, bores, (low, high), sum(heights.get(k, 0.0) for k in range(low, high + 1)))
+        yield ShaftFit(shaft, axis, bodies, bores, (low, high), sum(heights[k] for k in range(low, high + 1)))

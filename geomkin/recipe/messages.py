@@ -246,7 +246,7 @@ def _join(key: str, part: str) -> str:
     last = key.rsplit(".", 1)[-1]
     if part == last or part.startswith(f"{last}["):
         return key + part[len(last) :]
-    return f"{key}.{part}" if key else part
+    return ".".join(filter(None, (key, part)))
 
 
 def toml_mistake(text: str, complaint: str) -> Problem | None:
