@@ -305,22 +305,21 @@ class MachineRecipe(AbstractRecipe):
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        checks: list[Check] = []
+        own = self._checks_of("design_checks")
+        return (*own, *(check for shaft in self.shafts for check in shaft.checks(self.placed)))
+
+    @property
+    def motion_checks(self) -> tuple[Check, ...]:
+        return tuple(self._checks_of("motion_checks"))
+
+    def _checks_of(self, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
+        """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
         for name, recipe in self.recipes.items():
-            reasons = recipe.expected_failures
             with errors_of(name):
-                checks += (
-                    replace(
-                        check,
-                        id=f"{name}_{check.id}".replace(" ", "_"),
-                        name=f"{name}: {check.name}",
-                        column="",
-                        at=None,
-                        expected=reasons.get(check.id, ""),
-                    )
-                    for check in recipe.design_checks
-                )
-        return (*checks, *(check for shaft in self.shafts for check in shaft.checks(self.placed)))
+                checks: tuple[Check, ...] = getattr(recipe, kind)
+            for check in checks:
+                id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
+                yield replace(check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason)
 
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:

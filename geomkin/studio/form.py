@@ -77,7 +77,7 @@ def _groups(
 def _fields(table: type, path: str) -> Iterator[dict[str, Any]]:
     for field in dataclasses.fields(table):
         hint = hints_of(table)[field.name]
-        if tables_in(hint) or (field.name == "kind" and not path):
+        if (tables_in(hint) and get_origin(hint) is not dict) or (field.name == "kind" and not path):
             continue
         key = f"{path}.{field.name}" if path else field.name
         has_default = field.default is not MISSING or field.default_factory is not MISSING
