@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import field, fields, replace
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -265,8 +265,9 @@ class Scene:
         """The scene at some of its frames, in any order and as often as given; without variants and choice."""
 
         def taken(thing: Moving) -> Moving:
-            rows = {f.name: getattr(thing, f.name) for f in fields(thing)}
-            return replace(thing, **{n: row[frames] for n, row in rows.items() if isinstance(row, np.ndarray)})
+            values = {f.name: getattr(thing, f.name) for f in fields(thing)}
+            rows: dict[str, Any] = {n: v[frames] for n, v in values.items() if isinstance(v, np.ndarray)}
+            return replace(thing, **rows)
 
         return replace(
             self,

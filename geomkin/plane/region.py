@@ -106,8 +106,7 @@ def distances(loops: Loops, points: Complex) -> Real:
     """Distance of each point (n,) from a region, its outline first, mm; 0 inside, nan for a point that is nan."""
     area = _polygon(loops)
     shapely.prepare(area)
-    found: Real = shapely.distance(area, shapely.points(xy(points)))
-    return found
+    return np.asarray(shapely.distance(area, shapely.points(xy(points))))
 
 
 def gap(a: Complex, b: Complex) -> float:
