@@ -88,6 +88,17 @@ def test_gears_pass_as_many_teeth_as_their_mates_and_do_not_overlap():
     assert np.exp(1j * on_arbor[0]) == pytest.approx(np.exp(1j * on_arbor[1]))
 
 
+def test_axis_of_a_driver_is_on_its_shaft_wherever_its_own_recipe_has_it():
+    keys = 'kind = "slider-crank", linkage = { crank = 20, coupler = 70, origin = [12, -7], ground_angle_deg = 15 }'
+    turned = 'turned_by = "a.crank"\nangle_deg = 30'
+    scene = parse(machine(a=inline(keys), b=inline(keys, turned))).scene
+    for k in some(scene):
+        pin, ground = (named(scene, f"b/{name}") for name in ("crank", "ground"))
+        assert pin.origin[k] == pytest.approx(12 - 7j) == named(scene, "a/crank").origin[k]
+        assert ground.origin[k] == pytest.approx(12 - 7j)
+        assert np.angle(ground.direction[k], deg=True) == pytest.approx(45)
+
+
 def test_scene_returns_after_the_period_and_not_before():
     scene = parse(machine(pair=inline(PAIR), a=inline(CRANK, 'turned_by = "pair.first"'),
                           b=inline(CRANK, 'turned_by = "pair.second"'))).scene  # fmt: skip
