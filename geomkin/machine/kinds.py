@@ -22,7 +22,7 @@ from ..model.mass import Mass
 from ..model.part import Bought, Part
 from ..model.scene import Scene
 from ..model.table import Table
-from ..plane.vec import Pose
+from ..plane.vec import Pose, Real
 from ..recipe.load import LARGEST, from_table, parsed, short_table, to_toml
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
@@ -209,10 +209,8 @@ class MachineRecipe(AbstractRecipe):
             with errors_of(name):
                 bodies[name] = recipe.rotating_bodies
             if not bodies[name]:
-                problem = f"a {recipe.kind} has no driver that makes whole turns on a fixed shaft"
-                remedy = "give a linkage with a crank that turns by 360 deg, a disk cam, or gears"
-                if recipe.kind not in JOINED:
-                    problem = f"a {recipe.kind} cannot be part of a machine"
+                problem = f"this {recipe.kind} has no driver that makes whole turns on a fixed shaft and moves others"
+                remedy = "give a linkage whose crank turns by 360 deg, a disk cam, or two or more gears in mesh"
                 raise DesignError(f"mechanisms.{name}.recipe", problem, remedy, "conflict")
         return ShaftGraph(bodies, {name: mechanism.turned_by for name, mechanism in self.mechanisms.items()})
 
@@ -247,9 +245,9 @@ class MachineRecipe(AbstractRecipe):
         return tuple(placed)
 
     @property
-    def turns(self) -> Any:
+    def turns(self) -> Real:
         """Rotations of the driver at the frames, (frames,); negative if clockwise."""
-        return np.copysign(1.0, self.drive.speed_rpm) * self.graph.turns
+        return self.graph.turns if self.drive.speed_rpm > 0 else -self.graph.turns
 
     @cached_property
     def table(self) -> Table:
@@ -367,8 +365,6 @@ class MachineRecipe(AbstractRecipe):
         }
 
 
-# The kinds that a machine joins, for messages.
-JOINED = ("four-bar", "slider-crank", "linkage", "disk-cam", "gear-pair", "gear-train", "planetary")
 EXAMPLE_PAIR: dict[str, object] = {
     "first": {"teeth": 12, "module": 2, "profile_shift": 0.3},
     "second": {"teeth": 36, "module": 2},
