@@ -6,7 +6,8 @@
     motion.point("coupler_point").position
 
 Points are complex numbers in mm; angles are rad unless a name ends in `_deg`; y is up and
-counterclockwise positive. Recipes need more than NumPy and are loaded only by `gk.load`, `gk.make`, `gk.show`.
+counterclockwise positive. Recipes need more than NumPy and are loaded only by `gk.load`,
+`gk.make`, `gk.show` and `gk.edit`.
 """
 
 import lazy_loader

@@ -1,5 +1,6 @@
 # The public names of this package. Each is imported when it is first used.
 from . import cam as cam
+from . import coupon as coupon
 from . import export as export
 from . import gear as gear
 from . import linkage as linkage
@@ -84,6 +85,7 @@ from .plane.measure import curvature as curvature
 from .plane.measure import length as length
 from .plane.measure import nearest as nearest
 from .recipe.recipe import masses as masses
+from .studio.editor import edit as edit
 from .studio.notebook import show as show
 from .sweeps.sweep import sweep as sweep
 from .synthesis.function.function import function_generator as function_generator

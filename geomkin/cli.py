@@ -42,7 +42,7 @@ Exit status:
 
 
 def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
-    """The formats in a list with commas."""
+    """The formats in a comma-separated list."""
     chosen = None if value is None else [part.strip() for part in value.split(",")]
     if unknown := [ending for ending in chosen or () if ending not in WRITERS]:
         raise click.BadParameter(f"unknown format {unknown[0]!r}; choose from {', '.join(WRITERS)}")
@@ -67,7 +67,10 @@ def cli() -> None:
     help=f"Write only these formats ({', '.join(WRITERS)}).",
 )  # fmt: skip
 @click.option(
-    "--verify", "verified", is_flag=True, help="Then read the files back and measure them, as `geomkin verify` does."
+    "--verify",
+    "verified",
+    is_flag=True,
+    help="Afterwards read the files back and measure them, as `geomkin verify` does.",
 )
 @_as_json
 def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: bool, as_json: bool) -> None:
@@ -120,7 +123,7 @@ def verify(folders: tuple[Path, ...], as_json: bool) -> None:
 
 
 def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
-    """Verify folders and print the result of each recipe; whether each is as designed."""
+    """Verify folders and print the result of each recipe. Returns whether each is as designed."""
     from .core.errors import FileError, harmless, printable
     from .verification.certificate import recipe_folders
     from .verification.certificate_files import certify
@@ -178,7 +181,7 @@ def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
 def columns(recipe: Path) -> None:
     """List the columns of a RECIPE's table.
 
-    One line for each column: id, unit and meaning.
+    Each line has the id, the unit and the meaning of a column.
     """
     from .build import errors_named_by_key, load
     from .core.errors import GeomkinError, printable
@@ -199,8 +202,8 @@ def columns(recipe: Path) -> None:
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--set", "settings", multiple=True, required=True, metavar="KEY=VALUES",
-    help="Values of a key: gear.teeth=8:120:4 (start:stop:step), gear.profile_shift=-0.5,0,0.5, or of a list's item, "
-    "the first being [0]: cam.program[1].rise=10,20; once for each key.",
+    help="Values of a key: gear.teeth=8:120:4 (start:stop:step) or gear.profile_shift=-0.5,0,0.5; once for each key. "
+    "Items of a list are numbered from [0]: cam.program[1].rise=10,20.",
 )  # fmt: skip
 @click.option(
     "--result", "results", multiple=True, metavar="NAME",
@@ -211,8 +214,8 @@ def columns(recipe: Path) -> None:
 def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
     """Evaluate a RECIPE for all combinations of values.
 
-    Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues where it
-    was.
+    Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues with
+    the same command.
     """
     from .core.errors import GeomkinError, harmless, printable
     from .sweeps.sweep import by_processes, swept
@@ -255,11 +258,12 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--vary", "ranges", multiple=True, metavar="KEY=LOW:HIGH",
-    help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, all are tried.",
+    help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, every "
+    "whole number in the range is tried.",
 )  # fmt: skip
 @click.option(
-    "--minimise", "objective", metavar="FORMULA",
-    help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum.",
+    "--minimise", "objectives", multiple=True, metavar="FORMULA",
+    help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum; several: Pareto front.",
 )  # fmt: skip
 @click.option(
     "--subject-to", "constraints", multiple=True, metavar="CONSTRAINT",
@@ -270,13 +274,14 @@ def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out
 @click.option("--time-limit", default=60.0, show_default=True, help="Time limit, s; the best design by then is taken.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the file.")
 def optimise_command(
-    recipe: Path, ranges: tuple[str, ...], objective: str | None, constraints: tuple[str, ...],
+    recipe: Path, ranges: tuple[str, ...], objectives: tuple[str, ...], constraints: tuple[str, ...],
     starts: int, seed: int, time_limit: float, out: Path,
 ) -> None:  # fmt: skip
-    """Find the best values of a RECIPE's keys, as its table [optimise] or these options say.
+    """Find the best values of a RECIPE's keys.
 
-    Writes OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values. Ctrl-C ends the search; the best design so
-    far is written.
+    The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
+    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture and a
+    recipe for each design of their Pareto front. Ctrl-C ends the search; the best so far is written.
     """
     import signal
 
@@ -291,15 +296,13 @@ def optimise_command(
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with _progress():
-            best = optimise(recipe, vary, objective, list(constraints) or None, starts, seed, time_limit, out)
+            minimise = objectives[0] if len(objectives) == 1 else objectives or None
+            best = optimise(recipe, vary, minimise, list(constraints) or None, starts, seed, time_limit, out)
     except GeomkinError as error:
         click.secho(_refused(recipe, error).text, fg="red", err=True)
         sys.exit(1)
-    for key, value in best.values.items():
-        click.echo(f"{printable(key)} = {value:.8g}")
-    click.echo(f"{printable(best.minimised)} = {best.objective:.8g}")
-    for check in best.constraints:
-        click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
+    for line in best.lines:
+        click.echo(harmless(line))
     note = ", ended before it was complete" if best.cut_short else ""
     click.echo(f"{', '.join(map(printable, best.files))}: {best.evaluations:,} designs tried{note}")
 
@@ -340,7 +343,7 @@ def studio(recipe: Path | None, port: int, no_browser: bool) -> None:
     from .studio.server import Studio, StudioServer
     from .studio.workspace import Workspace
 
-    # The settings of a short process do not suit a server: it ends by itself, and lives long.
+    # A server runs for long: it must handle Ctrl-C itself and free its memory.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     gc.set_threshold(700, 10, 10)
     place = recipe or Path()
@@ -374,7 +377,7 @@ def list_command() -> None:
 def new(name: str, options: tuple[str, ...]) -> None:
     """Print a recipe of a KIND with every key explained.
 
-    It runs without changes.
+    The recipe runs without changes.
     """
     from .core.errors import DesignError, printable
     from .recipe.kinds import kind_names, recipe_class
@@ -408,12 +411,12 @@ def schema() -> None:
 
 @cli.command("chart")
 @click.argument("families", nargs=-1, metavar="[FAMILY]...")
-@click.option("--quick", is_flag=True, help="Less than a minute: fewer settings, without the slowest methods.")
+@click.option("--quick", is_flag=True, help="Take less than a minute: fewer settings, without the slowest methods.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     """Measure the methods: time per result against error.
 
-    Measures all families of methods, or those named, and writes tables, pictures and a page into OUT/chart/.
+    Measures all families of methods, or only those given, and writes tables, pictures and a page into OUT/chart/.
     """
     from importlib.util import find_spec
 
@@ -573,7 +576,7 @@ def _is_terminal(stream: TextIO | None) -> bool:
 
 
 def _row(result: Made) -> tuple[str, str, str, str]:
-    """Folder of a recipe's files, their endings, their size, and the checks that passed."""
+    """Cells of a recipe in the report: folder, endings and size of its files, and the checks that passed."""
     from .core.errors import printable
 
     endings = list(dict.fromkeys(path.suffix[1:] for path in result.files))

@@ -1,5 +1,6 @@
 """The gallery's scenes, and what tests of scenes see of a body at a frame."""
 
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import geomkin as gk
 
 RECIPES = Path(__file__).parents[1] / "recipes"
 NAMES = sorted(path.stem for path in RECIPES.glob("*.toml"))
+FIRST_OF_KIND = {tomllib.loads((RECIPES / f"{name}.toml").read_text("utf-8"))["kind"]: name for name in reversed(NAMES)}
 # mm. Of the chords that outlines are looked at by.
 FINE = 1e-4
 

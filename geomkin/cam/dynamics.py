@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -13,6 +15,7 @@ from ..core.fields import FARTHEST, entry, quantity
 from ..core.records import record
 from ..model.mass import Mass
 from ..model.material import Material, hertz_pressure
+from ..model.motor import MotorDuty
 from ..plane.vec import Real, cross
 from .cam import Cam
 from .extrema import largest
@@ -118,6 +121,9 @@ class CamForces:
         Force between cam and follower along their normal, N, with the sign of `stroke_force`; nan if the guide jams.
     torque : ndarray
         Torque on the camshaft, N mm, positive in the direction in which the cam turns: below 0 the cam must be braked.
+    guide_share : ndarray
+        Contact force without friction of the guide, over that with friction; 1 without friction. Towards 0 the guide
+        jams.
     """
 
     cam: Cam
@@ -126,11 +132,18 @@ class CamForces:
     stroke_force: Real
     contact: Real
     torque: Real
+    guide_share: Real
 
     @property
     def power(self) -> Real:
         """Power that drives the camshaft, W."""
         return MILLI * self.torque * self.speed
+
+    @property
+    def duty(self) -> MotorDuty:
+        """Torque and speed that a motor on the camshaft must supply, at the cam angles in the given order."""
+        torque = np.ravel(self.torque)
+        return MotorDuty(torque, np.full(torque.shape, self.speed), np.ravel(self.angle))
 
     @checked
     def pressure(self, face_width: PositiveFloat, material: Material, follower: Material | None = None) -> Real:
@@ -217,20 +230,18 @@ def cam_forces(
     >>> result.contact.round(3), result.torque.round(2)
     (array([73.05 , 57.479]), array([1253.35,  572.64]))
     """
-    _check_loads(cam, loads)
+    check_follower_loads(cam, loads)
     angle = np.asarray(angle, dtype=float)
     at, velocity = cam.contact(angle), cam.program.motion(angle).velocity
     stroke = _static_force(cam, loads, angle) + _inertia_force(cam, loads, angle, speed, acceleration)
-    lever: Real
-    if cam.follower.oscillates:
-        lever = np.abs(_moment_about_pivot(cam, angle))
-    else:
-        lever = np.imag(at.normal)
-        if loads.friction:
-            lever = lever - np.sign(velocity * stroke) * _guide_resistance(cam, loads.friction, angle)
+    lever: Real = np.abs(_moment_about_pivot(cam, angle)) if cam.follower.oscillates else np.imag(at.normal)
+    share = np.ones(angle.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
-        contact: Real = np.where(lever > 0, stroke / lever, np.nan)
-    return CamForces(cam, angle, float(speed), stroke, contact, contact * cam.sense * cross(at.point, at.normal))
+        if loads.friction:
+            share = 1 - np.sign(velocity * stroke) * _guide_resistance(cam, loads.friction, angle) / lever
+        contact: Real = np.where((lever > 0) & (share > 0), stroke / (lever * share), np.nan)
+    torque = contact * cam.sense * cross(at.point, at.normal)
+    return CamForces(cam, angle, float(speed), stroke, contact, torque, share)
 
 
 @checked
@@ -261,7 +272,7 @@ def jump_speed(cam: Cam, loads: FollowerLoads) -> float:
     >>> round(gk.cam.jump_speed(cam, gk.cam.FollowerLoads(gk.Mass(0.4), stiffness=3, preload=40)), 4)
     95.2687
     """
-    _check_loads(cam, loads)
+    check_follower_loads(cam, loads)
     breaks = cam.program.breaks
     if np.any(cam.program.jumps.velocity) or largest(breaks, lambda t: -_static_force(cam, loads, t))[0] > 0:
         return 0.0
@@ -304,14 +315,7 @@ def least_preload(cam: Cam, loads: FollowerLoads, speed: CamSpeed) -> float:
     >>> round(gk.cam.least_preload(cam, gk.cam.FollowerLoads(gk.Mass(0.4), stiffness=3), speed=95.2687), 3)
     40.0
     """
-    _check_loads(cam, loads)
-    if speed and np.any(cam.program.jumps.velocity):
-        return np.inf
-
-    def missing(angle: Real) -> Real:
-        return loads.preload - _static_force(cam, loads, angle) - _inertia_force(cam, loads, angle, speed)
-
-    return max(0.0, largest(cam.program.breaks, missing)[0])
+    return _least_of_spring(cam, replace(loads, preload=0.0), speed, lambda pull, lift: pull)
 
 
 @checked
@@ -344,21 +348,29 @@ def least_stiffness(cam: Cam, loads: FollowerLoads, speed: CamSpeed) -> float:
     >>> round(gk.cam.least_stiffness(cam, gk.cam.FollowerLoads(gk.Mass(0.4), preload=40), speed=95.2687), 4)
     3.0
     """
-    _check_loads(cam, loads)
+
+    def stiffness(pull: Real, lift: Real) -> Real:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            return np.where(pull > 0, np.where(lift > 0, pull / lift, np.inf), 0.0)
+
+    return _least_of_spring(cam, replace(loads, stiffness=0.0), speed, stiffness)
+
+
+def _least_of_spring(cam: Cam, loads: FollowerLoads, speed: float, needed: Callable[[Real, Real], Real]) -> float:
+    """The largest value that a spring needs over a turn. needed: from the pull off the cam without it, and the lift."""
+    check_follower_loads(cam, loads)
     if speed and np.any(cam.program.jumps.velocity):
         return np.inf
 
-    def needed(angle: Real) -> Real:
-        lift = cam.program.motion(angle).lift
-        held = _static_force(cam, loads, angle) + _inertia_force(cam, loads, angle, speed)
-        missing = loads.stiffness * lift - held
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            return np.where(missing > 0, np.where(lift > 0, missing / lift, np.inf), 0.0)
+    def value(angle: Real) -> Real:
+        pull = -_static_force(cam, loads, angle) - _inertia_force(cam, loads, angle, speed)
+        return needed(pull, cam.program.motion(angle).lift)
 
-    return largest(cam.program.breaks, needed)[0]
+    return max(0.0, largest(cam.program.breaks, value)[0])
 
 
-def _check_loads(cam: Cam, loads: FollowerLoads) -> None:
+def check_follower_loads(cam: Cam, loads: FollowerLoads) -> None:
+    """DesignError if the friction of a guide does not suit the follower."""
     if not loads.friction:
         return
     if cam.follower.oscillates:

@@ -203,7 +203,7 @@ def cam_table(
     20.0
     """
     motion, (unit, size) = cam.program.motion(angle), cam.follower.lift_unit
-    velocity_jumps, acceleration_jumps = _at_jumps(cam, angle)
+    velocity_jumps, acceleration_jumps = at_jumps(cam, angle)
     rate = "rad" if cam.follower.oscillates else "mm"
     contact, left = cam.contact(angle), cut or undercut(cam)
     radius = polar_radius(left.outline, angle)
@@ -236,7 +236,7 @@ def cam_table(
     return Table(tuple(columns))
 
 
-def _at_jumps(cam: Cam, angle: Real) -> tuple[Mask, Mask]:
+def at_jumps(cam: Cam, angle: Real) -> tuple[Mask, Mask]:
     """Masks of the angles at a joint at which the velocity jumps, and at which the acceleration jumps."""
     joints, jumps, wrapped = cam.program.breaks, cam.program.jumps, np.mod(angle, 2 * np.pi)
     k = np.searchsorted(joints, wrapped - JOINT)

@@ -236,11 +236,10 @@ def cam_parts(
     ['cam', 'roller']
     """
     cut = cut or undercut(cam)
-    plate, follower = _cam_plate(cam, stock, cut), cam.follower
-    bars = stock.bars, cam.program, cam.base_radius, cam.sense
+    plate = _cam_plate(cam, stock, cut)
+    plates = follower_plates(cam, stock, base)
     if base is None:
-        return [plate, *(_follower_part(other, stock) for other in follower.plates(*bars)), *stock.motor_parts]
-    plates = follower.guided_plates(*bars)
+        return [plate, *(_follower_part(other, stock) for other in plates), *stock.motor_parts]
     parts = [replace(plate, hole_names=("A",)), *(_follower_part(other, stock, LETTERS) for other in plates)]
     shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
     return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base, stock.motor)]
@@ -292,11 +291,16 @@ def _timing_marks(towards: complex, inner: float, outer: float, sense: int) -> t
     return Segment(start, end), arrow, Polyline(barbs, is_closed=False)
 
 
+def follower_plates(cam: Cam, stock: CamStock, base: BaseStock | None) -> tuple[FollowerPlate, ...]:
+    """The plates of the follower; over a base those that it guides."""
+    plates = cam.follower.plates if base is None else cam.follower.guided_plates
+    return plates(stock.bars, cam.program, cam.base_radius, cam.sense)
+
+
 def pin_masses(cam: Cam, stock: CamStock, base: BaseStock | None) -> dict[str, Mass]:
     """Masses of the steel pins that are glued into the follower's plates, with their collars, by the plate."""
-    guided = cam.follower.plates if base is None else cam.follower.guided_plates
     plates: dict[str, Mass] = {}
-    for plate in guided(stock.bars, cam.program, cam.base_radius, cam.sense):
+    for plate in follower_plates(cam, stock, base):
         for hole in plate.holes if plate.name != "roller" else ():
             diameter, collar = hole.diameter, 0.0
             if hole.key == "roller_bore" or base is not None:
@@ -338,8 +342,7 @@ def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = 
 def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
     """Items to buy for a cam and its follower, and the steps of assembly."""
     follower, thick = cam.follower, stock.thickness
-    guided = follower.plates if base is None else follower.guided_plates
-    plates = guided(stock.bars, cam.program, cam.base_radius, cam.sense)
+    plates = follower_plates(cam, stock, base)
     bars = [plate for plate in plates if plate.name != "roller"]
     # A roller runs in the plane of the cam, and its bar lies under both; a face lies in the plane of the cam.
     has_bar_below = bool(bars) and follower.knife_edge is not None

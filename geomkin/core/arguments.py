@@ -22,8 +22,8 @@ P = ParamSpec("P")
 R = TypeVar("R")
 # Largest number, in any unit. The fifth power of larger ones overflows; a smaller limit refuses computable values.
 LARGEST = 1e60
-# Numbers that are squared and added at once. BLAS uses one core for up to 10,000. For more it wakes a thread on every
-# other core, and these wait busily for tens of milliseconds, as long as a motion of a million frames takes.
+# Numbers that are squared and added at once. BLAS uses one core for up to 10,000. For more it wakes a thread on each
+# core; these threads then wait busily for tens of milliseconds, as long as a motion of a million frames takes.
 CHUNK = 8192
 
 
@@ -38,7 +38,7 @@ class ArgumentType:
     allowed : str
         The allowed values in words, for error messages.
     types : tuple of type
-        Types whose other values are out of range instead of of a wrong type.
+        A refused value of one of these types counts as out of range, any other as of a wrong type.
     """
 
     fits: Callable[[Any], bool]
@@ -81,8 +81,8 @@ def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
     remedy = f"give {expected.allowed}"
     is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value))
     if is_pair and expected.fits(complex(*value)):  # type: ignore[misc]
-        # A point as recipes have it.
-        problem = f"found {shown(value)}, and a point is a complex number: {complex(*value):g}"  # type: ignore[misc]
+        # Recipes give points as pairs.
+        problem = f"found {shown(value)}, but a point is a complex number: {complex(*value):g}"  # type: ignore[misc]
         return DesignError(name, problem, remedy, "wrong-type")
     is_right_type = isinstance(value, expected.types) and not isinstance(value, bool)
     id: ProblemId = "not-finite" if is_endless(value) else "out-of-range" if is_right_type else "wrong-type"
@@ -96,7 +96,7 @@ def _field_types(kind: type) -> tuple[tuple[str, ArgumentType], ...]:
     for field in dataclasses.fields(kind):
         type = None if "unit" in field.metadata else argument_type(hints[field.name])
         if type and field.default is None:
-            # An omitted field that the class itself fills.
+            # The class itself fills in an omitted field.
             type = _either([type, NOTHING])
         if type:
             expected.append((field.name, type))
@@ -231,7 +231,7 @@ def is_endless(value: Any) -> bool:
 
 
 def _not_a_list(value: Any, kinds: str = "iufc") -> NDArray[Any] | None:
-    """The same, but None for a list, which cannot be multiplied."""
+    """`numbers(value)`, but None for a list or tuple, which cannot be multiplied."""
     return None if isinstance(value, (list, tuple)) else numbers(value, kinds)
 
 
@@ -273,7 +273,7 @@ def are_points(value: Any) -> bool:
 def is_place(value: Any) -> bool:
     """Whether a value is a finite complex number or an array of them; a list is not, since it cannot be multiplied."""
     if isinstance(value, (float, complex)) or type(value) is int:
-        # Most are one number, also of NumPy, whose functions take ten times as long.
+        # The usual case; NumPy's functions take ten times as long for one number.
         return bool(-LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST)
     return not isinstance(value, (list, tuple)) and are_points(value)
 

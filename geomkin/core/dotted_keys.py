@@ -1,4 +1,4 @@
-"""The numbers inside a dataclass, by dotted key, as messages and sweeps name them; a thing with one number changed."""
+"""The numbers inside a dataclass, by dotted key as in messages and sweeps, and copies with one number changed."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-# The kinds of refusal. A program may rely on them: their texts may change, these do not.
+# The kinds of problem. They stay the same when the texts of messages change, so that programs can rely on them.
 ProblemId = Literal[
     "unknown-key",
     "missing-key",
@@ -13,14 +13,14 @@ ProblemId = Literal[
     "wrong-type",
     "out-of-range",
     "not-finite",
-    "conflict",  # two values that do not go together, each by itself allowed
+    "conflict",  # values that are allowed singly but contradict each other
     "impossible-geometry",  # no mechanism of these sizes exists
     "does-not-assemble",
     "too-much-work",
     "invalid-toml",
     "file-unreadable",
     "file-unwritable",
-    "internal",  # a fault of geomkin
+    "internal",  # an error of geomkin itself
 ]
 
 
@@ -29,7 +29,7 @@ class GeomkinError(Exception):
 
 
 class DesignError(GeomkinError, ValueError):
-    """A mechanism or an argument that is not possible.
+    """A mechanism or an argument that is impossible.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class DesignError(GeomkinError, ValueError):
         self.field, self.problem, self.remedy, self.id = field, problem, remedy, id
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # By default an exception is pickled as its class and its text, which is not what __init__ takes.
+        # By default an exception is pickled with its text as the only argument, which __init__ does not accept.
         return type(self), (self.field, self.problem, self.remedy, self.id), self.__dict__
 
 

@@ -1,4 +1,4 @@
-"""Sizes with meaning: one declaration gives the range check, the unit, the template and the schema.
+"""Declarations of sizes: each serves the range check, error messages, templates and the schema.
 
 A size is a dataclass field whose metadata states its meaning, unit and limits. The keys of the metadata are those that
 pydantic reads from dataclass fields, so that the same declaration validates a recipe, without importing pydantic here.
@@ -11,7 +11,7 @@ from collections import UserDict
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from functools import reduce
+from functools import cache, reduce
 from math import isfinite
 from operator import ge, gt, le, lt, or_
 from typing import Annotated, Any, Literal, TypeVar
@@ -41,7 +41,7 @@ def quantity(
 ) -> Any:
     """A dataclass field for a number: its meaning, unit and limits, and an example for templates.
 
-    filled_in: the usual value of an omitted one whose default is None.
+    filled_in: value of an omitted quantity whose default is None, in the usual case.
     """
     limits = {"gt": above, "ge": at_least, "lt": below, "le": at_most}
     metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
@@ -98,46 +98,54 @@ def check_sizes(thing: Any, many: bool = False) -> None:
 def check_quantities(thing: Any, many: bool = False) -> None:
     """Raise DesignError for the first quantity that is not a finite number in its range."""
     rows: dict[str, int] = {}
-    for field in dataclasses.fields(thing):
+    for field in _quantities(type(thing)):  # type: ignore[arg-type]
         about, value = field.metadata, getattr(thing, field.name)
-        if "unit" not in about or (value is None and field.default is None):
+        if value is None and field.default is None:
             continue
         if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
         if _is_tiny(value, about):
             least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
-            raise DesignError(
-                field.name, f"found {shown(value)}, below what counts as a size", f"give {least}", "out-of-range"
-            )
+            raise DesignError(field.name, f"found {shown(value)}, which is too small", f"give {least}", "out-of-range")
         if many and np.ndim(value):
             rows[field.name] = len(value)
     if len(set(rows.values()) - {1}) > 1:
         first, *others = (name for name, row in rows.items() if row != 1)
         other = next(name for name in others if rows[name] != rows[first])
         found = f"found {rows[other]} sizes, but {rows[first]} of {first}"
-        raise DesignError(other, found, "give one number, or as many of each", "conflict")
+        raise DesignError(other, found, "give one number, or arrays of the same length", "conflict")
+
+
+@cache
+def _quantities(kind: type) -> tuple[dataclasses.Field[Any], ...]:
+    return tuple(field for field in dataclasses.fields(kind) if "unit" in field.metadata)
 
 
 def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
-    """The size nearest to `bad` that still fits, by bisection from one that does, to rounding."""
+    """The size nearest to `bad` that still fits, to rounding, by bisection between `good`, which fits, and `bad`."""
     for _ in range(60):
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if fits(middle) else (good, middle)
     return good
 
 
-# Digits of a recommended number: fewer than messages show, more than a workshop can set.
+# Significant digits of a recommended number: more than a workshop can set, and short enough for a message.
 DIGITS = 7
 
 
 def rounded_up(least: float, digits: int = DIGITS) -> str:
-    """The smallest number of so many digits that is not below `least`, as text, for remedies."""
+    """The smallest number with this many digits that is not below `least`, as text, for remedies."""
     return _rounded(least, digits, ROUND_CEILING)
 
 
 def rounded_down(most: float, digits: int = DIGITS) -> str:
-    """The largest number of so many digits that is not above `most`, as text."""
+    """The largest number with this many digits that is not above `most`, as text."""
     return _rounded(most, digits, ROUND_FLOOR)
+
+
+def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
+    """The value with so many to_digits digits, for summaries; 0 without a sign."""
+    return float(f"{value:.{digits}g}") + 0.0
 
 
 def _rounded(value: float, digits: int, mode: str) -> str:
@@ -165,7 +173,7 @@ def _fits(value: Any, about: Any, many: bool) -> bool:
         return False
     if not np.isfinite(number).all():
         return False
-    # The limits do not fit into half precision.
+    # In half precision the limits would be infinite.
     number = number.astype(float) if number.dtype.kind == "f" else number
     return all(np.all(test(number, about[key])) for key, test in _TESTS.items() if key in about)
 
@@ -254,7 +262,7 @@ class AsWritten:
 
 @dataclass(frozen=True)
 class RowsOf:
-    """Marks rows of a recipe with so many numbers each."""
+    """Marks rows of a recipe that have a given number of numbers each."""
 
     numbers: int
 
@@ -265,6 +273,20 @@ class RowsOf:
             "items_schema": [{"type": "tuple", "items_schema": self.numbers * [number]}],
             "variadic_item_index": 0,
         }
+
+
+@dataclass(frozen=True)
+class RowWithin:
+    """Marks a row of numbers of a recipe, such as `[x, y]`, each from -most to most."""
+
+    most: float
+    count: int = 2
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
+        return core_schema.tuple_schema([number for _ in range(self.count)])
 
 
 class SignOrPlace:
@@ -285,8 +307,22 @@ class SignOrPlace:
         )
 
 
+class TextOrTexts:
+    """Marks a text or a row of texts of a recipe, so that an error names the key and not one of its types."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        text = core_schema.str_schema(strict=True)
+        return core_schema.union_schema(
+            [text, core_schema.tuple_schema([text], variadic_item_index=0)],
+            custom_error_type="texts",
+            custom_error_message="a text or a row of texts",
+        )
+
+
 class KindTable(UserDict[str, type[T]]):
-    """kind -> dataclass of tables that a recipe distinguishes by their `kind`; recipes read it again if it changes.
+    """A mapping of `kind` to the dataclass of a recipe's table; a later change of the mapping affects all recipes.
 
     A class that lacks an abstract method is refused when its row is added; the message lists the missing names.
     """
@@ -296,7 +332,7 @@ class KindTable(UserDict[str, type[T]]):
 
     def __setitem__(self, kind: str, table: type[T]) -> None:
         if missing := getattr(table, "__abstractmethods__", None):
-            raise TypeError(f"{table.__name__} leaves out {', '.join(sorted(missing))}")
+            raise TypeError(f"{table.__name__} lacks {', '.join(sorted(missing))}")
         super().__setitem__(kind, table)
         KindTable.changes += 1
 
@@ -309,8 +345,9 @@ class KindTable(UserDict[str, type[T]]):
 
 
 class OneOfKinds:
-    """Marks dataclasses distinguished by their `kind`, so that errors speak of the right one: a union of them, or an
-    abstract class whose attribute `KINDS` is their table.
+    """Marks dataclasses that are distinguished by their `kind`, so that errors refer to the right one.
+
+    The type is a union of them, or an abstract class whose attribute `KINDS` is their table.
     """
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:

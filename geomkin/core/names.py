@@ -17,8 +17,8 @@ LONGEST = 40
 NAMES = 4096
 # Bytes of a file's name in common file systems.
 LONGEST_FILE = 255
-# Names of devices in Windows, with any ending (Microsoft, "Naming Files, Paths, and Namespaces"); superscript digits
-# count too, which normalisation makes plain ones.
+# Names of devices in Windows, with any ending (Microsoft, "Naming Files, Paths, and Namespaces"). Superscript digits
+# are reserved too; `folded` turns them into plain ones.
 DEVICES = {"con", "prn", "aux", "nul", "conin$", "conout$"} | {f"{d}{n}" for d in ("com", "lpt") for n in range(10)}
 # Categories of Unicode: letters, digits, and combining marks.
 LETTERS = {"Lu", "Ll", "Lt", "Lm", "Lo", "Nd"}
@@ -28,7 +28,7 @@ UNSEEN = "\u115f\u1160\u3164\uffa0"
 ALLOWED = f"letters, digits, spaces, _ and -, beginning with a letter or digit, at most {LONGEST} letters"
 
 
-# Where the files that a recipe names may be: in a folder or below, anywhere (None), or in a mapping from name to text.
+# Source of the files that a recipe names: a folder and those below it, any folder (None), or a mapping of name to text.
 Folder = str | Path | Mapping[str, str] | None
 
 
@@ -84,7 +84,7 @@ def _letters_flaw(name: str) -> str:
 
 
 def is_letter(letter: str, before: str = "") -> bool:
-    """Whether it is a visible letter or digit of any script, or a combining mark on the letter `before` it."""
+    """Whether a character is a visible letter or digit of any script, or a combining mark after the letter `before`."""
     category = unicodedata.category(letter)
     on_letter = bool(before) and unicodedata.category(before) in LETTERS | MARKS
     return letter not in UNSEEN and (category in LETTERS or (category in MARKS and on_letter))
@@ -129,7 +129,7 @@ def read_text_file(name: str | Path, folder: Folder, what: str) -> str:
         home = Path(folder or ".").resolve()
         path = (home / name).resolve()
         if folder is not None and not path.is_relative_to(home):
-            problem = f"found {shown(str(name))}, which lies outside the folder that names it"
+            problem = f"found {shown(str(name))}, which is outside the folder of the recipe"
             raise DesignError("file", problem, "put it next to the recipe or below, not as a link", "file-unreadable")
         if not path.is_file():
             raise FileNotFoundError(0, "it is not a file")

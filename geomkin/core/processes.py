@@ -13,13 +13,13 @@ from typing import TypeVar
 
 T = TypeVar("T")
 R = TypeVar("R")
-# Fewer tasks are done in this process: each other one takes about half a second to import what it needs.
+# Fewer tasks are done in this process, since a new process takes about half a second for its imports.
 FEWEST_TASKS = 8
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 
 
 def each(work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[R | None]:
-    """Yield `work(task)` for each task, in the order of the tasks. For the main thread.
+    """Yield `work(task)` for each task, in the order of the tasks. Only the main thread may call it.
 
     Parameters
     ----------

@@ -28,14 +28,14 @@ def report(share: float, what: str) -> None:
 
 
 class Watch:
-    """Clock of a search: reports its progress, and when its time is over.
+    """The clock of a search: it reports progress, and whether the time limit has passed.
 
-    seconds: time limit from now on. A search ends by itself when it has converged or tried all starts, so that its
+    time_limit: s, from now on. A search ends by itself when it has converged or tried all starts, so that its
     result depends only on its seed; the time limit is for the case that this takes too long.
     """
 
-    def __init__(self, seconds: float, what: str):
-        self.end, self.what, self.cut = time.monotonic() + seconds, what, False
+    def __init__(self, time_limit: float, what: str):
+        self.end, self.what, self.cut = time.monotonic() + time_limit, what, False
 
     def over(self) -> bool:
         """Whether the time is over; `cut` then records that the search was cut short."""

@@ -1,4 +1,4 @@
-"""A thing on one line: what a shell shows of it, however much it holds."""
+"""Short representations of objects: one line for `repr`, and drawings for notebooks."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import numpy as np
 
 from .errors import harmless, shown
 
-# Characters of a whole line, and of one of its fields. More wraps in a terminal, and hides the fields behind it.
+# Most characters of a whole line, and of one of its fields. A longer line wraps in a terminal; a longer field leaves no
+# room for the others.
 LONGEST, LONGEST_FIELD = 120, 40
-# Kinds of number as NumPy letters them, in words.
+# Words for NumPy's one-letter kinds of elements.
 KINDS = {"f": "real", "c": "complex", "i": "whole", "u": "whole", "b": "bool", "U": "text"}
 
 
@@ -34,7 +35,7 @@ def _is_default(field: dataclasses.Field[Any], value: object) -> bool:
 
 
 def clipped(text: str, longest: int = LONGEST) -> str:
-    """The text as one line of at most so many characters, with its last one, as a bracket, where it is cut."""
+    """The text on one line of at most `longest` characters; a shortened text keeps its last one, such as a bracket."""
     text = harmless(text)
     return text if len(text) <= longest else f"{text[: longest - 4]}...{text[-1]}"
 

@@ -1,4 +1,4 @@
-"""Mechanisms and their recipes in another size; lengths are recognised by the declarations of the fields."""
+"""Mechanisms and recipes in another size. The declarations of the fields state which of them are lengths."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def _resized(value: Any, hint: Any, scale: float) -> Any:
     if hint is complex:
         return np.multiply(value, scale) if np.ndim(value) else value * scale
     if origin in (Union, types.UnionType):
-        # A sign or the position of a joint; a name or the position of a point.
+        # A field may be a sign or the position of a joint, or a name or the position of a point.
         if type(value) in inner and isinstance(value, (int, str)):
             return value
         return _resized(value, complex if complex in inner else inner[0], scale)

@@ -15,9 +15,9 @@ from .picture import SCALE_DIGITS, TURN_DIGITS, Item, document, items, page_box,
 from .still import Still, frame_at, kept_frames
 from .svg_path import decimal
 
-# Duration of a pass, s, about that of the page; a faster turn cannot be followed by eye.
+# Duration of one pass, s, about that of the page. The eye cannot follow a faster turn.
 SECONDS = 5
-# Largest position error between two key frames, in pixels of the picture. Half of it makes files half as large again;
+# Largest position error between two key frames, in pixels of the picture. With half of it files are 1.5 times as large;
 # with twice as much, pins visibly leave their holes.
 OFF = 0.3
 # Frames from which the bounds of the motion are found.
@@ -42,9 +42,9 @@ def animation(job: Job) -> bytes:
     still = Still(scene, np.concatenate([[first], looks]))
     film = Film(still, frames, np.asarray(scene.time, dtype=float)[frames])
     drawn = "".join(film.shown())
-    way = "infinite" if round_ else "infinite alternate"
+    repetition = "infinite" if round_ else "infinite alternate"
     css = (
-        f"{style(still)}@media(prefers-reduced-motion:no-preference){{.move{{animation:{SECONDS}s linear {way}}}"
+        f"{style(still)}@media(prefers-reduced-motion:no-preference){{.move{{animation:{SECONDS}s linear {repetition}}}"
         f"{film.rules()}}}{film.keyframes()}"
     )
     body = [f'<g transform="scale(1 -1)">{drawn}</g>']
@@ -164,9 +164,9 @@ class Film:
 
 
 def key_frames(share: Real, rows: Real, off: float) -> list[int]:
-    """Few of the frames (n,) at rising times between which linear interpolation keeps rows (rows, n) within `off`.
+    """Few of the frames (n,), such that linear interpolation in time between them keeps rows (rows, n) within `off`.
 
-    Greedy: each is as far from the previous one as possible; both ends are included. Derived here.
+    Greedy: each frame is as far from the previous one as possible. Both ends are included. Derived here.
     """
     keys, last = [0], len(share) - 1
     while keys[-1] < last:

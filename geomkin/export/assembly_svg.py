@@ -64,7 +64,7 @@ def _names(still: Still, names: Sequence[Name]) -> Iterator[str]:
 
 
 def _wide_enough(box: tuple[complex, complex], words: str, still: Still) -> tuple[complex, complex]:
-    """The box, widened if the text next to the scale would be cut off."""
+    """The box, widened if the text next to the scale would not fit."""
     low, high = box
     width = 2 * half_size(words, LETTER * still.pixel).real + 2 * MARGIN * still.pixel
     widening = max(0.0, width - (1 - SCALE) * (high - low).real) / (1 - SCALE)

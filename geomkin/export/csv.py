@@ -1,4 +1,4 @@
-"""Tables as CSV: one header row with units, then numbers that any spreadsheet reads as numbers."""
+"""Tables as CSV: one header row with units, then numbers that spreadsheets read as such."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def write_csv(job: Job) -> dict[str, bytes]:
 
 
 def csv(table: Table, infinite: str = "") -> bytes:
-    """The table as UTF-8 CSV; nan is an empty cell, and so is an infinite value unless a text for it is given."""
+    """The table as UTF-8 CSV. nan becomes an empty cell; so does infinity, unless a text for it is given."""
     stream = io.StringIO()
     writer = text_csv.writer(stream, lineterminator="\n")
     writer.writerow([_harmless(c.header) for c in table.columns])

@@ -1,4 +1,4 @@
-"""Parts as the loops that a machine follows: flattened and checked once for all formats."""
+"""Parts as the loops that a machine cuts or engraves, flattened and checked once for all formats."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ class Loop:
 class Cut:
     """A part ready for its files.
 
-    `loops` are the cuts, outline first, then the holes; `marks` is what is engraved, with the part's `label` if it has
-    one. `digits` is the number of decimals of mm, `tolerance` the one of flattening, mm.
+    `loops` are the cuts, outline first, then the holes. `marks` are the engraved lines, including the part's `label` if
+    it has one. `digits` is the number of decimals of mm; `tolerance` is that of flattening, mm.
     """
 
     part: Part
@@ -154,7 +154,7 @@ def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float)
 
 
 def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
-    """Refuse a part too small or too large for files, or a tolerance of which `share` is too fine for it."""
+    """DesignError for a part too small or too large for files, or if `share` of the tolerance is too fine for it."""
     size = extent(part.outline)
     if not 10 * tolerance < size < WIDEST:
         raise DesignError(
@@ -165,7 +165,7 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
         )
     far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
     if far > WIDEST:
-        # Farther away the numbers have too few digits for its corners.
+        # Farther from the origin, numbers have too few digits for the corners of the part.
         raise DesignError(
             part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {WIDEST:g} mm", "out-of-range"
         )
@@ -179,12 +179,12 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
 
 
 def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
-    """The marks; refuses one that crosses the outline, since it would be engraved next to the part."""
+    """The marks; DesignError for a mark that crosses the outline, since it would be engraved next to the part."""
     if not part.marks:
         return ()
     marks, outline = [_mark(part, curve, tolerance) for curve in part.marks], flatten(part.outline, tolerance)
     for k, mark in enumerate(marks):
-        # An open mark is run back along itself, since closing it by a chord would change the distance.
+        # An open mark is closed by running back along itself, since a chord would change the distance.
         line = mark.points if mark.shape.closed else np.append(mark.points, mark.points[-2::-1])
         if region.gap(outline, line) == 0 or not is_inside(outline, line[0]):
             raise DesignError(
@@ -263,7 +263,7 @@ def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
 
 
 def _grown(points: Complex, grow: float, tolerance: float, name: str) -> Complex:
-    """The polygon grown by half the kerf; refused if a beam of this width would change the part."""
+    """The polygon grown by half the kerf; DesignError if a beam of this width would change the part."""
     points = points if signed_area(points) > 0 else points[::-1]
     regions = region.offset([points], grow, tolerance)
     whole = len(regions) == 1 and len(regions[0]) == 1

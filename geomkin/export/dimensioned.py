@@ -1,4 +1,4 @@
-"""The dimensioned drawing of all parts, for reading and measuring; nothing in it is to be cut."""
+"""The dimensioned drawing of all parts, for reading and measuring, not for cutting."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CLEAR = 12.0
 # Size on paper, mm, above which the largest part is reduced and below which it is enlarged, and the standard scales.
 LARGEST, SMALLEST = 250.0, 60.0
 STEPS = (5.0, 2.0, 1.0)
-# Most holes whose distances are listed; more form a pattern, for which the cutting drawing is clearer.
+# Largest number of holes whose distances are listed. More form a pattern, for which the cutting drawing is clearer.
 MOST_HOLES = 12
 # Directions and lengths nearer to each other than this, mm, are the same.
 SAME = 1e-6
@@ -269,7 +269,7 @@ def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, co
         # Holes with letters are joints, whose distances matter most; screws come last.
         pairs = list(pairwise(sorted(holes, key=lambda hole: hole[0].startswith(NUMBERED))))
     if len(holes) <= MOST_HOLES:
-        # The longest last and outermost, since extension lines would cross its number otherwise.
+        # The longest last and outermost; otherwise extension lines would cross its number.
         yield from sorted(pairs, key=lambda pair: round(abs(pair[1][1] - pair[0][1]), 6))
 
 

@@ -15,7 +15,7 @@ from ..core.names import file_name_flaw, folded
 
 # Prefix of temporary files, which are hidden so that nobody mistakes one for a part.
 PREFIX = ".making-"
-# Age in seconds after which a temporary file belongs to a killed run; no running one takes so long to write.
+# Age, s, after which a temporary file counts as left by a killed run. Writing a file takes far less.
 LEFT_BEHIND = 3600
 
 
@@ -80,14 +80,14 @@ def _remove_leftovers(folder: Path) -> None:
 
 @contextmanager
 def naming(path: Path, done: str = "written") -> Iterator[None]:
-    """Turn a system error into a FileError that names the file, which cannot be `done`."""
+    """Turn a system error into a FileError for a file that cannot be read, written or removed; done: which of these."""
     try:
         yield
     except (OSError, ValueError) as error:
         # A path with an invalid character raises ValueError.
         reason = getattr(error, "strerror", None) or str(error)
         problem = f"cannot be {done} ({reason})"
-        raise FileError(path, problem, "choose another place (--out)", "file-unwritable") from error
+        raise FileError(path, problem, "choose another folder (--out)", "file-unwritable") from error
 
 
 def remove(path: Path) -> None:

@@ -44,7 +44,7 @@ class Writer:
 
 
 def _in(home: str) -> Callable[[Job], Contents]:
-    """The function at `module:function`, imported when first used: a DXF loads no meshes."""
+    """The function `module:function`, imported on first use, so that a DXF does not load the libraries for meshes."""
     module, _, name = home.partition(":")
 
     def write(job: Job) -> Contents:
@@ -54,7 +54,7 @@ def _in(home: str) -> Callable[[Job], Contents]:
     return write
 
 
-# Name, mostly the ending too -> how it is written, in the order in which files come.
+# Writers by the name of the format, in the order in which files are listed. The name is mostly also the ending.
 WRITERS: dict[str, Writer] = {
     "dxf": Writer("parts", _in("export.dxf:write_dxf"), ("shapely", "ezdxf"), flat=True),
     "stl": Writer("parts", _in("export.stl:write_stl"), ("shapely",)),
@@ -63,7 +63,7 @@ WRITERS: dict[str, Writer] = {
     "bom": Writer("parts", _in("export.csv:write_bom"), ("shapely",), tail="-bom.csv"),
     "page": Writer("scene", _in("page.page:write_page"), tail=".html"),
     "assembly-svg": Writer("scene", _in("export.assembly_svg:write_assembly_svg"), tail="-assembly.svg"),
-    # Only where it is asked for: who sends a folder's DXF to be cut sends all of them.
+    # Opt-in, since users who send a folder's DXF files to be cut send all of them.
     "assembly-dxf": Writer(
         "scene", _in("export.assembly_dxf:write_assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", opt_in=True
     ),
@@ -90,7 +90,7 @@ def tail_of(name: str) -> str:
 
 
 def format_of(file: str, needs: Collection[str] = ("parts", "table", "scene")) -> str:
-    """The format of a file by its name, among those made of one of `needs`; "" for none. The longest ending decides."""
+    """The format with the longest ending that a file name has, among those that need one of `needs`; "" for none."""
     ends = {name: tail_of(name) for name in WRITERS if WRITERS[name].needs in needs}
     fitting = [name for name, end in ends.items() if file.lower().endswith(end) and len(file) > len(end)]
     return max(fitting, key=lambda name: len(ends[name]), default="")

@@ -20,7 +20,7 @@ from .text import Title
 
 
 class Source(Protocol):
-    """Data that can be written, such as a recipe; each property is computed when a writer first asks for it."""
+    """Data that can be written, such as a recipe; each property is computed when a writer first reads it."""
 
     @property
     def parts(self) -> tuple[Part, ...]: ...
@@ -63,9 +63,9 @@ class StaticSource:
 
 @record(eq=False)
 class Job:
-    """The files to be written, computed as far as writers ask.
+    """The files to be written; each property is computed when a writer first reads it.
 
-    A writer that asks for data which the source does not have raises DesignError for the field `write`.
+    A writer that needs data that the source does not have raises DesignError for the field `write`.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class Job:
         return lay_out_on(self.flats, *self.sheet) if self.sheet else (lay_out(self.flats),)
 
     def sheet_files(self, ending: str, write: Callable[[Sheet], bytes]) -> dict[str, bytes]:
-        """One file per sheet, by name; from the second on with its number."""
+        """One file per sheet, by name; names from the second sheet on have its number."""
         names = [self.name, *(f"{self.name}-{number}" for number in range(2, len(self.sheets) + 1))]
         return {f"{name}.{ending}": write(sheet) for name, sheet in zip(names, self.sheets)}
 

@@ -1,8 +1,9 @@
-"""Positions of names in a picture: on their bodies and next to their points, where they hide least."""
+"""Positions of names in a picture, on their bodies and next to their points, chosen so that they hide little."""
 
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,20 +14,23 @@ from .still import Still, some_points
 
 # Height of letters, in pixels of the picture. Smaller ones are illegible in a README, larger ones hide plates.
 LETTER = 11.0
-# Positions along and across a body that are tried for its name. Fewer miss the rim of a ring; more change nothing.
+# Numbers of positions along and across a body that are tried for its name. Fewer miss the rim of a ring; more have no
+# effect.
 ALONG, ACROSS = 21, 11
 # Relative difference of length and width, as a share of the spread, below which a body counts as round.
 EVEN = 1e-6
 # Width of a letter over its height: of Latin letters, and of those that fill a square.
 NARROW, WIDE = 0.52, 1.0
-# Shift of a tested position as a share of its size. Rounding would decide whether a position exactly on an edge is on
-# a plate, and mirrored copies have many of these.
+# Shift of a tested position as a share of its size. Without it rounding would decide whether positions exactly on an
+# edge, which mirrored copies often have, are on a plate.
 ASIDE = 1e-5 * (1 + 0.7j)
 # Costs of positions on another name, on a pin, on a covered part of the body or off it (per third of the letters), on
 # a traced path, and far from the middle.
 ON_NAME, ON_PIN, COVERED, BESIDE, ON_PATH, AWAY = 40.0, 6.0, 2.5, 0.5, 1.0, 1.5
 # Directions from a point in which its name may be placed.
 AROUND = np.exp(1j * np.radians([45, 135, -45, -135, 0, 180, 90, -90]))
+# A name's text and role, the positions at which it may be placed, mm, and the cost of each.
+Candidates = tuple[str, str, Complex, Real]
 
 
 @record(eq=False)
@@ -44,57 +48,77 @@ def place_labels(still: Still) -> tuple[Name, ...]:
 
     A name that would overlap another is left out, since neither would be legible.
     """
-    k, tall = still.frame, LETTER * still.pixel
-    joints = [m for m in still.marks if m.sort.endswith("pin") or m.sort == "slide"]
-    pins = np.array([m.place[k] for m in joints], dtype=complex)
-    dots = np.array([m.place[k] for m in still.marks if m.sort == "point"], dtype=complex)
-    # If no plate shows the ground, a support is drawn below the pivot.
-    supports = [m.place[k] - 0.8j * tall for m in joints if m.sort == "fixed pin" and not still.shows_ground]
-    dots = np.concatenate([dots, np.array(supports, dtype=complex)])
-    pin_radii = np.array([min(still.hole_radii.get(m, 0.4 * tall), 0.8 * tall) for m in joints])
-    paths = [run for mark in still.marks if mark.trail for run in still.trail_runs(mark)]
-    path = np.concatenate([*paths, np.zeros(0, complex)])
-    named: list[Name] = []
-
-    def best(text: str, places: Complex, cost: Real, role: str) -> None:
+    tall = LETTER * still.pixel
+    obstacles = _obstacles(still, tall)
+    names: list[Name] = []
+    for text, role, places, cost in (*_on_bodies(still, tall), *_on_lines(still, tall), *_at_points(still, tall)):
         half = half_size(text, tall)
-        for other in named:
-            apart, room = places - other.place, half + other.half
+        for name in names:
+            apart, room = places - name.place, half + name.half
             cost = cost + ON_NAME * ((np.abs(apart.real) < room.real) & (np.abs(apart.imag) < 1.15 * room.imag))
-        for price, points, radius in ((ON_PIN, pins, pin_radii), (ON_PIN, dots, 0.3 * tall), (ON_PATH, path, 0.0)):
+        for price, points, radius in obstacles:
             offset = places[:, None] - points
             overlaps = (np.abs(offset.real) < half.real + radius) & (np.abs(offset.imag) < half.imag + radius)
             cost = cost + price * (overlaps.any(axis=1) if price == ON_PATH else overlaps.sum(axis=1))
-        best_index = int(np.argmin(np.round(cost, 6)))
-        if cost[best_index] < ON_NAME:
-            named.append(Name(text, complex(places[best_index]), half, role))
+        best = int(np.argmin(np.round(cost, 6)))
+        if cost[best] < ON_NAME:
+            names.append(Name(text, complex(places[best]), half, role))
+    return tuple(names)
 
+
+def _obstacles(still: Still, tall: float) -> list[tuple[float, Complex, Real | float]]:
+    """Pins, dots and traced paths: the cost of a name on each, their points and radii, mm."""
+    k = still.frame
+    joints = [m for m in still.marks if m.sort.endswith("pin") or m.sort == "slide"]
+    pins = np.array([m.place[k] for m in joints], dtype=complex)
+    pin_radii = np.array([min(still.hole_radii.get(m, 0.4 * tall), 0.8 * tall) for m in joints])
+    dots = [m.place[k] for m in still.marks if m.sort == "point"]
+    # If no plate shows the ground, a support is drawn below the pivot.
+    dots += [m.place[k] - 0.8j * tall for m in joints if m.sort == "fixed pin" and not still.shows_ground]
+    paths = [run for mark in still.marks if mark.trail for run in still.trail_runs(mark)]
+    path = np.concatenate([*paths, np.zeros(0, complex)])
+    return [(ON_PIN, pins, pin_radii), (ON_PIN, np.array(dots, dtype=complex), 0.3 * tall), (ON_PATH, path, 0.0)]
+
+
+def _on_bodies(still: Still, tall: float) -> Iterator[Candidates]:
+    k = still.frame
     lines = {mark.label for mark in still.marks if mark.sort == "line"}
     for body in sorted(still.bodies, key=lambda body: _extent(still, body)):
         if not body.named:
             continue
+        text = _spaced(body.name)
+        half = half_size(text, tall)
         if body.parts and np.isfinite(body.origin[k]):
-            text = _spaced(body.name)
-            best(text, *_on(still, body, half_size(text, tall)), "")
+            yield text, "", *_on(still, body, half)
         elif not body.fixed and body.name not in lines and (slide := _slide_of(still, body)) is not None:
-            aside = half_size(_spaced(body.name), tall).real + 1.2 * tall
-            places = slide + np.array([-1.6j * tall, 1.6j * tall, aside, -aside, -2.8j * tall, 2.8j * tall])
-            best(_spaced(body.name), places, np.arange(6) * 0.1, "")
+            aside = half.real + 1.2 * tall
+            offsets = np.array([-1.6j * tall, 1.6j * tall, aside, -aside, -2.8j * tall, 2.8j * tall])
+            yield text, "", slide + offsets, np.arange(6) * 0.1
+
+
+def _on_lines(still: Still, tall: float) -> Iterator[Candidates]:
+    k = still.frame
+    lines = {m.label: m for m in reversed(still.marks) if m.sort == "line"}
     for label in dict.fromkeys(m.label for m in still.marks if m.sort == "line" and m.label and m.role != "contact"):
-        mark = next(mark for mark in still.marks if mark.sort == "line" and mark.label == label)
+        mark = lines[label]
         if mark.vector is not None and np.isfinite(mark.place[k] + mark.vector[k]):
+            text = _spaced(label)
             shares = np.array([0.5, 0.35, 0.65, 0.2, 0.8])
-            on, aside = mark.place[k] + shares * mark.vector[k], half_size(_spaced(label), tall).real + 0.5 * tall
+            on, aside = mark.place[k] + shares * mark.vector[k], half_size(text, tall).real + 0.5 * tall
             steps, away = (0, aside, -aside, 1.7j * tall, -1.7j * tall), np.abs(shares - 0.5)
             cost = np.concatenate([0.5 * (step != 0) + away for step in steps])
-            best(_spaced(label), np.concatenate([on + step for step in steps]), cost, mark.role)
+            yield text, mark.role, np.concatenate([on + step for step in steps]), cost
+
+
+def _at_points(still: Still, tall: float) -> Iterator[Candidates]:
     for mark in still.marks:
-        if mark.sort == "point" and mark.label and np.isfinite(mark.place[k]):
-            half = half_size(_spaced(mark.label), tall)
-            ways = np.sign(np.round(AROUND.real, 9)) * half.real + 1j * np.sign(np.round(AROUND.imag, 9)) * half.imag
-            places = mark.place[k] + np.concatenate([ways + 0.75 * tall * AROUND, 1.3 * ways + 1.8 * tall * AROUND])
-            best(_spaced(mark.label), places, 0.05 * np.arange(2 * len(AROUND)), mark.role)
-    return tuple(named)
+        place = mark.place[still.frame]
+        if mark.sort == "point" and mark.label and np.isfinite(place):
+            text = _spaced(mark.label)
+            half = half_size(text, tall)
+            corners = np.sign(np.round(AROUND.real, 9)) * half.real + 1j * np.sign(np.round(AROUND.imag, 9)) * half.imag
+            offsets = np.concatenate([corners + 0.75 * tall * AROUND, 1.3 * corners + 1.8 * tall * AROUND])
+            yield text, mark.role, place + offsets, 0.05 * np.arange(len(offsets))
 
 
 def half_size(text: str, tall: float) -> complex:

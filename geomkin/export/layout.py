@@ -15,18 +15,18 @@ from .cut import Cut, Loop, is_inside
 
 # Cells of a sheet's raster. More cells find narrower gaps and take proportionally longer.
 CELLS = 20_000
-# Largest number of nested copies, at about a millisecond each. More are laid in rows, which then waste little.
+# Largest number of nested copies, which take about a millisecond each. More are laid in rows, which then waste little.
 MOST = 100
 # Step along an outline, in cells. Longer steps keep parts farther apart than the gap, shorter ones take longer.
 STEP = 0.5
-# Rotations, deg, tried for a part's smallest box, and the share of its box that a rotation must save. Otherwise a part
-# is laid as drawn or by quarter turns, so that it is recognised in other drawings.
+# Rotations, deg, tried for a part's smallest box, and the share of the box that a rotation must save. Otherwise a part
+# keeps its orientation up to quarter turns, so that it is recognised in other drawings.
 ROTATIONS_DEG, LEAST_SAVING = np.arange(90), 0.1
 # Vertices of an outline that are used for choosing its rotation.
 SAMPLED_VERTICES = 200
 # Decimals of mm and of cells for decisions, so that last digits do not count.
 DECIMALS = 6
-# Key of an occupied position, above all keys of free ones, which are below a sheet's width plus height in mm, squared.
+# Sort key of an occupied position, above those of all free ones, which are below (width + height)^2 of a sheet in mm.
 OCCUPIED = np.iinfo(np.int64).max
 
 

@@ -140,17 +140,17 @@ def _numbers(letters: str) -> list[int]:
     return [ord(letter) - NOUGHT for letter in letters]
 
 
-# Heights of capitals, mm, tried from the largest. Larger ones dominate the part; a laser burns smaller ones shut.
+# Heights of capitals, mm, tried from the largest. Larger ones dominate the part; a laser fills in smaller ones.
 HEIGHTS = (5.0, 4.0, 3.0, 2.5)
 # Gap around lettering, mm; with less a stroke may meet a cut because of a machine's inaccuracy.
 MARGIN = 0.8
-# Positions tried along and across a part. Fewer miss free room; more take longer without a visible difference.
+# Numbers of positions tried along and across a part. Fewer miss free room; more take longer without a visible effect.
 ALONG, ACROSS = 41, 13
 # Positions tried around a hole for its letter.
 ROUND = 32
 # Tolerance, mm, of the part's chords for finding room, far below the margin.
 CHORDS = 0.05
-# The same for a hole whose letter has found no room, fine enough for chords in every direction.
+# The same for a hole whose letter found no room: its chords then have every direction.
 FINER = 1e-4
 # Height of the font's capitals above its baseline, and the baseline, in the font's units, y down.
 CAPITAL, BASELINE = 21.0, 9.0
@@ -172,7 +172,7 @@ def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
     strokes: list[Complex] = []
     for hole, letter in zip(part.holes, map(_plain, part.hole_names)):
         if letter:
-            # A narrow bar has room only lengthwise, and none of the few chords of a small hole may face that direction.
+            # A narrow bar has room only lengthwise, and the few chords of a small hole may not include that direction.
             strokes += room.beside(flatten(hole, CHORDS), letter) or room.beside(flatten(hole, FINER), letter)
     for words in (_plain(part.name), str(number)):
         if words and (found := room.anywhere(words)):

@@ -44,7 +44,7 @@ def solid_cut(part: Part, tolerance: float) -> Cut:
 
 
 def _check_apart(cut_part: Cut, twist: Twist) -> None:
-    """The fixed loops must be on one side of a circle about the axis and the moving ones on the other."""
+    """DesignError unless a circle about the axis separates the fixed loops from the moving ones."""
     moving, fixed = _moving_and_fixed([loop.points for loop in cut_part.loops], twist)
     if not fixed:
         return
@@ -60,14 +60,14 @@ def _check_apart(cut_part: Cut, twist: Twist) -> None:
 
 
 def _tolerance_advice(part: Part, twist: Twist, tolerance: float) -> str:
-    """The least tolerance tried with which the triangles can be drawn, in words; empty if there is none."""
+    """Advice with the least tolerance tried that needs few enough triangles; empty if there is none."""
     for k in range(1, LOOKS + 1):
         wider = float(f"{tolerance * WIDER**k:.3g}")
         try:
             if moving_triangles(cut(part, wider / 2), twist) <= MOST:
                 return f"at least {wider:g} mm, or "
         except DesignError:
-            # This tolerance leaves nothing of the part.
+            # With this tolerance nothing is left of the part.
             break
     return ""
 
@@ -246,7 +246,7 @@ def _boundary(faces: Whole, points: int) -> Whole:
 
 
 def _distinct(z: Complex) -> Complex:
-    """The corners that single-precision numbers can distinguish from a straight line; others leave flat triangles."""
+    """The corners that single-precision numbers distinguish from a straight line; others would give flat triangles."""
     finest = 4 * np.finfo(np.float32).eps * np.abs(z).max()
     z = z[np.abs(z - np.roll(z, 1)) > finest]
     before, after = np.roll(z, 1), np.roll(z, -1)

@@ -38,7 +38,8 @@ class Item:
     """A drawn element in its own frame, y up, mm.
 
     `body` is the name of its body or "". `origin` is (frames,) complex, mm; `direction` (frames,) unit complex, None if
-    it does not rotate; `scale` (frames,), None if its size is fixed. `reach` is its extent from the frame's origin, mm.
+    it does not rotate; `scale` (frames,), None if its size is fixed. `reach` is its largest distance from the origin
+    of its frame, mm.
     """
 
     drawn: str
@@ -129,7 +130,7 @@ def _hatch(still: Still) -> list[str]:
 
 
 def items(still: Still) -> Iterator[Item]:
-    """All elements except the names, the lowest first."""
+    """All elements except the names, in the order in which they are drawn."""
     for mark in still.marks:
         if mark.sort == "slide" and not still.shows_ground and (rail := _rail(still, mark)):
             yield _lying(rail)
@@ -170,7 +171,7 @@ def _reach(still: Still, body: SceneBody) -> float:
 
 
 def _body(still: Still, body: SceneBody) -> str:
-    """Its parts, engravings and curves; a fixed body over moving ones is transparent."""
+    """The item of a body: its parts, engravings and curves; a fixed body over moving ones is transparent."""
     over = body.fixed and any(not other.fixed and other.layer < body.layer for other in still.bodies)
     drawn = []
     for part in body.parts:
@@ -194,7 +195,7 @@ def _line(still: Still, curve: AbstractCurve, shown: str) -> str:
 
 
 def _trail(still: Still, mark: SceneMark) -> str:
-    """Dashes for every second of equal steps of the drive: long dashes mean a fast point."""
+    """A dash for every second of equal steps of the drive, so that long dashes show a fast point."""
     drive = np.asarray(still.scene.drive.values, dtype=float)
     passed = np.abs(drive - drive[0])
     every = DASH_DEG if still.scene.drive.unit == "deg" else passed[-1] / STROKE_DASHES
@@ -212,7 +213,7 @@ def _trail(still: Still, mark: SceneMark) -> str:
 
 
 def _thinned(points: Complex, tolerance: float) -> Complex:
-    """Only the ends of points that are straight on a screen."""
+    """The points of a line; only its ends, if it is straight on a screen."""
     chord = points[-1] - points[0]
     off = np.abs(np.imag((points - points[0]) * np.conj(chord))) / (abs(chord) or 1.0)
     return points[[0, -1]] if off.max() < tolerance else points
@@ -281,7 +282,7 @@ def _scale(sizes: Real, usual: float) -> Real | None:
 def _usual(still: Still, sizes: Real) -> float:
     """The size in which an element of varying size is drawn: that of the single frame, or the median; 0 if undefined.
 
-    All sizes are given relative to it with few decimals, so that an outlier would leave none to the others.
+    Scales are written relative to it with few decimals; relative to an outlier all other scales would be 0.
     """
     known = sizes[still.frames]
     known = known[np.isfinite(known) & (known > 0)]

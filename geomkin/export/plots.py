@@ -3,72 +3,108 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from ..model.scene import Limit, Plot
+from ..model.scene import Hodograph, Limit, Plot
 from ..model.table import Column, Table
 from ..plane.vec import Real
 from .job import Job
 from .still import kept_frames, palette
 from .text import number, text, unit_sign
 
-# Width of a file, mm, that of a text column; sizes inside it in units of which it has `WIDE`. Letters are 2.8 mm high.
+# Width of a file, mm, that of a text column, and in the units of all sizes inside it. Letters are 2.8 mm high.
 WIDTH, WIDE = 160, 640
-# Room left, above, right and below of the axes, height of the axes, and of a line of the legend.
+# Margins on the left, above, on the right and below the axes, height of the axes, and of a line of the legend.
 LEFT, TOP, RIGHT, BELOW, HIGH, ROW = 74, 34, 18, 46, 240, 18
-# Most intervals between the ticks of an axis across and upwards.
+# Largest numbers of intervals between the ticks of the horizontal and of the vertical axis.
 MOST_ACROSS, MOST_UP = 9, 6
 # Steps between ticks of an axis in deg, and of any other one in a decade.
 DEGREES, STEPS = (1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360), (1, 2, 5, 10)
-# Colours in the page's palette and dashes of the curves, which differ without colour too.
+# Colours in the page's palette, and dashes, which distinguish the curves without colour.
 STROKES = ("wanted", "traced", "velocity", "acceleration", "s4", "s5")
 DASHES = ("none", "7 3", "2 3", "9 3 2 3", "13 4", "4 2 1 2")
+# Width of a dot.
+DOT = 7
 # Room above and below the curves as a share of their range.
 MARGIN = 0.06
 
 
 def write_plots(job: Job) -> dict[str, bytes]:
-    """One file per plot, named after the recipe and the plot's title."""
+    """One file per plot and hodograph, named after the recipe and its title."""
     scene = job.scene
-    tables: list[tuple[Table, Sequence[Plot]]] = [(scene.table, scene.plots)]
+    files = [(plot.title, plot_file(scene.table, plot)) for plot in scene.plots]
+    files += [(hodograph.title, hodograph_file(scene.table, hodograph)) for hodograph in scene.hodographs]
     if scene.choice is not None:
-        tables.append((scene.choice.table, scene.choice.plots))
+        files += [(plot.title, plot_file(scene.choice.table, plot)) for plot in scene.choice.plots]
     contents: dict[str, bytes] = {}
-    for table, plots in tables:
-        for plot in plots:
-            title = re.sub(r"\W+", "-", plot.title).strip("-")
-            names = (f"{job.name}-{title}{suffix}-plot.svg" for suffix in ("", *(f"-{k}" for k in range(2, 100))))
-            contents[next(name for name in names if name not in contents)] = plot_file(table, plot)
+    for title, content in files:
+        stem = re.sub(r"\W+", "-", title).strip("-")
+        names = (f"{job.name}-{stem}{suffix}-plot.svg" for suffix in ("", *(f"-{k}" for k in range(2, 100))))
+        contents[next(name for name in names if name not in contents)] = content
     return contents
 
 
-def plot_file(table: Table, plot: Plot) -> bytes:
-    """A plot of columns of a table over its first column, as an SVG file."""
+def plot_file(table: Table, plot: Plot, dots: bool = False) -> bytes:
+    """A plot of columns of a table over its first column, as an SVG file; with `dots` each value is a dot."""
     drive, columns = table.columns[0], [table.column(id) for id in plot.columns]
     frames = kept_frames(len(drive.values))
     x = np.asarray(drive.values, dtype=float)[frames]
     rows = [np.asarray(column.values, dtype=float)[frames] for column in columns]
     low, high = _range(rows, plot.limits)
-    height = TOP + HIGH + BELOW + ROW * (len(rows) + 1) // 2
     across = _Axis(*_ends(x), LEFT, WIDE - RIGHT)
     up = _Axis(low, high, TOP + HIGH, TOP)
     colours = palette()
-    body = [
-        f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(plot.title)}</text>',
-        *_grid(across, up, drive.unit, columns[0].unit, colours["grid"]),
-        f'<text x="{(LEFT + WIDE - RIGHT) / 2:g}" y="{TOP + HIGH + 36}" text-anchor="middle">{_named(drive)}</text>',
-        f'<text transform="translate(16 {TOP + HIGH / 2:g}) rotate(-90)" text-anchor="middle">',
-        f"{_quantity(columns)}</text>",
+    lines = [
         *(_limit(limit, up, colours["wanted"]) for limit in plot.limits),
-        *(_curve(across, up, x, row, _look(k, colours)) for k, row in enumerate(rows)),
-        *_legend(columns, colours),
+        *(_curve(across, up, x, row, _look(k, colours, dots), dots) for k, row in enumerate(rows)),
+    ]
+    grid = _grid(across, up, drive.unit, columns[0].unit, colours["grid"])
+    titles = _axis_titles(up, _named(drive), _quantity(columns))
+    return _file(plot.title, (*grid, *titles), lines, _legend(columns, up, colours, dots), up.start, len(columns))
+
+
+def hodograph_file(table: Table, hodograph: Hodograph) -> bytes:
+    """The paths of the tips of vectors drawn from the origin, at one scale on both axes, as an SVG file."""
+    columns = [table.column(id) for id in hodograph.columns]
+    frames = kept_frames(len(table.columns[0].values))
+    x, y = ([np.asarray(table[f"{id}_{axis}"], dtype=float)[frames] for id in hodograph.columns] for axis in "xy")
+    ends = [_ends(np.append(np.concatenate(values), 0.0)) for values in (x, y)]
+    half = (0.5 + MARGIN) * max(high - low for low, high in ends)
+    middles = [(low + high) / 2 for low, high in ends]
+    across = _Axis(middles[0] - half, middles[0] + half, LEFT, WIDE - RIGHT)
+    up = _Axis(middles[1] - half, middles[1] + half, TOP + WIDE - RIGHT - LEFT, TOP)
+    colours, unit = palette(), columns[0].unit
+    curves = [_curve(across, up, *row, _look(k, colours, False), False) for k, row in enumerate(zip(x, y))]
+    origin = f'<circle cx="{across.at(0.0):.2f}" cy="{up.at(0.0):.2f}" r="3"/>'
+    names = (text(f"{axis}, {unit_sign(unit)}") for axis in "xy")
+    grid = _grid(across, up, unit, unit, colours["grid"])
+    axes = (*grid, *_axis_titles(up, *names))
+    return _file(hodograph.title, axes, [origin, *curves], _legend(columns, up, colours, False), up.start, len(columns))
+
+
+def _axis_titles(up: _Axis, across_title: str, up_title: str) -> Iterator[str]:
+    yield f'<text x="{(LEFT + WIDE - RIGHT) / 2:g}" y="{up.start + 36:g}" text-anchor="middle">{across_title}</text>'
+    yield f'<text transform="translate(16 {(up.start + up.end) / 2:g}) rotate(-90)" text-anchor="middle">'
+    yield f"{up_title}</text>"
+
+
+def _file(
+    title: str, axes: Iterable[str], curves: Iterable[str], legend: Iterable[str], below: float, names: int
+) -> bytes:
+    """The SVG file of a plot: title, axes that end at a height, curves, and a legend of so many names."""
+    height, colours = below + BELOW + ROW * (names + 1) // 2, palette()
+    body = [
+        f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(title)}</text>',
+        *axes,
+        *curves,
+        *legend,
     ]
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}mm" height="{WIDTH * height / WIDE:g}mm" '
-        f'viewBox="0 0 {WIDE} {height}" style="background:#fff" font-family="DejaVu Sans, Verdana, sans-serif" '
-        f'font-size="12" fill="{colours["ink"]}">\n<title>{text(plot.title)}</title>'
+        f'viewBox="0 0 {WIDE} {height:g}" style="background:#fff" font-family="DejaVu Sans, Verdana, sans-serif" '
+        f'font-size="12" fill="{colours["ink"]}">\n<title>{text(title)}</title>'
     )
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *body, "</svg>\n"]).encode()
 
@@ -108,8 +144,8 @@ def _range(rows: Sequence[Real], limits: Sequence[Limit]) -> tuple[float, float]
 def _grid(across: _Axis, up: _Axis, drive_unit: str, unit: str, colour: str) -> Iterator[str]:
     for value in across.ticks(drive_unit, MOST_ACROSS):
         x = f"{across.at(value):.2f}"
-        yield f'<path d="M{x} {TOP}v{HIGH}" stroke="{colour}"/>'
-        yield f'<text x="{x}" y="{TOP + HIGH + 16}" text-anchor="middle">{number(value, 5)}</text>'
+        yield f'<path d="M{x} {TOP}V{up.start:g}" stroke="{colour}"/>'
+        yield f'<text x="{x}" y="{up.start + 16:g}" text-anchor="middle">{number(value, 5)}</text>'
     for value in up.ticks(unit, MOST_UP):
         y = f"{up.at(value):.2f}"
         yield f'<path d="M{LEFT} {y}H{WIDE - RIGHT}" stroke="{colour}"/>'
@@ -125,28 +161,33 @@ def _limit(limit: Limit, up: _Axis, colour: str) -> str:
     )
 
 
-def _curve(across: _Axis, up: _Axis, x: Real, row: Real, look: str) -> str:
+def _curve(across: _Axis, up: _Axis, x: Real, row: Real, look: str, dots: bool) -> str:
     """A line through the known values, with gaps where there are none; a value without neighbours is a dot."""
     known = np.isfinite(x + row)
     path = ""
-    for run in np.split(np.arange(len(row)), np.flatnonzero(np.diff(known)) + 1):
+    ends = np.arange(1, len(row)) if dots else np.flatnonzero(np.diff(known)) + 1
+    for run in np.split(np.arange(len(row)), ends):
         if known[run[0]]:
             points = [f"{u:.2f} {v:.2f}" for u, v in zip(across.at(x[run]), up.at(row[run]))]  # type: ignore[arg-type]
             path += f"M{'L'.join(points if len(points) > 1 else points * 2)}"
-    return f'<path d="{path}" {look} stroke-linecap="round" stroke-linejoin="round"/>'
+    caps = "" if dots else ' stroke-linecap="round" stroke-linejoin="round"'
+    return f'<path d="{path}" {look}{caps}/>'
 
 
-def _look(k: int, colours: dict[str, str]) -> str:
+def _look(k: int, colours: dict[str, str], dots: bool) -> str:
     dashes = DASHES[k % len(DASHES)]
-    stroke = f'fill="none" stroke="{colours[STROKES[k % len(STROKES)]]}" stroke-width="1.75"'
+    colour = f'fill="none" stroke="{colours[STROKES[k % len(STROKES)]]}"'
+    if dots:
+        return f'{colour} stroke-width="{DOT}" stroke-linecap="round"'
+    stroke = f'{colour} stroke-width="1.75"'
     return stroke if dashes == "none" else f'{stroke} stroke-dasharray="{dashes}"'
 
 
-def _legend(columns: Sequence[Column], colours: dict[str, str]) -> Iterator[str]:
+def _legend(columns: Sequence[Column], up: _Axis, colours: dict[str, str], dots: bool) -> Iterator[str]:
     """The curves with their names, two in a line."""
     for k, column in enumerate(columns):
-        x, y = LEFT + k % 2 * (WIDE - LEFT - RIGHT) // 2, TOP + HIGH + BELOW + 6 + k // 2 * ROW
-        yield f'<path d="M{x} {y}h28" {_look(k, colours)}/>'
+        x, y = LEFT + k % 2 * (WIDE - LEFT - RIGHT) // 2, up.start + BELOW + 6 + k // 2 * ROW
+        yield f'<path d="M{x + 14 * dots} {y}h{28 * (not dots)}" {_look(k, colours, dots)}/>'
         yield f'<text x="{x + 36}" y="{y + 4}">{text(column.id.replace("_", " "))}</text>'
 
 

@@ -1,4 +1,4 @@
-"""The stamp of a file: from which recipe and with which tolerance it was written."""
+"""The stamp of a file, which identifies its recipe and tolerance."""
 
 from __future__ import annotations
 

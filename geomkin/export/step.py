@@ -12,8 +12,8 @@ from ..plane.primitives import Circle
 from .cut import Cut, Loop
 from .job import Job
 
-# Decimals, mm, of computed centres and radii. With fewer an arc misses its ends by more than programs close;
-# further ones differ between processors.
+# Decimals, mm, of computed centres and radii. With fewer, arcs miss their ends by more than programs tolerate; further
+# ones differ between processors.
 DIGITS = 9
 # Most edges of an outline and its holes: such a file has some 40 MB, and programs take minutes for more.
 MOST_EDGES = 50_000
@@ -99,8 +99,8 @@ class _Entities:
             for lid, ring in zip(lids, rings):
                 lid.append(self.add(f"{bound}('',{ring},.T.)"))
         down = self._direction(0, 0, -1)
-        for lid, z, way in zip(lids, (0.0, thickness), (down, self.up)):
-            plane = self.add(f"PLANE('',{self._placement(0j, z, way, self.east)})")
+        for lid, z, normal in zip(lids, (0.0, thickness), (down, self.up)):
+            plane = self.add(f"PLANE('',{self._placement(0j, z, normal, self.east)})")
             walls.append(self.add(f"ADVANCED_FACE('',({','.join(lid)}),{plane},.T.)"))
         shell = self.add(f"CLOSED_SHELL('',({','.join(walls)}))")
         solid = self.add(f"MANIFOLD_SOLID_BREP('{self.name}',{shell})")
@@ -142,7 +142,7 @@ class _Entities:
         return context, self.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
 
     def _loop(self, edges: list[Edge], thickness: float) -> tuple[list[str], str, str]:
-        """The walls along a loop, and its ring of edges as seen by the lower and by the upper face."""
+        """The walls along a loop, and its ring of edges in the directions of the lower and of the upper face."""
         starts = [start for start, _ in edges]
         levels = (0.0, thickness)
         corners = [[self.add(f"VERTEX_POINT('',{self._point(z, level)})") for z in starts] for level in levels]
@@ -183,8 +183,8 @@ class _Entities:
         oriented = [self.add(f"ORIENTED_EDGE('',*,*,{edge},{_yes(forward)})") for edge, forward in edges]
         return self.add(f"EDGE_LOOP('',({','.join(oriented)}))")
 
-    def _line(self, through: complex, level: float, way: str) -> str:
-        vector = self.add(f"VECTOR('',{way},1.)")
+    def _line(self, through: complex, level: float, direction: str) -> str:
+        vector = self.add(f"VECTOR('',{direction},1.)")
         return self.add(f"LINE('',{self._point(through, level)},{vector})")
 
     def _placement(self, z: complex, level: float, axis: str, across: str) -> str:

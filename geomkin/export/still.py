@@ -24,11 +24,11 @@ ASIDE = tuple(role for role, style in ROLES.items() if not style.shown)
 # Roles that may extend far from the mechanism, and the margin on each side, as a share of its size, up to which they
 # are included. A larger margin makes the mechanism tiny.
 FAR, ROOM = tuple(role for role, style in ROLES.items() if style.shown and style.room), 0.3
-# Least width and height of a picture as a share of the size of the motion, since a block on its rail may be seen as
-# a single point. A smaller value gives a rail millions of strokes.
+# Least width and height of a picture as a share of the size of the motion, since a block on its rail may have no extent
+# in one direction. With a smaller value a rail has millions of strokes.
 LEAST = 0.01
-# Default driver position as a share of a turn, and of a stroke. At the start of a turn and half-way cranks are in
-# line with the ground.
+# Default driver position as a share of a turn, and of a stroke. At the start and the middle of a turn cranks are
+# collinear with the ground.
 SHARE, HALF_WAY = 0.13, 0.5
 # Number of pixels along the larger side of a picture; letters and strokes are sized in these pixels.
 PIXELS = 420
@@ -122,7 +122,7 @@ class Still:
 
     @cached_property
     def bodies(self) -> tuple[SceneBody, ...]:
-        """Bodies that exist at a frame of the picture, from the lowest up."""
+        """Bodies that exist at a frame of the picture, the lowest first."""
         there = [body for body in self.scene.bodies if np.isfinite(body.origin[self.frames]).any()]
         return tuple(sorted(there, key=lambda body: body.layer))
 

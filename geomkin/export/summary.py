@@ -21,7 +21,7 @@ from .mesh import volume
 NAME = "summary.json"
 # Ending of the file of the recipe that a goal found.
 FOUND = ".found.toml"
-# Files of a certificate, which hold for the files that were measured, hence not for those of a later run.
+# Files of a certificate. They refer to the measured files, hence not to those of a later run.
 CERTIFICATE = ("verify.json", "verify.html")
 # Largest summary that is read back, in bytes; those written here are far smaller.
 LARGEST = 10_000_000
@@ -117,7 +117,7 @@ def _versions(written: Collection[str]) -> dict[str, str]:
 
 @cache
 def _version(package: str) -> str:
-    # Read from the module's dictionary, since some packages warn when the attribute is computed.
+    # Read from the module's dictionary, since some packages warn on access to the attribute.
     if (loaded := sys.modules.get(package)) and (found_version := vars(loaded).get("__version__", "")):
         return str(found_version)
     # Imported only if needed, since reading the metadata loads an e-mail parser.
@@ -130,7 +130,7 @@ def read_summary(folder: Path) -> dict[str, object]:
     """The summary in a folder; empty if there is no valid one."""
     try:
         path = folder / NAME
-        # The path may be anything: reading a pipe would block, a device or a huge file would fill the memory.
+        # The path may not be a plain file: reading a pipe would block, a device or a huge file would fill the memory.
         if not path.is_file():
             return {}
         with path.open("rb") as file:

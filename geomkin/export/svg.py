@@ -1,4 +1,4 @@
-"""SVG at full size in mm: the sheet as a picture, and for laser cutters that read SVG."""
+"""SVG of the sheet at full size in mm, for viewing, or with the colours of laser cutting programs."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def _curve(curve: AbstractCurve, tolerance: float, digits: int) -> str:
 
 
 def _arcs(curve: Path, tolerance: float, digits: int) -> str:
-    """Each piece as a step to its end: an arc of at most half a turn with its radius and side, or a line."""
+    """Each piece as an edge to its end: an arc of at most half a turn with its radius and side, or a line."""
     chain = to_arcs(curve, tolerance)
     # The closing step of an open path has no bulge and is left out by zip.
     points = rounded(np.append(chain.vertices, chain.vertices[:1]), digits)

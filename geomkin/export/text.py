@@ -1,4 +1,4 @@
-"""Texts of drawings and pages: the entries of a title block, numbers with units, and HTML."""
+"""Texts of drawings and pages: entries of a title block, numbers with units, and HTML."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..core.records import record
 DIGITS = 4
 # Most letters of an entry; more make the title wider than most parts.
 LONGEST = 60
-# Characters besides letters, digits and ASCII that the fonts of CAD programs have.
+# Characters of the fonts of CAD programs, besides letters, digits and ASCII.
 SIGNS = "°±µ²³Øøß§"
 # Characters that CAD programs read as the start of a code.
 CODES = "\\^"

@@ -1,4 +1,4 @@
-"""3MF for 3D printing: every part in its quantity, laid flat and apart, or the assembly."""
+"""3MF for 3D printing: all copies of all parts, flat and apart, or the assembly."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.arguments import PositiveFloat, checked
+from ..core.arguments import FloatOrNan, PositiveFloat, checked
 from ..model.check import Check
 from .conjugate.conjugate import BEYOND, Conjugate
 from .contract import AbstractGear
@@ -106,7 +106,7 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
 
 
 @checked
-def strength_checks(loaded: PairStrength, name: str = "") -> tuple[Check, ...]:
+def strength_checks(loaded: PairStrength, name: str = "", torque_limit: FloatOrNan | None = None) -> tuple[Check, ...]:
     """Check the teeth of two gears under a torque.
 
     Parameters
@@ -115,6 +115,8 @@ def strength_checks(loaded: PairStrength, name: str = "") -> tuple[Check, ...]:
         The pair under its loads.
     name : str
         Name of the pair in the ids and names of the checks.
+    torque_limit : float, optional
+        Torque that the advice names, N mm; by default that of the pair.
 
     Returns
     -------
@@ -126,9 +128,10 @@ def strength_checks(loaded: PairStrength, name: str = "") -> tuple[Check, ...]:
     Limits are constants of `geomkin.gear.strength`. Stresses are nominal ones, with the given load factors.
     """
     before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
-    most = f"give at most {loaded.torque_limit:.4g} N mm, a wider face, a larger module or a stronger material"
+    limit = loaded.torque_limit if torque_limit is None else torque_limit
+    most = f"give at most {limit:.4g} N mm, a wider face, a larger module or a stronger material"
     unknown = "give strength, modulus and poisson_ratio of the material"
-    advice = most if np.isfinite(loaded.torque_limit) else unknown
+    advice = most if np.isfinite(limit) else unknown
     roots = (
         Check(
             f"{prefix}{gear}_root_safety", f"{before}strength of the {gear} gear's roots over their stress",

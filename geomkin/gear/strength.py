@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -16,6 +17,7 @@ from ..model.table import Column, Table
 from ..plane.vec import Real, cross
 from .contract import AbstractInvoluteGear
 from .pair import GearPair
+from .planetary import PlanetarySet
 
 # Least ratio of a material's yield strength, or of its strength, to the nominal root stress: teeth that pulsate for
 # long endure about half of what they carry once; chosen here.
@@ -357,6 +359,63 @@ class PairStrength:
         """Torque on the first gear at which a safety falls to its limit, N mm; nan if a strength is unknown."""
         roots = [tooth.root_safety for tooth in self.teeth if tooth is not UNKNOWN]
         shares = [*(safety / LEAST_ROOT_SAFETY for safety in roots), (self.contact_safety / LEAST_CONTACT_SAFETY) ** 2]
+        return self.loads.torque_n_mm * float(np.min(shares))
+
+
+@record
+class PlanetaryStrength:
+    """Forces and stresses of a planetary set whose sun drives and whose ring is fixed.
+
+    Parameters
+    ----------
+    gears : PlanetarySet
+        The gears; the planets share the torque equally.
+    loads : GearLoads
+        Torque on the sun, and load factors.
+    face_widths : tuple of float
+        Of sun and planet in contact, and of planet and ring, mm.
+    materials : tuple of Material
+        Of sun, planet and ring.
+    """
+
+    gears: PlanetarySet
+    loads: GearLoads
+    face_widths: tuple[float, float]
+    materials: tuple[Material, ...]
+
+    @property
+    def torques(self) -> dict[str, float]:
+        """Torques that act on the set from outside, N mm, in the direction of the sun's; their sum is 0."""
+        on_sun, ring = self.loads.torque_n_mm, self.gears.ring.teeth / self.gears.sun.teeth
+        return {"sun": on_sun, "ring": on_sun * ring, "carrier": -on_sun * (1 + ring)}
+
+    @cached_property
+    def inner(self) -> PairStrength:
+        """Sun and one planet."""
+        loads = replace(self.loads, torque_n_mm=self.loads.torque_n_mm / self.gears.planets)
+        return PairStrength(self.gears.inner, loads, self.face_widths[0], (self.materials[0], self.materials[1]))
+
+    @cached_property
+    def outer(self) -> PairStrength:
+        """One planet and the ring, with the same force between the teeth."""
+        loads = replace(self.loads, torque_n_mm=self.inner.normal_force * self.gears.planet.base_radius)
+        return PairStrength(self.gears.outer, loads, self.face_widths[1], (self.materials[1], self.materials[2]))
+
+    @property
+    def planet_bearing_load(self) -> float:
+        """Force of the carrier on each planet, N: both forces on its teeth together."""
+        along = self.inner.tangential_force + self.outer.tangential_force
+        return float(np.hypot(along, self.outer.radial_force - self.inner.radial_force))
+
+    @property
+    def sun_bearing_load(self) -> float:
+        """Force on the sun's bearing, N: those of several planets balance each other."""
+        return 0.0 if self.gears.planets > 1 else self.inner.normal_force
+
+    @property
+    def torque_limit(self) -> float:
+        """Torque on the sun at which a safety falls to its limit, N mm; nan if a strength is unknown."""
+        shares = [mesh.torque_limit / mesh.loads.torque_n_mm for mesh in (self.inner, self.outer)]
         return self.loads.torque_n_mm * float(np.min(shares))
 
 

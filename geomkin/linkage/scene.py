@@ -13,7 +13,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..model.part import Part
 from ..model.roles import Role
-from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, mm
+from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, mm
 from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre
@@ -187,11 +187,6 @@ def vector_marks(
         arrow = _finite(vector) * scale
         arrow = arrow * (longest / np.maximum(np.abs(arrow), longest))
         yield SceneMark("vector", place, role, f"{name} {role}, {drawn_at(scale, unit)}", vector=arrow)
-
-
-def drawn_at(scale: float, unit: str) -> str:
-    """Text that states the scale of arrows, if one of the unit is drawn `scale` mm long."""
-    return f"1 mm is {float(f'{1 / scale:.3g}'):g} {unit}"
 
 
 def _centres(motion: Motion) -> Iterator[SceneMark]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..model.roles import Role
-from ..model.scene import Plot, Scene, SceneCurve, SceneMark
+from ..model.scene import Plot, Scene, SceneCurve, SceneMark, drawn_at
 from ..model.table import Table
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real
@@ -18,7 +18,7 @@ from .instant.curvature import path_curvature
 from .instant.inflection import bobillier, inflection_circle
 from .instant.polygons import polygon_parts, round_scale
 from .motion import Motion
-from .scene import FARTHEST_CENTRE, LONGEST_ARROW, drawn_at, linkage_scene, place_plot
+from .scene import FARTHEST_CENTRE, LONGEST_ARROW, linkage_scene, place_plot
 
 # Size of an inflection circle, relative to the largest distance of a drawn centre, beyond which it is omitted.
 LARGEST_CIRCLE = 100.0

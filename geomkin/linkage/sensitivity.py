@@ -8,10 +8,10 @@ derivatives of positions and of first and second kinematic coefficients, for dya
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import prod
 from typing import Any
@@ -22,7 +22,7 @@ from ..core.arguments import is_place
 from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..plane.vec import Array, Complex, Mask, Real
-from .linkage import AbstractLinkage, Linkage, Slider
+from .linkage import STRUCTURES, AbstractLinkage, Linkage, Slider, Structure
 from .solve.dyads import Crossed, Dyad
 from .solve.solution import LinkageSolution
 
@@ -47,7 +47,8 @@ def linkage_data(linkage: Linkage) -> Complex:
     for s in linkage.sliders:
         entries += [s.point, s.through, s.direction_deg * RAD, s.angle_deg * RAD]
     entries += [linkage.origin, linkage.ground_angle_deg * RAD]
-    data: Complex = np.empty((len(entries), *linkage.shape), dtype=complex)
+    shape = np.broadcast_shapes(*(np.shape(entry) for entry in entries))
+    data: Complex = np.empty((len(entries), *shape), dtype=complex)
     for k, entry in enumerate(entries):
         data[k] = entry
     return data
@@ -86,48 +87,84 @@ def field_names(linkage: AbstractLinkage) -> Iterator[str]:
             yield from (f"{field.name}.x", f"{field.name}.y")
 
 
-def size_rate(linkage: AbstractLinkage, name: str) -> Complex:
-    """Derivative of the linkage's data by one of its sizes, per mm or per rad, (entries, *linkages)."""
-    if name in field_names(linkage):
-        rate = _field_rate(linkage, name)
-        return rate / RAD if name.endswith("_deg") else rate
+def size_rates(linkage: AbstractLinkage, names: Sequence[str]) -> Complex:
+    """Derivatives of the linkage's data by some of its sizes, per mm or per rad, (entries, sizes, *linkages)."""
     general = linkage.linkage
-    text, _, axis = name.rpartition(".") if name[-2:] in (".x", ".y") else (name, "", "")
-    owner, _, entry = text.rpartition(".")
-    rate = np.zeros_like(linkage_data(general))
-    rate[entry_numbers(general)[owner, entry]] = 1j if axis == "y" else 1
-    return rate
+    numbers, known = entry_numbers(general), set(field_names(linkage))
+    rates = np.zeros((len(numbers), len(names), *general.shape), dtype=complex)
+    # Lengths and points are changed in one copy of the linkage, as arrays; angles may not be arrays.
+    lengths = [k for k, name in enumerate(names) if name in known and not name.endswith("_deg")]
+    if lengths:
+        rates[:, lengths] = _field_rates(linkage, [names[k] for k in lengths])
+    for k, name in enumerate(names):
+        if name in known:
+            if name.endswith("_deg"):
+                rates[:, k] = _field_rates(linkage, [name])[:, 0] / RAD
+            continue
+        text, _, axis = name.rpartition(".") if name[-2:] in (".x", ".y") else (name, "", "")
+        owner, _, entry = text.rpartition(".")
+        rates[numbers[owner, entry], k] = 1j if axis == "y" else 1
+    return rates
 
 
-def _field_rate(linkage: AbstractLinkage, name: str) -> Complex:
+def _field_rates(linkage: AbstractLinkage, names: Sequence[str]) -> Complex:
+    """The same by lengths and points of a named linkage, or by one of its angles, then per deg."""
+    steps = np.empty((len(names), *linkage.linkage.shape))
+    for k, name in enumerate(names):
+        steps[k] = _step(linkage, name)
+
+    def data(multiple: float) -> Complex:
+        return _changed_data(linkage, names, multiple * steps)
+
+    above, below, here = data(1.0), data(-1.0), linkage_data(linkage.linkage)[:, None]
+    rounding = 8 * np.finfo(float).eps * (np.abs(above) + np.abs(below))
+    rates: Complex = (above - below) / (2 * steps)
+    if np.any(np.abs(above + below - 2 * here) > rounding):
+        differences = [weight * (data(k / 16) - data(-k / 16)) for k, weight in ORDER_EIGHT.items()]
+        rates = 16 * np.sum(differences, axis=0) / steps
+    return rates
+
+
+def _step(linkage: AbstractLinkage, name: str) -> Real:
+    """A power of two between a quarter and half of a size: differences of linear data are then exact to rounding."""
     value: Any = linkage
     path = name.split(".")
     while isinstance(value, AbstractLinkage):
         value, path = getattr(value, path[0]), path[1:]
-    # A power of two between a quarter and half of the size: differences of linear data are then exact to rounding.
     exponent = np.frexp(np.imag(value) if path == ["y"] else np.real(value))[1] - 2
     # The smallest of all numbers have no power of two below them.
-    step = np.ldexp(1.0, np.maximum(exponent, -1000))
-
-    def data(steps: float) -> Complex:
-        return linkage_data(_changed(linkage, name.split("."), steps * step).linkage)
-
-    above, below, here = data(1.0), data(-1.0), linkage_data(linkage.linkage)
-    rounding = 8 * np.finfo(float).eps * (np.abs(above) + np.abs(below))
-    rate: Complex = (above - below) / (2 * step)
-    if np.any(np.abs(above + below - 2 * here) > rounding):
-        rate = sum(16 * weight / step * (data(k / 16) - data(-k / 16)) for k, weight in ORDER_EIGHT.items())
-    return rate
+    step: Real = np.ldexp(1.0, np.maximum(exponent, -1000))
+    return step
 
 
-def _changed(linkage: AbstractLinkage, path: list[str], step: Real) -> AbstractLinkage:
-    """A copy with one size changed. It is not checked, since the step may leave the range that is allowed."""
-    values = {field.name: getattr(linkage, field.name) for field in fields(linkage)}  # type: ignore[arg-type]
-    value = values[path[0]]
-    if isinstance(value, AbstractLinkage):
-        values[path[0]] = _changed(value, path[1:], step)
-    else:
-        values[path[0]] = value + (1j * step if path[1:] == ["y"] else step)
+def _changed_data(linkage: AbstractLinkage, names: Sequence[str], changes: Real) -> Complex:
+    """The linkage's data with each of some sizes changed alone; changes and result: (entries,) sizes, *linkages."""
+    copies, *shape = changes.shape
+    if names[0].endswith("_deg"):
+        return linkage_data(_changed(linkage, {names[0]: float(changes.flat[0])}, 1).linkage)[:, None]
+    rows = {}
+    for k, name in enumerate(names):
+        row = np.zeros(changes.shape)
+        row[k] = changes[k]
+        rows[name] = row.ravel()
+    data = linkage_data(_changed(linkage, rows, copies).linkage)
+    return np.broadcast_to(data, (len(data), changes.size)).reshape(len(data), copies, *shape)
+
+
+def _changed(linkage: AbstractLinkage, changes: Mapping[str, Real | float], copies: int) -> AbstractLinkage:
+    """Copies of a linkage, as arrays, with changed sizes. They are not checked, since a step may leave their range."""
+    values: dict[str, Any] = {}
+    for field in fields(linkage):  # type: ignore[arg-type]
+        value = getattr(linkage, field.name)
+        own = {name[len(field.name) + 1 :]: change for name, change in changes.items()
+               if name.partition(".")[0] == field.name}  # fmt: skip
+        if isinstance(value, AbstractLinkage):
+            value = _changed(value, own, copies)
+        else:
+            value = np.tile(value, copies) if isinstance(value, np.ndarray) and len(value) > 1 else value
+            for axis, change in own.items():
+                value = value + (1j * change if axis == "y" else change)
+        values[field.name] = value
     changed = object.__new__(type(linkage))
     changed.__dict__.update(values)
     return changed
@@ -146,15 +183,21 @@ class Quantity:
     part: str = ""
 
 
-def quantities(linkage: Linkage) -> dict[str, Quantity]:
+def quantities(linkage: Linkage) -> Mapping[str, Quantity]:
     """All quantities that can be differentiated, by id."""
+    return _quantities(linkage.structure)
+
+
+@lru_cache(STRUCTURES)
+def _quantities(structure: Structure) -> Mapping[str, Quantity]:
+    bodies, sliders, _ = structure
     ids = {"transmission_angle": Quantity("angle", "", 0)}
-    for body in linkage.bodies:
+    for body, *_ in bodies:
         ids |= {f"{body}_{what}": Quantity("body", body, k) for k, what in enumerate(("angle", "omega", "alpha"))}
     orders = "displacement", "velocity", "acceleration"
-    for slider in linkage.sliders:
-        ids |= {f"{slider.name}_{what}": Quantity("slider", slider.name, k) for k, what in enumerate(orders)}
-    for point in dict.fromkeys(point for points in linkage.bodies.values() for point in points):
+    for slider, *_ in sliders:
+        ids |= {f"{slider}_{what}": Quantity("slider", slider, k) for k, what in enumerate(orders)}
+    for point in dict.fromkeys(point for _, *points in bodies for point in points):
         for k, suffix in enumerate(("", "_velocity", "_acceleration")):
             ids |= {f"{point}{suffix}{'_' * bool(p)}{p}": Quantity("point", point, k, p) for p in ("", "x", "y")}
     return ids
@@ -193,8 +236,7 @@ class Sensitivities:
         return blocks
 
     def _derivatives(self, sizes: list[str], frames: slice) -> SizeDerivatives:
-        rates = np.stack([size_rate(self.given, size) for size in sizes], axis=1)
-        return SizeDerivatives(self.solution, frames, sizes, rates)
+        return SizeDerivatives(self.solution, frames, sizes, size_rates(self.given, sizes))
 
 
 def _unknown(field: str, name: str, known: list[str], meaning: str) -> DesignError:
@@ -207,7 +249,7 @@ class SizeDerivatives:
     """Derivatives by some sizes of the poses over some frames, and of their derivatives by the drive.
 
     n is the number of frames times linkages. `origin` and `angle` hold for each order a derivative by the drive,
-    differentiated by the sizes: (sizes, bodies, n), mm and rad; an order is solved on first use.
+    differentiated by the sizes: (sizes, n) for each body, mm and rad; an order is solved on first use.
     """
 
     def __init__(self, solution: LinkageSolution, frames: slice, sizes: list[str], rates: Complex):
@@ -223,8 +265,8 @@ class SizeDerivatives:
         self.scale = self._flat(np.where(linkage.size > 0, linkage.size, 1.0))
         self.n = solution.assembled[frames].size
         self._results: dict[Quantity, Array] = {}
-        self.origin: list[Complex] = []
-        self.angle: list[Real] = []
+        self.origin: list[list[Complex]] = []
+        self.angle: list[list[Real]] = []
         unknown = [b for b in linkage.bodies if b != linkage.ground]
         self.turned_by_drive = None if linkage.driven_slider else linkage.driver
         columns = [
@@ -235,7 +277,9 @@ class SizeDerivatives:
     def _flat(self, values: Array) -> Array:
         """Values over the frames and linkages of this block in one row; a single number is kept."""
         values = np.asarray(values)
-        return values if not values.ndim else np.broadcast_to(values, self.solution.shape)[self.frames].ravel()
+        if values.ndim and values.shape != self.solution.shape:
+            values = np.broadcast_to(values, self.solution.shape)
+        return values[self.frames].ravel() if values.ndim else values
 
     @cached_property
     def _direction(self) -> list[Complex]:
@@ -260,14 +304,14 @@ class SizeDerivatives:
         """Rates of a point of a body, or of its derivative by the drive, (sizes, n)."""
         b, (place, place_rate) = self.bodies[body], local
         arm = self._direction[b] * place
-        arm_rate = 1j * self.angle[0][:, b] * arm + self._direction[b] * place_rate
+        arm_rate = 1j * self.angle[0][b] * arm + self._direction[b] * place_rate
         if order == 0:
-            return self.origin[0][:, b] + arm_rate
-        first, first_rate = self._turn[1][b], self.angle[1][:, b]
+            return self.origin[0][b] + arm_rate
+        first, first_rate = self._turn[1][b], self.angle[1][b]
         if order == 1:
-            return self.origin[1][:, b] + 1j * (first_rate * arm + first * arm_rate)
-        turning = (1j * self.angle[2][:, b] - 2 * first * first_rate) * arm
-        return self.origin[2][:, b] + turning + (1j * self._turn[2][b] - first**2) * arm_rate
+            return self.origin[1][b] + 1j * (first_rate * arm + first * arm_rate)
+        turning = (1j * self.angle[2][b] - 2 * first * first_rate) * arm
+        return self.origin[2][b] + turning + (1j * self._turn[2][b] - first**2) * arm_rate
 
     def _place(self, body: str, local: Complex, order: int) -> Complex:
         """A point of a body, or its derivative by the drive, (n,)."""
@@ -291,16 +335,16 @@ class SizeDerivatives:
         ]
         rates = [self._point(slider.body, point, k) - self._point(slider.along, through, k) for k in range(order + 1)]
         # The line itself turns by the rate of its guide and of its direction there.
-        turned = 1j * (self.angle[0][:, guide] + self._entry(slider.name, "direction_deg")[1].real)
+        turned = 1j * (self.angle[0][guide] + self._entry(slider.name, "direction_deg")[1].real)
         if order == 0:
             relative, rate = apart[0], rates[0]
         else:
-            h, h_rate = self._turn[1][guide], self.angle[1][:, guide]
+            h, h_rate = self._turn[1][guide], self.angle[1][guide]
             if order == 1:
                 relative = apart[1] - 1j * h * apart[0]
                 rate = rates[1] - 1j * (h_rate * apart[0] + h * rates[0])
             else:
-                spin, spin_rate = 1j * self._turn[2][guide] + h * h, 1j * self.angle[2][:, guide] + 2 * h * h_rate
+                spin, spin_rate = 1j * self._turn[2][guide] + h * h, 1j * self.angle[2][guide] + 2 * h * h_rate
                 relative = apart[2] - 2j * h * apart[1] - spin * apart[0]
                 rate = rates[2] - 2j * (h_rate * apart[1] + h * rates[1]) - spin_rate * apart[0] - spin * rates[0]
         return np.conj(self._line(slider)) * (rate - turned * relative)
@@ -312,7 +356,7 @@ class SizeDerivatives:
 
     def _closure(self, order: int) -> Real:
         """Rates of the errors of all joints while the unknown rates of this order are zero, (rows, sizes, n)."""
-        shape, rows = (len(self.sizes), self.n), []
+        rows: list[Real] = []
         for pin, one, two in self._pairs:
             apart = self._point(one, self._entry(one, pin), order) - self._point(two, self._entry(two, pin), order)
             rows += [apart.real / self.scale, apart.imag / self.scale]
@@ -322,17 +366,20 @@ class SizeDerivatives:
             if slider is self.linkage.driven_slider:
                 rows.append(relative.real / self.scale)
             body, guide = self.bodies[slider.body], self.bodies[slider.along]
-            turned = self.angle[order][:, body] - self.angle[order][:, guide]
+            turned = self.angle[order][body] - self.angle[order][guide]
             if order == 0:
                 turned = turned - sum(
                     self._entry(slider.name, f"{what}_deg")[1].real for what in ("direction", "angle")
                 )
             rows.append(turned)
-        return np.stack([np.broadcast_to(row, shape) for row in rows])
+        errors = np.empty((len(rows), len(self.sizes), self.n))
+        for error, row in zip(errors, rows):
+            error[:] = row
+        return errors
 
     @cached_property
     def _inverse(self) -> Real:
-        """Inverse of the derivatives of all joints' errors by the unknowns, (n, columns, rows); nan at a limit."""
+        """Inverse of the derivatives of all joints' errors by the unknowns, (columns, rows, n); nan at a limit."""
         matrix = np.zeros((self.n, len(self.columns), len(self.columns)))
         row = 0
 
@@ -359,30 +406,30 @@ class SizeDerivatives:
             put(slider.body, "angle", row, 1)
             put(slider.along, "angle", row, -1)
             row += 1
-        return _inverted(matrix)
+        return np.ascontiguousarray(np.moveaxis(_inverted(matrix), 0, -1))
 
     def _solve(self, order: int) -> None:
         """Add the rates of one more order."""
-        shape = len(self.sizes), len(self.bodies), self.n
-        origin, angle = np.zeros(shape, dtype=complex), np.zeros(shape)
+        shape = len(self.sizes), self.n
+        origin: list[Complex] = [np.zeros(shape, dtype=complex) for _ in self.bodies]
+        angle: list[Real] = [np.zeros(shape) for _ in self.bodies]
         ground = self.bodies[self.linkage.ground]
         if order == 0:
-            origin[:, ground] = self._entry("", "origin")[1]
-            angle[:, ground] = self._entry("", "ground_angle_deg")[1].real
+            origin[ground][:] = self._entry("", "origin")[1]
+            angle[ground][:] = self._entry("", "ground_angle_deg")[1].real
             if self.turned_by_drive:
                 # The driver's angle is measured from the ground.
-                angle[:, self.bodies[self.turned_by_drive]] = angle[:, ground]
+                angle[self.bodies[self.turned_by_drive]] = angle[ground]
         self.origin.append(origin)
         self.angle.append(angle)
         with np.errstate(all="ignore"):
-            # (n, columns, sizes) -> (columns, sizes, n)
-            rates = np.moveaxis(self._inverse @ np.moveaxis(-self._closure(order), -1, 0), 0, -1)
+            rates = np.einsum("crn,rsn->csn", self._inverse, -self._closure(order))
         for (body, axis), values in zip(self.columns, rates):
             b = self.bodies[body]
             if axis == "angle":
-                angle[:, b] = values
+                angle[b] = values
             else:
-                origin[:, b] += values * self.scale * (1j if axis == "y" else 1)
+                origin[b] += values * self.scale * (1j if axis == "y" else 1)
 
     def of(self, quantity: Quantity) -> Array:
         """Rates of a quantity, (sizes, n)."""
@@ -411,7 +458,7 @@ class SizeDerivatives:
         while len(self.origin) <= order:
             self._solve(len(self.origin))
         if quantity.kind == "body":
-            return self.angle[order][:, self.bodies[quantity.name]]
+            return self.angle[order][self.bodies[quantity.name]]
         if quantity.kind == "slider":
             return self._slide(next(s for s in self.linkage.sliders if s.name == quantity.name), order).real
         body = self._body_of(quantity.name)
@@ -448,7 +495,7 @@ class SizeDerivatives:
     def _joint_line(self, line: tuple[str, str] | Slider) -> tuple[Complex, Real]:
         """Direction of the line through two points, or of a slider, and the rates of its angle, (sizes, n)."""
         if isinstance(line, Slider):
-            turned = self.angle[0][:, self.bodies[line.along]] + self._entry(line.name, "direction_deg")[1].real
+            turned = self.angle[0][self.bodies[line.along]] + self._entry(line.name, "direction_deg")[1].real
             return self._line(line), turned
         bodies = [self._body_of(point) for point in line]
         places = [self._place(body, self._entry(body, point)[0], 0) for body, point in zip(bodies, line)]
@@ -460,9 +507,13 @@ class SizeDerivatives:
 
 def _inverted(matrices: Real) -> Real:
     """Inverses of (n, k, k); nan where a matrix is singular or not finite."""
-    inverse = np.full_like(matrices, np.nan)
     regular: Mask = np.logical_and.reduce(np.isfinite(matrices), axis=(1, 2))
-    # A sign of zero means a pivot of zero, for which `inv` would refuse all matrices.
-    regular[regular] = np.linalg.slogdet(matrices[regular])[0] != 0
-    inverse[regular] = np.linalg.inv(matrices[regular])
+    try:
+        inverse = np.linalg.inv(matrices)
+    except np.linalg.LinAlgError:
+        # One singular matrix makes `inv` refuse all. A sign of zero means a pivot of zero.
+        regular[regular] = np.linalg.slogdet(matrices[regular])[0] != 0
+        inverse = np.empty_like(matrices)
+        inverse[regular] = np.linalg.inv(matrices[regular])
+    inverse[~regular] = np.nan
     return inverse

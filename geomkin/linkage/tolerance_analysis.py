@@ -19,7 +19,7 @@ from ..plane.vec import Array, Complex, Mask, Real, Whole, dot
 from .linkage import AbstractLinkage, Linkage
 from .motion import Motion, unwrapped_deg
 from .moving import move
-from .sensitivity import Quantity, entry_numbers, linkage_data, quantities, size_names, size_rate
+from .sensitivity import Quantity, entry_numbers, linkage_data, quantities, size_names, size_rates
 
 # Directions, over half a turn, in which the deviation of a point is measured. The largest one is found to 1 part in
 # 25,000; twice as many take twice as long.
@@ -330,7 +330,7 @@ class ToleranceAnalysis:
         general, numbers = self.motion.linkage, entry_numbers(self.motion.linkage)
         data, moved = linkage_data(general), dict[int, complex | Array]()
         for name, tolerance in self.lengths.items():
-            rate, steps = size_rate(self.motion.given, name), rng.normal(0, tolerance / DEVIATIONS, count)
+            rate, steps = size_rates(self.motion.given, [name])[:, 0], rng.normal(0, tolerance / DEVIATIONS, count)
             for k in np.flatnonzero(rate).tolist():
                 moved[k] = moved.get(k, data[k]) + rate[k] * steps
         for pin, clearance in self.clearances.items():

@@ -30,8 +30,8 @@ def shaft_bill(
     A motor includes its shaft and is fixed by screws, which are countersunk if it is under a base.
 
     length: total thickness of the plates on the shaft, mm. count: number of such shafts, each with its own motor.
-    base: thickness of the base over the motor, mm, 0 for none. keys: number on each shaft. is_cut: whether a motor's
-    shaft is cut to the length.
+    base: thickness of the base over the motor, mm, 0 for none. keys: number of keys on each shaft. is_cut: whether a
+    motor's shaft is cut to the length.
     """
     across, (width, _) = stock.across_flat, stock.keyway
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
@@ -80,7 +80,7 @@ def tube_bill(diameter: float, height: float, count: int = 1) -> Bill:
 
 
 def _at_least(length: float) -> str:
-    # The support decides how far it projects.
+    # The length beyond the plates depends on the support.
     return f"at least {_shown(length)} mm long"
 
 

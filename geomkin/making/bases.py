@@ -67,9 +67,22 @@ class RackBaseStock(BaseStock):
 class BaseOpening:
     """A hole for a shaft, pin or screw, or a slot in which pins slide.
 
-    item: passes through the hole; key: of its diameter, mm, in the recipe. points: centre of the hole, or both ends of
-    the slot's centre line, mm. letter: engraved next to it. head: diameter below the plate of a collar or head, mm, 0
-    for none. motor: drives the shaft from below; the plate then has holes for its boss and screws.
+    Parameters
+    ----------
+    item : str
+        The shaft, pin or screw, for messages.
+    key : str
+        Key of its diameter in the recipe.
+    diameter : float
+        mm.
+    points : tuple of complex
+        Centre of the hole, or both ends of the slot's centre line, mm.
+    letter : str
+        Letter engraved next to the opening.
+    head : float
+        Diameter of a collar or head below the plate, mm; 0 for none.
+    motor : str or MotorFace, optional
+        Motor that drives the shaft from below; the plate then has holes for its boss and screws.
     """
 
     item: str
@@ -86,7 +99,7 @@ class BaseOpening:
         return face_of(self.motor).corners(self.points[0]) if self.motor else np.zeros(0, dtype=complex)
 
     def curves(self, clearance: float) -> tuple[AbstractCurve, ...]:
-        """The hole or slot, wider by the clearance. Raises DesignError if it is too narrow to cut."""
+        """The hole or slot, wider than the item by the clearance. Raises DesignError if it is too narrow to cut."""
         if self.diameter < SMALLEST:
             raise DesignError(
                 self.key,
@@ -101,7 +114,7 @@ class BaseOpening:
         return (Circle(start, radius) if len(self.points) == 1 else slot(start, end, radius),)
 
     def fits(self, clearance: float) -> tuple[HoleFit, ...]:
-        """The fit of each of these holes."""
+        """The fit of each of the `curves`."""
         if self.motor:
             return face_of(self.motor).fits(clearance)
         return (HoleFit(self.diameter, clearance, travel=abs(self.points[-1] - self.points[0])),)
@@ -114,10 +127,10 @@ class BaseOpening:
 def standing_plate(
     box: tuple[complex, complex], openings: Sequence[BaseOpening], stock: BaseStock, thickness: float
 ) -> Part:
-    """The base plate, of the body "ground": openings, and a screw outside each corner of a box.
+    """The base plate, a part of the body "ground", with openings, and a screw outside each corner of a box.
 
-    box: lower left and upper right corner, mm, of all openings and of everything that moves over the plate; the face of
-    a motor is added. Raises DesignError if openings meet or lie over the face of a motor.
+    box: lower left and upper right corner, mm, of all openings and of everything that moves over the plate; it is
+    extended by the face of a motor. Raises DesignError if openings meet or lie over the face of a motor.
     """
     for opening in openings:
         if opening.motor:
@@ -134,7 +147,7 @@ def standing_plate(
     for first, second in combinations(all_openings, 2):
         _check_apart(first, second, stock.clearance)
     outline = rounded_hull(corners, widened(stock.screw, stock.clearance) / 2 + stock.edge)
-    # The hole for a motor's boss has the letter.
+    # A motor has several holes; the letter is at the first one, for its boss.
     letters = [
         name for opening, curves in zip(all_openings, cut) for name in (opening.letter, *("" for _ in curves[1:]))
     ]
@@ -151,7 +164,7 @@ def _motor_key(opening: BaseOpening) -> str:
 def _check_apart(first: BaseOpening, second: BaseOpening, clearance: float) -> None:
     for motor_opening, other in ((first, second), (second, first)):
         if motor_opening.motor:
-            _check_beside(motor_opening, other, clearance)
+            _check_off_motor(motor_opening, other, clearance)
     apart, wide = first.distance(second), (first.diameter + second.diameter) / 2 + clearance
     if apart > wide:
         return
@@ -168,8 +181,8 @@ def _check_apart(first: BaseOpening, second: BaseOpening, clearance: float) -> N
     )
 
 
-def _check_beside(motor_opening: BaseOpening, other: BaseOpening, clearance: float) -> None:
-    """Refuse an opening over the face of a motor: its item would meet the motor or the motor's holes."""
+def _check_off_motor(motor_opening: BaseOpening, other: BaseOpening, clearance: float) -> None:
+    """DesignError for an opening over the face of a motor, where its item would meet the motor or the motor's holes."""
     assert motor_opening.motor is not None
     face = face_of(motor_opening.motor)
     overlap = max(widened(other.diameter, clearance), other.head) / 2 - float(

@@ -12,14 +12,14 @@ from ..core.records import record
 from ..model.part import HoleFit
 from ..plane.primitives import Circle, Polyline
 
-# Least hole, mm. No cutter makes a smaller one.
+# Smallest diameter of a hole, mm. No cutter makes a smaller one.
 SMALLEST = 0.01
 
 
 def shaft(item: str, default: float, fitted: bool = False) -> Any:
-    """The field for the diameter of a shaft or pin; item: "the cam shaft" and so on.
+    """The field for the diameter of a shaft or pin. item: its name, such as "the cam shaft".
 
-    fitted: whether the stock has a fit for the hole.
+    fitted: whether the stock also has a field for the fit of the hole.
     """
     pressed = ", or for a press fit narrower by the interference" if fitted else ""
     meaning = f"diameter of {item}, 0 for no hole; its hole is wider by the clearance{pressed}"
@@ -46,8 +46,8 @@ def fits_of(diameter: float, play: float) -> tuple[HoleFit, ...]:
 def bore(diameter: float, clearance: float, widest: float, key: str, centre: complex = 0j) -> tuple[Circle, ...]:
     """The hole for a shaft; none for diameter 0. Raises DesignError if it is too small, or as wide as the part.
 
-    clearance: how much wider the hole is than the shaft, mm, negative for a press fit. widest: least width of the part
-    round the hole, mm. key: of the diameter in the recipe; the key of the clearance is in the same table.
+    clearance: difference of the diameters of hole and shaft, mm, negative for a press fit. widest: least width of the
+    part round the hole, mm. key: the recipe's key of the diameter; the key of the clearance is in the same table.
     """
     if diameter == 0:
         return ()
@@ -74,10 +74,10 @@ def keyed_bore(
 ) -> tuple[Circle | Polyline, ...]:
     """The hole for a shaft about a part's axis, with a keyway of a width and depth, mm, as one outline.
 
-    diameter: of the shaft; the bore is wider by the clearance, which is negative for a press fit. depth: of the keyway
-    beyond the bore, along its centre line. towards: unit direction of the centre line. The keyway has square corners.
-    With width and depth 0 the bore is plain; for diameter 0 there is no hole. widest: least width of the part, mm.
-    Raises DesignError if the part is too narrow; its field begins with `key`.
+    diameter: diameter of the shaft; the bore is wider by the clearance, which is negative for a press fit. depth: depth
+    of the keyway beyond the bore, along its centre line. towards: unit direction of this line. widest: least width of
+    the part, mm. The keyway has square corners. With width and depth 0 the bore is plain; for diameter 0 there is no
+    hole. Raises DesignError if the part is too narrow; its field begins with `key`.
     """
     holes = bore(diameter, clearance, widest, f"{key}.bore")
     if width == 0 and depth == 0:
@@ -115,9 +115,9 @@ def flattened_bore(
 ) -> tuple[Circle | Polyline, ...]:
     """The hole for a D-shaft about a part's axis; none for diameter 0.
 
-    diameter: of the shaft; flat: from its flat side across to the round side, mm, more than half the diameter. The gap
-    between hole and shaft is half the clearance all round, at the flat side too. towards: unit direction that the flat
-    side faces. Raises DesignError as `bore` does.
+    diameter: diameter of the shaft. flat: its width from the flat side across to the round side, mm, more than half the
+    diameter. towards: unit direction that the flat side faces. The gap between hole and shaft is half the clearance all
+    round, at the flat side too. Raises DesignError as `bore` does.
     """
     if not (circles := bore(diameter, clearance, widest, f"{key}.bore")):
         return ()
@@ -149,9 +149,9 @@ def double_flattened_bore(
 class ParallelKey:
     """A parallel key of one section; all in mm.
 
-    thickest: largest shaft for it. width, height: of the key; its keyways have the same width. shaft_depth: of the
-    keyway in the shaft. hub_depth: of the keyway in the part, beyond the bore along the centre line. lengths: shortest
-    and longest.
+    thickest: diameter of the largest shaft for it. width, height: size of its section; its keyways have the same width.
+    shaft_depth: depth of the keyway in the shaft. hub_depth: depth of the keyway in the part, beyond the bore along the
+    centre line. lengths: shortest and longest standard length.
     """
 
     thickest: float

@@ -15,8 +15,8 @@ class Size:
     """A screw size with a metric thread; all in mm.
 
     screw, nut: product and standard. head: diameter and height of the screw's head. lengths: shortest and longest
-    screw. nut_width, nut_height: across corners, and along the screw. pitch: of the thread; the screw's end projects
-    from the nut by at least this. washer: outer diameter and thickness by ISO 7089.
+    screw. nut_width, nut_height: size of the nut across corners and along the screw. pitch: pitch of the thread, by
+    which the screw's end projects from the nut at least. washer: outer diameter and thickness by ISO 7089.
     """
 
     screw: str
@@ -63,7 +63,8 @@ class Fastener:
 
     form: "screw" is a screw of a standard length with a nut and a washer or, if no screw is long enough, a threaded rod
     with a nut and a washer at each end. "rod" is a plain rod, cut flush and glued or pressed into the plate at each end
-    that moves with it. play: axial, mm, so that plates can rotate. head_height: mm, instead of the standard's.
+    that moves with it. play: axial play, mm, so that plates can rotate. head_height: height of the head, mm, if it is
+    not that of the standard.
     """
 
     diameter: float
@@ -115,7 +116,7 @@ class Fastener:
     def volume(self, grip: float) -> float:
         """Volume of the items of one joint through plates of a thickness `grip`, mm3: rod or screw, washers and nuts.
 
-        Threads count with their pitch diameter, sockets and rounded edges of heads not at all.
+        Threads count with their pitch diameter; sockets and rounded edges of heads are neglected.
         """
         if self.form == "rod" or self.size is None:
             return _disc(self.diameter) * (grip + self.play)
@@ -176,7 +177,7 @@ def fastener_of(
 
 
 def gathered(bills: list[tuple[str, tuple[tuple[str, int], ...]]]) -> tuple[Bought, ...]:
-    """The bill of all joints from the bill of each: equal items in one line, in the order of first use."""
+    """The bill of all joints, from the bill of each joint: one line for equal items, in the order of first use."""
     entries: dict[str, tuple[int, list[str]]] = {}
     for joint, items in bills:
         for name, count in items:

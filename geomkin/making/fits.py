@@ -26,8 +26,8 @@ from .bores import (
 from .materials import MaterialKey, material_entry
 from .motor_faces import MountedMotorKey, face_of, motor_plate, mounted_motor_entry
 
-# mm. Twice the error of lasers and printers, so that the hole still grips. A hole of 5 mm is stretched by 2 %, which
-# wood and plastics withstand. More cracks acrylic; with less the part may slip on its shaft.
+# Default interference, mm: twice the error of lasers and printers, so that the hole still grips. It stretches a hole of
+# 5 mm by 2 %, which wood and plastics withstand. More cracks acrylic; with less the part may slip on its shaft.
 INTERFERENCE = 0.1
 # Distance from the flat to the round side of motors' D-shafts, mm, by their diameter: small gear motors (3, 4 and 6),
 # stepping motors (5) and larger ones (8), from makers' drawings; chosen here. For other shafts the user gives `flat`.
@@ -203,7 +203,7 @@ class AbstractBored:
         return bore(self.bore, self.play, widest, f"{key}.bore")
 
     def _check_bore(self) -> None:
-        """Refuse sizes that do not define a bore, whatever the part."""
+        """DesignError for sizes that contradict each other, independent of the part."""
         if self.bore_form != "round" and not self.bore:
             problem = f'found 0 mm, which means no hole, and bore_form = "{self.bore_form}"'
             raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"', "conflict")
@@ -228,7 +228,7 @@ class AbstractBored:
             )
 
     def _check_interference(self) -> None:
-        """Refuse an interference that leaves no hole where the shaft is narrowest."""
+        """DesignError for an interference that leaves no hole at the narrowest width of the shaft."""
         narrowest = self.across_flat or self.bore
         if 0 < narrowest < self.interference + SMALLEST:
             problem = f"found {self.interference:g} mm, which leaves no hole for a shaft {narrowest:g} mm across"

@@ -9,9 +9,9 @@ from ..model.material import Material
 from .named import NamedIn
 
 _PRESSURE = "pressure of a slowly turning dry steel pin chosen here"
-# Typical values for a first estimate: sheets and prints differ by 10 to 30 %. Strengths are the lower ones of a range;
-# of printed plastics those of parts that lie flat, for upright layers carry half. Bearing pressures are chosen here: a
-# quarter of the strength, or less if the material creeps or wears.
+# Typical values for a first estimate: sheets and prints differ by 10 to 30 %. Strengths are the lower ends of ranges.
+# Those of printed plastics are for parts printed flat; parts printed upright carry half. Bearing pressures are chosen
+# here: a quarter of the strength, or less if the material creeps or wears.
 MATERIALS: dict[str, Material] = {
     material.name.replace(" ", "-"): material
     for material in (

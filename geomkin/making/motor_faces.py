@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 class MotorScrew:
     """The screws of a motor by their thread, mm.
 
-    hole: clearance hole, ISO 273, medium. sunk: height of the head, shortest and longest countersunk screw, ISO 7046.
+    hole: diameter of the clearance hole, ISO 273, medium. sunk: height of the head, and lengths of the shortest and the
+    longest countersunk screw, ISO 7046.
     """
 
     hole: float
@@ -158,7 +159,7 @@ class MotorFace:
         return MOTOR_SCREWS[self.thread].hole
 
     def screw(self, thickness: float, sunk: bool = False) -> str:
-        """The screw through a plate of a thickness, mm. sunk: countersunk; its length then includes the head."""
+        """The screw through a plate of a thickness, mm. sunk: countersunk, with a length that includes the head."""
         least, most = thickness + self.least_depth, thickness + self.largest_depth
         name, lengths = SIZES[self.thread].screw, SIZES[self.thread].lengths
         if sunk:
@@ -190,7 +191,7 @@ class MotorFace:
         return place + self.face_offset + (self.face_width / 2 - inset) * CORNERS
 
     def check_plate(self, thickness: float, key: str) -> None:
-        """Refuse a plate from which the boss or the heads of the screws would project: a wheel turns on it."""
+        """DesignError if the boss or the heads of the screws project from the plate, on which a wheel turns."""
         if thickness < (least := max(self.boss_height, MOTOR_SCREWS[self.thread].sunk[0])):
             name = name_of(self)
             raise DesignError(
@@ -227,9 +228,9 @@ MOTOR_FACES: dict[str, MotorFace] = {
     "nema17": _nema17("NEMA 17"),
     "nema17-short": _nema17("NEMA 17 stepper, 20 mm long"),
     "nema17-long": _nema17("NEMA 17 stepper, 60 mm long"),
-    # Its flange of about 5 mm has holes of 5 mm, which M4 screws and nuts fit.
+    # The flange, about 5 mm thick, has holes of 5 mm, which fit M4 screws and nuts.
     "nema23": MotorFace("NEMA 23 stepper", 56.4, _square(47.14), 38.1, 1.6, 6.35, None, 4.0, 12.0, 18.0, True),
-    # Over its ears, 35 mm from hole to hole, whose holes of 4.2 mm M4 screws and nuts fit.
+    # The face width is that over the ears. Their holes of 4.2 mm, 35 mm apart, fit M4 screws and nuts.
     "28byj-48": MotorFace(
         "28BYJ-48 geared stepper", 42.0, (8 + 17.5j, 8 - 17.5j), 9.0, 1.5, 5.0, 3.0, 4.0, 8.0, 14.0, True, 8.0, 2
     ),
@@ -294,7 +295,7 @@ def mounted_motor_entry(meaning: str) -> Any:
 
 
 def fixed_under(plate: str, letter: str, count: int) -> str:
-    """The first step of an assembly with a motor under a plate; letter: of its shaft; count: number of screws."""
+    """The first step of an assembly with a motor under a plate; letter: at its shaft; count: number of screws."""
     screws = f"with its {count} countersunk screws from above, heads flush"
     return f"fix the motor under {plate}, its shaft up through {letter}, {screws}"
 

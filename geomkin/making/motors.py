@@ -7,12 +7,12 @@ from typing import Annotated, Any
 import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
-from ..core.fields import entry
+from ..core.fields import entry, to_digits
 from ..model.check import Check
 from ..model.motor import Motor, MotorDuty
 from .named import NamedIn
 
-# Least margin of a motor that `smallest_motor` chooses; chosen here, for friction and loads that are not stated.
+# Least margin of a motor that `smallest_motor` chooses, for friction and loads that are not stated; chosen here.
 LEAST_MOTOR_MARGIN = 1.5
 # Shares of the greatest torque: direct-current motors and servos heat up if they supply more than a quarter of their
 # torque at standstill for long (makers' advice); steppers supply about half of the holding torque up to 300 rpm.
@@ -125,14 +125,18 @@ def motor_entry(item: str) -> Any:
     return entry(f"motor on the shaft of {item}: {words}", default=None)
 
 
+def motor_name(motor: Motor) -> str | None:
+    """The name of a motor in the table; None if it is not from there."""
+    return next((key for key, known in MOTORS.items() if known == motor), None)
+
+
 def motor_check(motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None) -> Check:
     """Check that a motor supplies the torque and speed of its duty, by the margin of `smallest_motor`.
 
     column, at: id of the torque's column, and where the driver is at its peak, as in `Check`.
     """
     better = smallest_motor(duty)
-    key = next((key for key, known in MOTORS.items() if known == better), None)
-    advice = f'give motor = "{key}" ({better.name})' if better else "no motor of the table suffices"
+    advice = f'give motor = "{motor_name(better)}" ({better.name})' if better else "no motor of the table suffices"
     name = f"torque of the {motor.name} to that required"
     limit = LEAST_MOTOR_MARGIN
     return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at)
@@ -140,6 +144,6 @@ def motor_check(motor: Motor, duty: MotorDuty, column: str = "", at: float | Non
 
 def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
     """A motor and its margin, as an entry of the summary."""
-    key = next((key for key, known in MOTORS.items() if known == motor), None)
+    key = motor_name(motor)
     named: dict[str, object] = {"motor": key} if key else {}
-    return {**named, "name": motor.name, "margin": float(f"{motor.margin(duty):.6g}")}
+    return {**named, "name": motor.name, "margin": to_digits(motor.margin(duty), 6)}

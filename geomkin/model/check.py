@@ -1,4 +1,4 @@
-"""A judgement on a design: a value, the limit it should keep, and the verdict."""
+"""The check of a design: a value, its limit, and whether it keeps the limit."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ AnyNumber = Annotated[
 
 @record(checked=True)
 class Check:
-    """One quality of a design against its limit.
+    """A value of a design compared with its limit.
 
     A failed check is advice, not an error: the design exists, and its files are still made.
 
     Parameters
     ----------
     id : str
-        In snake case, such as `transmission_angle`; a recipe's checks have different ones.
+        Unique among the checks of a recipe, in snake case, such as `transmission_angle`.
     name : str
-        For people; it may change, the id does not.
+        For people. It may be reworded; the id stays.
     value, limit : float
     side : {"at least", "at most"}
-        Of the limit that the value should keep to.
+        Side of the limit on which the value should be.
     unit, advice : str
     column : str
-        Id of the table's column that is judged; "" if none is.
+        Id of the table's column that the value comes from; "" if there is none.
     at : float, optional
-        Where the driver is when the check comes out worst, as the first column of the scene's table states it: deg, or
-        mm if it slides. None if unknown.
+        Position of the driver at which the value is worst, as in the first column of the scene's table: deg, or mm if
+        it slides. None if unknown.
     expected : str
-        The reason that the recipe gives for a failure that is meant; "" if there is none.
+        The reason that the recipe gives for an intended failure; "" if there is none.
     """
 
     id: str
@@ -55,13 +55,13 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """False also for nan: what could not be measured has not passed."""
+        """Whether the value keeps its limit; False for nan, an unknown value."""
         return self.value >= self.limit if self.side == "at least" else self.value <= self.limit
 
     def to_dict(self) -> dict[str, object]:
-        """As JSON files state it."""
+        """The entries of the check in JSON files."""
         known: dict[str, object] = {"column": self.column} if self.column else {}
-        # The place of a maximum is known to the square root of the rounding only: more decimals would be noise.
+        # Rounding displaces the position of a maximum by the square root of its size: further decimals would be noise.
         known |= {"at": float(rounded(self.at, 3)) + 0.0} if self.at is not None else {}
         known |= {"expected": self.expected} if self.expected and not self.passed else {}
         return {

@@ -43,6 +43,6 @@ class Mass:
         mass = self.mass + other.mass
         share = other.mass / np.where(mass == 0, 1.0, mass)
         apart = other.centre - self.centre
-        # About the common centre each mass has its own distance: together mass x other mass / sum x distance squared.
+        # Parallel axes: both masses together add mass x other mass / sum x distance squared about the common centre.
         inertia = self.inertia + other.inertia + self.mass * share * np.abs(apart) ** 2
         return Mass(mass, self.centre + share * apart, inertia)

@@ -1,4 +1,4 @@
-"""A material: what parts weigh, what stresses they carry, and the pressure of two that touch."""
+"""A material: its density, stiffness and strength, and the pressure in the contact of two bodies."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ YIELDING = 0.5 / 0.3003
 
 @record(checked=True)
 class Material:
-    """Density, stiffness and strength of a material; what is None is unknown.
+    """Density, stiffness and strength of a material; None stands for unknown.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class MotorDuty:
     def __post_init__(self) -> None:
         if not len(self.torque) == len(self.speed) == len(self.angle) > 0:
             found = f"found {len(self.torque)}, {len(self.speed)} and {len(self.angle)} numbers"
-            raise DesignError("torque", found, "give as many of each, at least one", "conflict")
+            raise DesignError("torque", found, "give arrays of the same length, at least 1", "conflict")
 
     @property
     def peak_torque(self) -> float:
@@ -109,7 +109,7 @@ class Motor:
     mass_g : float
         Mass, g.
     constant_torque : bool, optional
-        True for a stepper: its torque is that of `torque_n_mm` up to `speed_rpm`, and none beyond.
+        True for a stepper: its torque is `torque_n_mm` up to `speed_rpm`, and 0 beyond.
     range_deg : float, optional
         Angle through which a servo turns, deg; None if the shaft turns without end.
     source : str, optional
@@ -157,7 +157,7 @@ class Motor:
         return np.asarray(self.torque_n_mm * left)
 
     def at_scale(self, scale: float) -> Motor:
-        """The same motor: it is bought, and stays as it is in a mechanism of another size."""
+        """The same motor, since a bought item does not change with the size of the mechanism."""
         return self
 
     def margin(self, duty: MotorDuty) -> float:

@@ -173,8 +173,8 @@ class Part:
         return Mass(areal_density * section.area, centre, areal_density * inertia)
 
 
-# Shares of the height, with their weights: Gauss' rule on each half, for a herringbone turns back in the middle. The
-# sine of a turn within a hundred revolutions needs no more points.
+# Shares of the height and their weights: Gauss' rule on each half, since a herringbone turns back in the middle. These
+# points suffice for a twist of up to a hundred revolutions.
 _GAUSS = np.polynomial.legendre.leggauss(64)
 _HEIGHTS = np.concatenate([0.25 + 0.25 * _GAUSS[0], 0.75 + 0.25 * _GAUSS[0]])
 _SHARES = np.concatenate([_GAUSS[1], _GAUSS[1]]) / 4
@@ -192,7 +192,7 @@ def _mean(moments: AreaMoments, twist: Twist | None) -> AreaMoments:
 
 @record
 class Bought:
-    """A line of the bill: an item to buy, or to cut from a rod.
+    """A line of the bill of materials: an item to buy, or to cut from a rod.
 
     Parameters
     ----------
@@ -210,5 +210,5 @@ class Bought:
 
     @property
     def data(self) -> dict[str, object]:
-        """Plain values for a file."""
+        """The item as plain values, for files."""
         return {"name": self.name, "count": self.count, "joints": list(self.joints)}

@@ -1,4 +1,4 @@
-"""The roles of curves, marks and regions of a scene: how a drawing shows each, and under which words it is switched."""
+"""The roles of curves, marks and regions of a scene: the style of each and the text of its switch."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 Role = Literal[
-    "dimension",  # straight curves from one end of a length to the other, their label its size
-    "traced",  # what a point draws, or a part is wanted for: the one accent
-    "wanted",  # what was asked for: the second accent
-    "construction",  # thin lines that explain: pitch circles, centre lines, image poles
+    "dimension",  # segments along a length; the label is its size
+    "traced",  # paths of points, and curves for which a part is made; in the first accent colour
+    "wanted",  # requirements of a synthesis; in the second accent colour
+    "construction",  # thin auxiliary lines: centre lines, image poles
     "pitch",  # pitch curve of a cam, pitch circles of gears
-    "driven",  # where the driven pin of a guided body may not be
-    "driving",  # where its driving pin may not be
-    "deviation",  # where a path may lie, by tolerances and clearances
-    "contact",  # where bodies touch, and the path on which they do
+    "driven",  # region without usable driven pins of a guided body
+    "driving",  # region without usable driving pins
+    "deviation",  # band of possible paths, by tolerances and clearances
+    "contact",  # contacts of bodies and the path of contact
     "centrode",
     "inflection",
     "bobillier",  # Bobillier's construction
@@ -28,8 +28,8 @@ Role = Literal[
 class RoleStyle(NamedTuple):
     """How a drawing treats a role.
 
-    label: text of its switch. shown: whether it is switched on at first, and in still pictures. room: share of the
-    mechanism's size by which a drawing grows on each side for it; 0 if the drawing always contains all of it.
+    label: text of its switch. shown: whether it is visible at first and in still pictures. room: largest margin that a
+    drawing adds on each side for it, as a share of the mechanism's size; 0 if the drawing always contains all of it.
     """
 
     label: str
@@ -37,7 +37,8 @@ class RoleStyle(NamedTuple):
     room: float = 0.0
 
 
-# Room for elements that may extend far beyond the mechanism: those that are the subject of a recipe, and others.
+# `room` of roles whose elements may extend far beyond the mechanism: of those that are the subject of a recipe, and of
+# the others.
 WIDE, NARROW = 0.5, 0.25
 
 # In the order of the switches.

@@ -1,4 +1,4 @@
-"""A mechanism as it looks moving: the parts that are cut, where they are at each frame, and what is drawn with them."""
+"""The moving drawing of a mechanism: its bodies with their parts and poses at each frame, curves, marks and plots."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .table import Column, Table
 
 @record(checked=True, eq=False)
 class SceneBody:
-    """A body: its parts, which are also those that are cut, and its pose at each frame of the scene.
+    """A body with its parts, the same ones that are cut, and its pose at each frame of the scene.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class SceneBody:
 
 @record(checked=True, eq=False)
 class SceneCurve:
-    """A curve drawn on a body, in that body's frame, mm; on the ground's x and y where `body` is ""."""
+    """A curve drawn on a body, in that body's frame, mm; if `body` is "", on the ground."""
 
     curve: AbstractCurve
     role: Role
@@ -64,7 +64,7 @@ class SceneCurve:
 
 @record(checked=True, eq=False)
 class SceneRegion:
-    """An area of the ground that is shaded: what lies within an odd number of closed curves, mm."""
+    """A shaded area of the ground: all points inside an odd number of the closed curves, mm."""
 
     curves: tuple[AbstractCurve, ...]
     role: Role
@@ -75,11 +75,25 @@ class SceneRegion:
 class SceneMark:
     """A point that is drawn at each frame.
 
-    sort: "pin" and "fixed pin" are small circles, "slide" a block along `direction`, "point" a dot; a point leaves a
-    trail of where it was, in dashes of equal steps of the drive, when `trail` is true. "vector" is an arrow from
-    `place` to `place + vector`, in mm that show what `label` says; "line" one without a head, "circle" one of radius
-    `radius` about `place`. place, vector: (frames,) complex, mm; direction: (frames,) of any length; radius: (frames,)
-    mm; nan where there is none.
+    Parameters
+    ----------
+    sort : {"pin", "fixed pin", "slide", "point", "vector", "line", "circle"}
+        Symbol: a small circle, a block along `direction`, a dot, an arrow from `place` to `place + vector`, the same
+        without a head, or a circle about `place`.
+    place : array of complex, shape (frames,)
+        mm; nan at frames without the mark.
+    role : str
+        Role in the drawing, one of `Role`.
+    label : str
+        Name of the mark; for a vector, the quantity that its length represents.
+    trail : bool
+        Whether a point leaves a trail, in dashes of equal steps of the drive.
+    vector : array of complex, shape (frames,), optional
+        mm.
+    direction : array of complex, shape (frames,), optional
+        Of any length; stored as unit numbers.
+    radius : array, shape (frames,), optional
+        mm.
     """
 
     sort: Literal["pin", "fixed pin", "slide", "point", "vector", "line", "circle"]
@@ -146,9 +160,9 @@ class Limit:
 
 @record
 class Plot:
-    """Columns of the scene's table that are drawn in one plot, by their ids; all of one unit.
+    """Columns of the scene's table that are drawn in one plot, by their ids; all have the same unit.
 
-    bars: whether the values of the frame shown, and the largest ones, are drawn as bars too; they are 0 or more.
+    bars: whether bars also show each column's value at the current frame and its largest value; values are at least 0.
     """
 
     title: str
@@ -157,18 +171,45 @@ class Plot:
     bars: bool = False
 
     def with_limits(self, limits: Iterable[Limit]) -> Plot:
-        """A copy with those limits that belong to its columns, column by column."""
+        """A copy with the limits of its own columns, in the order of the columns."""
         limits = tuple(limits)
         return replace(self, limits=tuple(line for id in self.columns for line in limits if line.column == id))
 
 
+@record
+class Hodograph:
+    """Paths of the tips of vectors drawn from one origin: a polar diagram, in the files of plots.
+
+    columns: ids of the columns of their sizes; each id with `_x` and `_y` is a column too. All have the same unit.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+
+
 @record(checked=True, eq=False)
 class Choice:
-    """A table of solutions, the row that was chosen, and plots. The first column of the table rises."""
+    """A table of solutions, the row that was chosen, and plots.
+
+    Parameters
+    ----------
+    table : Table
+        The solutions; its first column rises.
+    chosen : int
+        The row that was chosen.
+    plots : tuple of Plot
+        Plots of the table.
+    key : str
+        Key of the recipe that chooses the row with its value in the first column; empty if there is none.
+    instead_of : tuple of str
+        Keys of the recipe that choose a row by something else: they are removed where `key` is given.
+    """
 
     table: Table
     chosen: int
     plots: tuple[Plot, ...]
+    key: str = ""
+    instead_of: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_plots(self.plots, self.table)
@@ -181,7 +222,9 @@ def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
     for plot in plots:
         for id in (*plot.columns, *(limit.column for limit in plot.limits)):
             if id not in table.ids:
-                raise DesignError("plots", f"{plot.title} names {id}, which is no column", "give an id", "unknown-key")
+                raise DesignError(
+                    "plots", f"{plot.title} names {id}, which is no column", "give the id of one", "unknown-key"
+                )
 
 
 @record(checked=True, eq=False)
@@ -191,7 +234,7 @@ class Candidate:
     Parameters
     ----------
     key, value : str and int
-        What the recipe states to choose it, such as `choose` and 2.
+        Key of the recipe and the value that chooses this design, such as `choose` and 2.
     label : str
         For people.
     lines : tuple of complex arrays
@@ -228,6 +271,8 @@ class Scene:
         Shaded areas.
     choice : Choice, optional
         The solutions from which the mechanism was chosen.
+    hodographs : tuple of Hodograph
+        Polar diagrams of vectors of the table.
     """
 
     table: Table
@@ -241,13 +286,15 @@ class Scene:
     others: dict[str, Scene] = field(default_factory=dict)
     regions: tuple[SceneRegion, ...] = ()
     choice: Choice | None = None
+    hodographs: tuple[Hodograph, ...] = ()
 
     def __post_init__(self) -> None:
         frames = len(self.drive.values)
         rows: list[tuple[str, Array]] = [
-            (f"time and {name}", row) for name, row in (("drive", self.time), ("closed", self.assembled))
+            ("time", self.time),
+            ("time and assembled", self.assembled),
         ]
-        rows += [(f"the other {label}", other.time) for label, other in self.others.items()]
+        rows += [(f"the variant {label}", other.time) for label, other in self.others.items()]
         rows += [(f"body {b.name}", row) for b in self.bodies for row in (b.origin, b.direction)]
         rows += [
             (f"mark {m.label or m.sort}", row)
@@ -258,7 +305,7 @@ class Scene:
         for what, row in rows:
             if len(row) != frames:
                 problem = f"found {frames} rows, but {len(row)} frames of {what}"
-                raise DesignError("table", problem, "give as many of each", "conflict")
+                raise DesignError("table", problem, "give arrays of the same length", "conflict")
         _check_plots(self.plots, self.table)
 
     def at_frames(self, frames: Whole) -> Scene:
@@ -287,7 +334,7 @@ class Scene:
 
     @property
     def box(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner, mm, of where all pins, slides, traced points and bodies' origins go."""
+        """Lower left and upper right corner, mm, of all pins, slides, traced points and bodies' origins."""
         kept = [mark for mark in self.marks if mark.sort in ("pin", "fixed pin", "slide") or mark.trail]
         rows = [mark.place for mark in kept] + [body.origin for body in self.bodies]
         places = np.concatenate([*rows, np.zeros(1, dtype=complex)])
@@ -299,8 +346,13 @@ class Scene:
 
 
 def dimension(start: complex, end: complex, words: str, body: str = "") -> SceneCurve:
-    """A length on a body, mm in its frame; words: the number as it stands in the drawing, then what it is."""
+    """The dimension of a length on a body, mm in its frame; words: the number as drawn, then the name of the length."""
     return SceneCurve(Segment(start, end), "dimension", words, body)
+
+
+def drawn_at(scale: float, unit: str) -> str:
+    """Text that states the scale of arrows, if one of the unit is drawn `scale` mm long."""
+    return f"1 mm is {float(f'{1 / scale:.3g}'):g} {unit}"
 
 
 def mm(length: float) -> str:

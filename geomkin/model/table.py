@@ -23,9 +23,9 @@ Sizes = Annotated[
 # Significant digits of a number in a file. More would print the last bit of a processor's sine, and the same recipe
 # would no longer give the same bytes everywhere.
 DIGITS = 10
-# A number is rounding noise beyond so many digits, counted from the size of the terms that it is the sum of. The terms
-# of most columns are unknown: digits beyond so many decimals, or beyond 1e-11 of the largest value, count as noise. One
-# digit more let two processors write 0.0730111895 and 0.0730111896 for a sum of terms of 100 mm.
+# Digits after the first NOISE_DIGITS are rounding noise, counted from the leading digit of the terms whose sum a value
+# is. If the terms are unknown, as in most columns, digits after DECIMALS decimals and below 1e-11 of the largest value
+# count as noise. With one digit more, two processors wrote 0.0730111895 and 0.0730111896 for a sum of terms of 100 mm.
 NOISE_DIGITS, DECIMALS = 14, 9
 
 
@@ -41,8 +41,8 @@ class Column:
     values : array, shape (frames,)
         Numbers or text; nan if there is none.
     scale : float or array, shape (frames,)
-        Size of the terms that a value is the sum of, in its unit, for all frames or for each; 0 if unknown. A file
-        writes a value that is rounding noise beside it as 0.
+        Size of the terms whose sum a value is, in its unit, for all frames or for each; 0 if unknown. In a file a
+        value that is rounding noise of terms of this size is 0.
     """
 
     id: str
@@ -64,7 +64,7 @@ class Column:
 
     @property
     def header(self) -> str:
-        """Id with its unit, such as `omega_rad_per_s`: what files name the column."""
+        """Name of the column in files: the id with its unit, such as `omega_rad_per_s`."""
         unit = self.unit.replace("/", "_per_").replace(" ", "_")
         return f"{self.id}_{unit}" if unit else self.id
 
@@ -100,7 +100,7 @@ class Table:
         return tuple(column.id for column in self.columns)
 
     def column(self, id: str) -> Column:
-        """The column of this id or header; DesignError with the nearest if there is none."""
+        """The column of this id or header; if there is none, a DesignError names similar ids."""
         for column in self.columns:
             if id in (column.id, column.header):
                 return column
@@ -113,7 +113,7 @@ class Table:
         return self.column(id).values
 
     def to_columns(self) -> dict[str, Array]:
-        """Header, such as `rocker_omega_rad_per_s`, to values (frames,), in order: what any data frame is made from."""
+        """The values (frames,) by header, such as `rocker_omega_rad_per_s`, in order; data frames are made from it."""
         return {column.header: column.values for column in self.columns}
 
     def __repr__(self) -> str:
@@ -153,7 +153,7 @@ def _exponent(values: Array | float) -> Array:
 
 
 def xy_columns(id: str, unit: str, meaning: str, values: Complex) -> tuple[Column, Column]:
-    """A complex quantity as its x and y columns, each beside the length of the vector at its frame."""
+    """The x and y columns of a complex quantity; their `scale` is its absolute value."""
     values = np.asarray(values)
     size = np.abs(values)
     return (
@@ -163,5 +163,5 @@ def xy_columns(id: str, unit: str, meaning: str, values: Complex) -> tuple[Colum
 
 
 def finite(values: NDArray[Number]) -> NDArray[Number]:
-    """The values, with nan for those at infinity; of complex ones both coordinates."""
+    """The values, with nan in place of infinite ones; in complex values both coordinates become nan."""
     return known(np.isfinite(values), values)

@@ -1,4 +1,4 @@
-"""The thinnest wall of a part, which heat and handling must not break."""
+"""The thinnest wall of a part: a thinner one would break by heat or handling."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ ACCURACY = 1e-4
 FINEST, COARSEST = 2e-6, 1e-4
 # Largest width of a reported neck, in limits. Wider necks take longer to find and are strong enough.
 NECKS = 2.0
-# Number of cached plates: as many as a recipe has while its other sizes are varied. More need memory; with fewer,
-# unchanged plates are measured again.
+# Number of cached plates. With fewer, a recipe whose sizes are varied measures its unchanged plates again; more need
+# memory.
 CACHED = 16
 
 
@@ -69,7 +69,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
     points = [np.array([curve.centre]) if isinstance(curve, Circle) else z for curve, z in zip(curves, loops)]
     wall = region.spacing(points, [curve.radius if isinstance(curve, Circle) else 0.0 for curve in curves])
     if (widest := min(wall, NECKS * limit)) > 0:
-        # One of several equal copies is enough. Opposite sides of a round hole have no material between them.
+        # One of several equal copies is enough. A round hole has no neck, since no material is between its sides.
         counts = [
             0 if is_round and k else len(z) // curve.count if isinstance(curve, PolarArray) else len(z)
             for k, (curve, z, is_round) in enumerate(zip(curves, loops, are_round))
@@ -126,11 +126,11 @@ def thinnest_walls(parts: Iterable[Part], kerf: float) -> dict[str, float]:
 
 
 def _sections(part: Part) -> tuple[Part, ...]:
-    """Sections with walls at most as thin as those of any slice: the part itself if its whole section moves."""
+    """Sections whose thinnest wall is a lower bound for all slices; the part itself if its whole section moves."""
     if part.twist is None or not part.holes:
         return (part,)
     if part.twist.shift:
-        # Relative to the outline, which slides along x, a round hole is a slot. Holes keep their distances.
+        # Relative to the outline, which moves along x, a round hole sweeps a slot. Holes keep their distances.
         slots = [slot(c.centre, c.centre - part.twist.shift, c.radius) for c in part.holes if isinstance(c, Circle)]
         return (part, *(replace(part, holes=(hole,), hole_names=(), fits=()) for hole in slots))
     sides = region.nearest(flatten(part.outline, FINEST * extent(part.outline)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -29,20 +30,20 @@ class TriedDesign:
     ----------
     values : mapping of str to float
         By key.
-    objective_rows : array
-        The objective is the largest of them.
+    objective_rows : tuple of array
+        For each objective the values of which it is the largest.
     excess_rows : tuple of array
         By how much each constraint is violated, as a share of its terms: the largest of them, 0 or less if it is met.
     """
 
     values: Mapping[str, float]
-    objective_rows: Real
+    objective_rows: tuple[Real, ...]
     excess_rows: tuple[Real, ...]
 
     @property
-    def objective(self) -> float:
-        """The value of the objective."""
-        return float(self.objective_rows.max())
+    def objectives(self) -> Real:
+        """The value of each objective."""
+        return np.array([rows.max() for rows in self.objective_rows])
 
     @property
     def excesses(self) -> Real:
@@ -50,10 +51,41 @@ class TriedDesign:
         return np.array([rows.max() for rows in self.excess_rows])
 
     @property
-    def rank(self) -> tuple[float, ...]:
-        """For sorting: designs that meet all constraints come first, and of nearly equal ones those that are exact."""
+    def violation(self) -> float:
+        """The largest violation of a constraint; 0 if all are met."""
         most = float(self.excesses.max(initial=0.0))
-        return most if most > NO_VIOLATION else 0.0, float(f"{self.objective:.6g}"), most, self.objective
+        return most if most > NO_VIOLATION else 0.0
+
+
+@record(eq=False)
+class Target:
+    """The number that a search minimises: the largest of some objectives, each shifted and scaled.
+
+    Parameters
+    ----------
+    objectives : tuple of int
+        Their numbers.
+    shifts, scales : array
+        Of each of them; its unit is the unit of the objective.
+    """
+
+    objectives: tuple[int, ...] = (0,)
+    shifts: Real = field(default_factory=lambda: np.zeros(1))
+    scales: Real = field(default_factory=lambda: np.ones(1))
+
+    def rows(self, design: TriedDesign) -> Real:
+        """The values of a design of which the largest is minimised."""
+        return np.concatenate(
+            [
+                (design.objective_rows[k] - shift) / scale
+                for k, shift, scale in zip(self.objectives, self.shifts, self.scales)
+            ]
+        )
+
+    def rank(self, design: TriedDesign) -> tuple[float, ...]:
+        """For sorting: designs that meet all constraints come first, and of nearly equal ones those that are exact."""
+        value, most = float(self.rows(design).max()), float(design.excesses.max(initial=0.0))
+        return design.violation, float(f"{value:.6g}"), most, value
 
 
 class Trials:
@@ -63,14 +95,15 @@ class Trials:
     ----------
     recipe : VariedRecipe
         The recipe that is varied.
-    objective : Formula
-        The number to minimise.
+    objectives : sequence of Formula
+        The numbers to minimise.
     conditions : sequence of Condition
         The constraints.
     """
 
-    def __init__(self, recipe: VariedRecipe, objective: Formula, conditions: Sequence[Condition]):
-        self.recipe, self.objective, self.conditions = recipe, objective, conditions
+    def __init__(self, recipe: VariedRecipe, objectives: Sequence[Formula], conditions: Sequence[Condition]):
+        self.recipe, self.objectives, self.conditions = recipe, objectives, conditions
+        self.target = Target()
         self.designs: list[TriedDesign] = []
         self.count = 0
         self.refusal = ""
@@ -89,8 +122,7 @@ class Trials:
             self.refusal = self.refusal or str(error).split("\n")[0]
             return None
         try:
-            objective_rows = self.objective.rows(_Results("minimise", recipe), "max")
-            sides = self.sides(recipe)
+            objective_rows = tuple(one.rows(_Results("minimise", recipe), "max") for one in self.objectives)
             excess_rows = [one.excess(_Results("subject_to", recipe)) for one in self.conditions]
         except DesignError as error:
             # Some checks are made only if they matter; a wrong id is unknown from the first design.
@@ -98,10 +130,10 @@ class Trials:
                 raise
             self.refusal = self.refusal or str(error)
             return None
-        if not all(np.isfinite(rows).all() for rows in (objective_rows, *excess_rows)):
+        if not all(np.isfinite(rows).all() for rows in (*objective_rows, *excess_rows)):
             self.refusal = self.refusal or "a result that the formulas name is undefined at some positions"
             return None
-        self._scales = self._scales or [max(abs(least), abs(most)) or 1.0 for least, most in sides]
+        self._scales = self._scales or [max(map(abs, sides)) or 1.0 for sides in self.sides(recipe)]
         scaled = tuple(rows / scale for rows, scale in zip(excess_rows, self._scales))
         design = TriedDesign(dict(values), objective_rows, scaled)
         self.designs.append(design)

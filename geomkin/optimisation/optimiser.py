@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, overload
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe, varied
 from .designs import Trials, TriedDesign
 from .formulas import condition, objective
+from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, search_front, write_front
 from .search import Box, search_box
 
 # Largest number of combinations of whole numbers, each of which is searched.
@@ -89,18 +90,47 @@ class OptimisedDesign:
     cut_short: bool = False
     files: Mapping[Path, int] = field(default_factory=dict)
 
+    @property
+    def lines(self) -> list[str]:
+        """Values, objective and constraints as lines of text."""
+        results = {**self.values, self.minimised: self.objective}
+        verdicts = [f"  {'pass' if check.passed else 'FAIL'}  {check}" for check in self.constraints]
+        return [*(f"{printable(name)} = {value:.8g}" for name, value in results.items()), *verdicts]
 
+
+@overload
+def optimise(
+    recipe: AbstractRecipe | Readable,
+    vary: Mapping[str, tuple[float, float]] | None,
+    minimise: str,
+    subject_to: str | Sequence[str] | None = None,
+    starts: int = 6,
+    seed: int = 0,
+    time_limit: float = 60,
+    out: str | Path | None = None,
+) -> OptimisedDesign: ...
+@overload
+def optimise(
+    recipe: AbstractRecipe | Readable,
+    vary: Mapping[str, tuple[float, float]] | None = None,
+    minimise: str | Sequence[str] | None = None,
+    subject_to: str | Sequence[str] | None = None,
+    starts: int = 6,
+    seed: int = 0,
+    time_limit: float = 60,
+    out: str | Path | None = None,
+) -> OptimisedDesign | ParetoFront: ...
 @checked
 def optimise(
     recipe: AbstractRecipe | Readable,
     vary: Ranges | None = None,
-    minimise: str | None = None,
+    minimise: Texts | None = None,
     subject_to: Texts | None = None,
     starts: Annotated[int, whole_between(1, 1000)] = 6,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
     time_limit: PositiveFloat = 60,
     out: str | Path | None = None,
-) -> OptimisedDesign:
+) -> OptimisedDesign | ParetoFront:
     """Find the values of a recipe's keys that make a result least within constraints.
 
     Parameters
@@ -111,10 +141,10 @@ def optimise(
     vary : mapping of str to (low, high), optional
         Dotted keys of numbers, such as "linkage.crank", with their ranges in the unit of the key. Keys of whole
         numbers, such as "gear.teeth", take every value of their range.
-    minimise : str, optional
+    minimise : str or sequence of str, optional
         The objective: a formula of ids of columns and checks with `min`, `max`, `mean`, `range` and `rms`, such as
         "max(rocker_omega)", or "-min(transmission_angle)" for a maximum. "rms(distance(coupler_point, [[10, 20],
-        [15, 22]]))" measures points from the path of a traced point, mm.
+        [15, 22]]))" measures points from the path of a traced point, mm. Two to four of them give the Pareto front.
     subject_to : str or sequence of str, optional
         Constraints, such as "min(transmission_angle) >= 40".
     starts : int
@@ -125,12 +155,13 @@ def optimise(
     time_limit : float
         Longest time, s. When it is over, or at Ctrl-C, the best design so far is returned.
     out : str or Path, optional
-        Folder for `<name>/<name>.optimum.toml`. By default nothing is written.
+        Folder for `<name>/<name>.optimum.toml`; for `<name>.front.csv`, `<name>.front.svg` and a recipe of each design
+        if there are several objectives. By default nothing is written.
 
     Returns
     -------
-    OptimisedDesign
-        The best design.
+    OptimisedDesign or ParetoFront
+        The best design; with several objectives up to 21 designs of which none is better than another in all of them.
 
     Raises
     ------
@@ -143,7 +174,8 @@ def optimise(
     Notes
     -----
     Gradient searches (sequential quadratic programming) start from the best of random designs and need the package
-    nlopt. Their gradients are difference quotients. A global optimum is likely, and not proved.
+    nlopt. Their gradients are difference quotients. A global optimum is likely, and not proved. With several objectives
+    each is minimised alone, then the largest of all, from evenly spaced points between these optima.
 
     Examples
     --------
@@ -173,6 +205,8 @@ def optimise(
         raise DesignError(f"optimise.{error.field}", error.problem, error.remedy, error.id) from None
     if out is None:
         return found
+    if isinstance(found, ParetoFront):
+        return replace(found, files=write_front(found, Path(out) / name, name))
     folder, content = Path(out) / name, to_toml(found.recipe).encode()
     write_whole(folder, {f"{name}{ENDING}": content})
     return replace(found, files={folder / f"{name}{ENDING}": len(content)})
@@ -181,12 +215,12 @@ def optimise(
 def _optimised(
     source: VariedRecipe,
     vary: Mapping[str, tuple[float, float]] | None,
-    minimise: str | None,
+    minimise: str | Sequence[str] | None,
     subject_to: str | Sequence[str] | None,
     starts: int,
     seed: int,
     time_limit: float,
-) -> OptimisedDesign:
+) -> OptimisedDesign | ParetoFront:
     if not vary:
         remedy = 'give a key and its range, as {"linkage.crank": (20, 40)}, or a table [optimise] in the recipe'
         raise DesignError("vary", "found none", remedy, "missing-key")
@@ -196,19 +230,29 @@ def _optimised(
     ranges = {key: _range(key, pair) for key, pair in vary.items()}
     source.check_keys({key: pair[0] for key, pair in ranges.items()})
     constraints = [subject_to] if isinstance(subject_to, str) else subject_to or ()
-    trials = Trials(source, objective(minimise), [condition(text) for text in constraints])
+    objectives = [objective(text) for text in ([minimise] if isinstance(minimise, str) else minimise)]
+    is_single = isinstance(minimise, str)
+    if not is_single and not 2 <= len({one.text for one in objectives}) == len(objectives) <= MOST_OBJECTIVES:
+        problem = f"found {len(objectives)} formulas: {', '.join(shown(one.text) for one in objectives)}"
+        remedy = f"give one as a text, or 2 to {MOST_OBJECTIVES} different ones"
+        raise DesignError("minimise", printable(problem, 1000), remedy, "conflict")
+    trials = Trials(source, objectives, [condition(text) for text in constraints])
     watch = Watch(time_limit, "optimising")
     is_interrupted = False
     try:
         own = _own_values(source, ranges)
         boxes = _boxes(own, ranges)
-        for done, box in enumerate(boxes):
-            search_box(trials, box, box.values(box.shares(own)), starts, seed, watch)
-            watch.report((done + 1) / len(boxes))
+        if is_single:
+            for done, box in enumerate(boxes):
+                search_box(trials, box, box.values(box.shares(own)), starts, seed, watch)
+                watch.report((done + 1) / len(boxes))
+        else:
+            search_front(trials, boxes, own, starts, seed, watch)
     except KeyboardInterrupt:
         is_interrupted = True
     watch.report(1.0)
-    return _result(trials, watch.cut or is_interrupted)
+    best, cut_short = _best(trials, watch.cut or is_interrupted), watch.cut or is_interrupted
+    return _result(trials, best, cut_short) if is_single else _front(trials, boxes, cut_short)
 
 
 def ranges_of(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
@@ -276,20 +320,25 @@ def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]])
     return own
 
 
-def _result(trials: Trials, cut_short: bool) -> OptimisedDesign:
+def _best(trials: Trials, cut_short: bool) -> TriedDesign:
+    """The best design; DesignError if there is none, or it violates a constraint."""
     if not trials.designs:
         remedy = "give more time" if cut_short else "give ranges in which the mechanism can be assembled"
         problem = f"none of {trials.count} designs works, the first for this: {printable(trials.refusal, 300)}"
         raise DesignError("time_limit" if cut_short else "vary", problem, remedy, "does-not-assemble")
-    design = min(trials.designs, key=lambda design: design.rank)
-    if design.rank[0] > 0:
+    design = min(trials.designs, key=trials.target.rank)
+    if design.violation > 0:
         _refuse(trials, design)
+    return design
+
+
+def _result(trials: Trials, design: TriedDesign, cut_short: bool) -> OptimisedDesign:
     recipe = trials.recipe.opened(design.values)
     return OptimisedDesign(
         recipe=recipe,
         values=design.values,
-        minimised=trials.objective.text,
-        objective=design.objective,
+        minimised=trials.objectives[0].text,
+        objective=float(design.objectives[0]),
         constraints=tuple(
             one.check(f"constraint_{k}", *sides)
             for k, (one, sides) in enumerate(zip(trials.conditions, trials.sides(recipe)), 1)
@@ -297,6 +346,14 @@ def _result(trials: Trials, cut_short: bool) -> OptimisedDesign:
         evaluations=trials.count,
         cut_short=cut_short,
     )
+
+
+def _front(trials: Trials, boxes: Sequence[Box], cut_short: bool) -> ParetoFront:
+    designs = [
+        FrontDesign(trials.recipe.opened(design.values), design.values, tuple(design.objectives.tolist()))
+        for design in front_of(trials, boxes)
+    ]
+    return ParetoFront(tuple(one.text for one in trials.objectives), tuple(designs), trials.count, cut_short)
 
 
 def _refuse(trials: Trials, design: TriedDesign) -> NoReturn:

@@ -44,6 +44,10 @@ class Box:
         """Keys whose value varies."""
         return tuple(key for key in self.low if self.low[key] < self.high[key])
 
+    def holds(self, values: Mapping[str, float]) -> bool:
+        """Whether the values are within the ranges."""
+        return all(low <= values[key] <= self.high[key] for key, low in self.low.items())
+
     def values(self, shares: Real) -> dict[str, float]:
         """Values by key at shares of the ranges of the free keys."""
         varied = {
@@ -73,18 +77,18 @@ def search_box(trials: Trials, box: Box, own: Mapping[str, float], starts: int, 
     if not free:
         return
     chosen: list[Real] = []
-    for design in sorted(trials.designs[before:], key=lambda design: design.rank):
+    for design in sorted(trials.designs[before:], key=trials.target.rank):
         shares = box.shares(design.values)
         if len(chosen) < starts and all(np.abs(shares - other).max() > APART for other in chosen):
             chosen.append(shares)
     for shares in chosen:
         if not watch.over():
             gradient_search(trials, box, shares, watch)
-    nearest = min(trials.designs[before:], key=lambda design: design.rank, default=None)
-    if nearest is not None and nearest.rank[0] > 0:
+    nearest = min(trials.designs[before:], key=trials.target.rank, default=None)
+    if nearest is not None and nearest.violation > 0:
         gradient_search(trials, box, box.shares(nearest.values), watch, of_violation=True)
-        nearest = min(trials.designs[before:], key=lambda design: design.rank)
-        if nearest.rank[0] == 0:
+        nearest = min(trials.designs[before:], key=trials.target.rank)
+        if nearest.violation == 0:
             gradient_search(trials, box, box.shares(nearest.values), watch)
 
 
@@ -101,7 +105,7 @@ def gradient_search(trials: Trials, box: Box, start: Real, watch: Watch, of_viol
     if reference is None:
         return
     count = len(start)
-    objective_rows, excess_rows = _rows(reference, of_violation)
+    objective_rows, excess_rows = _rows(trials, reference, of_violation)
     scale = max(float(np.abs(objective_rows).max()), 1e-12)
     has_bound = len(objective_rows) > 1
     known: dict[bytes, tuple[Real, Real]] = {}
@@ -116,7 +120,7 @@ def gradient_search(trials: Trials, box: Box, start: Real, watch: Watch, of_viol
             if design is None:
                 known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
             else:
-                wanted, excess = _rows(design, of_violation)
+                wanted, excess = _rows(trials, design, of_violation)
                 known[key] = (
                     _resampled(wanted, len(objective_rows)) / scale,
                     _resampled(excess, len(excess_rows)) + MARGIN,
@@ -174,10 +178,10 @@ def gradient_search(trials: Trials, box: Box, start: Real, watch: Watch, of_viol
         pass
 
 
-def _rows(design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:
+def _rows(trials: Trials, design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:
     """The rows of which the largest is minimised, and those that have to be at most 0."""
     excess = np.concatenate([*design.excess_rows, np.zeros(0)])
-    return (excess, np.zeros(0)) if of_violation else (design.objective_rows, excess)
+    return (excess, np.zeros(0)) if of_violation else (trials.target.rows(design), excess)
 
 
 def _resampled(rows: Real, count: int) -> Real:

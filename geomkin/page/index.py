@@ -1,4 +1,4 @@
-"""A page over a folder of what recipes made: a card for each, found by its summary."""
+"""The index page of a folder: a card for each recipe whose files are in it, found by its summary.json."""
 
 from __future__ import annotations
 
@@ -16,20 +16,21 @@ from ..export.text import text
 from .page import head, player_file
 
 NAME = "index.html"
-# The mark of a page of ours, and the bytes at the start of a page within which it is looked for.
-OURS, WITHIN = b'<meta name="generator" content="geomkin">', 1000
-# Bytes of a picture that is shown, and of all of them: ours are far smaller, and a page is to open at once.
+# The mark of pages that geomkin wrote, and the number of bytes at the start of a page in which it is searched for.
+MARK, MARK_WITHIN = b'<meta name="generator" content="geomkin">', 1000
+# Largest picture that is shown, and largest sum of all, bytes. Pictures by geomkin are far smaller; with more the page
+# opens slowly.
 LARGEST_PICTURE, ALL_PICTURES = 200_000, 5_000_000
-# Folders that are looked into, cards, and files that a card names: more is no page for a reader.
+# Largest numbers of folders that are searched, of cards, and of files that a card lists. Readers have no use for more.
 MOST_FOLDERS, MOST_CARDS, MOST_FILES = 20_000, 2000, 300
-# Signs that a picture may have as they are where it is the value of an attribute in single quotes.
+# Characters of a picture that need no escaping in an attribute in single quotes.
 PLAIN = ' !"$()*+,-./:;<=>?@[]^_`{|}~'
 
 
 def index(folder: Path) -> dict[str, bytes]:
-    """The page, of all folders within `folder` that a recipe was made into; it asks for nothing but itself.
+    """The page for all folders in `folder` that hold the files of a recipe; it loads no other file.
 
-    FileError where there are none, or where somebody else's page has its name.
+    Raises FileError if there are none, or if a page that geomkin did not write has this name.
     """
     _refuse_foreign(folder / NAME)
     cards, count, room = [], 0, ALL_PICTURES
@@ -42,11 +43,11 @@ def index(folder: Path) -> dict[str, bytes]:
             room -= len(picture)
             cards.append(_card(recipe_folder, summary, picture))
     if not cards:
-        raise FileError(folder, "no recipe was made into it", "make some first", "file-unreadable")
+        raise FileError(folder, "no folder in it holds the files of a recipe", "run recipes first", "file-unreadable")
     more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
     place = folder.resolve().name or "this folder"
     style = f"{colours()}{player_file('index.css')}"
-    page = f"""{head(f"Mechanisms in {place}", style, mark=OURS.decode())}<body>
+    page = f"""{head(f"Mechanisms in {place}", style, mark=MARK.decode())}<body>
 <header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{text(place)}</bdi></p></header>
 <main>
 <ul class="cards">
@@ -63,7 +64,7 @@ def _refuse_foreign(path: Path) -> None:
     try:
         if path.is_file():
             with path.open("rb") as file:
-                ours = OURS in file.read(WITHIN)
+                ours = MARK in file.read(MARK_WITHIN)
         else:
             ours = not path.exists()
     except OSError:
@@ -122,7 +123,7 @@ def _is_check(check: object) -> TypeGuard[dict[str, object]]:
 
 
 def _picture(recipe_folder: Path, room: int) -> str:
-    """The assembly as an address that holds it: as an image it can neither run anything nor ask for anything."""
+    """The picture of the assembly as a data address. Shown as an image, it can neither run nor load anything."""
     path = recipe_folder / f"{recipe_folder.name}{tail_of('assembly-svg')}"
     try:
         if not path.is_file() or path.stat().st_size > LARGEST_PICTURE:
@@ -143,7 +144,7 @@ def _is_there(path: Path) -> bool:
 
 
 def _link(recipe_folder: Path, file: str) -> str:
-    """An address beside the page, whatever signs the names have."""
+    """Address of a file relative to the page, with special characters escaped."""
     return f"./{quote(recipe_folder.name)}/{quote(file)}"
 
 

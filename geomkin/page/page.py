@@ -1,4 +1,4 @@
-"""A page that shows a mechanism moving: one HTML file that asks for nothing else, from a folder or a mail."""
+"""The page of a mechanism: one HTML file with its moving drawing, which loads no other file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ START = (
     'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 )
 
-# For a mechanism that was chosen from several solutions, which are plotted too.
+# The further line of a page that plots the solutions from which its mechanism was chosen.
 CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice));'
 
 
@@ -32,7 +32,7 @@ def write_page(job: Job) -> dict[str, bytes]:
 
 
 def page(job: Job) -> bytes:
-    """The page: drawing and plots by the player, all else as tables that read without it."""
+    """The page. The player shows the drawing and the plots; all else is in tables that do not need it."""
     about = f"<p>{text(job.about)}</p>" if job.about else ""
     if entries := "; ".join(job.title.lines()):
         about += f"<p>{text(capital(entries))}</p>"
@@ -54,8 +54,8 @@ def page(job: Job) -> bytes:
 def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:
     """A page of one file. title: plain text; about, body: HTML; data: JSON that is safe in a script element.
 
-    scripts: files of `player`, the plot library first; start: the line that calls them. The policy of the page runs
-    these scripts and no other, whatever the texts of a recipe contain.
+    scripts: files of `player`, the plot library first; start: the line that calls them. The page's content security
+    policy allows only these scripts, whatever the texts of a recipe contain.
     """
     script = _script(scripts, start)
     page = f"""{head(title, player_file("style.css"), script)}<body>
@@ -72,7 +72,7 @@ def document(title: str, about: str, body: str, data: str, scripts: tuple[str, .
 
 @cache
 def _script(scripts: tuple[str, ...], start: str) -> str:
-    """Files of the player as one module: one after another, without the lines and words that link modules."""
+    """Files of the player joined to one module, without `import` lines and the word `export`."""
     return "\n".join([*(_without_links(player_file(name)) for name in scripts), start, ""])
 
 
@@ -87,7 +87,7 @@ def player_file(name: str) -> str:
 
 
 def head(title: str, style: str, script: str = "", mark: str = "") -> str:
-    """The head of a page of one file, whose policy lets it load nothing, and run no script but this one.
+    """The head of a page of one file. Its content security policy allows no loading and no script but this one.
 
     title: plain text. mark: a line of HTML near its start.
     """

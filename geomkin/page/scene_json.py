@@ -1,4 +1,4 @@
-"""A scene as the JSON that the player takes."""
+"""A scene as JSON, the input of the player."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..plane.vec import Array, Complex, Real, Whole
 # Digits of positions, counted from the scene's size. With fewer, plates tremble from frame to frame on a large screen;
 # one more makes a page a fifth longer.
 DIGITS = 6
-# Steps that JavaScript adds up exactly.
+# Largest step that JavaScript adds up exactly.
 MOST_STEPS = 2**50
 
 
@@ -31,7 +31,7 @@ def scene_json(scene: Scene, name: str) -> str:
 
 
 def scene_data(scene: Scene, name: str) -> dict[str, object]:
-    """A scene as the player takes it, of plain values.
+    """A scene as plain values, the input of the player.
 
     `series` holds rows of numbers over the frames: the table's values and angles in deg as `floats`, coordinates in mm
     as `steps`. All other entries refer to a row by its index. Equal rows, such as the angle of a body, which is also in
@@ -58,6 +58,8 @@ def scene_data(scene: Scene, name: str) -> dict[str, object]:
             **solutions.plotted(columns, scene.choice.plots),
             "frames": len(solutions.frames),
             "chosen": scene.choice.chosen,
+            "key": scene.choice.key,
+            "instead_of": list(scene.choice.instead_of),
             "series": solutions.series,
         }
     return data
@@ -80,7 +82,7 @@ class _Encoder:
         self.decimals = DIGITS - 1 - int(np.floor(np.log10(size)))
         self.paths: list[str] = []
         self.series: list[object] = []
-        # Indices of stored rows and paths. Plates are in both assembly modes, and pins belong to several links.
+        # Indices of stored rows and paths. Many are equal, as plates in both assembly modes or pins of several links.
         self._indices: dict[object, int] = {}
 
     def plotted(self, columns: Sequence[Column], plots: Sequence[Plot]) -> dict[str, object]:
@@ -176,7 +178,7 @@ class _Encoder:
 
     def _path(self, curves: tuple[AbstractCurve, ...]) -> int:
         if curves not in self._indices:
-            # With one digit less than positions, paths still have a twentieth of the tolerance.
+            # Paths have one digit less than positions, which is still a twentieth of the tolerance.
             text = path(curves, self.tolerance, self.decimals - 1)
             if text not in self.paths:
                 self.paths.append(text)
@@ -195,7 +197,7 @@ class _Encoder:
 def floats(row: Real) -> object:
     """A row in single precision, seven digits of each number, as base64 of its little-endian bytes.
 
-    A constant row is one number; a row of nan is None.
+    A constant row becomes one number, a row of nan None.
     """
     with np.errstate(over="ignore"):
         single = row.astype("<f4")
@@ -205,9 +207,9 @@ def floats(row: Real) -> object:
 
 
 def steps(row: Real, decimals: int) -> object:
-    """A smooth row, rounded to so many decimals: first this number, then second differences in units of the last one.
+    """A smooth row, rounded: the number of decimals, then the second differences in units of the last decimal.
 
-    A nan is None. A constant row is one number; a row of nan is None.
+    nan becomes None. A constant row becomes one number, a row of nan None.
     """
     known = np.isfinite(row)
     whole = np.clip(np.rint(row[known] * 10.0**decimals), -MOST_STEPS, MOST_STEPS).astype(np.int64)

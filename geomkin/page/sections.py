@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping
 from html import escape
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..core.errors import harmless
 from ..export.job import Job
+from ..export.plots import hodograph_file
 from ..export.still import kept_frames
 from ..export.svg_path import bounding_box, thumbnail
 from ..export.text import DIGITS, capital, number, text, unit_sign, with_unit
@@ -18,9 +20,9 @@ from ..model.scene import Scene
 from ..plane.curve import extent
 from ..plane.measure import area, length
 
-# Tolerance of the chords from which the size of a part is read, as a share of that size: four digits are shown.
+# Tolerance of the chords from which the size of a part is computed, as a share of that size; four digits are shown.
 FOUR_DIGITS = 5e-5
-# Significant digits of the measured sizes of gears: the last ones show how deep a tooth was cut.
+# Significant digits of the measured sizes of gears, enough to show how deep a tooth was cut.
 MEASURED_DIGITS = 6
 # Largest number of rows of a table.
 MOST_ROWS = 200
@@ -85,6 +87,16 @@ def choice(scene: Scene) -> str:
     first = text(scene.choice.table.columns[0].meaning)
     lead = f"<p>All solutions, by the {first}. A dot and a line mark the one that is made.</p>"
     return section("choice", "Solutions", lead)
+
+
+def hodograph(scene: Scene) -> str:
+    """The first polar diagram as a picture; the files of plots have all."""
+    if not scene.hodographs:
+        return ""
+    first = scene.hodographs[0]
+    picture = b64encode(hodograph_file(scene.table, first)).decode()
+    title = capital(first.title)
+    return section("hodograph", text(title), f'<img src="data:image/svg+xml;base64,{picture}" alt="{text(title)}">')
 
 
 def parts(job: Job) -> str:
@@ -213,7 +225,7 @@ def _list_of(entries: Mapping[str, str]) -> str:
 
 
 def _subsection(name: str, value: object, found: object) -> str:
-    """A mapping as a list, or several as a table without the columns in which all equal the solution `found`."""
+    """A mapping as a list, or several as a table, without columns in which all rows equal the solution `found`."""
     digits = MEASURED_DIGITS if name == "measures_mm" else DIGITS
     if isinstance(value, Mapping) and all(isinstance(item, Mapping) for item in value.values()):
         rows = [{"name": key.replace("_", " "), **_flat(item, digits)} for key, item in value.items()]
@@ -236,7 +248,7 @@ def _subsection(name: str, value: object, found: object) -> str:
 
 
 def _flat(entries: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]:
-    """Short values in words; those of an inner mapping have both names."""
+    """Short values in words, by name; the name of a value in an inner mapping begins with that of the mapping."""
     words = {key: _in_words(value, digits) for key, value in entries.items()}
     inner = {key: _flat(value, digits) for key, value in entries.items() if isinstance(value, Mapping)}
     words |= {f"{key}, {name}": value for key, flat in inner.items() for name, value in flat.items()}
@@ -305,7 +317,7 @@ def section(name: str, title: str, inside: str) -> str:
 
 
 def wide(name: str, table: str) -> str:
-    """A table that scrolls if the screen is narrow, also by keys."""
+    """A table that scrolls on a narrow screen, by pointer or keys."""
     return f'<div class="wide" tabindex="0" role="region" aria-label="{name}">{table}</div>'
 
 
@@ -314,6 +326,7 @@ def all_of(job: Job) -> Iterator[str]:
     scene = job.scene
     yield choice(scene)
     yield checks(job)
+    yield hodograph(scene)
     yield parts(job)
     yield stack(scene)
     yield assembly(job)

@@ -1,4 +1,4 @@
-"""Curves as arcs: a smooth chain of circular arcs within a distance of the curve."""
+"""Approximation of a curve by a smooth chain of circular arcs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .vec import Complex, Real, dot, unit
 
 # Positions at which a biarc is compared with its curve.
 SHARES = np.linspace(0, 1, 26)[1:-1]
-# Neighbouring arcs whose curvatures differ by less than this angle over their length, rad, are merged. A larger value
-# would break the tangent; with a smaller one a true circle stays in pieces.
+# Neighbouring arcs are merged if the difference of their curvatures times their length is less than this, rad. A larger
+# value would break the tangent; with a smaller one a true circle stays in pieces.
 SAME = 1e-8
 # Vertices, first and last included, and the bulges between them.
 Chain = tuple[Complex, Real]
@@ -104,7 +104,7 @@ def _chain(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Ch
 
 
 def _over_seam(z: Complex, bulges: Real, turn: complex) -> Chain:
-    """The chain from its second vertex on, if its last edge and the first of its turned copy are one arc."""
+    """The chain from its second vertex on, if its last edge and the first edge of the next copy form one arc."""
     if len(bulges) < 3:
         return z, bulges
     joint, both = np.array([z[-2], z[-1], turn * z[1]]), bulges[[-1, 0]]
@@ -116,7 +116,7 @@ def _over_seam(z: Complex, bulges: Real, turn: complex) -> Chain:
 
 
 def _no_large_arcs(curve: Polyline) -> Chain:
-    """The same chain with arcs of more than half a turn cut in two."""
+    """The chain with arcs of more than half a turn cut in two."""
     edges = len(curve.breaks) - 1
     bulges = np.zeros(edges) if curve.bulges is None else np.asarray(curve.bulges)
     if np.abs(bulges).max() <= 1:

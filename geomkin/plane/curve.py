@@ -1,4 +1,4 @@
-"""The contract of all curves, and curves derived from one curve: moved, reversed, mirrored, shortened, parallel.
+"""The contract of all curves, and curves derived from another one: moved, reversed, mirrored, shortened, parallel.
 
 A curve is a point that depends on a parameter. All code that measures, flattens or writes a curve uses only this
 contract, so that a cam profile, a gear tooth and a bar are treated alike.
@@ -120,7 +120,7 @@ def curvature_from_derivatives(velocity: ArrayLike, acceleration: ArrayLike) -> 
 
 
 def just_before(t: Real, breaks: Real) -> Real:
-    """Parameters, with those at a break moved before it by more than the rounding with which breaks are found."""
+    """Parameters, with those at a break moved before it by more than the rounding of breaks."""
     at_break = t == breaks[np.minimum(breaks.searchsorted(t), len(breaks) - 1)]
     return np.where(at_break, t - 64 * np.spacing(np.abs(breaks).max()), t) if at_break.any() else t
 

@@ -1,4 +1,4 @@
-"""Curves as chords: the fewest points whose chords stay within a distance of the curve."""
+"""Flattening: the fewest points of a curve whose chords stay within a distance of it."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from .subdivision import (
 )
 from .vec import Complex, Mask, Real, Whole
 
-# Positions at which a chord is compared with its curve: the middle matters most, the others detect an S, a loop, and an
+# Positions at which a chord is compared with its curve. The middle matters most; the others detect an S, a loop, and an
 # uneven parameter.
 SHARES = np.linspace(0, 1, 11)
-# Largest number of chords of arcs, half a second and half a GB: enough for a circle of 1 m to 1e-10 mm.
+# Largest number of chords of arcs, which take half a second and half a GB: enough for a circle of 1 m within 1e-10 mm.
 MOST_CHORDS = 5_000_000
 
 
@@ -113,7 +113,7 @@ def _points(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, C
 
 
 def _end_to_end(curve: AbstractCurve, tolerance: float, known: dict[AbstractCurve, Complex]) -> Complex:
-    """The same including the end, if the curve is closed."""
+    """The points of `flatten`; for a closed curve with the start repeated at the end."""
     points = _points(curve, tolerance, known)
     return np.append(points, points[0]) if curve.closed else points
 
@@ -145,7 +145,7 @@ def _edges_of(curve: AbstractCurve) -> tuple[Real, Real] | None:
 def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Real:
     """Smallest number of equal chords of an arc, as a fraction; none turns by more than a third of a circle."""
     half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
-    # 1e-9 below: a tolerance that gives exactly a whole number must not be rounded up.
+    # Reduced by 1e-9 below, so that a tolerance that gives exactly a whole number is not rounded up.
     count: Real = np.asarray(sweep) / (2 * half)
     if (total := float(np.sum(count))) > MOST_CHORDS:
         # The count is inversely proportional to the root of the tolerance.
@@ -181,7 +181,7 @@ def smooth_runs(curve: AbstractCurve) -> list[Real]:
     """The breaks, divided into runs without a corner; a chord may span a jump of curvature."""
     b = curve.breaks
     if len(b) == 2:
-        # No tangents are evaluated without need: those of a centrode need accelerations.
+        # Without inner breaks no tangent is computed, which takes long for a centrode.
         return [b]
     inner = np.arange(1, len(b) - 1)
     corners = inner[_is_corner(curve, inner)].tolist()
@@ -191,8 +191,8 @@ def smooth_runs(curve: AbstractCurve) -> list[Real]:
 def _is_corner(curve: AbstractCurve, inner: Whole) -> Mask:
     """Whether each of these inner breaks, given by index, is a corner."""
     b = curve.breaks
-    beside = (inner[:, None] + np.array([-1, 1])).ravel()
-    tangents = towards(curve, b[inner].repeat(2), b[beside])
+    neighbours = (inner[:, None] + np.array([-1, 1])).ravel()
+    tangents = towards(curve, b[inner].repeat(2), b[neighbours])
     return ~(np.abs(tangents[1::2] - tangents[::2]) <= CORNER)
 
 

@@ -18,7 +18,7 @@ from .vec import Complex, Real, Whole
 
 # Largest distance between the ends of neighbouring pieces, as a share of their distance from the origin.
 GAP = 1e-9
-# Shares of a curve's parameter range, at which points are taken to find its position and size.
+# Shares of a curve's parameter range at which `_start_middle_end` takes points.
 _SHARES = np.array([0.0, 0.5, 1.0])
 Number = TypeVar("Number", np.complex128, np.float64)
 
@@ -103,7 +103,7 @@ class Path(AbstractCurve):
             s = np.minimum(np.maximum(s, first), last) if breaks is None else _at_breaks(s, breaks, rounding)
             out[...] = value(self.pieces[least], s, last - first)
             return out
-        # All parameters in their pieces at once, since calls are expensive, not numbers.
+        # All parameters of a piece in one call, since calls are expensive.
         share, first_of, last_of = places - which, firsts[which], lasts[which]
         local = first_of * (1 - share) + last_of * share
         inside = np.minimum(np.maximum(local, first_of), last_of)

@@ -1,4 +1,4 @@
-"""Measures of any curve by its contract: length, area and its moments, curvature, nearest point."""
+"""Measures of any curve: length, area and its moments, curvature, nearest point."""
 
 from __future__ import annotations
 
@@ -98,8 +98,9 @@ def area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
 
 @checked
 def signed_area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
-    """Area of a closed curve, positive if it runs counterclockwise; each part counts as often as the curve winds around
-    it.
+    """Signed area of a closed curve, positive if it runs counterclockwise.
+
+    Each part of the area counts as often as the curve winds around it.
 
     Parameters
     ----------
@@ -343,7 +344,7 @@ def nearest(curve: AbstractCurve, points: complex | ArrayLike) -> tuple[Real, Re
 
 
 def _nearest(curve: AbstractCurve, flat: Complex, grid: Real) -> tuple[Real, Real]:
-    """The same for a row of points, from the samples of the curve at `grid`."""
+    """`nearest` for a row of points, from the samples of the curve at `grid`."""
     samples = curve.point(grid)
     distances = np.abs(samples - flat[:, None])
     padded = np.pad(distances, ((0, 0), (1, 1)), constant_values=np.inf)

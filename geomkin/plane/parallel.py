@@ -91,7 +91,7 @@ def _intersection(one: AbstractCurve, two: AbstractCurve, turned: complex) -> tu
 
 
 def _part(curve: AbstractCurve, low: float, high: float) -> AbstractCurve:
-    """A curve between two of its parameters; a part of an arc or a segment is one as well."""
+    """The part of a curve between two parameters; of an arc or a segment again an arc or a segment."""
     match curve:
         case Segment():
             return Segment(complex(curve.point(low)), complex(curve.point(high)))
@@ -102,7 +102,7 @@ def _part(curve: AbstractCurve, low: float, high: float) -> AbstractCurve:
 
 
 def _offset_run(curve: AbstractCurve, run: Real, distance: float, known: Known) -> list[AbstractCurve]:
-    """A run without a corner moved to its right, piece by piece if it consists of whole ones."""
+    """A run without a corner moved to its right; piece by piece if it consists of whole pieces."""
     first, last = int(run[0]), int(run[-1])
     if isinstance(curve, (Path, Polyline)) and (run[0], run[-1]) == (first, last):
         return [_offset_piece(piece, distance, known) for piece in curve.pieces[first:last]]

@@ -126,8 +126,8 @@ class Circle(AbstractCurve):
         return True
 
 
-# Sweep, rad, below which the area under an arc is computed by a series, whose next term is 2e-15 of it there, since the
-# closed form loses digits.
+# Sweep, rad, below which the area under an arc is computed by a series, since the closed form loses digits. The first
+# omitted term is at most 2e-15 of the area.
 FLAT = 0.02
 
 

@@ -35,7 +35,7 @@ def without(loops: Loops, others: Sequence[Complex]) -> list[Loops]:
 
 
 def where(outline: Complex, lines: Sequence[Complex], holds: Callable[[Complex], Mask]) -> list[Loops]:
-    """The pieces of a simple polygon, cut by lines, for which `holds` is true, merged if they touch.
+    """A simple polygon is cut by lines; the pieces for which `holds` is true are returned, merged if they touch.
 
     lines: points of each, open or ending where they start. holds: takes points (n,), one well inside each piece.
     """
@@ -93,7 +93,7 @@ def overlapping(loops: Sequence[Complex]) -> Whole:
 
 
 def holds(loops: Loops, boxes: Complex, taken: Sequence[Complex] = ()) -> Mask:
-    """Whether a region, its outline first, contains each polygon (n, corners), none meeting the lines `taken`."""
+    """Whether each polygon (n, corners) is inside a region, its outline first, and meets no line of `taken`."""
     area, shapes = _polygon(loops), shapely.polygons(xy(boxes))
     shapely.prepare(area)
     contained: Mask = np.asarray(shapely.contains(area, shapes))
@@ -156,7 +156,7 @@ def distance_from_segment(points: Complex, starts: Complex, ends: Complex) -> Re
 
 
 def thinned(loop: Complex, tolerance: float) -> Complex:
-    """A polygon with fewer corners, nowhere farther than `tolerance`, mm, from the omitted ones."""
+    """A polygon without some of its corners, all of which are within `tolerance`, mm, of the result."""
     return shapely.get_coordinates(shapely.LinearRing(xy(loop)).simplify(tolerance, preserve_topology=False)).view(
         complex
     )[:-1, 0]
@@ -188,13 +188,13 @@ def spacing(loops: Sequence[Complex], radii: Sequence[float]) -> float:
 
 
 def neck(loops: Sequence[Complex], tried: Sequence[int], within: float) -> float:
-    """Smallest width, mm, of material between two points of one boundary; inf if none is less than `within`.
+    """Smallest width, mm, of the material between two points of one boundary; inf if it is not less than `within`.
 
     A neck is a pair of boundary points whose connecting line is perpendicular to the boundary at both ends, or is not
     made shorter by a step along it. A bar with parallel sides has one, a tapered bar has none. loops: material on their
     left. tried: number of vertices of each loop, from the first on, at which a neck may begin.
     """
-    # Rounding of directions; with a larger value sides that are not parallel would count as parallel.
+    # Rounding of directions. With a larger value sides that are not parallel would count as parallel.
     even = 1e-6
     z = np.concatenate(loops)
     loop = np.repeat(np.arange(len(loops)), [len(points) for points in loops])

@@ -1,7 +1,4 @@
-"""Places parameters along a curve so that every interval between them has the same error.
-
-Approximation by chords and by arcs are both this task, with different errors.
-"""
+"""Adaptive subdivision of a curve into intervals of equal error, for approximation by chords or by arcs."""
 
 from __future__ import annotations
 
@@ -18,27 +15,29 @@ from .vec import Complex, Mask, Real, Whole, unit
 # A tangent that jumps by more than this, rad, is a corner and gets a point. With a smaller value rounding would give
 # corners; with a larger one a chord would cut a visible corner.
 CORNER = 1e-6
-# Share of the tolerance that intervals must keep, as the error between two probes may be larger.
+# Share of the tolerance at which intervals aim, since the error between two probes may be larger.
 AIM = 0.998
 # Cells per smooth piece in the first round. With fewer, details inside a piece are missed.
 CELLS = 32
 _FIRST = np.arange(CELLS) / CELLS
-# Largest rotation of the tangent in one interval, rad. Beyond, the laws of small intervals do not hold, and a closed
-# curve might become a single interval.
+# Largest rotation of the tangent in one interval, rad. With more, the error does not follow a power of the length, and
+# a closed curve might become a single interval.
 MOST_TURN = 2.2
 # Largest number of rounds; smooth pieces need three or four.
 ROUNDS = 12
-# Factor on the share of an interval that is over the tolerance after two rounds, so that it becomes short enough.
+# After two rounds the share of an interval that is over the tolerance is multiplied by this, so that it becomes short
+# enough.
 PUSH = 1.05
-# Steps of an interval's share. The last bits of an error differ between processors; without steps, rounds that do not
-# converge would amplify them until they show in files.
+# Shares are rounded to multiples of this. The last bits of an error differ between processors; without rounding, rounds
+# that do not converge would amplify the difference until it shows in files.
 GRAIN = 2.0**-20
-# Ratio of the count to what the errors require, up to which (or within one) the second half of the rounds is omitted.
+# The second half of the rounds is omitted if the number of intervals exceeds the number that the errors require by at
+# most this factor, or by one.
 ENOUGH = 1.005
-# Share of the distance from the origin below which a distance from a chord or an arc is rounding.
+# A distance from a chord or an arc is rounding if it is below this share of the distance from the origin.
 ROUNDING = 1e-13
-# Share of the total given to straight parts, which have no error: otherwise the last bit of the errors would move
-# points along them visibly.
+# Share of the intervals that straight parts get, although they have no error. Without it the last bit of the errors
+# would visibly move points along them.
 TRACE = 1e-4
 
 T = TypeVar("T")
@@ -53,19 +52,20 @@ class Intervals(NamedTuple):
 
 
 Judge = Callable[[Intervals], tuple[Real, Real]]
-# Work on one run: yields edges, is sent the errors and turns of the intervals between them, and returns a T.
+# A coroutine that subdivides one run: it yields the edges of intervals, receives their errors and rotations, and
+# returns a T.
 Work = Generator[Real, tuple[Real, Real], T]
 
 
 def adaptive_subdivision(judge: Judge, runs: Sequence[Real], tolerance: float, order: int) -> list[Real]:
     """For each run of breaks the fewest parameters, both ends included, whose intervals all keep the tolerance.
 
-    judge(intervals) gives each interval's error, mm, and its turn, rad; for small intervals the error falls with the
-    power `order` of their length. The error is measured, never predicted, so the result keeps the tolerance at all
-    probes.
+    judge(intervals) returns each interval's error, mm, and the rotation of its tangent, rad. The error of small
+    intervals is proportional to the power `order` of their length. It is measured, not predicted, so that the result
+    keeps the tolerance at all probes.
     """
     settled = _together(judge, [_settle(run, tolerance, order) for run in runs])
-    # Chords across jumps of curvature may not converge: then each smooth piece is divided by itself.
+    # If chords across jumps of curvature do not converge, each smooth piece is divided separately.
     unsettled = [k for k, (_, converged) in enumerate(settled) if not converged and len(runs[k]) > 2]
     pieces = [_settle(runs[k][j : j + 2], tolerance, order) for k in unsettled for j in range(len(runs[k]) - 1)]
     results, by_piece = [edges for edges, _ in settled], iter(_together(judge, pieces))
@@ -76,7 +76,7 @@ def adaptive_subdivision(judge: Judge, runs: Sequence[Real], tolerance: float, o
 
 
 def _together(judge: Judge, works: Sequence[Work[T]]) -> list[T]:
-    """The results of several works. All requests of a round are judged at once, since calls are expensive."""
+    """The results of several coroutines; one call of `judge` serves all of them, since calls are expensive."""
     results: dict[int, T] = {}
     requests = {k: next(work) for k, work in enumerate(works)}
     while requests:
@@ -97,14 +97,14 @@ def _together(judge: Judge, works: Sequence[Work[T]]) -> list[T]:
 
 
 def _settle(breaks: Real, tolerance: float, order: int) -> Work[tuple[Real, bool]]:
-    """The fewest edges found while making all shares equal, and whether they are as few as the errors require."""
+    """The fewest edges in rounds that equalise all shares, and whether they are about as few as the errors require."""
     edges = np.append((breaks[:-1, None] + (breaks[1:] - breaks[:-1])[:, None] * _FIRST).ravel(), breaks[-1])
     fewest, settled = math.inf, False
     for k in range(ROUNDS):
         error, turn = yield edges
         share = _share(error, turn, tolerance, order)
         over = share > 1
-        # An interval across a jump of curvature may not converge: split in two, it costs one more.
+        # An interval across a jump of curvature may not converge. Splitting it costs one interval more.
         split = len(share) + int(np.count_nonzero(over)) if share.max() < 1.9 else math.inf
         if k == 0 or split < fewest:
             best, fewest, seen = edges, split, (error, turn)
@@ -115,7 +115,7 @@ def _settle(breaks: Real, tolerance: float, order: int) -> Work[tuple[Real, bool
         if fewest <= count or (k >= ROUNDS // 2 and settled):
             break
         wanted = _divide(edges, used, count)
-        # If errors do not follow the law, as across jumps of curvature, full steps would oscillate.
+        # If errors do not follow the power law, as across jumps of curvature, full steps would oscillate.
         edges = edges + min(1.0, 2 / (k + 1)) * (wanted - edges) if len(wanted) == len(edges) else wanted
     return (yield from _halve(best, _over_tolerance(*seen, tolerance), breaks, tolerance)), settled
 
@@ -126,7 +126,7 @@ def _over_tolerance(error: Real, turn: Real, tolerance: float) -> Mask:
 
 
 def _share(error: Real, turn: Real, tolerance: float, order: int) -> Real:
-    """The number of intervals that should replace each one, in multiples of GRAIN: 1 if it just keeps the tolerance."""
+    """The number of intervals, a multiple of GRAIN, that should replace each one: 1 if it just keeps the tolerance."""
     grains: Real = np.rint(np.maximum((error / (AIM * tolerance)) ** (1 / order), turn / MOST_TURN) / GRAIN)
     return grains * GRAIN
 
@@ -155,7 +155,7 @@ def _divide(edges: Real, used: Real, count: int) -> Real:
 
 
 def _halve(edges: Real, over: Mask, breaks: Real, tolerance: float) -> Work[Real]:
-    """Split intervals that are over the tolerance, at a break inside or in half, until none is or digits end."""
+    """Split each interval over the tolerance, at a break inside it or in half, until all keep it or are too short."""
     for _ in range(60):
         if not over.any():
             break
@@ -173,7 +173,7 @@ def _halve(edges: Real, over: Mask, breaks: Real, tolerance: float) -> Work[Real
 
 
 def cells_of(intervals: Intervals, breaks: Real) -> tuple[Real, Real, Whole]:
-    """The intervals cut at breaks: both ends of the cells, and each cell's interval."""
+    """The intervals cut into cells at breaks: starts and ends of the cells, and the index of each cell's interval."""
     low, high, _ = intervals
     inner = breaks[(breaks > low[0]) & (breaks < high[-1])]
     owner = low.searchsorted(inner, side="right") - 1
@@ -226,7 +226,7 @@ def direction(curve: AbstractCurve, t: Real, after: bool | Mask) -> Complex:
 
 def towards(curve: AbstractCurve, t: Real, near: Real) -> Complex:
     """Unit tangent at each parameter on the side of `near`, the next break in that direction."""
-    # Far enough into the piece to be beyond rounding, and so little that the tangent does not change.
+    # This far inside the piece the parameter differs despite rounding, and the tangent is still the same.
     inward = np.sign(near - t) * np.maximum(1e-12 * np.abs(near - t), 64 * np.spacing(np.abs(t)))
     return unit(curve.velocity(t + inward))
 

@@ -18,12 +18,12 @@ Whole = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 # An array of any of these.
 Array = NDArray[Any]
-# Share of the largest number by which the border between two roundings is below the middle. Processors differ by far
-# less. Numbers of few decimals, as recipes have them, may be exactly in the middle; the last bit of a processor's sine
-# must not decide about these.
+# Numbers in the middle between two roundings, such as those with few decimals in recipes, are rounded away from 0
+# although the last bit of a processor's sine may be below the middle: the border is lower by this share of the largest
+# number, far more than processors differ.
 BESIDE_HALF = 2.0**-44
-# Relative difference up to which two values count as equally large. With a smaller value rounding chooses the worst
-# place of a symmetric mechanism; with a larger one the first of two different values is chosen.
+# Relative difference up to which two values count as equally large. With a smaller one rounding decides between the
+# equally bad positions of a symmetric mechanism; with a larger one different values count as equal.
 TIED = 1e-9
 
 
@@ -61,7 +61,7 @@ def unit(z: ArrayLike) -> Complex:
 
 
 def as_unit(direction: ArrayLike) -> Complex:
-    """Directions of any length with length 1; those of length 1, to rounding, keep their digits."""
+    """Directions scaled to length 1; those that already have it, except for rounding, keep their digits."""
     direction = np.asarray(direction, dtype=complex)
     with np.errstate(invalid="ignore"):
         return np.where(abs(abs(direction) - 1) < 1e-12, direction, unit(direction))[()]
@@ -73,7 +73,7 @@ def known(mask: Mask, values: Array) -> Array:
 
 
 def first_largest(values: Real) -> int:
-    """Index of the first value that is the largest but for rounding, so that it is the same on every processor."""
+    """Index of the first value that equals the largest except for rounding, so that all processors give the same."""
     most = np.nanmax(values)
     with np.errstate(invalid="ignore"):
         return int(np.argmax((values == most) | (values >= most - TIED * np.abs(most))))
@@ -105,7 +105,7 @@ def rounded(z: Real | float, decimals: int) -> Real: ...
 @overload
 def rounded(z: Complex | complex, decimals: int) -> Complex: ...
 def rounded(z: ArrayLike, decimals: int) -> Array:
-    """Rounded to decimals, real or complex, to the same number on every processor, and never to -0.0.
+    """Values, real or complex, rounded to decimals, equal on every processor and never -0.0.
 
     A value half way between two roundings, within the last bits in which processors differ, is rounded away from 0.
     """

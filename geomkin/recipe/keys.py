@@ -1,4 +1,4 @@
-"""Values under dotted keys, in the table of a recipe and in its text, which keeps its comments and order."""
+"""Changes of values by dotted key, in the table of a recipe, and in its text with its comments and order kept."""
 
 from __future__ import annotations
 
@@ -79,10 +79,8 @@ def _check_step(key: str, table: Any, part: str | int) -> None:
     """DesignError if a part of a key leads through something that is not a table, or to a row that a list lacks."""
     kind, what = (list, "list") if isinstance(part, int) else (Mapping, "table")
     if not isinstance(table, kind):
-        raise DesignError(
-            key, f"there is no {what} that [{part}] could be of", "give a key of the recipe", "unknown-key"
-        )
+        raise DesignError(key, f"[{part}] is not inside a {what}", "give a key of the recipe", "unknown-key")
     if isinstance(part, int) and part >= len(table):
         raise DesignError(
-            key, f"found [{part}], but there are only {len(table)}, from [0]", "give a smaller number", "out-of-range"
+            key, f"found [{part}], but the list has {len(table)}, from [0]", "give a smaller number", "out-of-range"
         )

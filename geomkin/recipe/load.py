@@ -1,4 +1,4 @@
-"""Loading: from a text or a table to a recipe, or to an error with all its problems; and back to text."""
+"""Loads a recipe from a text or table, or raises an error with all its problems; and writes it as text."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from ..core.scaling import scaled
 from .kinds import kind_names, recipe_class
 from .recipe import AbstractRecipe
 
-# Largest recipe, bytes. A larger file is something else, and may take minutes to parse.
+# Largest recipe, bytes. A larger file is no recipe, and may take minutes to parse.
 LARGEST = 500_000
-# A key with so many parts, bare or quoted, that no recipe has it. A start inside a word or after a backslash would
-# read the same parts again and again.
+# A key with at least a hundred parts, bare or quoted, more than any recipe has. A match must not start inside a word or
+# after a backslash, or the search would read the same parts many times.
 DEEP_KEY = re.compile(r"""(?<![\w\\-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 
 
@@ -48,9 +48,9 @@ def parse(text: str, file: str = "recipe", folder: Folder = ".") -> AbstractReci
 
 def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
     """The table of a TOML text. file: its name in messages."""
-    # The time of the parser grows with the square of the number of parts of a key.
+    # The parser takes a time that grows with the square of the number of parts of a key.
     if DEEP_KEY.search(text):
-        raise _whole(file, "a key has more than a hundred parts", "give keys at most three deep", "invalid-toml")
+        raise _whole(file, "a key has a hundred parts or more", "give keys at most three deep", "invalid-toml")
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -80,7 +80,7 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
         owner = next((table for table, kind in inner.items() if isinstance(kind, str) and kind in kinds), None)
         near = f"move it from [{printable(owner)}] above the first table; " if owner else nearest(name, kinds)
         raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)]) from None
-    # `scale` is no field: the recipe has the scaled lengths.
+    # `scale` is not a field, since the recipe holds the scaled lengths.
     fields = {key: value for key, value in data.items() if key != "scale" or not kind.can_be_scaled}
     try:
         recipe = adapter(kind).validate_python(fields, extra="forbid", context={"folder": folder})
@@ -181,7 +181,7 @@ def table_lines(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
     """Lines of a table: its keys with plain values first, then the tables in it."""
     plain: list[str] = []
     tables: list[str] = []
-    # An empty table near the top was omitted; a deeper one may be a body without points.
+    # Empty tables near the top are already omitted; a deeper one may be a body without points.
     for key, value in _without_none(table, with_empty=depth >= DEEPEST).items():
         name = f"{path}.{_key(key)}" if path else _key(key)
         if isinstance(value, dict) and depth < DEEPEST:
@@ -195,7 +195,7 @@ def table_lines(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
 
 
 def _without_none(table: dict[str, Any], with_empty: bool = True) -> dict[str, Any]:
-    """The table without None, which TOML lacks, and without empty tables and lists unless `with_empty`."""
+    """The table without None, which TOML cannot write, and without empty tables and lists unless `with_empty`."""
     return {key: value for key, value in table.items() if value is not None and (with_empty or value not in ({}, []))}
 
 

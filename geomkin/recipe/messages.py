@@ -15,16 +15,16 @@ from pydantic import ValidationError
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.fields import allowed
 
-# Number of problems that get a full explanation. One mistake, or a file that is no recipe, may cause many more, and
-# each explanation takes some time.
+# Largest number of problems with a full explanation. One mistake, or a file that is no recipe, may cause many more, and
+# each explanation takes time.
 EXPLAINED = 200
 NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]{0,12}|°|%|\"|')\s*")
 # One `key = value` of a line, if the value is neither a text, a list nor a table.
 PLAIN = re.compile(r"([\w.-]+)[ \t]*=[ \t]*([^\s\"'\[{,}#][^\"'\[{}#]*?|)[ \t]*(?=,\s*[\w.-]+\s*=|[}#]|$)")
-# Longer lines are not searched for mistakes, which would take long.
+# Longer lines are not searched for mistakes, since this would take long.
 LONGEST_LINE = 1000
 WORD = re.compile(r"[^\W_]+")
-# Topics that recipes do not cover, and words in unknown keys that show that one of them is meant.
+# Topics that recipes do not cover, and the words in unknown keys that refer to each.
 UNSUPPORTED = {
     "friction and wear": "friction wear efficiency lubrication lubricant damping",
     "strength and deformation": "stress stresses strength hardness fatigue stiffness deflection",
@@ -62,10 +62,10 @@ RENAMED = {"thinning": "tooth_thickness_allowance", "seconds": "time_limit"}
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """`did you mean ...? `, the start of a remedy, if a known name is similar; otherwise "".
+    """The start of a remedy, `did you mean ...? `, if a known name is similar; otherwise "".
 
-    Similar means spelt alike, or with a similar word for each word of the name. One word in common is not enough: a
-    worm gear is no spur gear.
+    Two names are similar if they are spelt alike, or if each word of one is similar to a word of the other. A single
+    common word is not enough: a worm gear is no spur gear.
     """
     if not isinstance(name, str) or not (words := WORD.findall(name[:100].lower())):
         return ""
@@ -145,7 +145,7 @@ def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown
     if headings:
         near = f"it belongs under {' or '.join(headings[:3])}; "
     elif any(f.name == name for f in dataclasses.fields(recipe)):
-        near = "it belongs above the first [table], beside kind; "
+        near = "it belongs above the first [table], next to kind; "
     elif is_load and not near and "loads" in hints_of(recipe):
         near = "it belongs under [loads]; "
     elif not near and (topic := _unsupported(name)):
@@ -212,7 +212,7 @@ def _location(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dat
             continue
         key = _join(key, printable(part, 60) or '""')
         owners = [t for t in tables if part in {f.name for f in dataclasses.fields(t)}]
-        # Below a field whose keys the user chooses, such as bodies, that field describes the value.
+        # Inside a field whose keys the user chooses, such as bodies, the field itself describes the value.
         if owners or not is_free:
             field = next((f for t in owners for f in dataclasses.fields(t) if f.name == part), None)
             hints = [hints_of(t)[part] for t in owners]
@@ -222,7 +222,7 @@ def _location(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dat
 
 
 def tables_in(hint: Any) -> list[type]:
-    """Dataclasses that a type hint names. For a programme, which is written as a list, those of its segments.
+    """Dataclasses that a type hint names; of a motion program, written as a list, those of its segments.
 
     A recipe in a recipe may be of any kind and is none of them.
     """
@@ -250,7 +250,7 @@ def _join(key: str, part: str) -> str:
 
 
 def toml_mistake(text: str, complaint: str) -> Problem | None:
-    """The mistake in the line that the TOML parser complains about; None if it is none of the usual ones."""
+    """The mistake in the line of a TOML parser's complaint; None if it is not one of the usual mistakes."""
     match = re.search(r"line (\d+)", complaint)
     lines = text.split("\n")
     if match is None or int(match[1]) > len(lines):
@@ -258,7 +258,7 @@ def toml_mistake(text: str, complaint: str) -> Problem | None:
     above, line = lines[: int(match[1]) - 1], lines[int(match[1]) - 1]
     if len(line) > LONGEST_LINE:
         return None
-    if re.search("[“”„‟«»‘’‚]", line) and "=" in line:  # noqa: RUF001  # what word processors write
+    if re.search("[“”„‟«»‘’‚]", line) and "=" in line:  # noqa: RUF001  # quotes as word processors write them
         return Problem(
             _key_at(above, line.partition("=")[0]), "found curly quotes", 'write straight ones: "', "invalid-toml"
         )

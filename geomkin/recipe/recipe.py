@@ -26,7 +26,7 @@ from ..model.walls import thinnest_walls, wall_checks
 from ..plane.vec import Complex, Real
 from .settings import Files, OptimiseTable
 
-# Tables that `scale` leaves alone: a mechanism of another size has the same screws and sheets, and is cut as exactly.
+# Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
 UNSCALED = ("stock", "base", "files", "tolerances", "optimise")
 
 
@@ -43,21 +43,21 @@ class _Shared:
         },
     )
     optimise: OptimiseTable | None = entry(
-        "what `geomkin optimise` varies, minimises and keeps; the recipe itself is made with the values that it has",
+        "what `geomkin optimise` varies, minimises and keeps; `geomkin run` does not use it",
         default=None,
     )
 
 
-# Keys of every kind: the mechanism's own come before them, and a summary leaves them out if they are empty.
+# Keys of every kind. Recipes list them after the mechanism's own keys; summaries omit them if they are empty.
 SHARED = tuple(field.name for field in dataclasses.fields(_Shared))
 
 
 class AbstractRecipe(_Shared, ABC):
     """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
 
-    A subclass has the field `kind`, a Literal whose default is its only value, then its tables, the mechanism's first,
-    and `files` last; its docstring introduces the kind. A property is computed on first use and cached. Any of them may
-    raise DesignError; its field is a size of the mechanism or a dotted key of the recipe.
+    A subclass has the field `kind`, a Literal with a single value, then its tables, the mechanism's first and `files`
+    last; its docstring introduces the kind. A property is computed on first use and cached. It may raise DesignError,
+    whose field is a size of the mechanism or a dotted key of the recipe.
     """
 
     kind: str
@@ -135,7 +135,7 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:
-        """Checks that an editor shows while one drags: `design_checks` without those of plates if these take long."""
+        """Checks that an editor shows during a drag: `design_checks`, without those of plates if they take long."""
         return self.design_checks
 
     @cached_property
@@ -191,12 +191,12 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def quantities(self) -> Mapping[str, str]:
-        """Lengths, types and ranges that an editor shows beside the scene, by label; the checks come besides."""
+        """Lengths, types and ranges that an editor shows next to the scene and the checks, by label."""
         return {}
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:
-        """Handles that a user can drag in an editor; fast to compute, since a drag repeats it."""
+        """Handles that a user can drag in an editor. An editor computes them again at each step of a drag."""
         return ()
 
     def handle_position(self, id: str) -> Complex:
@@ -210,7 +210,7 @@ class AbstractRecipe(_Shared, ABC):
 
     @classmethod
     def has_scene(cls) -> bool:
-        """Whether the kind has a scene; known without computing it."""
+        """Whether the kind has a scene, without computing it."""
         return cls.scene is not None and cls.scene is not AbstractRecipe.scene
 
     @property
@@ -255,9 +255,9 @@ class AbstractRecipe(_Shared, ABC):
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        """Values by dotted key with which a template shows some optional tables; the fields' examples serve otherwise.
+        """Values by dotted key for a template with some optional tables; other keys take the examples of the fields.
 
-        tables: dotted key -> kind of table.
+        tables: kind of each of these tables, by dotted key.
         """
         return {}
 

@@ -8,11 +8,22 @@ import numpy as np
 
 from ..core.arguments import ArgumentType, between
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, WIDEST, AsWritten, entry, quantity, rounded_up
+from ..core.fields import (
+    FARTHEST,
+    WIDEST,
+    AsWritten,
+    ComplexPoint,
+    RowWithin,
+    TextOrTexts,
+    entry,
+    quantity,
+    rounded_up,
+)
 from ..core.records import record
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check
+from ..model.mass import Mass
 from ..plane.vec import Real
 
 if TYPE_CHECKING:
@@ -21,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class OneOfFormats(ArgumentType):
-    """Marks a text as the name of a format: one of those in WRITERS when it is asked, not when this was loaded."""
+    """Marks a text as the name of a format. WRITERS is read at each validation, since formats may be added to it."""
 
     def __init__(self) -> None:
         super().__init__(lambda value: isinstance(value, str) and value in WRITERS, "the name of a format")
@@ -44,34 +55,34 @@ class OneOfFormats(ArgumentType):
 
 Format = Annotated[str, OneOfFormats()]
 
-# Of a sheet, mm: from less than any part's margins to more than any sheet there is.
+# Width or height of a sheet, mm. A smaller one has no room within its margins; a larger one does not exist.
 Side = Annotated[float, AsWritten(), between(10, WIDEST, "mm")]
 
-# Rows and cells of a table: what takes some seconds and half a GB. More are minutes and several GB, and no program
-# opens them; fewer would refuse a full turn in hundredths of a degree.
+# Largest numbers of rows and of cells of a table, which take some seconds and half a GB. More take minutes and several
+# GB, and no program opens them; fewer would refuse a full turn in steps of a hundredth of a degree.
 MOST_ROWS = 50_000
 MOST_CELLS = 2_000_000
-# Steps in which plates are looked at, deg. Finer ones would find the same plates in each other's way.
+# Smallest step, deg, in which plates are tested for collisions. Smaller ones find the same collisions.
 FINEST_DEG = 0.25
 
-# How near a way in degrees must be to quarter turns in radians to look like them: as near as 6.28 is to a turn; wider
-# would catch ways that are meant. Up to four turns, beyond which nobody writes them.
+# A rotation in degrees that differs by at most this from quarter turns in radians, as 6.28 does from a full turn, is
+# probably meant in radians. A larger value would catch intended rotations. More than four turns are not compared.
 IN_RADIANS, MOST_QUARTERS = 4e-3, 16
 
 
-def check_rows(key: str, way: float, step: float, unit: str, columns: int = 1) -> None:
-    """Refuse, before any of it is worked out, a table over a `way` in steps that is larger than a person can use.
+def check_rows(key: str, span: float, step: float, unit: str, columns: int = 1) -> None:
+    """Raise DesignError, before anything is computed, if a table over a span in steps has too many rows.
 
-    key: of the step, and the refusal names the least that works; columns: how many the table has at most.
+    key: of the step; the message names the smallest step that works. columns: largest number of columns of the table.
     """
     most = min(MOST_ROWS, MOST_CELLS // columns)
-    # A hair of room: the number that is named must not fail by its last bit.
-    if way / step > most * (1 + 1e-9):
+    # The margin lets the recommended step pass in spite of rounding.
+    if span / step > most * (1 + 1e-9):
         cells = f" of {columns} columns" if columns > 1 else ""
         raise DesignError(
             key,
-            f"found {step:g} {unit} for a way of {way:g} {unit}, which takes {way / step:,.0f} rows{cells}",
-            f"give at least {rounded_up(way / most, 4)} {unit}",
+            f"found {step:g} {unit} for a range of {span:g} {unit}, which takes {span / step:,.0f} rows{cells}",
+            f"give at least {rounded_up(span / most, 4)} {unit}",
             "too-much-work",
         )
 
@@ -124,13 +135,14 @@ class Files:
 
 @record(checked=True)
 class OptimiseTable:
-    """The task of `geomkin optimise`: keys to vary, the result to minimise, and constraints."""
+    """The task of `geomkin optimise`: keys to vary, the result or results to minimise, and constraints."""
 
     vary: tuple[str, ...] = entry(
         "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
     )
-    minimise: str = entry(
-        "the result to minimise, a formula of ids of columns and checks", example="-min(transmission_angle)"
+    minimise: Annotated[str | tuple[str, ...], TextOrTexts()] = entry(
+        "the result to minimise, a formula of ids of columns and checks; a row of 2 to 4 gives the Pareto front",
+        example="-min(transmission_angle)",
     )
     subject_to: tuple[str, ...] = entry(
         "constraints: two formulas with >= or <= between them, such as min(transmission_angle) >= 40", default=()
@@ -146,7 +158,7 @@ def _speed_rpm() -> Any:
 
 
 def _acceleration(unit: str) -> Any:
-    meaning = "acceleration of the driver at every row, beside its speed; no time is known then"
+    meaning = "acceleration of the driver; each row of the table has this acceleration and this speed, and no time"
     return quantity(meaning, unit, default=0.0, at_least=-FARTHEST, at_most=FARTHEST)
 
 
@@ -155,13 +167,13 @@ def _check_speed(key: str, speed: float, least: float) -> None:
         raise DesignError(
             key,
             f"found {speed:g}",
-            f"give at least {least:g}, or at most {-least:g} to go the other way",
+            f"give at least {least:g}, or at most {-least:g} for the opposite direction",
             "out-of-range",
         )
 
 
 def _check_end(key: str, start: float, end: float, speed_key: str, speed: float) -> None:
-    """Refuse an end that does not lie where the speed goes."""
+    """Raise DesignError if the end is not on the side of the start towards which the driver moves."""
     if (end - start) * speed > 0:
         return
     side, other = ("more", "negative") if speed > 0 else ("less", "positive")
@@ -171,7 +183,7 @@ def _check_end(key: str, start: float, end: float, speed_key: str, speed: float)
 
 @record(checked=True)
 class Drive:
-    """How a crank, a cam or a gear turns, and in which steps its motion is given."""
+    """Rotation of a crank, cam or gear over one turn, and the step between rows of the table."""
 
     speed_rpm: float = _speed_rpm()
     step_deg: float = quantity(
@@ -183,7 +195,7 @@ class Drive:
         _check_speed("speed_rpm", self.speed_rpm, SLOWEST_RPM)
 
     def check_rows(self, turns: float = 1.0) -> None:
-        """Refuse more rows than a table may have. turns: of the driver; called by a recipe."""
+        """DesignError if a table over so many turns of the driver would have too many rows."""
         check_rows("drive.step_deg", 360 * turns, self.step_deg, "deg")
 
     @property
@@ -193,7 +205,7 @@ class Drive:
 
     @property
     def angles(self) -> Real:
-        """Driver angles over one turn, rad, both ends included, in equal steps no larger than asked."""
+        """Driver angles over one turn, rad, both ends included, in equal steps of at most `step_deg`."""
         return np.linspace(0, 2 * np.pi, int(np.ceil(360 / self.step_deg - 1e-9)) + 1)
 
 
@@ -250,7 +262,7 @@ class Turn:
         if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
             return ()
         advice = f"{turn:g} looks like radians; the same in degrees is {90 * quarters}"
-        return (Check("driver_range", "way of the driver", turn, "at least", 90 * quarters, "deg", advice),)
+        return (Check("driver_range", "rotation of the driver", turn, "at least", 90 * quarters, "deg", advice),)
 
     def check_rows(self, columns: int = 1) -> None:
         """DesignError if a table with so many columns would have too many rows."""
@@ -337,3 +349,33 @@ class Stroke:
 
     def _in_steps(self, step: float) -> Real:
         return np.linspace(self.start, self.end, int(np.ceil(abs(self.end - self.start) / step - 1e-9)) + 1)
+
+
+# Largest component of gravity, m/s2: more is a number in mm/s2.
+MOST_GRAVITY = 100.0
+Gravity = Annotated[tuple[float, float], RowWithin(MOST_GRAVITY)]
+
+
+def gravity_entry() -> Any:
+    """Field for the gravity of a table of loads."""
+    return entry(
+        "acceleration of a falling body, [x, y] in m/s2; [0, 0] if it is not considered",
+        default=(0.0, -9.81),
+        units=("m/s2", "m/s2"),
+    )
+
+
+@record(checked=True)
+class BodyMass:
+    """Mass of a body in a recipe."""
+
+    mass_kg: float = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
+    centre: ComplexPoint = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)
+    inertia_kg_mm2: float = quantity(
+        "moment of inertia about the centre", "kg mm2", default=0.0, at_least=0, at_most=FARTHEST**2, example=100
+    )
+
+    @property
+    def mass(self) -> Mass:
+        """The mass as the library has it."""
+        return Mass(self.mass_kg, self.centre, self.inertia_kg_mm2)

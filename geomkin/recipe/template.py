@@ -21,14 +21,14 @@ from .recipe import SHARED, AbstractRecipe
 # Editors look for the schema in the folder of the recipe, so no network is needed.
 SCHEMA = "geomkin.schema.json"
 # Description of the key `scale`. No class has it as a field, since loading applies it.
-SCALE = "multiplies all lengths but those of stock, base and files; from 1e-06 to 1e+06"
+SCALE = "multiplies all lengths except those of stock, base and files; from 1e-06 to 1e+06"
 
 
 def template(recipe: type[AbstractRecipe], options: Sequence[str] = ()) -> str:
-    """A TOML text of a kind that runs without changes; optional keys are commented out.
+    """A recipe of a kind as TOML text that runs without changes; optional keys are commented out.
 
-    options: other kinds of tables, as `follower=oscillating-roller`, and optional tables, as `web`. DesignError if the
-    kind does not have one.
+    options: other kinds of tables, such as `follower=oscillating-roller`, and optional tables, such as `web`.
+    DesignError if the kind does not have one of them.
     """
     offered, chosen = choices(recipe), chosen_tables(recipe, options)
     values = recipe.example_values(chosen)
@@ -45,7 +45,7 @@ def _is_given(key: str, values: Mapping[str, Any]) -> bool:
 def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None) -> Any:
     """An instance of a dataclass, made from the examples of its fields.
 
-    given: values by dotted key that replace examples; base: an instance that supplies all others.
+    given: values by dotted key that replace examples. base: an instance with the values of all other fields.
     """
     hints, given = get_type_hints(cls), given or {}
     values = {}
@@ -143,7 +143,7 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     for field in dataclasses.fields(recipe):
         tables, key = tables_in(hints[field.name]), path + field.name
         if str in get_args(hints[field.name]):
-            # A motor has a name; only one that is not in the table of motors needs its values.
+            # A table with a name, such as a motor, is given by its name.
             continue
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
         is_shown = bool(field.metadata.get("examples", [None])[0])
@@ -184,8 +184,8 @@ def chosen_tables(recipe: type, options: Iterable[str]) -> dict[str, str]:
 def schema() -> dict[str, Any]:
     """The JSON Schema of all kinds of recipe.
 
-    Each kind of a table has an `if` on its `kind` and a `then`, so that an editor marks the wrong key itself. With a
-    choice between all kinds (`oneOf`) an editor marks the whole table.
+    Each kind of a table has an `if` on its `kind` and a `then`, so that an editor marks only the wrong key. With
+    `oneOf`, a choice between all kinds, it would mark the whole table.
     """
     kinds = {name: recipe_class(name) for name in kind_names()}
     inputs: list[tuple[str, Literal["validation"], TypeAdapter[Any]]] = [
@@ -224,7 +224,7 @@ def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
 
 
 def _plain(node: Any) -> Any:
-    """The schema without null and complex numbers, which TOML lacks, and with choices by `kind`."""
+    """The schema without null and complex numbers, which TOML does not have, and with choices by `kind`."""
     if isinstance(node, list):
         return [_plain(part) for part in node]
     if not isinstance(node, dict):
@@ -236,7 +236,7 @@ def _plain(node: Any) -> Any:
     # Sections such as Notes are for readers of the code.
     if isinstance(node.get("description"), str):
         node["description"] = re.split(r"\n\n(?:Source\b|\w+\n---)", node["description"])[0]
-    # Examples are written as Python has them; templates show them as TOML.
+    # Examples are Python values; templates show them as TOML.
     if isinstance(node.get("examples"), list):
         del node["examples"]
     if "discriminator" in node:

@@ -1,4 +1,4 @@
-"""A recipe whose values vary: read once, opened with other values under its dotted keys."""
+"""A recipe that is read once and then loaded many times, each time with other values of some keys."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class VariedRecipe:
     folder: str
 
     def opened(self, changes: Mapping[str, Any]) -> AbstractRecipe:
-        """The recipe with these changes. Raises what `gk.load` does, and DesignError for a key that leads nowhere."""
+        """The recipe with these changes. Raises the errors of `gk.load`, and DesignError for an impossible key."""
         return from_table(with_values(self.recipe, changes), self.file, self.folder)
 
     def check_keys(self, changes: Mapping[str, Any]) -> None:
-        """Refuse a key that no recipe of its kind knows, in the words in which a recipe that has it is refused."""
+        """Raise DesignError for a key that the kind of recipe does not have, with the message of `gk.load`."""
         try:
             self.opened(changes)
         except RecipeError as error:

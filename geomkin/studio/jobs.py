@@ -31,11 +31,16 @@ class BackgroundJob:
         self.result: dict[str, Any] | None = None
         self.done, self._stop = Event(), Event()
         self._work = work
-        Thread(target=self._run, daemon=True).start()
+        self._thread = Thread(target=self._run, daemon=True)
+        self._thread.start()
 
     def stop(self) -> None:
         """Stop the work at its next report of progress."""
         self._stop.set()
+
+    def wait(self, seconds: float) -> None:
+        """Wait until the work has ended."""
+        self._thread.join(seconds)
 
     @property
     def state(self) -> dict[str, Any]:
@@ -75,7 +80,9 @@ class Jobs:
         """The job of this number; None if there is none."""
         return self._jobs.get(id)
 
-    def stop_all(self) -> None:
-        """Stop all jobs."""
+    def stop_all(self, seconds: float) -> None:
+        """Stop all jobs, and wait for the end of each."""
         for job in self._jobs.values():
             job.stop()
+        for job in self._jobs.values():
+            job.wait(seconds)

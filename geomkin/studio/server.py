@@ -14,7 +14,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from pathlib import Path
 from secrets import token_urlsafe
-from threading import BoundedSemaphore, Lock
+from socket import SHUT_RD, socket
+from threading import BoundedSemaphore, Event, Lock, Thread
 from typing import Any
 from urllib.parse import parse_qsl, unquote, urlsplit
 
@@ -47,8 +48,13 @@ AT_ONCE = 0.4
 LONGEST_WAIT, LOOK = 25.0, 0.3
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "base-uri 'none'; form-action 'none'; frame-ancestors "
 )
+# Pages that may hold the studio in a frame: none, or those of a notebook on this machine.
+NOBODY = "'none'"
+NOTEBOOKS = "http://localhost:* http://127.0.0.1:* https://localhost:* https://127.0.0.1:* vscode-webview:"
+# Seconds within which work that goes on must end when the server is closed.
+LAST_WAIT = 5.0
 # For files that were made, whose texts come from recipes.
 FILE_POLICY = "sandbox allow-scripts allow-downloads"
 TYPES = {
@@ -77,11 +83,13 @@ class Studio:
         The folder.
     first : str
         Name of the recipe that is opened first; "" for the gallery.
+    kept : Draft, optional
+        The recipe of a notebook: `kept` follows what is edited, and a page that is loaded again shows it again.
     """
 
-    def __init__(self, workspace: Workspace, first: str = ""):
-        self.workspace, self.first, self.jobs = workspace, first, Jobs()
-        self._lock = Lock()
+    def __init__(self, workspace: Workspace, first: str = "", kept: Draft | None = None):
+        self.workspace, self.first, self.kept, self.jobs = workspace, first, kept, Jobs()
+        self._lock, self._closed = Lock(), Event()
         # The last recipe, whose checks are asked for after its scene, and the search that goes on.
         self._last: tuple[tuple[Any, ...], AbstractRecipe] | None = None
         self._search: BackgroundJob | None = None
@@ -91,7 +99,8 @@ class Studio:
         """The answer to a GET request."""
         match name:
             case "start":
-                return {"first": self.first, "recipes": self.workspace.recipes}
+                first, text = (self.kept.name, self.kept.text) if self.kept else (self.first, "")
+                return {"first": first, "text": text, "recipes": self.workspace.recipes}
             case "form":
                 return self._known_kind(query, form)
             case "gallery":
@@ -131,8 +140,9 @@ class Studio:
         raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such page")
 
     def close(self) -> None:
-        """Stop all jobs."""
-        self.jobs.stop_all()
+        """End all jobs, and requests that wait for a change of a file."""
+        self._closed.set()
+        self.jobs.stop_all(LAST_WAIT)
 
     def _answer(self, body: Mapping[str, Any]) -> Any:
         """An answer at once, or the job of a search that takes longer; a new request ends the search before it."""
@@ -150,7 +160,10 @@ class Studio:
 
     def _answered(self, text: str, files: dict[str, str], request: dict[str, Any], name: str) -> dict[str, Any]:
         try:
-            return answer(text, files, request, name, self._opened)
+            reply = answer(text, files, request, name, self._opened)
+            if self.kept and request.get("lane") != "checks":
+                self.kept = Draft(reply["text"], files, name)
+            return reply
         except Exception as error:
             # A fault of ours must not lose the user's text.
             problem = f"internal error ({printable(f'{type(error).__name__}: {error}', 200)})"
@@ -208,7 +221,8 @@ class Studio:
         """The mark of a recipe's file once it is another one, or after a while."""
         name, base, end = query.get("recipe", ""), query.get("base", ""), time.monotonic() + LONGEST_WAIT
         while (mark := self.workspace.mark(name)) == base and time.monotonic() < end:
-            time.sleep(LOOK)
+            if self._closed.wait(LOOK):
+                break
         return {"base": mark}
 
     def _job(self, query: Mapping[str, Any]) -> BackgroundJob:
@@ -265,15 +279,18 @@ class StudioServer(ThreadingHTTPServer):
     studio : Studio
         What it answers.
     port : int
-        The first port that is tried; if it is taken, the next ones.
+        The first port that is tried; if it is taken, the next ones. 0 for any free one.
+    framed_by : str
+        Sources of pages that may show the studio in a frame, as in a content security policy.
     """
 
-    daemon_threads = True
     # On some systems a second server could otherwise take over the port of a running one.
     allow_reuse_address = False
 
-    def __init__(self, studio: Studio, port: int = PORT):
-        self.studio, self.token = studio, token_urlsafe(24)
+    def __init__(self, studio: Studio, port: int = PORT, framed_by: str = NOBODY):
+        self.studio, self.token, self.policy = studio, token_urlsafe(24), POLICY + framed_by
+        # Connections that are open, by their threads.
+        self._connections: dict[Thread, socket] = {}
         self._slots, self._times, self._lock = (
             BoundedSemaphore(MOST_AT_ONCE),
             deque[float](maxlen=MOST_A_SECOND),
@@ -306,9 +323,19 @@ class StudioServer(ThreadingHTTPServer):
         self._slots.release()
 
     def server_close(self) -> None:
-        """Stop all work and give the port back."""
-        self.studio.close()
+        """Stop all work, end the connections that browsers keep open, and give the port back."""
         super().server_close()
+        self.studio.close()
+        for thread, connection in list(self._connections.items()):
+            with suppress(OSError):
+                connection.shutdown(SHUT_RD)
+            thread.join(LAST_WAIT)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer the requests of one connection in a thread of its own."""
+        thread = Thread(target=self.process_request_thread, args=(request, client_address), daemon=True)
+        self._connections = {t: c for t, c in self._connections.items() if t.is_alive()} | {thread: request}
+        thread.start()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A browser that leaves in the middle of an answer is no fault."""
@@ -332,7 +359,7 @@ class _Handler(BaseHTTPRequestHandler):
         """The terminal shows the address and nothing else."""
 
     def _answer(self, work: Callable[[str, dict[str, str]], tuple[bytes, str, str]]) -> None:
-        status, policy = HTTPStatus.OK, POLICY
+        status, policy = HTTPStatus.OK, self.server.policy
         admitted = self.server.admit()
         try:
             if not admitted:
@@ -392,11 +419,11 @@ class _Handler(BaseHTTPRequestHandler):
             kind = TYPES.get(Path(file).suffix, "application/octet-stream")
             return self.server.studio.made_file(folder, file), kind, FILE_POLICY
         if not name or "/" in name:
-            return (*_page_file(name), POLICY)
+            return (*_page_file(name), self.server.policy)
         reply = self.server.studio.get(name, query)
         if isinstance(reply, bytes):
             return reply, TYPES[".svg"], FILE_POLICY
-        return (*_json(reply), POLICY)
+        return (*_json(reply), self.server.policy)
 
     def _post(self, name: str, query: dict[str, str]) -> tuple[bytes, str, str]:
         del query
@@ -415,7 +442,7 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedError(HTTPStatus.BAD_REQUEST, "the body is not JSON") from None
         if not isinstance(body, dict):
             raise _RefusedError(HTTPStatus.BAD_REQUEST, "the body is not an object")
-        return (*_json(self.server.studio.post(name, body)), POLICY)
+        return (*_json(self.server.studio.post(name, body)), self.server.policy)
 
     def _send(self, status: HTTPStatus, content: bytes, kind: str, policy: str) -> None:
         self.send_response(status)

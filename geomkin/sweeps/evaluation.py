@@ -19,9 +19,9 @@ from ..recipe.messages import nearest
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe
 
-# What a result can report of a column: computed from its values that are not nan.
+# Values of a column that a result can report, computed from those of its numbers that are not nan.
 STATISTICS: dict[str, Callable[[Real], float]] = {"least": np.min, "largest": np.max, "last": lambda values: values[-1]}
-# Bound of numbers in a result; a larger integer is no float.
+# Largest number in a result; a larger integer cannot become a float.
 LARGEST_NUMBER = 1e300
 # Largest file, in bytes, that a recipe may name.
 LARGEST_FILE = 10_000_000
@@ -99,7 +99,7 @@ def check_results(task: SweepTask, recipe: AbstractRecipe) -> None:
 
 
 def _result(recipe: AbstractRecipe, name: str) -> Any:
-    """The least, largest or last value of a column, or an entry of the notes; None if there is none."""
+    """The least, largest or last value of a column, or an entry of the notes; None if it does not exist."""
     column, colon, statistic = name.rpartition(":")
     if not (colon and statistic in STATISTICS):
         return _entries("", recipe.notes).get(name)

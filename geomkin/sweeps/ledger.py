@@ -17,7 +17,7 @@ LARGEST = 500_000_000
 class Ledger:
     """Rows by key in a file of JSON lines; the first line identifies the sweep.
 
-    The file starts again from nothing if it is of another sweep or if any line is damaged.
+    The file is emptied if it belongs to another sweep or any line is damaged.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Ledger:
         self.known: dict[str, Any] = {}
         with naming(path, "used"):
             content = self._content()
-            # A last line without an end was being written when the run was stopped.
+            # A last line without a line break was incomplete when the run was stopped.
             whole = content[: content.rfind(b"\n") + 1]
             lines = whole.split(b"\n")
             entries = list(map(_parsed, lines[1:-1]))
@@ -61,7 +61,7 @@ class Ledger:
     def _content(self) -> bytes:
         if not os.path.lexists(self.path):
             return b""
-        # A link may lead to another file, which must not be overwritten.
+        # A link may point to another file, which must not be overwritten.
         if self.path.is_symlink() or not self.path.is_file():
             raise FileExistsError(0, "this name belongs to something other than a plain file")
         if self.path.stat().st_size > LARGEST:

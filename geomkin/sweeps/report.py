@@ -99,7 +99,7 @@ MOST_PLOTS, MOST_POINTS = 40, 1001
 
 
 def report(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) -> bytes:
-    """The page of a sweep. name: that of the recipe; values: by key; rows: one for each combination, in order."""
+    """The page of a sweep. name: of the recipe; values: by key; rows: one for each combination, in order."""
     columns = [*check_columns(rows), *result_columns(rows)]
     refused = sum(bool(row.refused) for row in rows)
     passed = sum(not row.refused and all(check.passed for check in row.checks) for row in rows)

@@ -32,7 +32,7 @@ from .values import combinations, parsed_values
 
 # Files of a sweep are named <recipe>.sweep.csv and so on.
 ENDING = ".sweep"
-# Combinations in a batch of a process. Smaller batches cost more time to hand over; larger ones lose more work if the
+# Combinations in a batch of a process. Smaller batches take more time for transfer; larger ones lose more work if the
 # sweep is stopped.
 BATCH_SIZE = 4
 # Largest number of batches that wait in an executor. A smaller one leaves a large cluster idle; a larger one fills its

@@ -14,15 +14,15 @@ import numpy as np
 
 from ..core.errors import DesignError, printable, shown
 
-# Largest number of combinations: slow kinds take hours for them.
+# Largest number of combinations, with which slow kinds already take hours.
 MOST = 10_000
-# From start to stop in steps.
+# A range start:stop:step.
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 RANGE = re.compile(rf"\s*({NUMBER})\s*:\s*({NUMBER})\s*:\s*({NUMBER})\s*")
 # A dotted key, such as gear.teeth or program[0].rise.
 KEY = re.compile(r"[^\W_][\w -]*(?:\[\d{1,6}\])*(?:\.[^\W_][\w -]*(?:\[\d{1,6}\])*)*")
 PLAIN = (str, int, float)
-# Decimals, so that 0.1 three times is 0.3; enough digits for any step that is written, and no overflow.
+# Decimal arithmetic, in which 3 x 0.1 is 0.3, with enough digits for any written step and without overflow.
 EXACT = Context(prec=60, traps=[])
 
 
@@ -74,7 +74,7 @@ def _split(key: str, text: str) -> list[str]:
 
 
 def _parsed(key: str, entry: str) -> list[Any]:
-    """The values of one entry: a range, a TOML value, or otherwise the entry itself as a text."""
+    """The values of one entry: those of a range, a TOML value, or the entry itself as a text."""
     if (match := RANGE.fullmatch(entry)) is not None:
         return _range(key, entry, *(Decimal(number) for number in match.groups()))
     try:
@@ -113,7 +113,7 @@ def _sequence(key: str, given: object) -> list[Any]:
 
 
 def _checked(key: str, value: Any) -> Any:
-    """A value as TOML has it: a number, a text, true or false, or a list of these."""
+    """The value, if TOML can write it: a number, a text, true or false, or a list of these; otherwise DesignError."""
     value = value.item() if isinstance(value, np.generic) else value
     value = [value.real, value.imag] if isinstance(value, complex) else value
     if isinstance(value, (list, tuple)) and len(value) <= MOST:

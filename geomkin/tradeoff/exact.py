@@ -5,7 +5,7 @@ It shares no formula with the solver: the square of a distance is constant and i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from decimal import Decimal, localcontext
 
@@ -77,12 +77,12 @@ class PointDerivatives:
         return self.at.cross(self.first) / square, self.at.cross(self.second) / square
 
 
-def fixed(x: float, y: float = 0.0) -> PointDerivatives:
+def fixed(x: float | Decimal, y: float = 0.0) -> PointDerivatives:
     """A point of the ground."""
     return PointDerivatives(DecimalVector(Decimal(x), Decimal(y)), ZERO, ZERO)
 
 
-def circling(radius: float, angle: float) -> PointDerivatives:
+def circling(radius: float | Decimal, angle: float) -> PointDerivatives:
     """A point of a crank about the origin, at exactly the angle of the float, rad."""
     cosine, sine = cosine_sine(Decimal(angle))
     at = DecimalVector(cosine, sine).times(Decimal(radius))
@@ -90,7 +90,7 @@ def circling(radius: float, angle: float) -> PointDerivatives:
 
 
 def pinned(
-    one: PointDerivatives, other: PointDerivatives, length: float, length_2: float, branch: int
+    one: PointDerivatives, other: PointDerivatives, length: float | Decimal, length_2: float | Decimal, branch: int
 ) -> PointDerivatives:
     """The pin at given distances from two points; branch +1: to the left of the line from the first to the second."""
     b, c, apart = Decimal(length), Decimal(length_2), other.at - one.at
@@ -128,6 +128,13 @@ def carried(start: PointDerivatives, end: PointDerivatives, local: complex) -> P
             (start.at, start.first, start.second), (axis.at, axis.first, axis.second)
         ))
     )  # fmt: skip
+
+
+def coupler_point(lengths: Sequence[float | Decimal], local: complex, angle: float) -> PointDerivatives:
+    """Coupler point at a crank angle, rad, of a four-bar on branch +1; lengths: ground, crank, coupler, rocker."""
+    ground, crank, coupler, rocker = lengths
+    crank_pin = circling(crank, angle)
+    return carried(crank_pin, pinned(crank_pin, fixed(ground), coupler, rocker, 1), local)
 
 
 def cosine_sine(angle: Decimal) -> tuple[Decimal, Decimal]:

@@ -34,15 +34,15 @@ from .comparison import (
 )  # fmt: skip
 from .drawing import LARGEST, UnreadableError
 
-# Share of the tolerance by which a deviation may exceed it: what the measurement itself may be off.
+# Share of the tolerance by which a deviation may exceed it: the error of the measurement itself.
 MEASURED = 2 * FINENESS
-# Most files of a folder that are measured.
+# Largest number of files of a folder that are measured.
 MOST_FILES = 10_000
 
 
 @record(eq=False)
 class FileReport:
-    """What was found of one file.
+    """The result of measuring one file.
 
     Parameters
     ----------
@@ -57,13 +57,13 @@ class FileReport:
     allowed : float
         The tolerance, mm.
     place : complex
-        Where the deviation is largest, mm, in the frame of the part.
+        Position of the largest deviation, mm, in the frame of the part.
     part : str
         Name of that part.
     parts, holes : int
         Numbers of parts and of their holes in the file.
     problems : tuple of str
-        What is wrong, a sentence each; empty if nothing is.
+        Problems of the file, a sentence each.
     worst : Measured, optional
         The plate with the largest deviation, and the exact one.
     """
@@ -82,7 +82,7 @@ class FileReport:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether there are no problems."""
         return not self.problems
 
     def to_dict(self) -> dict[str, object]:
@@ -102,7 +102,7 @@ class FileReport:
 
 @record(eq=False)
 class Certificate:
-    """What was found of the files of one recipe.
+    """The results of measuring the files of one recipe.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class Certificate:
         Of the recipe, mm.
     files : tuple of FileReport
     problems : tuple of str
-        What is wrong with the folder itself, a sentence each.
+        Problems of the folder itself, a sentence each.
     """
 
     folder: Path
@@ -129,7 +129,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is wrong with any file."""
+        """Whether neither the folder nor any file has problems."""
         return not self.problems and all(file.passed for file in self.files)
 
     def to_dict(self) -> dict[str, object]:
@@ -215,7 +215,7 @@ def _certificate(folder: Path) -> Certificate:
     except GeomkinError as error:
         problem = f"the recipe in {NAME} cannot be made again: {harmless(error)}"
         return Certificate(folder, harmless(name), harmless(kind), hashed, nan, nan, (), (problem,))
-    wanted = [str(one) for one in names[:MOST_FILES] if not file_name_flaw(str(one))]
+    wanted = [str(name) for name in names[:MOST_FILES] if not file_name_flaw(str(name))]
     reports = []
     for k, file in enumerate(wanted):
         report(k / len(wanted), f"{name}: {file}")
@@ -227,7 +227,7 @@ def _certificate(folder: Path) -> Certificate:
 
 @dataclass
 class Expected:
-    """What the files of a recipe should hold."""
+    """The contents that the files of a recipe should have."""
 
     recipe: AbstractRecipe
 
@@ -340,8 +340,8 @@ READERS: Mapping[str, Callable[[Path, Expected], Content]] = {
     "csv": _csv,
     "bom": _bom,
 }
-# Formats with every copy of every part, in one file or on several sheets, and those with a file for each part.
-ALL_COPIES, EACH_PART = ("dxf", "svg", "3mf"), ("stl", "step")
+# Formats whose files together contain every copy of every part.
+ALL_COPIES = ("dxf", "svg", "3mf")
 # Formats whose files have a place for a stamp.
 STAMPED = ("dxf", "svg", "stl", "glb", "3mf", "assembly-3mf", "step")
 
@@ -362,12 +362,12 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
     except (UnreadableError, OSError) as error:
         return file(problems=(harmless(error),))
     problems = [*content.problems, *(_stamp_problems(content.stamp, expected, hashed) if kind in STAMPED else [])]
-    for one in content.measured:
-        named = printable(one.part, 60) or "the drawing"
-        problems += [f"{named}: {problem}" for problem in one.problems]
-        if one.deviation > expected.tolerance * (1 + MEASURED):
+    for part in content.measured:
+        named = printable(part.part, 60) or "the drawing"
+        problems += [f"{named}: {problem}" for problem in part.problems]
+        if part.deviation > expected.tolerance * (1 + MEASURED):
             problems.append(
-                f"{named}: {one.deviation:.4g} mm off its curve at ({one.place.real:.3f}, {one.place.imag:.3f}), "
+                f"{named}: {part.deviation:.4g} mm off its curve at ({part.place.real:.3f}, {part.place.imag:.3f}), "
                 f"and {expected.tolerance:g} mm are allowed"
             )
     worst = worst_of(content.measured)
@@ -376,7 +376,7 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
         place=worst.place,
         part=worst.part,
         parts=len(content.measured),
-        holes=sum(one.holes for one in content.measured),
+        holes=sum(part.holes for part in content.measured),
         problems=tuple(map(harmless, problems)),
         worst=worst if worst.plate else None,
     )
@@ -387,14 +387,14 @@ def _stamp_problems(text: str, expected: Expected, hashed: str) -> list[str]:
     if stamp is None:
         return ["it has no stamp: another program wrote it"]
     if stamp.layout != LAYOUT:
-        return [f"its stamp has layout {stamp.layout}, and this geomkin reads {LAYOUT}"]
+        return [f"its stamp has layout {stamp.layout}, but this version reads layout {LAYOUT}"]
     if not hashed.startswith(stamp.recipe) or stamp.tolerance != expected.tolerance:
         return ["its stamp is that of another recipe or tolerance"]
     return []
 
 
 def _found_problems(path: Path) -> tuple[str, ...]:
-    """Whether the recipe that a goal found can be read."""
+    """A sentence if the recipe that a goal found cannot be read; otherwise empty."""
     try:
         with path.open("rb") as file:
             parse(file.read(LARGEST).decode("utf-8"), path.name)
@@ -404,14 +404,15 @@ def _found_problems(path: Path) -> tuple[str, ...]:
 
 
 def _with_counts(reports: Iterable[FileReport], expected: Expected) -> Iterable[FileReport]:
-    """The reports, with numbers of parts that differ from the recipe's as a problem of the first file of a format."""
+    """The reports. If a format does not have all copies of all parts, its first file gets a problem that states so."""
     reports = list(reports)
     copies = Counter({part.part.name: part.part.count for part in expected.parts})
     for kind in ALL_COPIES:
-        some = [k for k, one in enumerate(reports) if one.format == kind]
-        if some and all(isfinite(reports[k].deviation) for k in some):
-            total = sum(reports[k].parts for k in some)
+        indices = [k for k, report in enumerate(reports) if report.format == kind]
+        if indices and all(isfinite(reports[k].deviation) for k in indices):
+            total = sum(reports[k].parts for k in indices)
             if total != sum(copies.values()):
-                problem = f"{total} parts are drawn, and the recipe has {sum(copies.values())}"
-                reports[some[0]] = replace(reports[some[0]], problems=(*reports[some[0]].problems, problem))
+                first = reports[indices[0]]
+                problem = f"{total} parts are drawn, but the recipe has {sum(copies.values())}"
+                reports[indices[0]] = replace(first, problems=(*first.problems, problem))
     return reports

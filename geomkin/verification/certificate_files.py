@@ -17,7 +17,7 @@ from ..plane.vec import Complex
 from .certificate import Certificate, FileReport, verify
 from .outline import Outline
 
-# Size of a picture, px; half the side of what the close picture shows, as a multiple of the deviation.
+# Size of a picture, px, and half the side of the close-up's view, as a multiple of the deviation.
 WIDE, CLOSE = 320, 12
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 60rem; padding: 0 1rem; color: #222;
@@ -76,7 +76,7 @@ def _row(file: FileReport) -> str:
 
 
 def _pictured(files: Sequence[FileReport]) -> Iterator[FileReport]:
-    """Files to draw: those with something wrong, or the one with the largest deviation."""
+    """The files to draw: those with problems or, if there are none, the one with the largest deviation."""
     drawn = [file for file in files if file.worst is not None]
     wrong = [file for file in drawn if not file.passed]
     yield from wrong or sorted(drawn, key=lambda file: -file.deviation)[:1]
@@ -111,7 +111,7 @@ def _svg(
     place: complex,
     r: float,
 ) -> str:
-    """A square picture about a point; coordinates are taken from it, so that a close look keeps its digits."""
+    """A square picture about a point. Coordinates are relative to the point, so that close-ups keep their digits."""
     scale = WIDE / (2 * half)
 
     def at(z: complex) -> str:
@@ -130,7 +130,7 @@ def _svg(
 
 
 def _runs(loop: Outline, middle: complex, reach: float) -> Iterator[Complex]:
-    """The parts of a loop that may be seen within a distance of a point, thinned to what a screen shows."""
+    """The runs of a loop within a distance of a point, without points too close together for a screen."""
     points = np.append(loop.points, loop.points[:1])
     starts, ends = points[:-1], points[1:]
     edge = ends - starts

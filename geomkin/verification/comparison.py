@@ -17,16 +17,16 @@ from .matching import Shape, candidates, nested, positions
 from .outline import EVEN, Outline, deviation, farthest, larger, outline_of
 from .solid import Mesh, as_plate, section, section_heights
 
-# Share of the tolerance that the measurement itself may be off. A finer one takes longer and finds the same faults.
+# Error of the measurement itself, as a share of the tolerance. A smaller one takes longer and finds the same faults.
 FINENESS = 0.04
-# Most lines of a drawing, and most plates or solids of a file, that are measured, as a multiple of those of the recipe
-# and a number beyond: measuring more would take minutes, and the file is wrong in any case.
+# Largest numbers of lines of a drawing, and of plates or solids of a file, that are measured: a multiple of those of
+# the recipe, plus a constant. Measuring more would take minutes, and such a file is wrong in any case.
 MOST_LINES, MOST_PLATES = (10, 1000), (2, 20)
 
 
 @record(eq=False)
 class ExactPart:
-    """A part with its exact curves as polygons; `drawn` are those that a drawing has, half a kerf off the part."""
+    """A part with its exact curves as polygons: those of the solid, and those of a drawing, half a kerf off them."""
 
     part: Part
     solid: Shape
@@ -35,10 +35,11 @@ class ExactPart:
 
 @record(eq=False)
 class Measured:
-    """What was found of one plate or solid of a file.
+    """The result of measuring one plate or solid of a file.
 
-    part: name of the part that it is; deviation: largest distance between the file and the exact curves, mm, found at
-    `place`; plate, exact: both, for a picture, in the part's frame; problems: a sentence each.
+    part: name of its part; deviation, place: largest distance between the file and the exact curves, mm, and its
+    position; plate, exact: the measured and the exact plate in the part's frame, for a picture; problems: a sentence
+    each.
     """
 
     part: str
@@ -55,7 +56,7 @@ class Measured:
 
 
 def worst_of(measured: Sequence[Measured]) -> Measured:
-    """The one with the largest deviation; the first of those that rounding alone distinguishes."""
+    """The result with the largest deviation; the first one of those that are equal but for rounding."""
     worst = Measured("", -1.0)
     for one in measured:
         worst = one if one.deviation > worst.deviation * (1 + EVEN) else worst
@@ -87,7 +88,7 @@ def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
 
 
 def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: float) -> list[Measured]:
-    """Each plate of a drawing, with the part that it is and the largest deviation from it."""
+    """The plates of a drawing, each compared with the part that it shows."""
     measured: list[Measured] = []
     open_lines = [line for line in drawing.cuts if not line.outline.closed]
     if open_lines:
@@ -95,31 +96,31 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
         measured.append(Measured("", place=place, problems=(f"{len(open_lines)} lines to cut are not closed",)))
     cuts = [line for line in drawing.cuts if line.outline.closed and len(line.outline.points) > 2]
     marks = drawing.marks
-    lines = [one.part.count * (len(one.drawn.loops) + len(one.drawn.marks)) for one in parts]
+    lines = [part.part.count * (len(part.drawn.loops) + len(part.drawn.marks)) for part in parts]
     refuse_more(len(cuts) + len(marks), sum(lines), MOST_LINES, "lines to cut or engrave")
     plates = nested([cut.outline for cut in cuts], [mark.outline for mark in marks])
-    refuse_more(len(plates), sum(one.part.count for one in parts), MOST_PLATES, "parts")
+    refuse_more(len(plates), sum(part.part.count for part in parts), MOST_PLATES, "parts")
     for loops, engraved in plates:
         outlines = [cuts[k].outline for k in loops]
         problems = [
             f"{'the outline' if k == 0 else f'hole {k}'} crosses itself"
-            for k, one in enumerate(outlines)
-            if not is_simple(one.points)
+            for k, outline in enumerate(outlines)
+            if not is_simple(outline.points)
         ]
-        if any(one.area == 0 for one in outlines):
+        if any(outline.area == 0 for outline in outlines):
             measured.append(Measured("", place=complex(outlines[0].points[0]), problems=("a line encloses no area",)))
             continue
         plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
-        found = _best_part(plate, parts, tolerance)
-        part = next(one.part for one in parts if one.part.name == found.part)
+        result = _best_part(plate, parts, tolerance)
+        part = next(exact.part for exact in parts if exact.part.name == result.part)
         layers = {cuts[loops[0]].layer} - {part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
         problems += [f"it is on layer {layer}" for layer in sorted(layers)]
-        measured.append(_with(found, problems))
+        measured.append(_with(result, problems))
     return measured
 
 
 def _best_part(plate: Shape, parts: Sequence[ExactPart], tolerance: float) -> Measured:
-    """A plate of a drawing as the first part that it fits, or as the one that it fits best."""
+    """A plate of a drawing compared with the first part that it fits, or with the one that it fits best."""
     tried: list[Measured] = []
     for k in candidates(plate, [part.drawn for part in parts], tolerance):
         tried.append(_measured(plate, parts[k].drawn, parts[k].part.name, tolerance))
@@ -133,7 +134,7 @@ def _with(found: Measured, problems: Sequence[str]) -> Measured:
 
 
 def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
-    """A plate of a file against the exact one, at the first position at which it passes, or at the best."""
+    """A plate of a file compared with the exact one, at the first position within the tolerance, or at the best."""
     tried: list[Measured] = []
     for turn, shift in positions(plate, exact, tolerance):
         local = plate.placed(turn.conjugate(), -shift * turn.conjugate())
@@ -144,12 +145,12 @@ def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measur
 
 
 def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
-    """A plate against the exact one, both in the part's own frame."""
+    """A plate compared with the exact one, both in the part's own frame."""
     problems: list[str] = []
     resolution = tolerance * FINENESS / 2
     worst = deviation(plate.outline, exact.outline, resolution)
     if len(plate.holes) != len(exact.holes):
-        problems.append(f"it has {len(plate.holes)} holes, and the part {len(exact.holes)}")
+        problems.append(f"it has {len(plate.holes)} holes, but the part has {len(exact.holes)}")
     left = list(plate.holes)
     for hole in exact.holes if len(plate.holes) == len(exact.holes) else ():
         nearest = min(left, key=lambda one: abs(one.centroid - hole.centroid) + np.sqrt(abs(abs(one.area) - hole.area)))
@@ -158,20 +159,20 @@ def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measure
     if exact.marks or plate.marks:
         worst = larger(worst, _marks_apart(plate.marks, exact.marks, resolution))
         if bool(exact.marks) != bool(plate.marks):
-            problems.append("its engraving is missing" if exact.marks else "it is engraved, and the part is not")
+            problems.append("its engraving is missing" if exact.marks else "it is engraved, but the part is not")
     return Measured(name, *worst, plate, exact, tuple(problems))
 
 
 def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution: float) -> tuple[float, complex]:
-    """The largest distance between two sets of marks, either way, mm, and its place."""
+    """The largest distance of each set of marks from the other one, mm, and its place."""
     if not found or not exact:
         return 0.0, 0j
     sets = [
-        Edges(np.concatenate([one.starts for one in marks]), np.concatenate([one.ends for one in marks]))
+        Edges(np.concatenate([mark.starts for mark in marks]), np.concatenate([mark.ends for mark in marks]))
         for marks in (found, exact)
     ]
-    distances = [farthest(one, sets[1], resolution) for one in found]
-    distances += [farthest(one, sets[0], resolution) for one in exact]
+    distances = [farthest(mark, sets[1], resolution) for mark in found]
+    distances += [farthest(mark, sets[0], resolution) for mark in exact]
     return reduce(larger, distances)
 
 

@@ -1,4 +1,4 @@
-"""A drawing as a reader finds it: closed and open lines on layers, and what is wrong with the file itself."""
+"""The lines of a drawing that is read from a file, on their layers, and the problems of the file itself."""
 
 from __future__ import annotations
 
@@ -47,20 +47,20 @@ class Drawing:
 
     @property
     def marks(self) -> list[Line]:
-        """Lines that are engraved because the part has them; names of parts are not among them."""
+        """Engraved lines that belong to the parts, without the engraved names of parts."""
         return [line for line in self.lines if line.layer == "ENGRAVE"]
 
 
 def collected(lines: Iterable[Line]) -> tuple[Line, ...]:
-    """Lines as they are read, until they have too many vertices."""
-    drawn: list[Line] = []
+    """All lines; UnreadableError as soon as they have too many vertices."""
+    read: list[Line] = []
     vertices = 0
     for line in lines:
-        drawn.append(line)
+        read.append(line)
         vertices += len(line.outline.points)
         if vertices > MOST_VERTICES:
             raise UnreadableError(TOO_MANY)
-    return tuple(drawn)
+    return tuple(read)
 
 
 @dataclass
@@ -72,11 +72,11 @@ class Pen:
     count: int = 0
 
     def edge(self, start: complex, end: complex, bulge: float = 0.0) -> None:
-        """From `start` up to, not including, `end`; bulge: tangent of a quarter of an arc's sweep."""
+        """Add an edge, its start included and its end not; bulge: tangent of a quarter of an arc's sweep."""
         self.add(arc_points(start, end, bulge, self.error) if bulge else np.array([start]))
 
     def add(self, points: Complex) -> None:
-        """Further points."""
+        """Add points."""
         self.points.append(points)
         self.count += len(points)
         if self.count > MOST_VERTICES:
@@ -93,7 +93,7 @@ class Pen:
 
 
 def polyline(vertices: Complex, bulges: list[float], closed: bool, error: float) -> Outline:
-    """A polyline with arcs, as DXF has them, as a polygon."""
+    """A polyline of DXF, whose bulges are arcs, as a polygon."""
     pen = Pen(error)
     ends = np.roll(vertices, -1)
     edges = len(vertices) if closed else len(vertices) - 1
@@ -105,5 +105,5 @@ def polyline(vertices: Complex, bulges: list[float], closed: bool, error: float)
 def circle(centre: complex, radius: float, error: float) -> Outline:
     """A circle as a polygon."""
     if not (abs(centre) < FARTHEST and 0 < radius < FARTHEST):
-        raise UnreadableError(f"a circle has no radius above 0, or it is not within {FARTHEST:,.0f} mm")
+        raise UnreadableError(f"the radius of a circle is not above 0, or it is not within {FARTHEST:,.0f} mm")
     return Outline(circle_points(centre, radius, error), error)

@@ -1,4 +1,4 @@
-"""Which part the loops of a drawing are, and where on the sheet it lies."""
+"""Identifies the parts on a sheet from the loops of a drawing, and finds the position of each."""
 
 from __future__ import annotations
 
@@ -11,15 +11,17 @@ from ..plane.region import Edges, containers
 from ..plane.vec import Complex, Real, dot
 from .outline import NODES, WEIGHTS, Outline
 
-# Highest order of the moments that give a rotation. A gear of so many teeth has no lower one.
+# Highest order of the moments from which a rotation is found: the largest number of teeth of a gear, since the lower
+# moments of a gear are 0.
 HIGHEST = 400
-# Size of a moment, relative to that of a ring, from which it states a direction: below, it may be an approximation's.
+# Least size of a moment, relative to that of a ring, from which a rotation is found. A smaller one may be an error of
+# the chords.
 CLEAR = 1e-3
-# Points along loops by which positions are compared.
+# Number of points along loops at which positions are compared.
 SAMPLES = 240
 # Steps of the fit of a position, which converges quadratically.
 STEPS = 12
-# Candidates of area nearest to that of the loops of a file that are tried.
+# Number of parts that are tried if none has the area of the loops: those of the nearest areas.
 TRIED = 2
 
 
@@ -53,19 +55,19 @@ class Shape:
 
     def placed(self, turn: complex, shift: complex) -> Shape:
         """The plate rotated about the origin by a unit complex number, then shifted, mm."""
-        holes, marks = ([one.placed(turn, shift) for one in loops] for loops in (self.holes, self.marks))
+        holes, marks = ([loop.placed(turn, shift) for loop in loops] for loops in (self.holes, self.marks))
         return Shape(self.outline.placed(turn, shift), tuple(holes), tuple(marks))
 
 
 def nested(cuts: Sequence[Outline], marks: Sequence[Outline]) -> list[tuple[list[int], list[int]]]:
     """The plates of a sheet as indices of their cuts, outline first, and of their marks.
 
-    A loop inside an even number of others is an outline, any other a hole in the smallest of them.
+    A loop inside an even number of others is an outline; any other is a hole in the smallest loop around it.
     """
     if not cuts:
         return []
     loops = [cut.points for cut in cuts]
-    # A loop's own first corner is on it, not inside it.
+    # The first corner of a loop is on the loop, not inside it.
     around = containers(np.array([loop[0] for loop in loops]), loops)
     plates = {k: ([k], list[int]()) for k, outer in enumerate(around) if len(outer) % 2 == 0}
     for k, outer in enumerate(around):
@@ -79,17 +81,18 @@ def nested(cuts: Sequence[Outline], marks: Sequence[Outline]) -> list[tuple[list
 
 
 def positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[tuple[complex, complex]]:
-    """Rotations, unit complex, and shifts, mm, that may place an exact plate on that of a file; the likely one first.
+    """Rotations, unit complex, and shifts, mm, that may move an exact plate onto that of a file, the likeliest first.
 
-    The centroids give the shift, the lowest moment of the area that is not zero the rotation, up to its symmetry, which
-    the loops decide. Most parts lie on a sheet in whole millimetres and degrees: the position in these comes first
-    if it is as close as the tolerance. Then the loops are fitted.
+    The shift follows from the centroids, and the rotation from the lowest moment of the area that is not zero. The
+    moment leaves a choice between some rotations, which the distances of the loops decide. Most parts lie on a sheet at
+    whole millimetres and degrees, so this position comes first if it differs by less than the tolerance. The last one
+    is fitted to the loops.
     """
     here, there = found.outline.centroid, exact.outline.centroid
     samples = _samples(found)
-    # Marks decide where the outline is symmetric.
-    drawn = (*exact.loops, *exact.marks)
-    edges = Edges(np.concatenate([one.starts for one in drawn]), np.concatenate([one.ends for one in drawn]))
+    # If the outline is symmetric, the marks decide.
+    lines = (*exact.loops, *exact.marks)
+    edges = Edges(np.concatenate([line.starts for line in lines]), np.concatenate([line.ends for line in lines]))
 
     def misfit(turn: complex) -> float:
         return float(edges.nearest((samples - here) / turn + there)[1].mean())
@@ -108,20 +111,20 @@ def positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[tuple[co
 def _whole(
     turn: complex, shift: complex, centre: complex, size: float, tolerance: float
 ) -> tuple[complex, complex] | None:
-    """A position in whole degrees and millimetres, if one is as close as the tolerance; None otherwise."""
+    """The position at whole degrees and millimetres, if it differs by less than the tolerance; otherwise None."""
     whole = complex(np.exp(1j * np.radians(np.round(np.degrees(np.angle(turn))))))
-    # The shift belongs to the part's own origin, so that a whole rotation about its centre changes it.
+    # The shift is that of the part's origin, which a rotation about the part's centre moves.
     moved = shift + (turn - whole) * centre
     rounded = complex(np.round(moved.real), np.round(moved.imag))
     return (whole, rounded) if abs(whole - turn) * size < tolerance and abs(moved - rounded) < tolerance else None
 
 
 def candidates(found: Shape, exact: Sequence[Shape], tolerance: float) -> list[int]:
-    """Indices of the plates that one of a file may be: those of its area; without any, those of the nearest areas."""
-    apart = [abs(one.area - found.area) for one in exact]
-    order = sorted(range(len(exact)), key=lambda k: apart[k])
-    alike = [k for k in order if apart[k] <= 2 * tolerance * exact[k].length]
-    return alike or order[:TRIED]
+    """Indices of the exact plates with the area of a plate in a file; if none has it, those of the nearest areas."""
+    differences = [abs(plate.area - found.area) for plate in exact]
+    order = sorted(range(len(exact)), key=lambda k: differences[k])
+    equal = [k for k in order if differences[k] <= 2 * tolerance * exact[k].length]
+    return equal or order[:TRIED]
 
 
 def _rotations(found: Shape, exact: Shape, tolerance: float) -> list[complex]:
@@ -155,10 +158,10 @@ def _moments(shape: Shape) -> Iterator[complex]:
 
 def _samples(shape: Shape) -> Complex:
     """Points spread along all loops and marks, corners included if there are few."""
-    drawn = (*shape.loops, *shape.marks)
-    step = sum(one.length for one in drawn) / SAMPLES
+    lines = (*shape.loops, *shape.marks)
+    step = sum(line.length for line in lines) / SAMPLES
     spread: list[Complex] = []
-    for loop in drawn:
+    for loop in lines:
         lengths = np.append(0, np.cumsum(np.abs(loop.ends - loop.starts)))
         at = np.arange(step / 2, lengths[-1], step) if lengths[-1] > step else np.array([0, lengths[-1] / 2])
         z = np.append(loop.starts, loop.ends[-1:])
@@ -168,7 +171,7 @@ def _samples(shape: Shape) -> Complex:
 
 
 def _fitted(samples: Complex, edges: Edges, turn: complex, shift: complex, tolerance: float) -> tuple[complex, complex]:
-    """The position after a fit by the least sum of distances, in which few points that are far off hardly count."""
+    """The position with the least sum of distances. Unlike least squares, a few points far off have little effect."""
     for _ in range(STEPS):
         local = (samples - shift) / turn
         which, _ = edges.nearest(local)
@@ -178,7 +181,7 @@ def _fitted(samples: Complex, edges: Edges, turn: complex, shift: complex, toler
         normal = 1j * edge[sound] / length[sound]
         off: Real = dot(normal, local[sound] - start[sound])
         weight = 1 / (np.abs(off) + tolerance / 10)
-        # Along x, along y and by rotation, in units that make the three alike.
+        # Columns: shift along x, shift along y, and rotation times the size, so that all three are lengths.
         size = np.abs(local).max() or 1.0
         matrix = np.stack([normal.real, normal.imag, dot(normal, 1j * local[sound]) / size], axis=1)
         step, *_ = np.linalg.lstsq(matrix * weight[:, None], -off * weight, rcond=1e-9)

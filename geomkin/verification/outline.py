@@ -11,11 +11,11 @@ from ..plane.vec import Complex, Real, Whole, cross
 
 # Nodes and weights of Gauss's rule for arc lengths.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
-# Halvings of a piece of a curve, and of an edge: more would be below the resolution of the numbers.
+# Largest number of halvings of a piece of a curve or of an edge; further ones are below the resolution of the numbers.
 HALVINGS = 40
-# Relative difference of distances that rounding explains.
+# Relative difference below which two distances count as equal.
 EVEN = 1e-6
-# Share of a distance that it may be rounded up by. Unlike shapes would take long to measure more finely.
+# Largest relative error of a distance. A smaller one takes long if the shapes are very different.
 COARSE = 0.02
 # Most pieces of a polygon that are halved at once, and most edges of a chain that one piece may lie along.
 MOST_PIECES, LONGEST_CHAIN = 1_000_000, 64
@@ -23,9 +23,9 @@ MOST_PIECES, LONGEST_CHAIN = 1_000_000, 64
 
 @record(eq=False)
 class Outline:
-    """A closed or open polygon that stands for a curve.
+    """A closed or open polygon that approximates a curve.
 
-    points: (n,) complex, mm; of a closed one the start is not repeated. error: largest distance between the curve and
+    points: (n,) complex, mm; a closed polygon does not repeat its start. error: largest distance between the curve and
     the polygon, mm.
     """
 
@@ -65,7 +65,7 @@ class Outline:
 
 
 def outline_of(curve: AbstractCurve, error: float) -> Outline:
-    """The polygon of a curve within `error`, mm, by a bound and not by samples of the distance.
+    """A polygon whose distance from a curve is at most `error`, mm: a bound, not a value at samples.
 
     A piece of a curve of length L between two points at the distance c lies within sqrt(L^2 - c^2) / 2 of its chord,
     since it lies in the ellipse about the two points whose axis is L. Lengths are integrals of the speed.
@@ -91,18 +91,18 @@ def outline_of(curve: AbstractCurve, error: float) -> Outline:
 
 
 def farthest(outline: Outline, edges: Edges, resolution: float) -> tuple[float, complex]:
-    """The largest distance from a point of a polygon to a set of edges, mm.
+    """The largest distance of the points of a polygon from a set of edges, mm, and the point with this distance.
 
-    It is rounded up by at most `resolution`, or by a share of itself if that is more.
-    Also the point where it is found. Pieces of the polygon are halved until a bound on their distance is close to one
-    that occurs; if they become too many, which happens between unlike shapes only, the bound is returned.
+    The distance is rounded up by at most `resolution` or COARSE of itself. Pieces of the polygon are halved until the
+    upper bound on their distances is that close to the largest distance found. If they become too many, which happens
+    only between very different shapes, the upper bound is returned.
     """
     starts, ends, points = outline.starts, outline.ends, outline.points
     nearest, distance = edges.nearest(points)
     first, last = nearest[: len(starts)], np.roll(nearest, -1)[: len(starts)]
     least, place, most = 0.0, complex(points[0]), 0.0
     for _ in range(HALVINGS):
-        # Of distances that rounding alone distinguishes, the first: the place is then the same on every processor.
+        # The first of equal distances, so that the place is the same on every processor.
         at = int(np.argmax(distance >= (1 - EVEN) * distance.max()))
         if distance[at] > least * (1 + EVEN):
             least, place = float(distance[at]), complex(points[at])
@@ -144,14 +144,14 @@ def _bounds(starts: Complex, ends: Complex, first: Whole, last: Whole, edges: Ed
 
 
 def deviation(outline: Outline, exact: Outline, resolution: float) -> tuple[float, complex]:
-    """The largest distance between two curves, either way, mm, without the errors of their polygons; and its place."""
+    """The largest distance of each curve's points from the other one, mm, without polygon errors, and its place."""
     there = farthest(outline, Edges(exact.starts, exact.ends), resolution)
     back = farthest(exact, Edges(outline.starts, outline.ends), resolution)
     return larger(there, back)
 
 
 def larger(one: tuple[float, complex], other: tuple[float, complex]) -> tuple[float, complex]:
-    """The larger of two distances, mm, with its place; the first of two that rounding alone distinguishes."""
+    """The larger of two distances, mm, with its place; the first one if they are equal but for rounding."""
     return other if other[0] > one[0] * (1 + EVEN) else one
 
 

@@ -16,7 +16,7 @@ from .solid import Mesh, merged
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MODEL = "3D/3dmodel.model"
-# Largest share of an edge by which a mesh placed in an assembly may be distorted.
+# Largest relative distortion of the edges of a mesh by its transform in an assembly.
 RIGID = 1e-6
 
 
@@ -50,7 +50,7 @@ def read_glb(path: Path) -> tuple[list[Mesh], list[str], str]:
 
 def _loaded(path: Path) -> Any:
     try:
-        # As it is in the file: nothing is merged or repaired.
+        # The mesh must stay as it is in the file, without merging or repairs.
         loaded = trimesh.load(path, process=False)
         if not np.isfinite(loaded.bounds).all():
             raise ValueError("not finite")
@@ -96,8 +96,8 @@ def read_3mf(path: Path) -> tuple[list[Mesh], dict[str, int], list[str], str]:
 
 
 def _mesh(item: ElementTree.Element) -> Mesh | None:
-    corners = [[float(one.get(axis, "nan")) for axis in "xyz"] for one in item.iter(f"{CORE}vertex")]
-    faces = [[int(one.get(key, "-1")) for key in ("v1", "v2", "v3")] for one in item.iter(f"{CORE}triangle")]
+    corners = [[float(vertex.get(axis, "nan")) for axis in "xyz"] for vertex in item.iter(f"{CORE}vertex")]
+    faces = [[int(face.get(key, "-1")) for key in ("v1", "v2", "v3")] for face in item.iter(f"{CORE}triangle")]
     if not faces:
         return None
     points, triangles = np.array(corners, dtype=float), np.array(faces, dtype=int)

@@ -1,4 +1,4 @@
-"""STEP read back by a small reader of plates: the loops of both faces, of straight edges and arcs of circles."""
+"""STEP read back by a small reader for plates: the loops of both faces, made of straight edges and circular arcs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .outline import Outline
 ENTITY = re.compile(r"#(\d+)\s*=\s*([A-Z0-9_]*)\s*\((.*)\)\s*", re.DOTALL)
 REFERENCE = re.compile(r"#(\d+)")
 STRING = re.compile(r"'(?:[^']|'')*'")
-# Largest distance between two ends that meet, mm, and from one plane, mm.
+# Largest distance between two ends that count as meeting, and from a plane in which a point counts as lying, mm.
 SAME = 1e-5
 
 
@@ -35,7 +35,7 @@ class _File:
         header, _, data = text.partition("DATA;")
         self.header = header
         self.entities: dict[str, tuple[str, str]] = {}
-        # Texts may hold semicolons and numbers; nothing of them is needed.
+        # Texts, which are not needed, may contain semicolons and numbers.
         for line in STRING.sub("''", data).split(";"):
             if found := ENTITY.fullmatch(line.strip()):
                 self.entities[found.group(1)] = (found.group(2), found.group(3))

@@ -50,7 +50,7 @@ def read_svg(path: Path, error: float) -> Drawing:
 def _lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
     """The lines of an element and of those inside it."""
     if depth > 100:
-        raise UnreadableError("its elements lie more than 100 deep in each other")
+        raise UnreadableError("its elements are nested more than 100 deep")
     if "transform" in element.attrib:
         view = view.after(transform_of(element.get("transform", "")))
     layer = _layer(element) or layer
@@ -78,19 +78,13 @@ def _number(element: Element, key: str) -> float:
 
 
 def _placed(outline: Outline, view: AffineMap) -> Outline:
-    """In mm, y up; the drawing's lower left corner is not the origin, which the fit of a part does not need."""
+    """The outline in mm, y up, about an arbitrary origin, which does not matter for the fit of a part."""
     return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
 
 
 def subpaths(text: str, error: float) -> Iterator[Outline]:
-    """The subpaths of the attribute `d`: straight steps, arcs of circles and cubic curves."""
-    tokens, at = [], 0
-    while at < len(text):
-        if not (found := TOKEN.match(text, at)):
-            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
-        if not found.group(3):
-            tokens.append(found.group())
-        at = found.end()
+    """The subpaths of the attribute `d`, made of straight edges, circular arcs and cubic curves."""
+    tokens = _tokens(text)
     pen, here, start, command, k = Pen(error), 0j, 0j, "", 0
     while k < len(tokens):
         if tokens[k].isalpha():
@@ -116,7 +110,7 @@ def subpaths(text: str, error: float) -> Iterator[Outline]:
                 yield pen.outline(closed=False, end=here)
                 pen = Pen(error)
             here = start = base + complex(*values)
-            # Further pairs of numbers are straight steps.
+            # Further pairs of numbers are straight edges.
             command = "L" if command == "M" else "l"
         else:
             end = _end(command, values, here, base)
@@ -124,6 +118,17 @@ def subpaths(text: str, error: float) -> Iterator[Outline]:
             here = end
     if pen.points:
         yield pen.outline(closed=False, end=here)
+
+
+def _tokens(text: str) -> list[str]:
+    tokens, at = [], 0
+    while at < len(text):
+        if not (match := TOKEN.match(text, at)):
+            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
+        if not match.group(3):
+            tokens.append(match.group())
+        at = match.end()
+    return tokens
 
 
 def _end(command: str, values: list[float], here: complex, base: complex) -> complex:

@@ -10,9 +10,9 @@ from ..plane.vec import Complex, Real, Whole
 from .matching import Shape
 from .outline import Outline
 
-# Shares of a slice's height at which it is cut: next to both ends, where a wrong corner shows, and halfway.
+# Heights of sections, as shares of a slice: next to both ends, where a wrong corner is visible, and in the middle.
 CUTS = (1e-3, 0.5, 1 - 1e-3)
-# Slices of a twisted part that are cut, spread over its height.
+# Largest number of slices of a twisted part with sections, spread over its height.
 MOST_SLICES = 6
 # Relative size of rounding in single precision, in which meshes are stored.
 SINGLE = 2.0**-23
@@ -95,7 +95,7 @@ def section_heights(mesh: Mesh, part: Part) -> list[float]:
 
 
 def as_plate(loops: list[Outline], part: Part, share: float) -> Shape | None:
-    """The section of a solid as the plate that it has at its bottom, with its twist taken back; None for two plates."""
+    """The section of a solid with its twist undone, as a plate; None if it is not a single plate."""
     outer = [loop for loop in loops if loop.area > 0]
     if len(outer) != 1:
         return None

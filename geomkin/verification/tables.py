@@ -17,7 +17,7 @@ CLOSE, NOISE = 2e-9, 1e-10
 
 
 def read_rows(path: Path) -> list[list[str]]:
-    """The cells of a CSV file, line by line. UnreadableError if it is none."""
+    """The cells of a CSV file, line by line; UnreadableError if it is not CSV."""
     with path.open("rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
@@ -41,7 +41,7 @@ def motion_problems(path: Path, table: Table) -> list[str]:
     for k, (name, values) in enumerate(expected.items()):
         cells = [row[k] for row in rows]
         if len(cells) != len(values):
-            return [f"it has {len(cells)} rows, and the recipe's table {len(values)}"]
+            return [f"it has {len(cells)} rows, but the recipe's table has {len(values)}"]
         if np.asarray(values).dtype.kind not in "fiub":
             wrong = [j for j, (cell, value) in enumerate(zip(cells, values)) if cell.lstrip("'") != str(value)]
         else:
@@ -79,8 +79,8 @@ def bill_problems(path: Path, parts: Sequence[Part], bought: Sequence[Bought]) -
     except ValueError:
         return ["it has no columns of items and counts"]
     expected = [(part.name, part.count) for part in parts] + [(item.name, item.count) for item in bought]
-    missing = [one for one in expected if one not in listed]
-    further = [one for one in listed if one not in expected]
+    missing = [line for line in expected if line not in listed]
+    further = [line for line in listed if line not in expected]
     return [f"it lacks {count} x {name}" for name, count in missing] + [
-        f"it has {count} x {name}, which the recipe has not" for name, count in further
+        f"it has {count} x {name}, which the recipe does not have" for name, count in further
     ]

@@ -4,6 +4,7 @@ import threading
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import geomkin as gk
@@ -206,6 +207,39 @@ def test_a_template_of_the_gallery_is_edited_and_saved_under_a_new_name(studio):
     page.keyboard.press("Enter")
     page.wait_for_selector("#dirty", state="hidden")
     assert gk.load(editor.file.with_name("copy.toml")).kind == "pantograph"
+
+
+@pytest.mark.parametrize("recipe", ["wiper", "double-rocker"])
+def test_a_click_or_enter_on_the_plot_of_a_family_chooses_the_free_angle(studio, recipe):
+    # A rank is given, and is replaced by the angle.
+    editor = studio((RECIPES / f"{recipe}.toml").read_text().replace("\n[", "\nchoose = 2\n[", 1))
+    page, key = editor.page, "wanted.free_angle_deg"
+    plot = page.locator('#choice [role="slider"]').first
+    plot.scroll_into_view_if_needed()
+    family = gk.load(editor.file).found.family
+    assert page.input_value(f'[name="{key}"]') == ""
+    box = plot.bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
+    settle(page)
+    clicked, gap = value(page, key), np.diff(family.free_angle_deg).max()
+    assert np.abs(family.free_angle_deg - clicked).min() < 0.5 * gap
+    low, high = np.sort(family.free_angle_deg)[[0, -1]]
+    assert low < clicked < high and abs(clicked - (low + 0.6 * (high - low))) < 0.1 * (high - low)
+
+    # The focus stays on the plot, on which the arrows go to the next members.
+    for name in ("ArrowRight", "ArrowRight", "Enter"):
+        page.keyboard.press(name)
+    settle(page)
+    assert clicked < value(page, key) <= clicked + 2.5 * gap
+    text = save(editor)
+    assert "choose" not in text and gk.load(editor.file).found.free_angle_deg == pytest.approx(
+        value(page, key), abs=gap
+    )
+    assert gk.load(editor.file).ranked[0].free_angle_deg == pytest.approx(value(page, key), abs=1e-9)
+    for _ in range(2):
+        page.click("#undo")
+        settle(page)
+    assert page.input_value(f'[name="{key}"]') == "" and page.input_value('[name="choose"]') == "2"
 
 
 def test_a_click_on_a_picture_chooses_a_linkage(studio):

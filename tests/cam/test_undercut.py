@@ -66,7 +66,7 @@ def test_no_follower_enters_the_outline_and_each_corner_touches_two(cam):
 
 @each_undercut
 def test_lost_lift_is_what_a_follower_on_the_outline_loses(cam):
-    cut, angles = undercut(cam), np.radians(np.arange(0, 360, 2))
+    cut, angles = undercut(cam), np.radians(np.arange(0, 360, 5))
     lost = cam.program.motion(angles).lift - resting(cam, gk.flatten(cut.outline, 1e-4), angles)
     # On an arm the lift is an angle, and no contact is nearer to its pivot than 20 mm.
     assert cut.lost_lift(angles) == pytest.approx(lost, abs=3e-4 / (20 if cam.follower.oscillates else 1))
@@ -132,7 +132,7 @@ def test_a_jump_of_velocity_to_faster_leaves_an_edge_or_a_hollow():
         )
 
 
-@pytest.mark.parametrize("seed", [*range(5), *(pytest.param(k, marks=pytest.mark.campaign) for k in range(5, 30))])
+@pytest.mark.parametrize("seed", [*range(2), *(pytest.param(k, marks=pytest.mark.campaign) for k in range(2, 30))])
 def test_random_cams_agree_with_shapely(seed):
     rng = np.random.default_rng(seed)
     ends = np.sort(rng.choice(np.arange(5, 355, 5), 4, replace=False)).tolist()

@@ -1,6 +1,7 @@
 """Plots as SVG files, read back: curves lie where the ticks of the axes place the numbers of the table."""
 
 import re
+from base64 import b64decode
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.plots import plot_file
+from geomkin.export.plots import hodograph_file, plot_file
 from geomkin.model.scene import Limit, Plot
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -86,3 +87,28 @@ def test_a_recipe_that_names_it_gets_a_file_for_each_plot(tmp_path):
     assert len(plots) == len(recipe.scene.plots) + len(recipe.scene.choice.plots)
     for path in plots:
         assert Reading(path.read_bytes()).curves
+
+
+@pytest.mark.parametrize("name", ["loaded-pump", "shaking-force"])
+def test_polar_diagrams_have_the_tips_of_the_vectors_at_one_scale_about_the_origin(name):
+    scene = gk.load(RECIPES / f"{name}.toml").scene
+    assert scene.hodographs
+    for hodograph in scene.hodographs:
+        reading = Reading(hodograph_file(scene.table, hodograph))
+        assert len(reading.curves) == len(hodograph.columns)
+        sizes = [np.nanmax(scene.table[id]) for id in hodograph.columns]
+        for id, runs in zip(hodograph.columns, reading.curves):
+            tips = np.column_stack([scene.table[f"{id}_{axis}"] for axis in "xy"])
+            assert np.concatenate(runs) == pytest.approx(tips[np.isfinite(tips[:, 0])], abs=1e-4 * max(sizes))
+        (dot,) = reading.root.iter(f"{SVG}circle")
+        origin = reading.x(float(dot.get("cx"))), reading.y(float(dot.get("cy")))
+        assert origin == pytest.approx((0, 0), abs=1e-4 * max(sizes))
+        assert reading.x(1.0) - reading.x(0.0) == pytest.approx(reading.y(0.0) - reading.y(1.0), rel=1e-3)
+
+
+def test_a_page_shows_the_shaking_force_as_a_picture_of_its_own_file(tmp_path):
+    recipe = gk.load((RECIPES / "loaded-pump.toml").read_text() + '\n[files]\nwrite = ["page", "plots"]\n')
+    files = {path.name: path for path in gk.make(recipe, tmp_path).files}
+    shown = re.search(r'<img src="data:image/svg\+xml;base64,([^"]*)"', files["slider-crank.html"].read_text())
+    written = files["slider-crank-polar-diagram-of-the-shaking-force-plot.svg"].read_bytes()
+    assert b64decode(shown[1]) == written

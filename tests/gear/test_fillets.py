@@ -18,7 +18,7 @@ GEARS = {
 }
 
 
-def clearances(gear, z, steps=601):
+def clearances(gear, z, steps=301):
     """Least distance of each point from the tool while that rolls past, mm; negative where it cuts deeper."""
     edge, _ = gear.tool(0.0)
     points = flatten(edge, 1e-4)

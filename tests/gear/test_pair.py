@@ -53,7 +53,7 @@ def test_meshed_outlines_share_nothing_through_a_pitch_and_do_when_turned_beyond
     r2 = pair.working_radii[1]
     # Flanks that touch may share slivers of the tolerance's depth along each contact.
     sliver = 10 * TOLERANCE * pair.first.module
-    for turn in np.linspace(0, 2 * np.pi / pair.first.teeth, 5):
+    for turn in np.linspace(0, 2 * np.pi / pair.first.teeth, 4)[:-1]:
         assert common(pair, turn) < sliver
         for side in (1, -1):
             assert common(pair, turn, side * 0.98 * max(pair.backlash, 0) / 2 / r2) < sliver

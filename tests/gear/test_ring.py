@@ -108,7 +108,7 @@ def _least_distance(ring, z):
 @pytest.mark.parametrize("ring", RINGS, indirect=True)
 def test_the_rolling_cutter_never_enters_the_tooth_and_touches_it_everywhere(ring):
     piece = ring.outline.piece
-    t = np.concatenate([np.linspace(b0, b1, 21)[1:-1] for b0, b1 in zip(piece.breaks, piece.breaks[1:])])
+    t = np.concatenate([np.linspace(b0, b1, 11)[1:-1] for b0, b1 in zip(piece.breaks, piece.breaks[1:])])
     z = piece.point(t)
     least = least_distance(ring, z)
     tip = np.abs(z) < ring.tip_radius * (1 + 1e-9)  # the tip is the blank's, not the cutter's

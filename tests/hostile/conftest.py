@@ -98,7 +98,7 @@ def run(geomkin, here):
 def command(here):
     """command(*arguments, before="", ...): the command in a process of its own, after the code in `before`."""
 
-    def call(*arguments, before="", timeout=20, **options):
+    def call(*arguments, before="", timeout=100, **options):
         code = f"{LIMIT}\n{before}\nfrom geomkin.__main__ import main\nmain()"
         where = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
         done = subprocess.run([sys.executable, "-c", code, *map(str, arguments)], text=True, timeout=timeout, **where)

@@ -74,7 +74,7 @@ def test_a_reader_that_left_ends_it_quietly(command, recipe, here, arguments):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
-@pytest.mark.parametrize("arguments", COMMANDS[:2], ids=" ".join)
+@pytest.mark.parametrize("arguments", COMMANDS[1:], ids=" ".join)
 def test_output_to_a_full_disk_fails_in_one_line(command, recipe, here, arguments):
     (here / "r.toml").write_text(recipe("four-bar", CSV))
     with open("/dev/full", "w") as full:
@@ -83,11 +83,10 @@ def test_output_to_a_full_disk_fails_in_one_line(command, recipe, here, argument
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the shell closes the streams")
-@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
-def test_closed_streams_do_not_matter(recipe, here, closed):
+def test_closed_streams_do_not_matter(recipe, here):
     # Services and cron jobs start programs without streams.
     (here / "r.toml").write_text(recipe("four-bar", CSV))
-    call = f'exec "$0" -m geomkin run r.toml {closed}'
+    call = 'exec "$0" -m geomkin run r.toml <&- >&- 2>&-'
     done = subprocess.run(["sh", "-c", call, sys.executable], capture_output=True, text=True, timeout=20)
     assert (done.returncode, done.stderr) == (0, "")
     assert (here / "out/r/summary.json").exists()

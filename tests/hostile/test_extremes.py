@@ -89,7 +89,11 @@ def test_the_part_that_falls_out_of_the_cut_is_the_part_asked_for(run, recipe, h
     [
         ("spur-gear", {"gear.teeth": "10_000", "gear.module": "0.5", "files.write": '["svg", "csv"]'}),
         ("spur-gear", {"gear.module": "1e12", "files.write": '["csv"]'}),
-        ("disk-cam", {"cam.base_radius": "400", "cam.program": f"[{', '.join(WAVES)}]"}),
+        pytest.param(
+            "disk-cam",
+            {"cam.base_radius": "400", "cam.program": f"[{', '.join(WAVES)}]"},
+            marks=pytest.mark.campaign,
+        ),
     ],
     ids=["10000 teeth", "table of a giant", "200 segments"],
 )

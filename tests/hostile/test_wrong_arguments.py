@@ -52,7 +52,7 @@ STATE = gk.synthesis.BodyState(1 + 0j, 4.0, 10j, -10.0)
 # Every public name of the geometry, the mechanisms, their checks and their parts, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.synthesis, gk.making, gk.tradeoff, gk)
+    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.coupon, gk.synthesis, gk.making, gk.tradeoff, gk)
     for name in dir(room)
     if not name.startswith("_")
     and not inspect.ismodule(getattr(room, name))
@@ -71,6 +71,8 @@ GOOD = {
     "DirectContact": {"point": 10 + 5j, "normal": 1j, "driver_radius": 12.0, "follower_radius": 8.0, "driver_pivot": 0j, "follower_pivot": 50 + 0j},
     "CouplerCurve": {"linkage": FOUR_BAR, "point_name": "coupler_point", "branch": 1, "span": (0.0, 6.0)},
     "Cycloid": {"radius": 10.0, "rolling": 3.0, "start": 0.1, "end": 1.0},
+    "FitTest": {"pin": 3.0, "thickness": 3.0, "step": 0.1, "count": 9},
+    "fit_test_parts": {"fit_test": gk.coupon.FitTest(3.0), "material": gk.making.material("acrylic")},
     "DesignError": {"field": "a", "problem": "b", "remedy": "c"},
     "Dwell": {"end_deg": 90},
     "EllipticTrammel": {"rod": 60, "rod_point": 100 + 0j, "angle_deg": 90, "driver": "rod", "origin": 0j, "ground_angle_deg": 10},
@@ -210,6 +212,7 @@ GOOD = {
     "velocity_polygon": {"motion": MOTION, "frame": 2, "size": 100.0, "scale": 0.1},
     "least_transmission_angle": {"motion": MOTION},
     "show": {"thing": FOUR_BAR},
+    "edit": {"recipe": {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}},
     "slider_crank_stroke": {"stroke": 80.0, "crank_turn_deg": 190, "offset": None, "crank": 38.0, "coupler": None, "free_angle_deg": None, "largest_ratio": 50},
     "assembly_failure": {"motion": MOTION},
     "BaseStock": {"screw": 4.0, "edge": 6.0, "clearance": 0.2},

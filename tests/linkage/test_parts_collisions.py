@@ -56,7 +56,7 @@ def only_just(motion, pairs):
         yield from (moved(pair, gap + share * 30) for pair, gap in zip(pairs, least) if gap > 1e-3)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 50), st.sampled_from([64, 1 << 15]))
 def test_nor_do_uneven_frames_or_how_many_are_looked_at_at_once_change_it(seed, frames, at_once):
     """Frames that crowd together and lie far apart, closed and open ones in turns."""

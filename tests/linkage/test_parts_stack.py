@@ -17,7 +17,7 @@ from geomkin.linkage.parts.stock import LinkStock
 from tests.linkage.mechanisms import BUILDABLE, CROWDED, TURN
 
 STOCK = LinkStock(fastener="rod")
-LOOK = np.linspace(0, 2 * np.pi, 541)
+LOOK = np.linspace(0, 2 * np.pi, 181)
 
 
 class Model:

@@ -36,10 +36,9 @@ def assert_alike(motion):
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(other), initial=1.0))
 
 
-@pytest.mark.parametrize("block", [7, 4096])
 @pytest.mark.parametrize("name", ALL)
-def test_programs_equal_placements(name, block, monkeypatch):
-    monkeypatch.setattr(program, "BLOCK", block)
+def test_programs_equal_placements(name, monkeypatch):
+    monkeypatch.setattr(program, "BLOCK", 7)
     linkage, drive, branch = ALL[name]
     changing = {"speed": np.linspace(1, 3, len(drive)), "acceleration": np.linspace(-1, 2, len(drive))}
     for timing in ({"speed": 3.0}, changing):
@@ -61,8 +60,9 @@ def test_sizes_of_one_structure_that_need_other_formulas_are_not_confused():
         assert_alike(gk.move(linkages[k], TURN, (-1) ** int(k), speed=2.0))
 
 
-def test_arrays_of_sizes_equal_single_linkages():
+def test_arrays_of_sizes_equal_single_linkages(monkeypatch):
     """Among them one whose offset is zero and one that cannot be assembled; in blocks, too."""
+    monkeypatch.setattr(program, "BLOCK", 1000)
     rng = np.random.default_rng(4)
     sizes = [v + 5 * rng.random(6) for v in (100.0, 30.0, 90.0, 70.0)]
     sizes[2][3] = 30.0
@@ -77,7 +77,8 @@ def test_arrays_of_sizes_equal_single_linkages():
     assert not many.assembled[:, 3].all() and many.assembled[:, 0].all()
 
 
-def test_requests_in_any_order_from_threads_give_the_same_results():
+def test_requests_in_any_order_from_threads_give_the_same_results(monkeypatch):
+    monkeypatch.setattr(program, "BLOCK", 4000)
     requests = [
         lambda m: m.rocker.alpha,
         lambda m: m.point("coupler_point").velocity,

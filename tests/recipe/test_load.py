@@ -12,7 +12,7 @@ from tests.texts import parse, recipe_of, template_of
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
 
 
-QUICK = {"four-bar", "cognates", "disk-cam", "spur-gear", "planetary", "slider-crank-stroke"}
+QUICK = {"four-bar", "cognates", "disk-cam"}
 
 
 def test_every_problem_is_reported_at_once_with_key_found_and_remedy():

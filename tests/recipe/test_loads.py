@@ -310,3 +310,22 @@ def test_an_unknown_key_about_loads_names_their_table():
     with pytest.raises(gk.RecipeError) as error:
         gk.load({"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}, "torque": 9.81})
     assert "[loads]" not in str(error.value)
+
+
+def test_the_shaking_force_is_minus_the_rate_of_momentum_of_all_masses():
+    """Second differences of the centres of mass over time; the moment is about the crank's pivot."""
+    recipe = four_bar({"masses": MASSES}, drive=DRIVE | {"end_deg": 124, "step_deg": 0.01})
+    table, force, moment = recipe.table, 0, 0
+    step = table["time"][1] - table["time"][0]
+    for name, mass in MASSES.items():
+        body = recipe.motion.bodies[name]
+        place = body.point(complex(*mass["centre"])).position
+        acceleration = np.diff(place, 2) / step**2
+        turning = np.diff(np.unwrap(np.angle(body.direction)), 2) / step**2
+        force = force - 1e-3 * mass["mass_kg"] * acceleration
+        moment = moment - 1e-3 * mass["mass_kg"] * np.imag(np.conj(place[1:-1]) * acceleration)
+        moment = moment - 1e-3 * mass["inertia_kg_mm2"] * turning
+    assert table["shaking_force_x"][1:-1] == pytest.approx(force.real, rel=1e-4)
+    assert table["shaking_force_y"][1:-1] == pytest.approx(force.imag, rel=1e-4)
+    assert table["shaking_force"][1:-1] == pytest.approx(np.abs(force), rel=1e-4)
+    assert table["shaking_moment"][1:-1] == pytest.approx(moment, rel=1e-3)

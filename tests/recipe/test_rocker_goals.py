@@ -62,6 +62,23 @@ def test_another_of_the_family_is_chosen_by_its_rank_or_its_place():
     assert gk.load(changed(STROKE, coupler=120)).found.linkage.coupler == 120
 
 
+@pytest.mark.parametrize(
+    ("goal", "size"),
+    [(SWINGS, {"crank": 40}), (SWINGS, {"rocker": 60}), (STROKE, {"crank": 38}), (STROKE, {"offset": -9})],
+)
+def test_a_member_is_the_same_by_its_size_and_by_its_free_angle(goal, size):
+    by_size = gk.load(changed(goal, **size))
+    angle = by_size.found.free_angle_deg
+    by_angle = gk.load(changed(goal, free_angle_deg=angle))
+    assert by_angle.ranked[0].lengths == pytest.approx(by_size.ranked[0].lengths, rel=1e-9)
+    # Where a member is given by its size, the key of the free angle takes its place.
+    (name,) = size
+    assert by_size.choice.instead_of == (f"wanted.{name}",) and not by_angle.choice.instead_of
+    with pytest.raises(gk.DesignError) as refused:
+        gk.load(changed(goal, free_angle_deg=angle, **size)).ranked
+    assert refused.value.id == "conflict"
+
+
 def test_a_branch_defect_is_a_check_that_fails_and_is_reported():
     wish = {"crank_start_deg": 30, "crank_swing_deg": 100, "rocker_start_deg": 120, "rocker_swing_deg": -60}
     recipe = gk.load(changed(SWINGS, **wish))

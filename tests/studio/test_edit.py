@@ -48,8 +48,7 @@ def test_the_scene_is_that_of_the_page():
     assert json.loads(json.dumps(reply, allow_nan=False)) == reply
 
 
-@pytest.mark.parametrize("text", [FOUR_BAR, SLIDER])
-@pytest.mark.parametrize("by", [(3, 4), (-0.7, 2)])
+@pytest.mark.parametrize(("text", "by"), [(FOUR_BAR, (3, 4)), (SLIDER, (-0.7, 2))])
 def test_a_dragged_point_read_back_is_under_the_pointer(text, by):
     for id in [handle["id"] for handle in answer(text, {}, {})["handles"]]:
         reply, to = dragged(text, id, by)

@@ -80,4 +80,4 @@ def play(kind, count, seed=0):
 @pytest.mark.campaign
 @pytest.mark.parametrize("kind", [kind for kind in kind_names() if kind not in SLOW])
 def test_random_edits_and_drags_give_data(kind):
-    play(kind, 6 if kind in HEAVY else 25)
+    play(kind, 15 if kind in HEAVY else 45)

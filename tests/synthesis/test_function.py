@@ -87,10 +87,11 @@ def test_the_best_known_linkages_are_found(function, span, swings, aim):
         proven(other)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("function", "span", "swings", "starts", "three_points", "minimax"),
     [
-        pytest.param("log10(x)", (1, 2), (60, 90), (45, 0), 2.364, 0.642, marks=pytest.mark.campaign),
+        ("log10(x)", (1, 2), (60, 90), (45, 0), 2.364, 0.642),
         ("x**1.5", (1, 3), (90, 90), (210, 240), 0.581, 0.320),
     ],
 )
@@ -164,6 +165,7 @@ def test_a_straight_line_is_followed_exactly_by_a_parallelogram():
     assert found.linkage.crank == pytest.approx(found.linkage.rocker) and found.linkage.coupler == pytest.approx(100)
 
 
+@pytest.mark.campaign
 def test_precision_points_are_met():
     """Three by Freudenstein's equation for given starts, four and five by what is left free."""
     x = chebyshev_points((1, 3), 3)

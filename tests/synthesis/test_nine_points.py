@@ -22,7 +22,7 @@ from geomkin.synthesis.path.nine_point_equations import (
     slopes,
     solve,
 )
-from geomkin.synthesis.path.nine_points import _starts, cranks_and_branches, special, through_nine, with_cognates
+from geomkin.synthesis.path.nine_points import cranks_and_branches, special, starts_of, through_nine, with_cognates
 from tests.speed.synthesis_path import NINE
 
 KNOWN = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j, ground_angle_deg=25)
@@ -164,14 +164,14 @@ def test_degenerate_sets_are_recognised():
 @pytest.mark.parametrize("number", [1, 2])
 def test_each_stored_set_has_the_published_number_of_solutions(number):
     """1442: Wampler, Morgan and Sommese 1992."""
-    x, parameters = _starts(number)
+    x, parameters = starts_of(number)
     assert len(x) == 1442 and not is_repeated(x).any() and not may_be_degenerate(x).any()
     sizes = np.abs(slopes(x, np.broadcast_to(parameters, x.shape))[1])
     assert (np.abs(residuals(x, np.broadcast_to(parameters, x.shape))) < 1e-11 * (1 + sizes)).all()
 
 
 def test_paths_lead_back_to_their_start():
-    x, parameters = _starts(1)
+    x, parameters = starts_of(1)
     corner = random_complex(8, 16)
     there = follow(x[:6], parameters, corner, lambda share: False)
     assert there.reached.all()
@@ -205,6 +205,7 @@ def test_points_in_special_positions_are_recognised():
     assert special(np.where(np.arange(9) == 4, POINTS[2], POINTS)) and not special(POINTS)
 
 
+@pytest.mark.campaign
 def test_all_real_linkages_of_the_published_problem_are_found():
     """64 of 1442: Wampler, Morgan and Sommese 1992, problem 3."""
     reports = []

@@ -10,7 +10,6 @@ from geomkin.core.progress import shown
 from geomkin.synthesis.path.coupler_paths import paths
 from tests.speed.synthesis_path import FIVE, FIVE_BOUNDS, K18, K18_BOUNDS, LINE6, LINE6_BOUNDS, NINE
 
-CRANK_ROCKER = gk.FourBar(90, 30, 80, 70, 40 + 45j, origin=10 - 20j, ground_angle_deg=25)
 TURN = np.linspace(0, 2 * np.pi, 30, endpoint=False)
 
 
@@ -115,20 +114,6 @@ def test_nine_points_have_all_their_linkages_with_their_defects():
 def test_nine_points_of_a_circle_have_no_finite_number_of_linkages():
     found = gk.path_generator(10 * np.exp(0.6j * np.arange(9)), time_limit=60)
     assert found.special and found.path_count is None and found.largest_distance < 1e-6
-
-
-def test_a_known_closed_path_gives_its_linkage_back():
-    points = traced(CRANK_ROCKER, TURN[np.random.default_rng(1).permutation(30)])
-    found = gk.path_generator(points, closed=True)
-    assert found.square_error < 1e-15 and far(points, found) < 0.01
-    given = sorted([90.0, 30, 80, 70])
-    three = [sorted(one.lengths.values()) for one in found.ranked]
-    assert any(lengths == pytest.approx(given, rel=1e-5) for lengths in three) or any(
-        sorted(c.linkage.__dict__[n] for n in ("ground", "crank", "coupler", "rocker"))
-        == pytest.approx(given, rel=1e-5)
-        for c in found.cognates
-    )
-    assert sound(found, (0, 2 * np.pi))
 
 
 @pytest.mark.campaign

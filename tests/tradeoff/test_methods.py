@@ -33,6 +33,22 @@ BOUNDS = {
         "single precision": [1e-6],
         "differences of positions": [1e-4, 2e-7, 4e-10, 1e-8, 3e-7],
     },
+    "new-lengths": {
+        "geomkin.move": [2e-15],
+        "geomkin.move, arrays of lengths": [2e-15],
+        "plain NumPy": [2e-15],
+        "plain NumPy, arrays of lengths": [2e-15],
+        "single precision": [1e-6],
+        "frame by frame": [2e-15],
+    },
+    "derivatives": {
+        "motion.sensitivity": [2e-15],
+        "loop equation by hand, plain NumPy": [2e-15],
+        "complex step": [2e-15],
+        "central differences, order 2": [0.06, 6e-4, 6e-6, 6e-8, 2e-9, 2e-7],
+        "central differences, order 4": [0.01, 1e-6, 1e-10, 2e-11, 2e-9, 2e-7],
+        "central differences of geomkin.move": [0.06, 6e-4, 6e-6, 6e-8, 2e-9, 2e-7],
+    },
     "velocity-from-positions": {
         "exact coefficients (geomkin.move)": [2e-15],
         "velocity differences": [0.01, 2.5e-3, 4e-4, 1e-4],
@@ -200,3 +216,23 @@ def test_the_error_of_a_track_is_the_distance_from_the_right_value():
     found[-1] -= 1e-3
     errors = one.error(given, found)
     assert np.flatnonzero(errors).tolist() == [5, 359] and errors[[5, -1]] == pytest.approx([5e-3, 1e-3])
+
+
+def test_the_error_of_new_lengths_is_that_of_the_worst_of_place_velocity_and_acceleration():
+    one, given = FAMILIES["new-lengths"], problem("new-lengths")
+    found = np.repeat(given.right, 6, axis=2)
+    scales = np.abs(given.right).max(axis=(0, 2))
+    found[2, :, 30] += np.array([1e-3, 4e-3, 2e-3]) * scales
+    found[3, 0, 31] += 1  # between two frames with a reference
+    errors = one.error(given, found)
+    assert np.flatnonzero(errors).tolist() == [2 * 60 + 5] and errors.max() == pytest.approx(4e-3)
+    assert one.count(given, found) == 3600
+
+
+def test_the_error_of_derivatives_is_a_share_of_the_largest_by_the_same_length():
+    one, given = FAMILIES["derivatives"], problem("derivatives")
+    found = np.repeat(given.right, 6, axis=1)
+    found[[1, 3], 12] += 1e-3 * np.abs(given.right).max(axis=1)[[1, 3]] * np.array([1, 2j])
+    errors = one.error(given, found)
+    assert np.flatnonzero(errors).tolist() == [62, 182] and errors[[62, 182]] == pytest.approx([1e-3, 2e-3])
+    assert one.count(given, found) == 1440

@@ -16,6 +16,7 @@ from ...core.names import read_text_file
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
+from ...making.motors import MOTORS
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Part
@@ -24,14 +25,14 @@ from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.recipe import AbstractAssembledRecipe, part_masses
-from ...recipe.settings import Drive, Files
+from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
 from ..base_circle import least_base_circle
 from ..cam import Cam
 from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
 from ..followers.follower import FOLLOWERS
 from ..measures import cam_table
-from ..parts import CamStock, cam_assembly, cam_parts, pin_masses
+from ..parts import CamStock, cam_assembly, cam_parts, follower_plates, pin_masses
 from ..program.program import Program
 from ..program.segments import (
     Dwell,
@@ -46,6 +47,7 @@ from ..program.segments import (
 )
 from ..scene import cam_handles, cam_scene
 from ..undercut import Undercut, undercut
+from .loads import CamLoadsTable, LoadedCam, follower_mass
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
@@ -73,6 +75,8 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         The cam and its follower.
     drive : Drive, optional
         Speed of the cam, rpm above 0, and the steps of the table.
+    loads : CamLoadsTable, optional
+        Mass, spring, force and friction of the follower; the table then has the contact force and the torque.
     stock : CamStock, optional
         Sheet, bores and bars of cam and follower.
     base : BaseStock, optional
@@ -85,6 +89,10 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     kind: Literal["disk-cam"] = "disk-cam"
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
+    loads: CamLoadsTable | None = entry(
+        "mass, spring, force and friction of the follower; the table then has the contact force and the torque",
+        default=None,
+    )
     stock: CamStock = entry("sheet, bores and bars of cam and follower", default=CamStock())
     base: BaseStock | None = entry(
         "a base plate that holds the shaft, and the pivot of an arm or the guide of a stem; none if omitted",
@@ -101,6 +109,17 @@ class DiskCamRecipe(AbstractAssembledRecipe):
                 "drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy, "out-of-range"
             )
         self.drive.check_rows()
+        if self.loads is not None:
+            given = self.loads.follower
+            self.loads.of_follower(self.cam, given.mass if given else Mass(0.0))
+            plates = follower_plates(self.cam, self.stock, self.base)
+            if given is None and (self.stock.material is None or all(plate.name == "roller" for plate in plates)):
+                remedy = "give mass_kg in loads.follower"
+                if self.stock.material is None:
+                    problem, remedy = "is missing, and no material is given", f"{remedy}, or material in [stock]"
+                else:
+                    problem = "is missing, and the follower has no parts besides its roller"
+                raise DesignError("loads.follower", problem, remedy, "missing-key")
 
     @property
     def design(self) -> Cam:
@@ -112,13 +131,25 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return undercut(self.cam)
 
     @cached_property
+    def loaded(self) -> LoadedCam | None:
+        """Cam and follower under the loads; None without loads."""
+        if self.loads is None:
+            return None
+        given, stock = self.loads.follower, self.stock
+        mass = given.mass if given else follower_mass(self.cam, self.body_masses)
+        loads = self.loads.of_follower(self.cam, mass or Mass(0.0))
+        motor = self.loads.motor or MOTORS.get(str(stock.motor))
+        return LoadedCam(self.cam, loads, self.drive, stock.thickness, stock.material, motor)
+
+    @cached_property
     def table(self) -> Table:
         drive = self.drive
-        return cam_table(self.cam, drive.speed, drive.angles, self.cut, drive.acceleration_rad_per_s2)
+        table = cam_table(self.cam, drive.speed, drive.angles, self.cut, drive.acceleration_rad_per_s2)
+        return Table((*table.columns, *self.loaded.columns)) if self.loaded else table
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        return cam_checks(self.cam, self.cut)
+        return (*cam_checks(self.cam, self.cut), *(self.loaded.checks if self.loaded else ()))
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -142,7 +173,8 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     @cached_property
     def scene(self) -> Scene:
         """Cam and follower in contact."""
-        return cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
+        scene = cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
+        return replace(scene, marks=(*scene.marks, *self.loaded.arrow)) if self.loaded else scene
 
     @property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
@@ -175,7 +207,8 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             if roller
             else Limit("profile_curvature", 1 / LEAST_CONVEX_RADIUS, "sharper edges wear")
         )
-        return (*(Limit("pressure_angle", side * most, f"at most {most:g} deg") for side in (1.0, -1.0)), curvature)
+        angles = (Limit("pressure_angle", side * most, f"at most {most:g} deg") for side in (1.0, -1.0))
+        return (*angles, curvature, *(self.loaded.limits if self.loaded else ()))
 
     @property
     def sources(self) -> Mapping[str, str]:
@@ -204,6 +237,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
                 }
                 for k, best in sorted(cam.program.optima.items())
             ]
+        notes |= {"loads": self.loaded.summary} if self.loaded else {}
         notes |= self.assembly_summary
         return notes | ({"undercut": self._undercut()} if self.cut.found else {})
 
@@ -250,7 +284,9 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             in_mm = [field.name for field in fields(lift) if f"{field.name}_deg" in values]
             in_degrees: dict[str, Any] = dict.fromkeys(in_mm) | {f"{name}_deg": values[name] for name in in_mm}
             lift = replace(lift, **in_degrees)
+        loads = {"loads": CamLoadsTable(BodyMass(0.4))} if "loads" in tables else {}
         return {
+            **loads,
             "cam.base_radius": follower.example_base_radius,
             "cam.follower": follower,
             "cam.program": Program((Dwell(end_deg=120), lift, Return("cycloidal", end_deg=360))),

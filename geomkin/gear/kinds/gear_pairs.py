@@ -34,6 +34,7 @@ from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_sc
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
+    NOT_COMPUTED,
     AbstractHelicalRecipe,
     backlash_notes,
     boss_checks,
@@ -108,11 +109,11 @@ class GearPairRecipe(AbstractHelicalRecipe):
         """Forces and stresses under the loads; None without loads, or if the teeth are helical."""
         if self.loads is None:
             return None
-        materials = loaded_materials(first_stock=self.first_stock.material, second_stock=self.second_stock.material)
+        first, second = loaded_materials(first_stock=self.first_stock.material, second_stock=self.second_stock.material)
         if self.helix_angle_deg:
             return None
         width = min(self.first_stock.thickness, self.second_stock.thickness)
-        return PairStrength(self.design, self.loads, width, materials)
+        return PairStrength(self.design, self.loads, width, (first, second))
 
     @cached_property
     def design(self) -> GearPair:
@@ -233,7 +234,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if self.loads is None:
             return {}
         if self.strength is None:
-            return {"loads": {"not_computed": "the formulas of root stress and pressure are those of straight teeth"}}
+            return {"loads": {"not_computed": NOT_COMPUTED}}
         return {"loads": strength_notes(self.strength)}
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ..rack import GearRack, RackPair
     from ..ring import RingGear
     from ..spur import SpurGear
-    from ..strength import PairStrength
+    from ..strength import PairStrength, PlanetaryStrength
 
 
 G = TypeVar("G", "SpurGear", "RingGear", "GearRack", "PlanetarySet")
@@ -159,22 +159,25 @@ def shown(value: float) -> float:
     return float(f"{value:.9g}")
 
 
-def loaded_materials(**stocks: Material | None) -> tuple[Material, Material]:
-    """The materials of both gears, given by the keys of their stocks; DesignError for a missing one."""
+# The reason why helical teeth have no strength.
+NOT_COMPUTED = "the formulas of root stress and pressure are those of straight teeth"
+
+
+def loaded_materials(**stocks: Material | None) -> tuple[Material, ...]:
+    """The materials of all gears, given by the keys of their stocks; DesignError for a missing one."""
     for key, material in stocks.items():
         if material is None:
             problem = "is missing, and the strength under [loads] depends on it"
             raise DesignError(
                 f"{key}.material", problem, f"give {' or '.join(MATERIALS)}, or omit loads", "missing-key"
             )
-    first, second = (material for material in stocks.values() if material is not None)
-    return first, second
+    return tuple(material for material in stocks.values() if material is not None)
 
 
-def strength_notes(loaded: PairStrength) -> Mapping[str, object]:
-    """Forces and stresses of a pair under its loads."""
+def strength_notes(loaded: PairStrength, gears: tuple[str, str] | None = None) -> Mapping[str, object]:
+    """Forces and stresses of a pair under its loads. gears: their names, by default those of the pair."""
     pair, loads = loaded.pair, loaded.loads
-    names = dict(zip(pair.names, zip(loaded.teeth, loaded.materials)))
+    names = dict(zip(gears or pair.names, zip(loaded.teeth, loaded.materials)))
     factors = {"application": loads.application_factor, "dynamic": loads.dynamic_factor}
     torques = (loads.torque_n_mm, loads.torque_n_mm * abs(pair.ratio))
     return {
@@ -195,6 +198,25 @@ def strength_notes(loaded: PairStrength) -> Mapping[str, object]:
             }
             for name, (teeth, material) in names.items()
         },
+    }
+
+
+def planetary_strength_notes(loaded: PlanetaryStrength) -> Mapping[str, object]:
+    """Torques, bearing loads and stresses of a planetary set under its loads."""
+    # Those of one mesh would be mistaken for those of the set.
+    of_set = ("torque_n_mm", "load_factors", "bearing_load_N", "torque_limit_n_mm")
+    meshes = {("sun", "planet"): loaded.inner, ("planet", "ring"): loaded.outer}
+    entries: dict[str, object] = {}
+    for gears, mesh in meshes.items():
+        notes = strength_notes(mesh, gears)
+        entries["_and_".join(gears)] = {key: value for key, value in notes.items() if key not in of_set}
+    return {
+        "torque_n_mm": {name: shown(torque) for name, torque in loaded.torques.items()},
+        "load_factors": strength_notes(loaded.inner)["load_factors"],
+        "planet_bearing_load_N": shown(loaded.planet_bearing_load),
+        "sun_bearing_load_N": shown(loaded.sun_bearing_load),
+        "torque_limit_n_mm": shown(loaded.torque_limit),
+        **entries,
     }
 
 

@@ -15,6 +15,7 @@ from ...core.fields import entry
 from ...core.records import record
 from ...making.assembly import Assembly, collar_across
 from ...making.bases import BaseStock
+from ...making.materials import MATERIALS
 from ...making.motor_faces import plate_radius
 from ...model.check import Check
 from ...model.part import Part
@@ -23,7 +24,7 @@ from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
-from ..checks import gear_checks, planetary_checks
+from ..checks import gear_checks, planetary_checks, strength_checks
 from ..contract import AbstractInvoluteGear
 from ..helix import Helix
 from ..parts.assemblies import planetary_assembly, turns_with_shaft
@@ -31,14 +32,18 @@ from ..parts.bases import carrier, planetary_base
 from ..parts.gears import GearStock, RingStock, gear_parts
 from ..planetary import PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
+from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
+    NOT_COMPUTED,
     AbstractHelicalRecipe,
     boss_checks,
     check_tooth_points,
     gear_notes,
     gear_quantities,
     helices_notes,
+    loaded_materials,
     mesh_notes,
+    planetary_strength_notes,
     shown,
 )
 
@@ -59,6 +64,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         Sheet and rim of the ring.
     base : BaseStock, optional
         Base plate that holds the ring and the sun's shaft; none if omitted.
+    loads : GearLoads, optional
+        Torque on the sun, for forces and strength; all stocks then name their material.
     helix_angle_deg, hand, herringbone, section : optional
         Direction of the teeth, and the section to which the sizes refer.
     files : Files, optional
@@ -74,6 +81,9 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     base: BaseStock | None = entry(
         "a base plate that holds the ring and the sun's shaft; none if omitted", default=None
     )
+    loads: GearLoads | None = entry(
+        "torque on the sun, for forces and strength; all stocks then name their material", default=None
+    )
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -85,12 +95,25 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
                 "planet_stock.motor", "found a motor for the planets", "give sun_stock.motor instead", "conflict"
             )
         self.drive.check_rows(self.gears.ratios["sun to carrier"])
+        self.strength  # noqa: B018  raises if the materials are missing
 
     @cached_property
     def design(self) -> PlanetarySet:
         """The transverse section of all gears."""
         with self.naming_section():
             return self.in_section(self.gears)
+
+    @cached_property
+    def strength(self) -> PlanetaryStrength | None:
+        """Forces and stresses under the loads; None without loads, or if the teeth are helical."""
+        if self.loads is None:
+            return None
+        sun, planet, ring = self.sun_stock, self.planet_stock, self.ring_stock
+        materials = loaded_materials(sun_stock=sun.material, planet_stock=planet.material, ring_stock=ring.material)
+        if self.helix_angle_deg:
+            return None
+        widths = min(sun.thickness, planet.thickness), min(planet.thickness, ring.thickness)
+        return PlanetaryStrength(self.design, self.loads, widths, materials)
 
     @cached_property
     def table(self) -> Table:
@@ -129,7 +152,15 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             *gear_checks(gears.ring, self.ring_stock.rim, "ring"),
             *boss_checks("sun", gears.sun.root_radius, sun.motor, self.base),
             *self._collar_checks(),
+            *self._strength_checks(),
         )
+
+    def _strength_checks(self) -> tuple[Check, ...]:
+        if self.strength is None:
+            return ()
+        meshes = {"sun": self.strength.inner, "ring": self.strength.outer}
+        limit = self.strength.torque_limit
+        return tuple(c for name, mesh in meshes.items() for c in strength_checks(mesh, name, limit))
 
     def _collar_checks(self) -> tuple[Check, ...]:
         """Check that collars under the carrier clear the plate of the sun's motor below them."""
@@ -209,7 +240,14 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """A shaft, and a rim wide enough for the ring's screws, if a base is requested."""
-        return {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in tables else {}
+        shaft = {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in tables else {}
+        stocks = ("sun_stock", "planet_stock", "ring_stock") if "loads" in tables else ()
+        return shaft | {f"{stock}.material": MATERIALS["steel-C45"] for stock in stocks}
+
+    def _load_notes(self) -> Mapping[str, object]:
+        if self.loads is None:
+            return {}
+        return {"loads": planetary_strength_notes(self.strength) if self.strength else {"not_computed": NOT_COMPUTED}}
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -226,5 +264,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
+            **self._load_notes(),
             **self.assembly_summary,
         }

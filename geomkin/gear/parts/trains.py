@@ -327,7 +327,8 @@ def _steps(train: GearTrain, stocks: TrainStocks, item: TrainGear) -> Iterator[s
         mesh = f", in mesh with driver_{item.stage + 1}, {MESH}"
     if 0 < item.axis < len(train.stages):
         means = f"with {PINS} pins through both" if stocks.stock.pin else "with glue, bores in line"
-        yield f"join {item.name} and driver_{item.stage + 2} on top of it {means}, their letters alike"
+        joined = f"join {item.name} and driver_{item.stage + 2} on top of it {means}"
+        yield f"{joined}, so that their letters stand the same way"
         yield f"{seated('both', on, item.stock)}{mesh}"
     else:
         yield f"{seated(item.name, on, item.stock)}{mesh}"

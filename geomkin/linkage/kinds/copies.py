@@ -12,6 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
 from ...making.fasteners import gathered
+from ...model.check import Check
 from ...model.part import Bought, Part
 from ...model.scene import Scene, SceneBody, SceneMark
 from ...plane.curve import Mirrored
@@ -20,7 +21,8 @@ from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage
 from ..motion import Motion
 from ..moving import move
-from ..parts.stack import Stack
+from ..parts.plates import unused
+from ..parts.stack import PinSpan, Stack
 from ..scene import placed_bodies, traced_points
 from ..solve.branch import Branch
 
@@ -53,11 +55,13 @@ class Copied:
         return replace(part, outline=Mirrored(part.outline), holes=holes, marks=marks)
 
 
-def with_copies(scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], layers: Mapping[str, int]) -> Scene:
+def with_copies(
+    scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], layers: Mapping[str, int], lowest: int
+) -> Scene:
     """The scene of a linkage with its copies, one above the other along the shaft.
 
-    parts: of one linkage. layers: of its stack, by the plates' names; a mirrored copy has them in reverse. Only the
-    first linkage shows the names of its bodies.
+    parts: of one copy. layers: of its stack, by the plates' names; a mirrored copy has them in reverse. lowest: layer
+    of the first copy. Only the first linkage shows the names of its bodies.
     """
     height = 1 + max(layers.values())
     bodies: list[SceneBody] = []
@@ -67,7 +71,8 @@ def with_copies(scene: Scene, copies: Sequence[Copied], parts: Sequence[Part], l
         suffix = f", copy {number + 1}"
         closed = closed & copy.motion.assembled[copy.rows]
         for body in placed_bodies(copy.motion, parts, layers):
-            layer = number * height + (body.layer if copy.mirror is None else height - 1 - body.layer)
+            layer = body.layer if copy.mirror is None else height - 1 - body.layer
+            layer += lowest + (number - 1) * height
             copied_parts = tuple(copy.part(part) for part in body.parts)
             place, direction = copy.place(np.asarray(body.origin)), copy.rotated(np.asarray(body.direction))
             bodies.append(SceneBody(body.name + suffix, copied_parts, place, direction, layer, body.fixed, named=False))
@@ -159,44 +164,87 @@ def _led(wanted: Real, frames: Real) -> Real:
 class Shared:
     """A rod that two neighbouring copies share, glued into the cranks of both instead of a screw in each.
 
-    pin: of the linkage; length: of the rod, mm; words: the arrangement of the copies, and the purpose of the rod.
+    pin: of the linkage; length: of the rod, mm; room: between the copies, mm; words: the arrangement of the copies, and
+    the purpose of the rod.
     """
 
     pin: str
     length: float
+    room: float
     words: str
 
 
-def shared_rods(copies: tuple[Copy, ...], linkage: AbstractLinkage, stack: Stack, thickness: float) -> Iterator[Shared]:
-    """The rods by which neighbouring copies drive each other; pin "" and length 0 if no rod fits.
+def without_motor(stack: Stack, driven: Stack) -> Stack:
+    """A stack without a motor beside one on it: plates that differ from those of `driven` have names of their own."""
+    names: dict[str, str] = {}
+    for name, plate in stack.plates.items():
+        other = driven.plates.get(name)
+        is_equal = other is not None and other.seat is None and other.openings == plate.openings
+        if is_equal and all(stack.letters.get(pin) == driven.letters.get(pin) for pin in plate.openings):
+            names[name] = name
+        else:
+            names[name] = unused(f"plain_{name}", {*stack.plates, *driven.plates})
+    pins = (
+        replace(pin, holes=tuple(names[name] for name in pin.holes), slots=tuple(names[name] for name in pin.slots))
+        for pin in stack.pins
+    )
+    return replace(
+        stack,
+        layers={names[name]: layer for name, layer in stack.layers.items()},
+        pins=tuple(pins),
+        plates={names[name]: plate for name, plate in stack.plates.items()},
+    )
+
+
+def counted(driven: Sequence[Part], others: Sequence[Part], count: int) -> tuple[Part, ...]:
+    """The parts of a linkage and those of its `count` copies, equal ones once."""
+    parts = {part.name: part for part in driven}
+    for part in others:
+        number = count * part.count + (parts[part.name].count if part.name in parts else 0)
+        parts[part.name] = replace(part, count=number)
+    return tuple(parts.values())
+
+
+def shared_rods(
+    copies: tuple[Copy, ...], linkage: AbstractLinkage, stacks: Sequence[Stack], thickness: float
+) -> Iterator[Shared]:
+    """The rods by which neighbouring copies drive each other; pin "" and length 0 if no rod fits,
+    and the room is unknown.
 
     Back to back, the shaft goes from crank to crank through both grounds. Face to face, the cranks share a pin if they
     are in phase and it ends in the uppermost layer, so that nothing passes over it. Derived here.
+
+    stacks: of the first linkage and of each copy.
     """
-    if not copies:
-        return
-    whole = linkage.linkage
     all_copies = (Copy(0.0), *copies)
-    top = max(stack.layers.values())
-    # Coincident points have the name of the first, so the pins are identified by their holes.
-    crank = [pin for pin in stack.pins if pin.name in whole.pins and whole.driver in pin.holes]
-    shaft = next(pin for pin in crank if any(stack.plates[name].body == whole.ground for name in pin.holes))
-    common = next((pin for pin in crank if pin is not shaft and pin.last == top), None)
-    for k, (one, two) in enumerate(zip(all_copies, all_copies[1:]), 1):
+    for k in range(1, len(stacks)):
+        (one, two), (lower, upper) = all_copies[k - 1 : k + 1], stacks[k - 1 : k + 1]
         pair, apart = f"copies {k} and {k + 1}", (two.phase_deg - one.phase_deg) % 360
-        if one.mirrored and not two.mirrored and shaft.first == 0:
-            room = 2 * _beyond(stack, thickness, 0, shaft.name)
-            length = 2 * shaft.length + room
-            rod = f"one rod {stack.letters[shaft.name]}, {length:g} mm long for both screws, glued into both cranks"
+        (shaft, common), (other_shaft, other_common) = (_crank_pins(linkage, stack) for stack in (lower, upper))
+        if one.mirrored and not two.mirrored and shaft.first == other_shaft.first == 0:
+            room = sum(_beyond(stack, thickness, 0, shaft.name) for stack in (lower, upper))
+            length = shaft.length + other_shaft.length + room
+            rod = f"one rod {lower.letters[shaft.name]}, {length:g} mm long for both screws, glued into both cranks"
             words = f"{pair} back to back, {room:g} mm between their grounds: {rod} {apart:g} deg apart"
-            yield Shared(shaft.name, length, words)
-        elif two.mirrored and not one.mirrored and common is not None and apart == 0:
-            room = 2 * _beyond(stack, thickness, top, common.name)
-            length = 2 * common.length + room
-            rod = f"one rod {stack.letters[common.name]}, {length:g} mm long for both screws, glued into both cranks"
-            yield Shared(common.name, length, f"{pair} face to face, {room:g} mm between them: {rod}")
+            yield Shared(shaft.name, length, room, words)
+        elif two.mirrored and not one.mirrored and apart == 0 and (names := [n for n in common if n in other_common]):
+            pin = names[0]
+            room = sum(_beyond(stack, thickness, max(stack.layers.values()), pin) for stack in (lower, upper))
+            length = common[pin].length + other_common[pin].length + room
+            rod = f"one rod {lower.letters[pin]}, {length:g} mm long for both screws, glued into both cranks"
+            yield Shared(pin, length, room, f"{pair} face to face, {room:g} mm between them: {rod}")
         else:
-            yield Shared("", 0.0, f"{pair}: no rod joins their cranks, so turn both by a shaft of yours")
+            yield Shared("", 0.0, np.nan, f"{pair}: no rod joins their cranks, so turn both by a shaft of yours")
+
+
+def _crank_pins(linkage: AbstractLinkage, stack: Stack) -> tuple[PinSpan, dict[str, PinSpan]]:
+    """The crank's shaft, and by name its other pins that end in the uppermost layer."""
+    whole, top = linkage.linkage, max(stack.layers.values())
+    # Coincident points have the name of the first, so the pins are identified by their holes.
+    bodies = {pin.name: {stack.plates[name].body for name in pin.holes} for pin in stack.pins}
+    crank = [pin for pin in stack.pins if pin.name in whole.pins and whole.driver in bodies[pin.name]]
+    shaft = next(pin for pin in crank if whole.ground in bodies[pin.name])
+    return shaft, {pin.name: pin for pin in crank if pin is not shaft and pin.last == top}
 
 
 def _beyond(stack: Stack, thickness: float, layer: int, excluded: str) -> float:
@@ -211,22 +259,41 @@ def _beyond(stack: Stack, thickness: float, layer: int, excluded: str) -> float:
     return float(thickness * np.ceil(height / thickness - 1e-9))
 
 
-def joining(stack: Stack, shared: Sequence[Shared], count: int) -> tuple[Bought, ...]:
-    """Bought items for several copies of a linkage: a screw for each joint, except those that share a rod."""
+def joining(stacks: Sequence[Stack], shared: Sequence[Shared]) -> tuple[Bought, ...]:
+    """Bought items for several copies of a linkage: a screw for each joint, except those that share a rod.
+
+    stacks: of the first linkage and of each copy.
+    """
     lines = []
-    for pin in stack.pins:
-        rods = [rod for rod in shared if rod.pin == pin.name]
-        single = count - 2 * len(rods)
-        bill = stack.bill(pin) if single else ()
-        rod_bill = tuple((f"rod {stack.fastener.diameter:g} mm, cut to {rod.length:g} mm", 1) for rod in rods)
-        lines.append((stack.letters[pin.name], (*((name, single * number) for name, number in bill), *rod_bill)))
+    for name in dict.fromkeys(pin.name for stack in stacks for pin in stack.pins):
+        for k, stack in enumerate(stacks):
+            has_rod = any(rod.pin == name for rod in shared[max(0, k - 1) : k + 1])
+            lines += [(stack.letters[name], stack.bill(pin)) for pin in stack.pins if pin.name == name and not has_rod]
+        lines += [
+            (stack.letters[name], ((f"rod {stack.fastener.diameter:g} mm, cut to {rod.length:g} mm", 1),))
+            for stack, rod in zip(stacks, shared)
+            if rod.pin == name
+        ]
     return gathered(lines)
 
 
-def copying(copies: Sequence[Copy], shared: Sequence[Shared]) -> tuple[str, ...]:
-    """Assembly steps of a linkage with its copies; none without copies."""
+def copying(copies: Sequence[Copy], shared: Sequence[Shared], without: Sequence[str] = ()) -> tuple[str, ...]:
+    """Assembly steps of a linkage with its copies; none without copies.
+
+    without: steps of a copy without a motor, if the first linkage is on one.
+    """
     if not copies:
         return ()
     phases = "; ".join(f"copy {k}: {copy}" for k, copy in enumerate(copies, 2))
     frame = f"hold all {1 + len(copies)} grounds in a frame of yours, square to the shaft"
-    return (f"{1 + len(copies)} of these on one shaft, {phases}", *(rod.words for rod in shared), frame)
+    plain = (f"each copy without motor, {step}" for step in without)
+    return (*plain, f"{1 + len(copies)} of these on one shaft, {phases}", *(rod.words for rod in shared), frame)
+
+
+def driven_check(shared: Sequence[Shared]) -> Check:
+    """Check that the motor of the first linkage turns all copies, through the rods between their cranks."""
+    joined = next((k for k, rod in enumerate(shared) if not rod.pin), len(shared))
+    advice = "let every second copy be mirrored, in phase with the one before it, so that rods join their cranks"
+    return Check(
+        "copies_not_driven", "copies that no rod joins to the motor", len(shared) - joined, "at most", 0, "", advice
+    )

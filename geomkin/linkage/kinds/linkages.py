@@ -47,21 +47,26 @@ from ..scene_sizes import size_columns, size_plot
 from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import (
+    Copied,
     Copy,
     Shared,
     check_copies,
     copied,
     copies_entry,
     copying,
+    counted,
+    driven_check,
     is_whole_turn,
     joining,
     shared_rods,
     with_copies,
+    without_motor,
 )
 from .dwell_bands import DwellBand
 from .loads import (
     LoadsTable,
     force_columns,
+    force_hodographs,
     force_marks,
     force_plots,
     force_summary,
@@ -81,10 +86,8 @@ from .moved import (
     branches_entry,
     coefficients_entry,
 )
+from .stance import UNKNOWN_STANCE, Stance, check_foot, foot_entry, stance_of
 from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
-
-# Decimals of rad to which angles of the driver count as one.
-SAME_ANGLE = 12
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe):
@@ -96,15 +99,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     both_modes: bool = False
     dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
+    foot: str | None = None
     loads: LoadsTable | None = None
     tolerances: TolerancesTable | None = None
 
     def __post_init__(self) -> None:
         self.check_stroke()
         check_copies(self.copies, self.linkage, self.input_range)
-        if self.copies and self.stock.motor is not None:
-            problem = f"found {self.stock.motor}, whose shaft ends in its own crank, and copies on one shaft"
-            raise DesignError("stock.motor", problem, "omit motor or copies", "conflict")
+        check_foot(self.foot, self.linkage.linkage, 1 + len(self.copies))
         # Upper limit of the columns of the bodies, the slides and the points that are not pins.
         linkage = self.linkage.linkage
         points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
@@ -124,7 +126,6 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
                 problem = f"found {self.loads.motor.name} and copies, which are not counted in the torque"
                 raise DesignError("loads.motor", problem, "omit motor or copies", "conflict")
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
-
         if self.tolerances:
             self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
 
@@ -167,22 +168,51 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return stack_links(self.fine_motion, self.stock)
 
     @cached_property
+    def copy_stack(self) -> Stack:
+        """The plates of a copy in layers; the motor is in the first linkage only."""
+        if self.stock.motor is None:
+            return self.stack
+        return without_motor(stack_links(self.fine_motion, self.copy_stock), self.stack)
+
+    @property
+    def copy_stock(self) -> LinkStock:
+        """Sheet and pins of a copy."""
+        if self.stock.motor is None:
+            return self.stock
+        return dataclasses.replace(self.stock, motor=None, fit="running")
+
+    @property
+    def _stacks(self) -> tuple[Stack, ...]:
+        """Those of the first linkage and of its copies."""
+        return (self.stack, *(self.copy_stack for _ in self.copies))
+
+    @cached_property
     def shared(self) -> tuple[Shared, ...]:
         """The rods by which neighbouring copies drive each other."""
-        return tuple(shared_rods(self.copies, self.linkage, self.stack, self.stock.thickness))
+        return tuple(shared_rods(self.copies, self.linkage, self._stacks, self.stock.thickness))
+
+    @cached_property
+    def moving_copies(self) -> tuple[Copied, ...]:
+        """The motion of each copy."""
+        return tuple(copied(self.copies, self.motion, self.linkage, self.signs))
+
+    @cached_property
+    def stance(self) -> Stance | None:
+        """How a walker stands on its feet; None without feet, or if the distances of the copies are unknown."""
+        if self.foot is None:
+            return None
+        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, self.stock.thickness)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return joining(self.stack, self.shared, self.count)
-
-    @property
-    def count(self) -> int:
-        """Number of linkages that are made."""
-        return 1 + len(self.copies)
+        return joining(self._stacks, self.shared)
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return (*self.stack.steps, *copying(self.copies, self.shared))
+        if not self.copies:
+            return self.stack.steps
+        without = self.copy_stack.steps if self.stock.motor else ()
+        return (*self.stack.steps, *copying(self.copies, self.shared, without))
 
     @cached_property
     def table(self) -> Table:
@@ -212,36 +242,31 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         # Only the page shows them, no file of numbers.
         effects = size_columns(self.motion)
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
-        scene = linkage_scene(self.motion, table, self.parts, self.stack.layers, plots, self._others())
+        scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
         if self.force_analysis:
-            scene = dataclasses.replace(scene, marks=(*scene.marks, *force_marks(self.force_analysis)))
+            marks = (*scene.marks, *force_marks(self.force_analysis))
+            scene = dataclasses.replace(scene, marks=marks, hodographs=force_hodographs(self.motion.linkage))
         if self.output_deviation:
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
-        return self._with_copies(scene, self.motion)
+        return self._with_copies(scene, self.moving_copies)
 
-    def _with_copies(self, scene: Scene, motion: Motion) -> Scene:
-        copies = tuple(copied(self.copies, motion, self.linkage, self.signs))
-        return with_copies(scene, copies, self.parts, self.stack.layers)
+    def _with_copies(self, scene: Scene, copies: tuple[Copied, ...]) -> Scene:
+        lowest = 1 + max(self.stack.layers.values())
+        return with_copies(scene, copies, self.copy_parts, self.copy_stack.layers, lowest)
 
     @cached_property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
-        """The driver and the bodies that turn as evenly, if the driver makes one whole turn on a fixed shaft."""
-        turns = is_whole_turn(self.input_range) and self.linkage.linkage.driver_pivot is not None
-        return steady_bodies(self.motion) if turns and self.motion.assembled.all() else {}
+        pivot = self.linkage.linkage.driver_pivot if is_whole_turn(self.input_range) else None
+        return steady_bodies(self.motion) if pivot and self.motion.assembled.all() else {}
 
     def scene_at(self, turn: Real) -> Scene:
-        # The motion over one turn in the recipe's own steps, so that it stays on its branch, and at the wanted angles.
-        first, steps = self.drive.frames[0], self.drive.frames - self.drive.frames[0]
-        angles, rows = np.unique(
-            np.round(np.abs(np.concatenate([steps, np.remainder(turn, steps[-1])])), SAME_ANGLE), return_inverse=True
-        )
-        motion = self.moved(first + np.sign(steps[-1]) * angles, self.signs)
-        table = motion_table(motion)
-        scene = linkage_scene(motion, table, self.parts, self.stack.layers, rates=False)
-        scene = self._with_copies(scene, motion) if self.copies else scene
-        return scene.at_frames(rows[len(steps) :])
+        motion, rows = self.moved_at(turn)
+        scene = linkage_scene(motion, motion_table(motion), self.own_parts, self.stack.layers, rates=False)
+        if self.copies:
+            scene = self._with_copies(scene, tuple(copied(self.copies, motion, self.linkage, self.signs)))
+        return scene.at_frames(rows)
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
@@ -250,7 +275,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         joint, motion = self.other
         # The slots of a ground are for the requested mode only.
         slotted = self.motion.linkage.ground if self.motion.linkage.sliders else ""
-        parts = [part for part in self.parts if not slotted or part.body != slotted]
+        parts = [part for part in self.own_parts if not slotted or part.body != slotted]
         # Plots are those of the requested mode, or of both.
         table = Table(self.table.columns[:2])
         return {f"{joint} on its other side": linkage_scene(motion, table, parts, self.stack.layers, rates=False)}
@@ -265,7 +290,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return (
             *linkage_checks(self.motion),
             hole_check(self.stock.hole_diameter, self.stock.thickness),
-            collision_check(len(self.stack.collisions), advice),
+            collision_check(sum(len(stack.collisions) for stack in dict.fromkeys(self._stacks)), advice),
+            *((driven_check(self.shared),) if self.copies and self.stock.motor else ()),
+            *(self.stance.checks if self.stance else ()),
             *(self.output_deviation.checks if self.output_deviation else ()),
             *self.input_range.checks,
             *self._load_checks(),
@@ -279,16 +306,25 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return (*motor_checks(self.force_analysis, self.motor), *holds)
 
     @cached_property
+    def own_parts(self) -> tuple[Part, ...]:
+        """The parts of the first linkage."""
+        return link_parts(self.fine_motion, self.stock, self.stack)
+
+    @cached_property
+    def copy_parts(self) -> tuple[Part, ...]:
+        """The parts of a copy."""
+        if self.stock.motor is None:
+            return self.own_parts
+        return link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
-        parts = link_parts(self.fine_motion, self.stock, self.stack)
-        return (
-            tuple(dataclasses.replace(part, count=self.count * part.count) for part in parts) if self.copies else parts
-        )
+        return counted(self.own_parts, self.copy_parts, len(self.copies)) if self.copies else self.own_parts
 
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:
         """Mass of each body, with its screws or rods; of one linkage if there are copies."""
-        bodies = part_masses(self.parts)
+        bodies = part_masses(self.own_parts)
         if bodies:
             for body, mass in fastener_masses(self.fine_motion, self.stock, self.stack).items():
                 bodies[body] = bodies[body] + mass if body in bodies else mass
@@ -296,7 +332,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        return (self.output_deviation.remark,) if self.output_deviation else ()
+        unknown = (UNKNOWN_STANCE,) if self.foot and not self.stance else ()
+        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *unknown)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -307,6 +344,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         loads = {"loads": force_summary(self.force_analysis, self.motor)} if self.force_analysis else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
+            if self.stock.motor:
+                stack["copy"] = self.copy_stack.summary()
         return {
             **self._reached(self.signs),
             **self.turning,
@@ -314,6 +353,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             **dwell,
             **loads,
             **tolerances,
+            **({"stance": self.stance.summary} if self.stance else {}),
             **self.mass_summary,
             "stack": stack,
         }
@@ -548,6 +588,7 @@ class LinkageRecipe(SlidingLinkageRecipe):
     kind: Literal["linkage"] = "linkage"
     linkage: BodyList
     copies: tuple[Copy, ...] = copies_entry()
+    foot: str | None = foot_entry()
     sliding: ClassVar = {
         "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
         "stroke": Stroke(start=70, end=110),

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
+from ...core.fields import FARTHEST, RowWithin, entry, quantity, to_digits
 from ...core.records import record
 from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
 from ...model.check import Check
 from ...model.handles import point_handle
 from ...model.mass import Mass
 from ...model.motor import Motor, root_mean_square
-from ...model.scene import Plot, SceneHandle, SceneMark
+from ...model.scene import Hodograph, Plot, SceneHandle, SceneMark
 from ...model.table import Column, xy_columns
 from ...plane.vec import first_largest
+from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..checks import driver_at
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
@@ -29,34 +29,6 @@ from ..linkage import Linkage
 from ..motion import Motion
 from ..scene import vector_marks
 from ..scene_handles import body_point
-
-# Largest component of gravity, m/s2: more is a number in mm/s2.
-MOST_GRAVITY = 100.0
-
-
-@dataclass(frozen=True)
-class RowWithin:
-    """Marks a row of numbers of a recipe, such as `[x, y]`, each from -most to most."""
-
-    most: float
-    count: int = 2
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
-
-        number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
-        return core_schema.tuple_schema([number for _ in range(self.count)])
-
-
-@record(checked=True)
-class BodyMass:
-    """Mass of a body in a recipe."""
-
-    mass_kg: float = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
-    centre: ComplexPoint = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)
-    inertia_kg_mm2: float = quantity(
-        "moment of inertia about the centre", "kg mm2", default=0.0, at_least=0, at_most=FARTHEST**2, example=100
-    )
 
 
 @record(checked=True)
@@ -120,11 +92,7 @@ class LoadsTable:
     A body without an entry in `masses` has the mass of its parts, if the stock names a material.
     """
 
-    gravity_m_per_s2: Annotated[tuple[float, float], RowWithin(MOST_GRAVITY)] = entry(
-        "acceleration of a falling body, [x, y] in m/s2; [0, 0] if it is not considered",
-        default=(0.0, -9.81),
-        units=("m/s2", "m/s2"),
-    )
+    gravity_m_per_s2: Gravity = gravity_entry()
     masses: dict[str, BodyMass] = entry(
         "masses of bodies by name, each with mass_kg, centre and inertia_kg_mm2", default_factory=dict
     )
@@ -202,7 +170,7 @@ class LoadsTable:
     def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass]) -> ForceAnalysis:
         """Driver effort and joint forces. part_masses: of the parts, for bodies without an entry in `masses`."""
         self.check(motion)
-        given = {body: Mass(mass.mass_kg, mass.centre, mass.inertia_kg_mm2) for body, mass in self.masses.items()}
+        given = {body: mass.mass for body, mass in self.masses.items()}
         loads = self.by_key
         friction = (*loads.pop("pin_friction"), *loads.pop("slide_friction"))
         loads["springs"] = (*loads["springs"], *loads.pop("gas_springs"), *loads.pop("torsion_springs"))
@@ -223,11 +191,11 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 1 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
+    return 5 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
 
 
 def force_columns(analysis: ForceAnalysis) -> Iterator[Column]:
-    """Driver effort and joint forces."""
+    """Driver effort, joint forces, and the force and moment by which the masses shake the ground."""
     linkage = analysis.motion.linkage
     if linkage.driven_slider is None:
         yield Column("driver_torque", "N mm", "torque of the driver, counterclockwise positive", analysis.driver)
@@ -244,20 +212,37 @@ def force_columns(analysis: ForceAnalysis) -> Iterator[Column]:
         meaning = f"on {slider.body}, along the left normal of {name}"
         yield Column(f"{name}_normal_force", "N", f"force of {slider.along} {meaning}", slide.normal)
         yield Column(f"{name}_moment", "N mm", f"moment of {slider.along} on {slider.body}", slide.moment)
+    meaning = "shaking force of the masses on the ground"
+    yield from xy_columns("shaking_force", "N", meaning, analysis.shaking_force)
+    yield Column("shaking_force", "N", f"{meaning}, its size", np.abs(analysis.shaking_force))
+    at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
+    moment = f"shaking moment of the masses about {at}"
+    yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
 
 
 def force_plots(analysis: ForceAnalysis) -> tuple[Plot, ...]:
     """Plots of the columns of `force_columns`."""
     linkage = analysis.motion.linkage
     effort = "torque" if linkage.driven_slider is None else "force"
-    pins = [f"{pin}_force_on_{body}" for pin, bodies in linkage.pins.items() for body in bodies[1:]]
     plots = [
         Plot(f"driver {effort}", (f"driver_{effort}",)),
-        Plot("pin forces", tuple(pins)),
+        Plot("pin forces", _pin_forces(linkage)),
         Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
         Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
+        Plot("shaking force", ("shaking_force",)),
     ]
     return tuple(plot for plot in plots if plot.columns)
+
+
+def _pin_forces(linkage: Linkage) -> tuple[str, ...]:
+    return tuple(f"{pin}_force_on_{body}" for pin, bodies in linkage.pins.items() for body in bodies[1:])
+
+
+def force_hodographs(linkage: Linkage) -> tuple[Hodograph, ...]:
+    """Polar diagrams of the shaking force and of the pin forces."""
+    shaking = Hodograph("polar diagram of the shaking force", ("shaking_force",))
+    pins = Hodograph("polar diagram of the pin forces", _pin_forces(linkage))
+    return (shaking, pins) if pins.columns else (shaking,)
 
 
 def force_marks(analysis: ForceAnalysis) -> Iterator[SceneMark]:
@@ -295,21 +280,17 @@ def force_summary(analysis: ForceAnalysis, motor: Motor | None) -> Mapping[str, 
     if known.any():
         peak = first_largest(np.abs(analysis.driver))
         result[effort] = {
-            "peak": _nine_digits(analysis.driver[peak]),
-            f"peak_at_{unit}": _nine_digits(driver_at(motion, peak)),
-            "rms": _nine_digits(root_mean_square(analysis.driver, motion.drive)),
+            "peak": to_digits(analysis.driver[peak]),
+            f"peak_at_{unit}": to_digits(driver_at(motion, peak)),
+            "rms": to_digits(root_mean_square(analysis.driver, motion.drive)),
         }
     sizes = {
         pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
         for pin, bodies in motion.linkage.pins.items()
     }
     result["largest_pin_force_N"] = {
-        pin: _nine_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
+        pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
     }
     if motor:
         result["motor"] = motor_summary(motor, analysis.duty)
     return {**result, "undetermined": list(analysis.undetermined)}
-
-
-def _nine_digits(value: float | np.floating[Any]) -> float:
-    return float(f"{value:.9g}") + 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
@@ -16,7 +17,7 @@ from ...model.handles import point_handle
 from ...model.material import Material
 from ...model.part import HoleFit, Part
 from ...model.roles import Role
-from ...model.scene import Limit, Plot, Scene, SceneHandle
+from ...model.scene import Hodograph, Limit, Plot, Scene, SceneHandle
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
 from ...plane.vec import first_largest
@@ -132,7 +133,8 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         )
         plots = [Plot("size of the shaking force", tuple(f"force_{name}" for name in roles), (most,))]
         plots += [Plot(f"shaking force along {axis}", tuple(f"force_{name}_{axis}" for name in roles)) for axis in "xy"]
-        return force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
+        scene = force_scene(scene, complex(self.linkage.origin), forces, what, tuple(plots))
+        return replace(scene, hodographs=(Hodograph("polar diagram of the shaking force", plots[0].columns),))
 
     @property
     def further_handles(self) -> Iterator[SceneHandle]:

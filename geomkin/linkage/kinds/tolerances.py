@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arguments import between
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, entry, quantity
+from ...core.fields import FARTHEST, AsWritten, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.scene import Limit, Plot, SceneRegion
@@ -259,29 +259,29 @@ class OutputDeviation:
         }
         entries: dict[str, object] = {
             "of": self.given.of,
-            f"worst_case_{unit}": _six_digits(worst),
-            f"worst_case_at_{driver}": _six_digits(driver_at(self.analysis.motion, frame)),
-            f"root_sum_square_{unit}": _six_digits(squares),
+            f"worst_case_{unit}": to_digits(worst, 6),
+            f"worst_case_at_{driver}": to_digits(driver_at(self.analysis.motion, frame), 6),
+            f"root_sum_square_{unit}": to_digits(squares, 6),
             # Smaller ones are rounding.
             f"contributions_{unit}": {
-                name: _six_digits(value) for name, value in contributions.items() if value > ROUNDING * worst
+                name: to_digits(value, 6) for name, value in contributions.items() if value > ROUNDING * worst
             },
         }
         if np.isfinite(self.analysis.range_worst_case):
-            entries[f"range_worst_case_{unit}"] = _six_digits(self.analysis.range_worst_case * self.factor)
-            entries[f"range_root_sum_square_{unit}"] = _six_digits(self.analysis.range_root_sum_square * self.factor)
+            entries[f"range_worst_case_{unit}"] = to_digits(self.analysis.range_worst_case * self.factor, 6)
+            entries[f"range_root_sum_square_{unit}"] = to_digits(self.analysis.range_root_sum_square * self.factor, 6)
         if self.given.limit is not None:
             entries["loosest_tolerance_mm"] = self._loosest(self.given.limit)
         if self.sampled is not None:
             largest = self.sampled.largest() * self.factor
             entries["random"] = {
                 "linkages": self.given.linkages,
-                f"largest_of_99.73_percent_{unit}": _six_digits(np.nanmax(largest)),
+                f"largest_of_99.73_percent_{unit}": to_digits(np.nanmax(largest), 6),
                 "not_assembled": int(self.sampled.not_assembled.max()),
             }
             if self.given.limit is not None:
                 share = self.sampled.share_within(self.given.limit / self.factor)
-                entries["random"]["within_limit_percent"] = _six_digits(100 * share)  # type: ignore[index]
+                entries["random"]["within_limit_percent"] = to_digits(100 * share, 6)  # type: ignore[index]
         return {"tolerances": entries}
 
     def _loosest(self, limit: float) -> Mapping[str, float | None]:
@@ -289,7 +289,7 @@ class OutputDeviation:
         found: dict[str, float | None] = {}
         for rule in ("worst_case", "root_sum_square"):
             try:
-                found[rule] = _six_digits(self.analysis.loosest(limit / self.factor, rule))
+                found[rule] = to_digits(self.analysis.loosest(limit / self.factor, rule), 6)
             except DesignError:
                 found[rule] = None
         return found
@@ -304,7 +304,3 @@ def _round_number(value: float) -> float:
     """The largest of 1, 2, 5, 10, ... that does not exceed a value; 1 at least."""
     power = 10.0 ** np.floor(np.log10(max(value, 1.0)))
     return float(next(digit for digit in (5, 2, 1) if digit * power <= max(value, 1.0)) * power)
-
-
-def _six_digits(value: float | np.floating[Any]) -> float:
-    return float(f"{value:.6g}") + 0.0

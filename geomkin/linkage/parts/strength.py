@@ -260,10 +260,8 @@ def linkage_strength_checks(
             for part in link_parts(motion, stock, stack)
             if (plate := stack.plates.get(part.name)) and plate.body != motion.linkage.ground
         )
-        most, advice = (
-            material.carried_stress / LEAST_PLATE_SAFETY,
-            "give wider bars, a thicker sheet or another material",
-        )
+        most = material.carried_stress / LEAST_PLATE_SAFETY
+        advice = "give wider bars, a thicker sheet or another material"
         checks.append(_check("plate_stress", "stress of the", stresses, most, motion, advice))
     return tuple(check for check in checks if check)
 

@@ -26,7 +26,7 @@ from .recording import Recording, Symbol, exact_sum, imag_part, paired, real_par
 
 # Frames times linkages that go through a program at once. With more, intermediate values leave the processor's cache;
 # with fewer, calling the operations takes longer than the operations.
-BLOCK = 4096
+BLOCK = 32_768
 # Frames times linkages up to which the groups that were requested last time are evaluated together with the first one.
 # With more, groups that are not requested this time cost time and memory.
 PREFETCHED = 16_384

@@ -2,7 +2,7 @@
 import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
-import { mountRows } from "../player/rows.js";
+import { mountRows, showRows } from "../player/rows.js";
 import { chooseName, showGallery } from "./dialogs.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
@@ -29,14 +29,21 @@ class Editor {
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
     document.addEventListener("keydown", (event) => this.key(event));
-    addEventListener("beforeunload", (event) => { if (this.isDirty) event.preventDefault(); });
+    addEventListener("beforeunload", (event) => { if (this.isDirty && !this.isKept) event.preventDefault(); });
   }
 
   get isDirty() { return this.text !== this.savedText; }
 
   async start() {
-    const { first } = await get("start");
-    if (first) await this.open(first); else await showGallery(this);
+    const { first, text } = await get("start");
+    // A notebook keeps what is edited: a page that is loaded again goes on there.
+    this.isKept = text !== "";
+    if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
+    if (first && text && text !== this.text) {
+      this.history.begin(this.text);
+      this.ask({}, text);
+      this.whenIdle(() => this.history.end(this.text));
+    }
     this.watch();
   }
 
@@ -239,8 +246,20 @@ class Editor {
   showChoice(choice) {
     const root = at("choice");
     root.hidden = !choice;
-    root.replaceChildren(root.firstElementChild);
-    if (choice) mountRows(root, read(choice));
+    if (!choice) return;
+    at("choice-help").hidden = !choice.key;
+    if (this.family) showRows(this.family, read(choice));
+    else this.family = mountRows(root, read(choice), (row, data) => this.choose(row, data));
+  }
+
+  // Writes the value of a row of the family into the recipe, with as many digits as tell it from its neighbours.
+  choose(row, { key, instead_of, chosen, columns: [{ row: values }] }) {
+    if (!key || row === chosen) return;
+    const [first, last] = [values[0], values[values.length - 1]];
+    const digits = Math.max(0, Math.ceil(-Math.log10((last - first) / values.length)));
+    const value = +values[row].toFixed(Math.min(digits, 12));
+    this.set({ [key]: value < first || value > last ? values[row] : value, ...Object.fromEntries(instead_of.map((other) => [other, null])) }, key);
+    this.close();
   }
 
   showProblems(problems) {

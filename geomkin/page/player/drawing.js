@@ -1,11 +1,11 @@
-// A scene as an SVG drawing: one group a body, of which each frame sets the matrix alone; marks in pixels above them.
+// A scene as an SVG drawing: a group for each body, whose matrix is set at each frame, and marks in pixels above them.
 import { Names } from "./names.js";
 import { abs, arrow, axisOf, floor, hypot, make, max, min, niceLength, pointsOf, px, see, spaced, STAND } from "./shapes.js";
 
 // Pixels kept free around the drawing, and below it for its scale; largest zoom, relative to the whole drawing.
 export const MARGIN = 26, FOOT = 18;
 const CLOSEST = 60, DEG = Math.PI / 180;
-// Pixels between a name and the thing that it names.
+// Pixels between a name and its body or point.
 const BESIDE = 6;
 // Share of the drawing that is shown around a contact that stays in one place.
 const NEAR = 0.05;
@@ -30,7 +30,7 @@ export class Drawing {
   // dashes of a trail.
   load(scene, data, drive, every) {
     Object.assign(this, { scene, data, frames: data.frames, open: new Set(scene.open) });
-    // Roles that may reach far beyond the mechanism: the drawing grows for those that are on.
+    // Roles whose elements may extend far beyond the mechanism; the drawing grows for the visible ones.
     this.far = data.roles.filter(({ room }) => room).map(({ id }) => id);
     const title = scene.label ? `${data.name}, ${spaced(scene.label)}` : data.name;
     this.svg.setAttribute("aria-label", `${title}: plus and minus zoom, 0 shows all, arrows step it or, if zoomed, move the view`);
@@ -54,7 +54,7 @@ export class Drawing {
     for (const role of this.hidden) this.toggle(role, false);
   }
 
-  // A pin fills the hole that it sits in.
+  // A pin fills its hole.
   sizePins() {
     const near = 1e-3 * (this.bounds[2] - this.bounds[0] + this.bounds[3] - this.bounds[1]);
     for (const mark of this.marks) {
@@ -140,7 +140,7 @@ export class Drawing {
     return mark;
   }
 
-  // A slide that goes along one line of the ground runs on a rail, hatched below, where no plate has a slot for it.
+  // A block that moves along one line of the ground has a rail, hatched below, unless a plate has a slot for it.
   drawGuide(mark) {
     if (this.hasGround) return;
     const known = this.known(mark);
@@ -237,7 +237,7 @@ export class Drawing {
   // Names of bodies and points, each with its possible positions, the best first, in pixels.
   nameAll() {
     const on = (body, u, v) => (k) => this.screen(...this.place(body, u, v, k));
-    // At a share of a mark's line, on it or so far to one of its sides.
+    // At a share of a mark's line: on it, to its left (side -1) or to its right (1).
     const at = (mark, share, side, down = 0) => (k, half) => {
       const [u, v] = mark.u ? [share * mark.u[k], share * mark.v[k]] : [0, 0], [x, y] = this.screen(mark.x[k] + u, mark.y[k] + v);
       return [x + side * (half + BESIDE), y + down];
@@ -245,7 +245,7 @@ export class Drawing {
     const { marks } = this, lines = new Set();
     for (const body of this.bodies) {
       const points = body.drawn.flatMap(({ points }) => points);
-      // A body without parts is named beside its block.
+      // A body without parts has its name next to its block.
       const spots = points.length ? spotsOn(body, points).map(([u, v]) => on(body, u, v))
         : !body.fixed && marks.some(({ sort }) => sort === "slide")
         && !marks.some(({ sort, label }) => sort === "line" && label === body.name)
@@ -325,12 +325,12 @@ export class Drawing {
     this.look(by, [u + (this.wide / 2 - x) / s, v - ((this.tall - FOOT) / 2 - y) / s]);
   }
 
-  // Moves the view by so many pixels, if zoomed.
+  // Moves a zoomed view by x, y px.
   pan(x, y) {
     if (this.at) this.look(this.by, [this.at[0] - x / this.s, this.at[1] + y / this.s]);
   }
 
-  // Places, mm, at which bodies touch.
+  // Positions of the contacts of bodies, mm.
   get contacts() {
     return this.marks.filter(({ sort, role }) => sort === "point" && role === "contact")
       .flatMap((mark) => this.known(mark).map((k) => [mark.x[k], mark.y[k]]));
@@ -406,7 +406,8 @@ export class Drawing {
     if (mark.u) mark.shape.setAttribute("d", arrow(s * mark.u[k], -s * mark.v[k], { line: 0, vector: 1, dimension: 2 }[mark.sort]));
   }
 
-  // The frame at which a body's own point (u, v) is nearest to a place, rather near frame `from` than across a turn.
+  // The frame at which the point (u, v) of a body is nearest to a position. Frames near `from` are preferred, so that the
+  // driver does not jump.
   nearestFrame({ body, u, v }, place, from, cyclic) {
     const reach = max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1]);
     let best = from, least = Infinity;

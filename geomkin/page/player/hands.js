@@ -38,7 +38,7 @@ export function followPointers(drawing, player, zoomed) {
       svg.classList.remove("held");
     });
   }
-  // Only if the drawing has the focus, so that it does not catch a page that is being scrolled.
+  // Only if the drawing has the focus, so that scrolling the page does not zoom the drawing.
   svg.addEventListener("wheel", (event) => {
     const closer = Math.exp(-WHEEL * event.deltaY * (event.deltaMode ? 20 : 1));
     if ((!event.ctrlKey && document.activeElement !== svg) || (closer < 1 && drawing.by === 1)) return;

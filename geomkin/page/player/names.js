@@ -1,7 +1,7 @@
-// Names in a drawing, each at that of its places at which it covers the least of others, of pins and of the edge.
+// Names in a drawing. Each takes the position at which it overlaps the fewest other names and pins, and stays inside.
 import { abs, make, max, min, px, round, see } from "./shapes.js";
 
-// Frames at which it is looked where names are in each other's way.
+// Number of frames at which overlaps are counted.
 const LOOKS = 24;
 // Pixels kept free at either end of a name.
 const EDGE = 2;
@@ -10,8 +10,8 @@ export class Names {
   // line: height of the tallest name, px, which depends on the reader's font.
   constructor(drawing) { Object.assign(this, { drawing, all: [], line: 0 }); }
 
-  // spots: of a frame and half the text's width, px, where its middle may be; the best first.
-  // What the edge would cut of a text is moved inwards.
+  // spots: functions of a frame and half the text's width, px, that return possible positions of its middle, the best
+  // first. A text that the edge would cut off is moved inwards.
   add(text, look, role, spots) {
     const shape = make(this.drawing.names, "text", { class: `name ${look}` }, text);
     const { width, height } = shape.getBBox(), half = EDGE + width / 2;
@@ -20,7 +20,7 @@ export class Names {
       const [x, y] = spot(k, half), over = x - max(half, min(this.drawing.wide - half, x));
       return [abs(over) > 2 * half ? x : x - over, y];
     });
-    // Shown before it is arranged, a name is at its first place.
+    // Until `arrange` is called, a name is at its first position.
     this.all.push({ shape, role, spots, half, spot: spots[0] });
   }
 
@@ -48,7 +48,7 @@ export class Names {
     }
   }
 
-  // A name that would lie over one before it is hidden meanwhile.
+  // Shows frame k. A name is hidden at frames at which it overlaps an earlier one.
   show(k) {
     const shown = [];
     for (const { shape, spot, half, role } of this.all) {

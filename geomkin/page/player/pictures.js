@@ -1,4 +1,4 @@
-// Pictures to take away: the drawing and a plot as SVG files, the drawing as PNG, as they are at this frame.
+// Pictures to save: the drawing and a plot as SVG files, and the drawing as PNG, at the current frame.
 import { hypot, make, px } from "./shapes.js";
 
 // Properties that the style sheet sets and a file of its own must state.
@@ -6,7 +6,7 @@ const KEPT = ["fill", "fill-opacity", "fill-rule", "stroke", "stroke-opacity", "
   "opacity", "paint-order", "text-anchor", "font-size", "font-style", "font-weight", "font-family"];
 const USUAL = { "fill-opacity": "1", "stroke-opacity": "1", opacity: "1", "fill-rule": "nonzero", "stroke-dasharray": "none", stroke: "none",
   "stroke-linejoin": "miter", "paint-order": "normal", "text-anchor": "start", "font-style": "normal", "font-weight": "400" };
-// Pixels of a PNG for one of the drawing: enough for print.
+// Pixels of the PNG for each pixel of the drawing, enough for print.
 const SHARP = 3;
 
 export function offer(content, name, type) {
@@ -56,7 +56,7 @@ function copied(element) {
   return copy.tagName === "g" && !copy.childNodes.length ? null : copy;
 }
 
-// White behind the drawing; as text, for the page's policy allows no style attribute.
+// White behind the drawing. It is added to the text, since the page's policy allows no style attribute.
 function fileOf(svg) {
   const text = new XMLSerializer().serializeToString(svg);
   return `<?xml version="1.0" encoding="UTF-8"?>\n${text.replace("<svg ", '<svg style="background:#fff" ')}\n`;

@@ -10,7 +10,7 @@ const FIRST_PASS = 5;
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 // Rotation of the driver, deg, between two dashes of a trail; number of steps over the stroke of a sliding driver.
 const DASH_DEG = 5, STROKE_DASHES = 72;
-// Milliseconds between updates of the values while it plays: eyes read no faster.
+// Milliseconds between updates of the values while it plays; faster ones cannot be read.
 const READING = 120;
 // Zoom of one press of a key or button, and movement of the view by an arrow key, px.
 const CLOSER = 1.4, MOVE = 40;
@@ -74,7 +74,7 @@ class Player {
       drawing.load(scene, data, row, every);
     });
     for (const { svg } of this.drawings.splice(data.scenes.length)) svg.closest("figure").remove();
-    // Something that stands still cannot be played.
+    // A scene with a single frame cannot be played.
     this.root.classList.toggle("still", data.frames < 2);
     this.hint.textContent = data.frames > 1 ? DRAG + HINT : HINT;
     this.label.textContent = drive.name;
@@ -164,7 +164,7 @@ class Player {
     if (drawings.length > 1) add("others beside", "others", true, (on) => this.stages.classList.toggle("alone", !on));
   }
 
-  // The content of the plots as a table: every quantity now, its least and its largest value and their positions.
+  // The content of the plots as a table: the current, least and largest value of each quantity, and their positions.
   addTable() {
     // The table is not inside the element that folds it away, so that it prints in either case.
     const section = make(this.root, "section", { class: "values" });
@@ -229,7 +229,7 @@ class Player {
 
   get shownDrawings() { return this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings; }
 
-  // Makes the drawings as large as there is room for, all at one scale.
+  // Sizes the drawings to fill the page, all at the same scale.
   fit(changed) {
     const room = this.stages.clientWidth;
     if (room < 50 || (room === this.room && !changed)) return;

@@ -22,7 +22,7 @@ export function read(data) {
   return data;
 }
 
-// To as many digits as a reader compares, with the sign that minus has in print.
+// A number with the few digits that a reader compares, and with a typographic minus sign.
 export function shown(value) {
   if (!isFinite(value)) return "–";
   const size = abs(value);
@@ -188,7 +188,7 @@ export class Plots {
     });
   }
 
-  // The line of now, and pointing: hover shows values, pressing and dragging turns the mechanism, arrows step it.
+  // The line at the current frame, and its control: hovering shows values, dragging and arrow keys move the mechanism.
   point(card) {
     const { over } = card.plot, drive = this.data.columns[0];
     card.now = make(over, "div", { class: "now" });
@@ -260,7 +260,7 @@ export class Plots {
   }
 }
 
-// What decides how a plot is built: its axes and the curves in it.
+// A key of the axes and curves of a plot, which is built again if they change.
 const lookOf = (data, columns) => JSON.stringify([0, ...columns].map((k) => [data.columns[k].name, data.columns[k].unit]));
 
 // Dashed lines of limits with their labels.

@@ -1,4 +1,4 @@
-// Elements, rows of numbers and forms that a drawing is made of.
+// Building blocks of drawings: elements, rows of numbers, and shapes.
 
 export const { abs, floor, hypot, max, min, round } = Math;
 const SVG = "http://www.w3.org/2000/svg";
@@ -42,7 +42,7 @@ export function pointsOf(d) {
   for (const [, sign, text] of d.split("z")[0].matchAll(/([Mla])([^Mla]*)/g)) {
     const steps = numbers(text);
     if (sign === "a") {
-      // Between its ends an arc goes about a centre beside the middle of its chord.
+      // Points of an arc between its ends; `off`: distance of the centre (a, b) from the middle of the chord, over its length.
       const [r, , , , side, u, v] = steps, half = hypot(u, v) / 2, off = (side ? 1 : -1) * Math.sqrt(max(0, r * r - half * half)) / 2 / half;
       const [a, b] = [x + u / 2 - off * v, y + v / 2 + off * u], turn = (side ? 2 : -2) * Math.asin(min(1, half / r));
       for (const share of [0.25, 0.5, 0.75]) {
@@ -57,7 +57,7 @@ export function pointsOf(d) {
   return { points: points.filter((_, k) => k % stride === 0), circles };
 }
 
-// Middle and half the longest axis of points: a name stands somewhere along it.
+// Middle and half the longest axis of points, along which a name is placed.
 export function axisOf(points) {
   const n = points.length;
   const [x, y] = points.reduce(([a, b], [c, d]) => [a + c / n, b + d / n], [0, 0]);
@@ -68,7 +68,7 @@ export function axisOf(points) {
   return { x, y, u: half * c, v: half * s };
 }
 
-// Shows or hides an element; the browser hears of changes only.
+// Shows or hides an element; an attribute is set only on a change.
 export function see(element, there) {
   if (element.isThere === there) return;
   element.isThere = there;

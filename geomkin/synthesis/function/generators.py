@@ -95,7 +95,7 @@ def with_decimals(angles: Real) -> Real:
     return np.radians(np.round(np.degrees(angles), DECIMALS))
 
 
-# Margin for the cosine of the transmission angle, above the inaccuracy of the last step.
+# Margin for the cosine of the transmission angle, larger than the error of the last step.
 HAIR = 2e-9
 
 

@@ -36,17 +36,17 @@ def least(cost: Real, rows: Real, bounds: Real, corner: Whole, steps: int = 100)
         busy &= prices[each, worst] < -PRICELESS
         if not busy.any():
             break
-        way = -inverse[each, :, worst]
-        rate = np.einsum("kmn,kn->km", rows, way)
+        direction = -inverse[each, :, worst]
+        rate = np.einsum("kmn,kn->km", rows, direction)
         room = np.maximum(bounds - np.einsum("kmn,kn->km", rows, x), 0.0)
         np.put_along_axis(rate, corner, 0.0, axis=1)
-        scale = np.abs(way).max(axis=1)
+        scale = np.abs(direction).max(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(rate > FLAT * scale[:, None], room / rate, np.inf)
         met = np.argmin(step, axis=1)
         busy &= np.isfinite(step[each, met])
         go = each[busy]
-        x[go] += step[go, met[go], None] * way[go]
+        x[go] += step[go, met[go], None] * direction[go]
         # The new row replaces the one that leaves.
         seen = np.einsum("kn,knj->kj", rows[go, met[go]], inverse[go])
         column = inverse[go, :, worst[go]] / seen[np.arange(len(go)), worst[go], None]

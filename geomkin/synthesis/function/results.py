@@ -113,7 +113,7 @@ class AbstractFunctionGenerator(Found):
 
     def proof(self) -> Mapping[str, object]:
         """Entries for `summary.json`: peaks of the error, deg or mm, and active limits, with their multipliers."""
-        # The position of a flat maximum has only half of the digits.
+        # Rounding leaves only half of the digits of the position of a flat maximum.
         peaks = [{name: _six(value) for name, value in peak._asdict().items()} for peak in self.alternation]
         return {
             "alternation": peaks,

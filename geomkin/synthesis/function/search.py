@@ -53,10 +53,10 @@ def fit(task: AbstractTask, p: Real, exact: bool) -> tuple[Real, Real, Real]:
             return plain
         shifts = DIFFERENCE * np.eye(p.shape[1])[free]
         columns = [(gradient(q + shift) - gradient(q - shift)) / (2 * DIFFERENCE) for shift in shifts]
-        values, ways = np.linalg.eigh(0.5 * (np.stack(columns, 1) + np.stack(columns, 2)))
-        # A descent direction also with negative curvature.
-        bent: Real = (ways * np.abs(values)[:, None]) @ np.swapaxes(ways, 1, 2)
-        return bent
+        values, vectors = np.linalg.eigh(0.5 * (np.stack(columns, 1) + np.stack(columns, 2)))
+        # With the absolute values of the curvatures the step descends also where a curvature is negative.
+        positive: Real = (vectors * np.abs(values)[:, None]) @ np.swapaxes(vectors, 1, 2)
+        return positive
 
     with np.errstate(all="ignore"):
         for _ in range(MEAN_SQUARE_ROUNDS):
@@ -139,8 +139,8 @@ class AtPeaks(AbstractTask):
             with np.errstate(all="ignore"):
                 low, here, high = np.split(self.task.error(p, places), 3, axis=1)
                 top = 0.5 * (low - high) / (low - 2 * here + high)
-                ways = np.where(np.isfinite(top), np.clip(top, -2, 2), 0.0)
-            near = np.clip(middle + width * ways, 0, 1)
+                shares = np.where(np.isfinite(top), np.clip(top, -2, 2), 0.0)
+            near = np.clip(middle + width * shares, 0, 1)
         return np.concatenate([s[:, : self.fixed], near], axis=1)
 
 

@@ -27,8 +27,8 @@ OPERATORS: dict[type[ast.AST], Callable[..., Real]] = {
     ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide, ast.Pow: np.power,
     ast.USub: np.negative, ast.UAdd: np.positive,
 }  # fmt: skip
-# Characters, operations within each other, and the size of a number. No formula of a textbook comes near; operations
-# within each other use up the stack.
+# Largest numbers of characters and of nested operations, and largest number in a formula. Formulas of textbooks are far
+# below; nested operations use up the stack.
 LONGEST, DEEPEST, LARGEST = 500, 100, 1e300
 
 
@@ -246,9 +246,7 @@ def wanted_function(f: Function, span: tuple[float, float]) -> WantedFunction:
 
 
 def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real], Real]:
-    """The function itself if it accepts arrays and gives the same as for single numbers; else a loop over single
-    numbers.
-    """
+    """The function itself, if it accepts arrays and returns the same as for single numbers; otherwise a loop."""
 
     def call_once(x: float) -> float:
         try:
@@ -259,7 +257,7 @@ def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real]
             raise DesignError(
                 "function",
                 f"called at {x:g} it fails, {type(error).__name__}: {printable(error, 60)}",
-                "give a function of one number that gives one",
+                "give a function of one number that returns one",
                 "wrong-type",
             ) from None
 
@@ -305,7 +303,7 @@ def _through(rows: Real, x0: float, x1: float) -> Callable[[Real], Real]:
 
 
 def _check_continuity(f: Callable[[Real], Real], x: Real, y: Real, height: float) -> None:
-    """Narrow down the steepest and the largest places of the function: a jump persists, and a pole grows."""
+    """DesignError for a jump or a pole, found by narrowing down the steepest and the largest places."""
     steepest = [(x[k], x[k + 1], False) for k in np.argsort(-np.abs(np.diff(y)))[:3]]
     k = int(np.argmax(np.abs(y - np.median(y))))
     highest = (x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)], True)

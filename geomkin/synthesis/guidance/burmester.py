@@ -275,7 +275,7 @@ def _pieces(poses: FourPoses, reach: float | None) -> tuple[BurmesterCurve, ...]
 
 
 def slides_of(ground: FourPoses, body: FourPoses) -> Pairs:
-    """The dyad whose pivot, and the one whose pin is at infinity; neither if both of its ends are."""
+    """The dyad whose pivot is at infinity and the one whose pin is; without dyads whose both ends are at infinity."""
     directions = 1j * ground.cubic.axis, 1j * body.cubic.axis
     pin = ground.partner(np.array([directions[0]]), np.zeros(1))
     pivot = body.partner(np.array([directions[1]]), np.zeros(1))

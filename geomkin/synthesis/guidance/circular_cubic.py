@@ -67,7 +67,7 @@ class CubicBranch:
         return psi, rate, self.sign * ends * root, total
 
     def at(self, psi: float) -> list[float]:
-        """The t, none to two, at which the lines have direction psi."""
+        """The values of t, at most two, at which the lines have direction psi."""
         if self.half == 0:
             return [np.pi]
         if np.isnan(self.half):
@@ -124,7 +124,7 @@ class Cubic:
 
     @cached_property
     def parts(self) -> tuple[Real, Real, Real]:
-        """The same with that line divided out."""
+        """`whole` with that line divided out."""
         if self.line is None:
             return self.whole
         c, s = np.cos(self.line), np.sin(self.line)
@@ -206,7 +206,7 @@ class Cubic:
         return self._settled(place, size * w * k, place_rate, size * (w_rate * k + w * k_rate))
 
     def _settled(self, *run: Complex | Real) -> tuple[Complex, Real, Complex, Real]:
-        """The same after a Newton step towards the curve, since roots that nearly meet have half of their digits."""
+        """The results of `run` after a Newton step, since roots that nearly meet have only half of their digits."""
         place, weight, place_rate, weight_rate = run
         v = np.stack([place.real, place.imag, weight.real], axis=-1)
         rate = np.stack([place_rate.real, place_rate.imag, weight_rate.real], axis=-1)

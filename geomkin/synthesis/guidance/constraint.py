@@ -81,9 +81,9 @@ def _best_distinct(count: int, which: Whole, found: Real, off: Real) -> tuple[Re
 
 def _shared_line(pair: Real) -> Real | None:
     """A line, as a unit vector, that is part of both conics, or None."""
-    sizes, ways = np.linalg.eigh(pair[0])
+    sizes, vectors = np.linalg.eigh(pair[0])
     order = np.argsort(-np.abs(sizes))
-    (large, small), (one, other) = sizes[order[:2]], ways.T[order[:2]]
+    (large, small), (one, other) = sizes[order[:2]], vectors.T[order[:2]]
     # The first conic as two lines, which are real if the signs differ, or a double line.
     tilt = np.sqrt(max(-small / large, 0.0))
     for line in (one + tilt * other, one - tilt * other):
@@ -142,7 +142,7 @@ def _slopes(forms: Real, x: Array) -> Array:
 
 
 def _at(slopes: Array, x: Array) -> Array:
-    """Both conics (n, k, 2) there."""
+    """Both conics (n, k, 2) at these vectors, from their slopes."""
     value: Array = np.matmul(slopes, x[..., None])[..., 0]
     return value
 
@@ -160,9 +160,9 @@ def _step(slopes: Array, value: Array, x: Array) -> Array:
     """
     a, b = slopes[..., 0, :], slopes[..., 1, :]
     volume = np.vecdot(x, _across(a, b))[..., None]
-    way = _across(np.conj(x), value[..., 1:] * a - value[..., :1] * b)
+    product = _across(np.conj(x), value[..., 1:] * a - value[..., :1] * b)
     with np.errstate(divide="ignore", invalid="ignore"):
-        step: Array = 0.5 * way / volume
+        step: Array = 0.5 * product / volume
     step = np.where(np.isfinite(step), step, 0.0)
     # A larger step would leave the neighbourhood of the root.
     step = step / np.maximum(1.0, 10 * _size(step))
@@ -380,8 +380,8 @@ def square_slides(z: Complex, u: Complex, poses: Relations) -> Pairs | None:
     farthest = np.linalg.svd(travelled - travelled.mean(axis=1, keepdims=True))[0][:, 0]
     share = np.array([farthest, [-farthest[1], farthest[0]]])
     b, c = share @ b, share @ c
-    way = 1j * b * np.where(b.imag > 0, -1, 1)
-    return Pairs(way, poses.size * c / np.conj(b), np.full(2, True), np.full(2, False))
+    slide_directions = 1j * b * np.where(b.imag > 0, -1, 1)
+    return Pairs(slide_directions, poses.size * c / np.conj(b), np.full(2, True), np.full(2, False))
 
 
 def pairs_of(coefficients: Real) -> tuple[Pairs, Mask]:

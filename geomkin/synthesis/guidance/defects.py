@@ -1,4 +1,4 @@
-"""Exact rules for whether a linkage that reaches every wanted position also moves from one to the next."""
+"""Exact rules that decide whether a linkage that reaches all positions can also move from each one to the next."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ CHANGE_POINT = 1e-9
 
 @record(eq=False, kw_only=True)
 class Defects:
-    """Defects that keep linkages from passing positions in order with the driver moving in one sense; arrays
-    (linkages,).
+    """Defects that keep linkages from passing positions in order with the driver moving in one sense.
+
+    Arrays have the shape (linkages,) unless stated otherwise.
 
     `circuit`: some positions are reached only by disassembly. `branch`: between positions of one circuit the driver
     must pass a dead centre or a change point, where the motion is undetermined. `order`: the positions are passed in
@@ -120,12 +121,12 @@ def _of_turning(ahead: Complex, side: Real, near: Real, far: Real) -> Defects:
     sign = np.where(side < 0, -1, 1)
     circuit = np.where(meets, 1, np.where(whole, sign, part))
     # On a full turn the motion starts anywhere and covers at most one turn.
-    left, right = (np.mod(way * np.diff(angle, axis=0), 2 * np.pi) for way in (1, -1))
-    ways = left.sum(axis=0), right.sum(axis=0)
-    steps = np.where(ways[0] <= ways[1], left, -right)
+    left, right = (np.mod(sense * np.diff(angle, axis=0), 2 * np.pi) for sense in (1, -1))
+    totals = left.sum(axis=0), right.sum(axis=0)
+    steps = np.where(totals[0] <= totals[1], left, -right)
     round_trip = np.concatenate([angle[:1], angle[:1] + np.cumsum(steps, axis=0)])
     drive = np.where(whole, round_trip, angle)
-    order = np.where(whole, np.minimum(*ways) >= 2 * np.pi, ~_one_way(angle))
+    order = np.where(whole, np.minimum(*totals) >= 2 * np.pi, ~_one_way(angle))
     edge = np.where(both, np.abs(ahead.imag).min(axis=0), 1.0)
     apart = np.abs(np.angle(ahead[1:] * np.conj(ahead[:-1]))).min(axis=0, initial=1.0)
     limits = np.minimum(np.abs(near), np.abs(far))
@@ -177,10 +178,14 @@ def _one_way(values: Real) -> Mask:
 def of_four_bars(ground: Real, crank: Real, coupler: Real, rocker: Real, start: Real, end: Real) -> Real:
     """Driven by the crank: the angle at the rocker pin depends on the diagonal, which is monotonic from 0 to pi."""
     turns = [start, end, _passed(start, end, 0.0), _passed(start, end, np.pi)]
-    # By half angles, so that the distance keeps its digits when crank and ground are folded.
-    across = [np.hypot(ground - crank, 2 * np.sqrt(ground * crank) * np.sin(t / 2)) for t in turns]
-    least: Real = np.minimum.reduce([acute_at(coupler, rocker, one) for one in across])
-    return least
+    # By half angles, so that the distance keeps its digits when crank and ground are folded. The acute angle rises up
+    # to a right one and falls from there on, so its minimum is at the shortest or the longest diagonal.
+    sines = [np.abs(np.sin(t / 2)) for t in turns]
+    ends = (
+        np.hypot(ground - crank, 2 * np.sqrt(ground * crank) * sine)
+        for sine in (np.minimum.reduce(sines), np.maximum.reduce(sines))
+    )
+    return np.minimum(*(acute_at(coupler, rocker, end) for end in ends))
 
 
 def of_slider_cranks(crank: Real, coupler: Real, offset: Real, start: Real, end: Real) -> Real:

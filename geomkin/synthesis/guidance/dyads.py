@@ -116,8 +116,9 @@ def _different(found: Pairs) -> Whole:
 
 
 def fitted_circles(points: Complex) -> tuple[Complex, Mask]:
-    """Centres (k,) of rows of points (k, n), mm, and a mask of those at infinity, given by the line's direction, unit
-    complex.
+    """Centres (k,) of rows of points (k, n), mm, and a mask of those at infinity.
+
+    A centre at infinity is replaced by the direction of the line, unit complex.
 
     Each is the best circle or line by least squares of distances, exact through three points. The centre is nan if the
     points are at two positions, through which many circles pass, and the common position if they coincide.
@@ -431,8 +432,9 @@ def as_dyads(z: Complex, u: Complex, pairs: Pairs, most: float = np.inf, converg
 
 
 def _size(z: Complex, u: Complex, found: Pairs) -> Real:
-    """Reference length for a dyad's error, mm: displacement of its pin, spread of the poses, and the effect of
-    rounding.
+    """Reference length for the error of a dyad, mm.
+
+    It depends on the displacement of its pin, the spread of the poses, and rounding.
     """
     pin, pivot = np.where(found.moving_far, 0, found.moving), np.where(found.fixed_far, 0, found.fixed)
     spreads = [

@@ -157,8 +157,7 @@ class Rectification:
 def rectification(
     poses: Poses, driven: complex | None = None, reach: Annotated[float, between(0, FARTHEST, "mm")] | None = None
 ) -> Rectification:
-    """Find the regions of the driven and the driving pin of a four-bar, or of a slider-crank's crank pin, for three
-    poses.
+    """Find the regions of the pins of a four-bar, or of the crank pin of a slider-crank, for three poses.
 
     Parameters
     ----------
@@ -192,23 +191,12 @@ def rectification(
     finite = places[np.isfinite(places)]
     if reach is None:
         reach = 2 * float(max(size, np.abs(finite - finite.mean()).max() if len(finite) else 0.0)) or 1.0
-    circles: list[AbstractCurve] = []
-    for k in range(3):
-        ends = [images[k], images[(k + 1) % 3]]
-        positions = [complex(end.position) for end in ends]
-        is_far = [not np.isfinite(z) for z in positions]
-        if not any(is_far) and positions[0] != positions[1]:
-            circles.append(Circle((positions[0] + positions[1]) / 2, abs(positions[1] - positions[0]) / 2))
-        elif is_far[0] != is_far[1]:
-            finite_end, across = (
-                positions[1] if is_far[0] else positions[0],
-                1j * complex(ends[0 if is_far[0] else 1].direction),
-            )
-            circles.append(Segment(finite_end - reach * across, finite_end + reach * across))
+    sides = [(images[0], images[1]), (images[1], images[2]), (images[2], images[0])]
+    circles = [circle for side in sides if (circle := _circle_over(*side, reach)) is not None]
     link_directions, lines = np.zeros(3, dtype=complex), []
     if driven is not None:
         link_directions = _driven_directions(Displacements(origins, directions), driven)
-        lines = [Segment(driven - reach * way, driven + reach * way) for way in link_directions.tolist()]
+        lines = [Segment(driven - reach * along, driven + reach * along) for along in link_directions.tolist()]
     return Rectification(
         image_poles=(images[0], images[1], images[2]),
         circles=tuple(circles),
@@ -216,6 +204,18 @@ def rectification(
         lines=tuple(lines),
         directions=link_directions,
     )
+
+
+def _circle_over(one: InstantCentre, other: InstantCentre, reach: float) -> AbstractCurve | None:
+    """The circle whose diameter is the side between two image poles; a line if one of them is at infinity."""
+    start, end = complex(one.position), complex(other.position)
+    if np.isfinite(start) and np.isfinite(end):
+        return Circle((start + end) / 2, abs(end - start) / 2) if start != end else None
+    if not np.isfinite(start) and not np.isfinite(end):
+        return None
+    finite, far = (start, other) if np.isfinite(start) else (end, one)
+    across = 1j * complex(far.direction)
+    return Segment(finite - reach * across, finite + reach * across)
 
 
 def _driven_directions(body: Displacements, driven: complex) -> Complex:

@@ -26,9 +26,9 @@ from .poses import Poses, placed
 
 # Largest error of an exact linkage, as a share of the size of the poses: rounding of dyads that lie close together.
 EXACT = 1e-8
-# Least length of a link as a share of the longest; less is rounding of two coinciding pins.
+# Least length of a link as a share of the longest. A shorter one results from rounding of two coinciding pins.
 LEAST_LINK = 1e-9
-# Decimals of a degree to which transmission angles are compared; with fewer a better linkage may come second.
+# Decimals of a degree to which transmission angles are compared. With fewer a better linkage may come second.
 ALIKE = 2
 
 Pair = Annotated[
@@ -212,8 +212,8 @@ def body_guides(
         if has_points:
             return _ranked(request, of_chosen(request, moving_points, fixed_points))
         if any_point:
-            # Any point of the body is a solution. Many parallel poses have one only for cranks, if their origins are on
-            # a circle.
+            # Any point of the body is a solution. More than three parallel poses have solutions only with cranks, if
+            # the origins are on a circle.
             return _ranked(request, searched(request) if len(origins) == 3 or kinds == KINDS[:1] else [])
         return _ranked(
             request, along_curves(request, poses) if len(origins) == 4 else of_dyads(request, dyads_through(poses))
@@ -236,7 +236,9 @@ def body_guides(
                 raise DesignError("poses", problem, f"give a larger region: [{low}, {high}] is large enough")
             if watch.over():
                 raise DesignError("poses", problem, "give a larger region, weaker limits, another kind or other poses")
-    raise DesignError("poses", problem, "give weaker limits, another kind or other poses: more room does not help")
+    raise DesignError(
+        "poses", problem, "give weaker limits, another kind or other poses; a larger region does not help"
+    )
 
 
 def _ranked(request: GuideRequest, groups: Sequence[Group]) -> tuple[BodyGuide, ...]:
@@ -248,7 +250,7 @@ def _ranked(request: GuideRequest, groups: Sequence[Group]) -> tuple[BodyGuide, 
             no_defects, angle = guides.defects.none, guides.angle
             is_kept = _possible(guides) & (guides.ratio <= ratio) & ~(no_defects & (angle < request.least_angle))
         ranked += [_body_guide(request, kind, guides, k) for k in np.flatnonzero(is_kept).tolist()]
-    size = float(np.abs(request.body.ways).max()) or 1.0
+    size = float(np.abs(request.body.shifts).max()) or 1.0
     if len(request.body.origins) > 5 and request.largest_ratio is None:
         # The best fits are often two dyads that nearly coincide. Exact solutions have no limit.
         ranked = [guide for guide in ranked if guide.ratio <= LARGEST_RATIO or guide.pose_error <= EXACT * size]

@@ -17,8 +17,8 @@ from .guide_search import DEFECTIVE, DISTINCT, Displacements, GuideSearch, disti
 from .guides import AbstractGuides, guides_of, usable
 from .poses import Poses
 
-# Dyads along the curves of four poses; those that are all paired with each other; and the nearest ones to each of a
-# good pair, which are tried too. With fewer a narrow range of good pairs is missed; more take seconds.
+# Number of dyads along the curves of four poses, of those that are all paired with each other, and of neighbours of a
+# good pair that are tried too. With fewer a narrow range of good pairs is missed; more take seconds.
 ALONG, PAIRED, NEAREST_PINS = 4000, 300, 40
 # Number of good pairs that are improved.
 STARTS = 24

@@ -48,10 +48,10 @@ class Displacements:
         return turns
 
     @cached_property
-    def ways(self) -> Complex:
+    def shifts(self) -> Complex:
         """p, (poses,), relative to the first origin."""
-        ways: Complex = self.origins - self.origins[0]
-        return ways
+        shifts: Complex = self.origins - self.origins[0]
+        return shifts
 
     @cached_property
     def translated(self) -> bool:
@@ -70,13 +70,14 @@ class Displacements:
 
     @staticmethod
     def centre(pins: Complex) -> Complex:
-        """Centre of the circle through three positions; infinite if they are collinear or a further one is off it."""
+        """Centre of the circle through all positions; infinite if there is no such circle."""
         a, b = pins[1] - pins[0], pins[2] - pins[0]
         with np.errstate(all="ignore"):
             centres: Complex = pins[0] + 0.5j * (a * np.abs(b) ** 2 - b * np.abs(a) ** 2) / cross(a, b)
-            reach = np.abs(pins - centres)
-            on = (len(pins) == 3) | (np.ptp(reach, axis=0) <= ROUND * reach[0])
-            return np.where(on, centres, np.inf)
+            if len(pins) == 3:
+                return centres
+            radii = np.abs(pins - centres)
+            return np.where(np.ptp(radii, axis=0) <= ROUND * radii[0], centres, np.inf)
 
     def at_first(self, pivots: Complex) -> Complex:
         """Positions at the first of three poses of points that move about pivots; the inverse of `centre`."""
@@ -86,7 +87,7 @@ class Displacements:
     @cached_property
     def _sliders(self) -> tuple[float, complex, float]:
         """The circle of sliders, a |z|^2 + 2 Re(conj(b) z) + c = 0 from the first origin; a line if a = 0."""
-        s, p = self.turns[1:] - 1, self.ways[1:]
+        s, p = self.turns[1:] - 1, self.shifts[1:]
         a, c = float((np.conj(s[0]) * s[1]).imag), float((np.conj(p[0]) * p[1]).imag)
         return a, complex(0.5j * (p[0] * np.conj(s[1]) - p[1] * np.conj(s[0]))), c
 
@@ -97,14 +98,14 @@ class Displacements:
         """
         a, b, c = self._sliders
         z = z - self.origins[0]
-        way = a * z + b
-        square = np.abs(way) ** 2
+        gradient = a * z + b
+        square = np.abs(gradient) ** 2
         value = a * np.abs(z) ** 2 + 2 * (np.conj(b) * z).real + c
         with np.errstate(all="ignore"):
             # Always real, since the circle exists: it passes through the image poles.
             root = np.sqrt(np.maximum((abs(b) ** 2 - a * c) / square, 0.0))
-            found = z - way * value / (square * (1 + root))
-        level = max(float(np.abs(np.prod(self.ways[1:]))), np.finfo(float).tiny)
+            found = z - gradient * value / (square * (1 + root))
+        level = max(float(np.abs(np.prod(self.shifts[1:]))), np.finfo(float).tiny)
         # If all poses are parallel, either all points slide or none.
         still = np.where(abs(value) <= 1e-12 * level, z, np.nan) if self.translated else found
         return np.asarray(still + self.origins[0])
@@ -123,9 +124,9 @@ class Displacements:
 def rail_of(pins: Complex) -> Complex:
     """Direction, to the right or up, of the line through positions, (points,), from the two farthest apart."""
     a, b, c = pins[1] - pins[0], pins[2] - pins[0], pins[2] - pins[1]
-    way = np.where(np.abs(b) > np.abs(a), b, a)
-    way = unit(np.where(np.abs(c) > np.abs(way), c, way))
-    return np.where((way.real < 0) | ((way.real == 0) & (way.imag < 0)), -way, way)
+    longest = np.where(np.abs(b) > np.abs(a), b, a)
+    line = unit(np.where(np.abs(c) > np.abs(longest), c, longest))
+    return np.where((line.real < 0) | ((line.real == 0) & (line.imag < 0)), -line, line)
 
 
 def pair_of(kind: str, slides: bool, body: Displacements, pairs: Complex) -> AbstractGuides:
@@ -155,12 +156,12 @@ class GuideSearch:
     def score(self, guides: AbstractGuides) -> Real:
         """Least transmission angle, rad; -inf for linkages that are not acceptable."""
         fits = self.fits(guides) & guides.defects.none
-        # Rounded, since many may have the same angle, for instance one set by the body's rotation alone.
+        # Rounded, since many linkages may have equal angles, for instance if the body's rotation alone sets them.
         angle = np.round(np.where(fits, guides.angle, -np.inf), DECIMALS)
         return np.where(angle >= self.least_angle, angle, -np.inf)
 
     def fits(self, guides: AbstractGuides) -> Mask:
-        """Whether linkages are in the region and within the ratio of links, with defects or not."""
+        """Whether linkages are in the region and within the ratio of links, whatever their defects."""
         return usable(guides, self.low, self.high) & (guides.ratio <= self.largest_ratio)
 
     def made(self, pairs: Complex) -> AbstractGuides:
@@ -192,7 +193,7 @@ class GuideSearch:
         return starts, bad[self.distinct(bad, DEFECTIVE)]
 
     def _pairs(self, rng: np.random.Generator) -> Complex:
-        """Pairs of pins that stay in the region with their pivots."""
+        """Random pairs of pins that, like their pivots, stay in the region."""
         box = self.high - self.low
         tries = self.low + box.real * rng.random(PINS) + 1j * box.imag * rng.random(PINS)
         rails = self.body.onto_sliders(tries) if self.kind != "four-bar" else tries
@@ -210,7 +211,7 @@ class GuideSearch:
         return np.stack([pool[rng.integers(len(pool), size=PAIRS)] for pool in pools], axis=1)
 
     def distinct(self, pairs: Complex, most: int) -> list[int]:
-        """Indices of at most so many distinct pairs, the first ones first."""
+        """Indices of at most `most` distinct pairs, earlier pairs first."""
         return distinct(pairs, most, DISTINCT * self.size)
 
     def _improved(self, pairs: Complex, rng: np.random.Generator, watch: Watch) -> Complex:
@@ -248,7 +249,7 @@ def climbed(
 
 
 def distinct(pairs: Complex, most: int, apart: float) -> list[int]:
-    """Indices of at most so many pairs, the first ones first, that differ by more than `apart` from all before."""
+    """Indices of at most `most` pairs, in order, that differ by more than `apart` from all earlier ones chosen."""
     chosen: list[int] = []
     remaining = np.arange(len(pairs))
     while len(remaining) and len(chosen) < most:

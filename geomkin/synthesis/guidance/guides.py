@@ -102,8 +102,8 @@ class FourBars(AbstractGuides):
     @cached_property
     def defects(self) -> Defects:
         back = np.conj(self._line)
-        ways = unit(self.first - self.pivots[0]) * back, self.bar * back, unit(self.second - self.pivots[1]) * back
-        return four_bar_defects(*self.links, ways)
+        crank, rocker = unit(self.first - self.pivots[0]), unit(self.second - self.pivots[1])
+        return four_bar_defects(*self.links, (crank * back, self.bar * back, rocker * back))
 
     def least_angle(self, start: Real, end: Real) -> Real:
         return transmission.of_four_bars(*self.links, start, end)

@@ -103,7 +103,7 @@ class BodyState:
 
     @property
     def seen_by_body(self) -> InflectionCircle:
-        """The same for the ground as seen from the body: the centres of the paths of pivots are their pins."""
+        """`inflection_circle` of the ground as seen from the body: the centres of the paths of pivots are pins."""
         back = 2j * self.omega * self.velocity - self.acceleration
         return _second_order(self.position, -self.velocity, back, -self.omega, -self.alpha)
 
@@ -266,7 +266,9 @@ def _four_bar(state: BodyState, name: str, pins: Complex, pivots: Complex, alpha
         raise DesignError(name, "a pin falls on its pivot or on the other one", "give points off the instant centre")
     if max(abs(cross(bar, arm)) / abs(bar * arm) for arm in arms) <= IN_LINE:
         raise DesignError(
-            name, "the points and the instant centre are in one line, which leaves the motion open", "move one off it"
+            name,
+            "the points and the instant centre are collinear, so that the motion is undetermined",
+            "move one off it",
         )
     along = base / abs(base)
     linkage = FourBar(

@@ -285,7 +285,9 @@ def circle_of_sliders(poses: Poses) -> SliderCircle:
     slope = complex(0.5 * 1j * (displacements[0] * np.conj(rotations[1]) - displacements[1] * np.conj(rotations[0])))
     level = float(cross(displacements[0], displacements[1]))
     if abs(rotations).max() <= PARALLEL:
-        raise DesignError("poses", "all three are parallel", "turn one of them: all points move alike as they are")
+        raise DesignError(
+            "poses", "all three are parallel", "rotate one of them, since otherwise all points move alike"
+        )
     if abs(curvature) <= PARALLEL * np.prod(np.abs(rotations)) or np.abs(rotations).min() <= PARALLEL:
         curvature = 0.0
     return SliderCircle(complex(origins[0]), curvature, slope, level)

@@ -212,14 +212,14 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
 
     @cached_property
     def seen(self) -> Complex:
-        """Positions of the poses, and of the pins at the first one, mm."""
+        """Positions of the poses, and of the pins at the first pose, mm."""
         motion = move(self.found.linkage, self.found.drive[:1], self.found.branch)
         pins = [complex(motion.point(pin).position[0]) for pin in motion.linkage.pins]
         return np.array([*(z for z, _ in self.wanted.pairs), *pins])
 
     @property
     def extent(self) -> float:
-        """The longer side of the box around these, mm."""
+        """The longer side of the box around the positions in `seen`, mm."""
         return float(max(np.ptp(self.seen.real), np.ptp(self.seen.imag)))
 
     @property
@@ -279,7 +279,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         return (0.5 + ROOM) * self.extent
 
     def near(self, curves: Iterable[AbstractCurve]) -> list[AbstractCurve]:
-        """The circles near the middle; lines and larger circles are left out."""
+        """The circles near the middle, without lines and larger circles."""
         return [c for c in curves if isinstance(c, Circle) and abs(c.centre - self.middle) + c.radius <= self.room]
 
     @cached_property

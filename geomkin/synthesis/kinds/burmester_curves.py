@@ -26,13 +26,13 @@ from ..found import ten_digits
 from ..guidance.burmester import Burmester, BurmesterCurve, burmester_curves
 from ..guidance.poses import placed, poles
 
-# Reach of the drawing, in sizes of the poses, where it is left out: more, and the poses are a dot on the plate.
+# Default extent of the drawing, in sizes of the poses. With a larger one the poses are a dot on the plate.
 REACH = 3.0
 # Largest error of a listed dyad at a pose, in sizes of the poses: far below manufacturing accuracy. Derived here.
 MISSED = 1e-6
 # Lengths of the drawn axes of a pose and of a dash, as shares of the extent of the curves.
 AXIS, DASH = 0.06, 0.02
-# Samples of a piece for its length, with which dashes and rows are even to a thousandth.
+# Samples of a piece for its length. With this number dashes and rows are even to a thousandth.
 SAMPLES = 2000
 # Duration of the animation of the wandering pivot, s.
 DURATION = 12.0

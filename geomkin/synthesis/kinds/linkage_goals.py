@@ -105,7 +105,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
     def shortened(self, found: F) -> F:
         """Round a linkage to the fewest digits with which it passes every check and limit that it passed."""
         for share in SHARES:
-            # A limit that is active in the search is violated by about half of all roundings; then one link is changed
+            # About half of all roundings violate a limit that is active in the search. In this case one link is changed
             # by one unit of its last digit.
             links = [(name, units) for name in found.lengths for units in (1, -1)]
             for longer in [("", 0), *links]:
@@ -145,7 +145,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         low, high = self.found.drive_range
         if self.found.linkage.linkage.driven_slider is not None:
             return low, high
-        # Without the last bits, in which the conversion from radians leaves noise.
+        # Rounded, since the conversion from radians leaves noise in the last bits.
         return float(f"{np.degrees(low):.13g}"), float(f"{np.degrees(high):.13g}")
 
     @cached_property
@@ -158,13 +158,13 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
     @property
     def met(self) -> tuple[Check, ...]:
-        """The same checks for the chosen linkage."""
+        """`met_by` for the chosen linkage."""
         return self.met_by(self.found)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
         defects = self.found.defects
-        # A linkage that does not complete the motion has no measured error; its defect is reported instead of a nan.
+        # If a defect prevents the measurement of an error, the defect is reported instead of a nan.
         measured = [check for check in self.met if not (defects and np.isnan(check.value))]
         advice = f"it has these defects: {', '.join(defects)}" if defects else ""
         return (*measured, Check("defects", "defects", len(defects), "at most", 0, "", advice), *super().design_checks)
@@ -181,7 +181,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
     @property
     def choice(self) -> Choice | None:
-        """The alternatives, if they lie along one quantity."""
+        """The other solutions, if they form a family along one quantity."""
         return None
 
     @property
@@ -196,7 +196,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         found = self.design.scene
         assert found is not None
         curves, plots = (*found.curves, *self.shown), (*self.plotted, *found.plots)
-        # With the columns that only the page of the linkage has.
+        # The table of the scene also has columns of the linkage that the goal's own table lacks.
         shown = [column for column in found.table.columns if column.id not in self.table.ids]
         table = Table((*self.table.columns, *shown))
         return replace(found, table=table, curves=curves, plots=plots, choice=self.choice)
@@ -227,26 +227,26 @@ def _strokes(found: Found) -> tuple[Complex, ...]:
 
 
 def recipe_of(
-    linkage: AbstractLinkage, branch: int, way: tuple[float, float], drive: Drive, stock: LinkStock, files: Files
+    linkage: AbstractLinkage, branch: int, span: tuple[float, float], drive: Drive, stock: LinkStock, files: Files
 ) -> AbstractLinkageRecipe:
-    """The recipe of a linkage whose driver moves over the range `way`, deg, or mm if a slider drives.
+    """The recipe of a linkage whose driver moves over the range `span`, deg, or mm if a slider drives.
 
     A driving slider takes the time and the number of steps of half a turn at the speed of `drive`. A negative speed
     reverses the motion; a full turn then starts at the same position.
     """
-    low, high = way
+    low, high = span
     if drive.speed_rpm < 0:
-        way = (low, low - 360) if linkage.linkage.driven_slider is None and high - low == 360 else (high, low)
+        span = (low, low - 360) if linkage.linkage.driven_slider is None and high - low == 360 else (high, low)
     given: dict[str, Any] = {"linkage": linkage, "branch": branch, "stock": stock, "files": files}
     if linkage.linkage.driven_slider is None:
-        given["drive"] = Turn(drive.speed_rpm, drive.step_deg, *way, drive.acceleration_rad_per_s2)
+        given["drive"] = Turn(drive.speed_rpm, drive.step_deg, *span, drive.acceleration_rad_per_s2)
     else:
         length = high - low
         speed, acceleration = (
             float(f"{length * rate:.10g}") for rate in (drive.speed_rpm / 30, drive.acceleration_rad_per_s2 / np.pi)
         )
         step = float(rounded_up(length * drive.step_deg / 180))
-        given["stroke"] = Stroke(*way, speed, step, acceleration)
+        given["stroke"] = Stroke(*span, speed, step, acceleration)
     kinds: dict[type, type[AbstractLinkageRecipe]] = {
         FourBar: FourBarRecipe,
         SliderCrank: SliderCrankRecipe,

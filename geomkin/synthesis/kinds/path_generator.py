@@ -146,7 +146,7 @@ class WantedPath:
     points: tuple[ComplexPoint, ...] | None = entry(
         "points of the path, [x, y] in mm each",
         default=None,
-        # Ten points, since fewer are met exactly by many linkages, and rounding decides which one is found.
+        # Ten points, since many linkages pass exactly through fewer, and rounding would decide which one is found.
         example=tuple(
             complex(*point)
             for point in [

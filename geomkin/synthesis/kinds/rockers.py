@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,14 +41,20 @@ MISSED_DEG = 1e-4
 # Members of a family that are ranked besides the best. More would only lie between these.
 OTHERS = 19
 RATIO_OF_LINKS = "longest link over the shortest"
-# Limits of the ratio of links that are compared, and one beyond which the transmission angle no longer changes in its
-# reported digits.
+# Compared limits of the ratio of links, and a limit above which the reported digits of the transmission angle no longer
+# change.
 RATIOS, LARGEST_RATIO = (3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0), 1e6
 
 
 def ratio_entry(left_out: str = "6 if left out") -> Any:
     """The field `largest_ratio`."""
     return quantity(f"longest link over the shortest; {left_out}", default=None, example=None, above=1, at_most=1e6)
+
+
+def free_angle_entry(meaning: str, below: float) -> Any:
+    """The field `free_angle_deg`."""
+    meaning = f"selects another member than the best: {meaning}"
+    return quantity(meaning, "deg", default=None, above=0, below=below)
 
 
 def turn_entry(example: float) -> Any:
@@ -80,7 +86,7 @@ class AbstractTimed:
 
 
 def rounded_error(found: float, wanted: float) -> float:
-    """Error of a simulated value without the last digits, which differ between processors."""
+    """Error of a simulated value, rounded to digits that all processors agree on."""
     return float(rounded(abs(found - wanted), 9))
 
 
@@ -101,6 +107,9 @@ class FamilyGoal(Protocol[M_co]):
 @record(checked=True, kw_only=True)
 class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     """A goal that takes the best member of a family and ranks others."""
+
+    # Sizes of `wanted` that select a member.
+    sizes_of_members: ClassVar[tuple[str, ...]] = ()
 
     kind: str
     wanted: FamilyGoal[M]
@@ -141,7 +150,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return 0.0, self.ranked[0].largest_ratio
 
     def rank(self, member: M) -> tuple[float, ...]:
-        """Key by which members are sorted; the least comes first."""
+        """Sort key of the members; the smallest one comes first."""
         return (-float(member.transmission_angle_deg),)
 
     @property
@@ -189,7 +198,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
 
     @property
     def trade_off(self) -> list[Mapping[str, object]]:
-        """The best linkage for several limits of the ratio of links: how much transmission angle longer links add."""
+        """The best linkage for several limits of the ratio of links, which shows the benefit of longer links."""
         entries: list[Mapping[str, object]] = []
         for ratio in sorted({*RATIOS, self.ranked[0].largest_ratio}):
             with suppress(DesignError):
@@ -220,7 +229,10 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
 
     @property
     def choice(self) -> Choice:
-        return family_choice(self.found)
+        # A member at an angle has no other size given, and no rank.
+        sizes = [name for name in self.sizes_of_members if getattr(self.wanted, name) is not None]
+        instead = (*(f"wanted.{name}" for name in sizes), *["choose"] * (self.choose > 1))
+        return replace(family_choice(self.found), key="wanted.free_angle_deg", instead_of=instead)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -302,13 +314,7 @@ class WantedSwing(AbstractTimed):
     rocker: float | None = quantity(
         "length of the rocker, instead of the ground", "mm", default=None, above=0, at_most=FARTHEST
     )
-    free_angle_deg: float | None = quantity(
-        "selects another member than the best: the angle whose tangent is crank over coupler",
-        "deg",
-        default=None,
-        above=0,
-        below=45,
-    )
+    free_angle_deg: float | None = free_angle_entry("the angle whose tangent is crank over coupler", 45)
     largest_ratio: float | None = ratio_entry("6 if left out, more for swings below 39 deg")
 
     def __post_init__(self) -> None:
@@ -398,15 +404,18 @@ class WantedSwings:
     rocker: float | None = quantity(
         "length of the driven rocker, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
     )
+    free_angle_deg: float | None = free_angle_entry(
+        "its position between the ends of the family, instead of a length", 90
+    )
     largest_ratio: float | None = ratio_entry("100 if left out")
 
     @property
     def is_free(self) -> bool:
         """Whether the best member is searched for."""
-        return self.crank is None and self.rocker is None
+        return self.crank is None and self.rocker is None and self.free_angle_deg is None
 
     def search(self, free_angle_deg: float | None = None) -> DoubleRocker:
-        """The best linkage or the one with the given length; with an argument, the one at that free angle, deg."""
+        """The best linkage or the one with the given length or angle; with an argument, the one at that angle, deg."""
         return double_rocker(
             self.crank_start_deg,
             self.crank_swing_deg,
@@ -415,7 +424,7 @@ class WantedSwings:
             self.ground,
             crank=self.crank,
             rocker=self.rocker,
-            free_angle_deg=free_angle_deg,
+            free_angle_deg=self.free_angle_deg if free_angle_deg is None else free_angle_deg,
             largest_ratio=self.largest_ratio,
         )
 
@@ -442,6 +451,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     wanted: WantedSwings
     drive: Drive = entry("how the driving rocker turns", default=Drive())
 
+    sizes_of_members = ("crank", "rocker")
     remedy = "give smaller swings or other starts"
 
     def __post_init__(self) -> None:
@@ -497,6 +507,9 @@ class WantedStroke(AbstractTimed):
     coupler: float | None = quantity(
         "length of the connecting rod, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
     )
+    free_angle_deg: float | None = free_angle_entry(
+        "the angle whose tangent is crank over coupler, instead of a size", 45
+    )
     largest_ratio: float | None = ratio_entry()
 
     def __post_init__(self) -> None:
@@ -505,17 +518,17 @@ class WantedStroke(AbstractTimed):
     @property
     def is_free(self) -> bool:
         """Whether the best member is searched for."""
-        return self.offset is None and self.crank is None and self.coupler is None
+        return self.offset is None and self.crank is None and self.coupler is None and self.free_angle_deg is None
 
     def search(self, free_angle_deg: float | None = None) -> StrokeCrank:
-        """The best linkage or the one with the given size; with an argument, the one at that free angle, deg."""
+        """The best linkage or the one with the given size or angle; with an argument, the one at that angle, deg."""
         return slider_crank_stroke(
             self.stroke,
             self.turn_deg,
             offset=self.offset,
             crank=self.crank,
             coupler=self.coupler,
-            free_angle_deg=free_angle_deg,
+            free_angle_deg=self.free_angle_deg if free_angle_deg is None else free_angle_deg,
             largest_ratio=self.largest_ratio,
         )
 
@@ -541,6 +554,7 @@ class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
     kind: Literal["slider-crank-stroke"] = "slider-crank-stroke"
     wanted: WantedStroke
 
+    sizes_of_members = ("offset", "crank", "coupler")
     remedy = "give a time ratio nearer to 1"
 
     def met_by(self, found: StrokeCrank) -> tuple[Check, ...]:

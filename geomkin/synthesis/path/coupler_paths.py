@@ -111,7 +111,7 @@ def folded(x: Real, cranks: Real, slides: bool) -> Real:
 
 
 def folding(x: Real, cranks: Real, slides: bool) -> tuple[Real, Real, Real]:
-    """The same with its derivatives by sizes (s, n, 9) and by crank (s, n)."""
+    """`folded` with its derivatives by sizes (s, n, 9) and by crank (s, n)."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
     cos, sin = np.cos(cranks), np.sin(cranks)
     value = folded(x, cranks, slides)
@@ -151,7 +151,7 @@ def bounds_of(
 ) -> tuple[Real, Real]:
     """Bounds low, high (10,) about `middle` in units of `size`; DesignError for unknown names and empty ranges.
 
-    Without prescribed crank angles there is no start that could be bounded.
+    timed: whether crank angles are prescribed; otherwise their start cannot be bounded.
     """
     names = SLIDER if slides else FOUR_BAR
     allowed = [name for k, name in enumerate(names) if not (slides and k == ROCKER) and (timed or k != START)]
@@ -160,7 +160,7 @@ def bounds_of(
     low[[TURN, START]], high[[TURN, START]] = -FREE, FREE
     if slides:
         low[GROUND] = -LONGEST
-        # Any length serves, since there is no rocker.
+        # An arbitrary length, since there is no rocker.
         low[ROCKER] = high[ROCKER] = 1.0
     for name, pair in (bounds or {}).items():
         if name not in allowed:
@@ -199,6 +199,6 @@ def bounds_of(
 
 
 def bound_all_links(bounds: Mapping[str, tuple[float, float]] | None, slides: bool) -> bool:
-    """Whether each link has a greatest length, so that no search tends to infinite links."""
+    """Whether the length of each link is bounded, so that no search tends to infinite links."""
     links = ("crank", "coupler") if slides else FOUR_BAR[:4]
     return bounds is not None and all(link in bounds for link in links)

@@ -74,7 +74,7 @@ class ComplexDoubleDouble:
 
     @property
     def parts(self) -> tuple[Complex, Complex]:
-        """The two complex arrays of which it is the sum."""
+        """The two complex arrays, high and low, whose sum it is."""
         return _joined(self.real.high, self.imag.high), _joined(self.real.low, self.imag.low)
 
 
@@ -91,7 +91,7 @@ def _joined(real: Real | float, imag: Real | float) -> Complex:
 
 
 def _short_sum(a: Real, b: Real) -> tuple[Real, Real]:
-    """The same if |a| >= |b|."""
+    """`exact_sum` if |a| >= |b|."""
     total = a + b
     return total, b - (total - a)
 

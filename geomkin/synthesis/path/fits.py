@@ -404,7 +404,7 @@ def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tu
 
 
 def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
-    """The same for a few starts that have nearly converged, such as results for fewer points."""
+    """`polished` for a few starts that have nearly converged, such as results for fewer points."""
     shared = 9 if task.free else 10
     fit, x = Fit(task, branch), x[:, :shared]
     for k in range(REFINED):

@@ -14,7 +14,8 @@ from ...plane.vec import Complex, Real, Whole
 from .homotopy import follow, refine
 from .nine_point_equations import cognates_of, is_degenerate, is_repeated, may_be_degenerate, rotations_of
 
-# Relative distance from a line or circle below which points lie on it. Nearer points cost the time limit.
+# Relative distance from a line or circle below which points count as lying on it. With a smaller one the search would
+# take the whole time limit for points that nearly do.
 ON_CURVE = 1e-9
 # Largest difference of a coordinate from the conjugate of its partner, as a share of its size, in a real linkage. The
 # number of real linkages is the same from 1e-10 to 1e-5 in 199 of 200 random sets of points.
@@ -88,7 +89,7 @@ def through_nine(points: Complex, watch: Watch) -> tuple[Real, PathCount]:
     offsets = offsets / size
     target = np.concatenate([offsets, np.conj(offsets)])
     solutions, lost = _solutions(1, target, watch)
-    total = len(_starts(1)[0])
+    total = len(starts_of(1)[0])
     if 0 < total - len(solutions) <= FEW_MISSING and not watch.over():
         others, others_lost = _solutions(2, target, watch)
         both = np.concatenate([solutions, others])
@@ -118,7 +119,7 @@ def special(points: Complex) -> str:
 
 
 @cache
-def _starts(number: int) -> tuple[Complex, Complex]:
+def starts_of(number: int) -> tuple[Complex, Complex]:
     """A stored set: one solution (s, 16) of each class, and its parameters (16,)."""
     stored = np.load(Path(__file__).with_name(f"nine_points_{number}.npy")).astype(complex)
     parameters, places = stored[:2].ravel(), stored[2:]
@@ -128,7 +129,7 @@ def _starts(number: int) -> tuple[Complex, Complex]:
 
 def _solutions(number: int, target: Complex, watch: Watch) -> tuple[Complex, int]:
     """Distinct solutions (s, 16) for the parameters `target` (16,), and how many paths were lost."""
-    starts, parameters = _starts(number)
+    starts, parameters = starts_of(number)
     before = 0.0 if number == 1 else MAIN_SHARE + DOUBTFUL_SHARE
 
     def is_over(done: float, first: float, share: float) -> bool:

@@ -115,8 +115,9 @@ class PathFound(Found):
 
     @cached_property
     def cognates(self) -> tuple[Cognate, ...]:
-        """This linkage and the two other four-bars that draw the same path; empty for a slider-crank or degenerate
-        cognates.
+        """This linkage and the two other four-bars that draw the same path.
+
+        Empty for a slider-crank, or if the cognates are degenerate.
         """
         if not isinstance(self.linkage, FourBar):
             return ()
@@ -192,8 +193,9 @@ def crank_motion(task: PathTask, x: Real, cranks: Real, branch: Whole) -> CrankM
 
 
 def _in_one_sense(task: PathTask, x: Real, cranks: Real, defect: bool) -> tuple[Real, bool]:
-    """Angles that continue in the sense in which the linkage closes everywhere (the shorter motion if both do), and
-    whether there is one.
+    """Angles continued in the sense in which the linkage closes everywhere, and whether there is such a sense.
+
+    If it closes in both senses, the shorter motion is taken.
     """
     best: tuple[float, Real] | None = None
     for sense in (1, -1):
@@ -335,7 +337,7 @@ class PathSearch:
             both_ways = (row, row[[4, 5, 6, 7, 0, 1, 2, 3]])
             sizes = [x for places in both_ways for x in with_cognates(places, complex(wanted[0]))]
             made = [self.made(x, *cranks_and_branches(x, wanted)) for x in sizes]
-            exact = [one for one in made if one is not None and one.square_error <= EXACT**2 * self.size**2]
+            exact = [found for found in made if found is not None and found.square_error <= EXACT**2 * self.size**2]
             if exact:
                 linkages.append(
                     min(exact, key=lambda one: (len(one.defects), -_zero_if_nan(one.transmission_angle_deg)))

@@ -24,14 +24,14 @@ from .coupler_paths import (
 )
 from .fits import PathTask, nearest
 
-# Share of random linkages whose crank turns fully, if it need not.
+# Share of random linkages whose crank turns fully, if a full turn is not required.
 TURNING = 0.6
 # Least transmission angle, rad, of random linkages; least squares hardly leave a toggle.
 LEAST = np.radians(5)
 # Largest ratio of lengths of random linkages; beyond it they hardly differ from slider-cranks.
 WIDEST = 40.0
-# Difference of lengths, as logarithms, and of arms below which linkages are of one type. A larger value leaves types
-# out; a smaller one lets one type crowd out the others.
+# Linkages are of one type if the logarithms of their lengths, and their arms, differ by less. With a larger value types
+# are missing; with a smaller one most starts are of one type.
 NEAR = 0.3
 # For a timed path: number of linkages scored, and number improved. Fewer miss the best of problems with many valleys;
 # more take longer and find no better one.
@@ -52,8 +52,7 @@ CRANKS, PLACES = 64, 32
 
 
 def random_linkages(task: PathTask, rng: np.random.Generator, count: int) -> Real:
-    """Lengths (count, 4): ground, crank, coupler, rocker with the crank 1; for a slider-crank offset, crank, coupler,
-    1.
+    """Random lengths (count, 4) with the crank 1: ground, crank, coupler, rocker, or offset, crank, coupler, 1.
 
     A four-bar whose crank turns fully is given by coupler, rocker and its two extreme transmission angles, which are
     random between the limits; others by random lengths. Derived here.
@@ -183,7 +182,7 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
     closed ones from every starting point and in both senses, by Fourier transforms. Derived here.
     """
     rows: list[tuple[Real, Real, Real, Real]] = []
-    # Nearly every linkage fits few points.
+    # Few points can be fitted by nearly every linkage.
     tried = TRIED if len(task.wanted) > FEW_OPEN else TRIED // 4
     for k in range(tried // TRIED_AT_ONCE):
         if watch.over():
@@ -195,10 +194,10 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
         x[:, ARM_X], x[:, ARM_Y] = arm.real, arm.imag
         branch = rng.choice([-1.0, 1.0], TRIED_AT_ONCE)
         start = rng.uniform(0, 2 * np.pi, TRIED_AT_ONCE)
-        way = np.where(rng.random(TRIED_AT_ONCE) < 0.5, -1, 1) * rng.uniform(0.3, 2 * np.pi, TRIED_AT_ONCE)
+        span = np.where(rng.random(TRIED_AT_ONCE) < 0.5, -1, 1) * rng.uniform(0.3, 2 * np.pi, TRIED_AT_ONCE)
         if task.closed:
-            start, way = np.zeros(TRIED_AT_ONCE), np.full(TRIED_AT_ONCE, 2 * np.pi)
-        cranks = start[:, None] + way[:, None] * np.linspace(0, 1, CRANKS + 1)
+            start, span = np.zeros(TRIED_AT_ONCE), np.full(TRIED_AT_ONCE, 2 * np.pi)
+        cranks = start[:, None] + span[:, None] * np.linspace(0, 1, CRANKS + 1)
         path = points_of(x, cranks, branch, task.slides)
         good = np.isfinite(path).all(axis=1)
         if not task.closed:
@@ -229,9 +228,7 @@ def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
 
 
 def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:
-    """Points (s, PLACES) at equal shares of the paths' lengths, with both ends or only the first, and the shares (s,
-    k).
-    """
+    """Points (s, PLACES) at equal shares of the paths' lengths, with both ends or only the first; and shares (s, k)."""
     length = np.cumsum(np.abs(np.diff(path, axis=1)), axis=1)
     share = np.concatenate([np.zeros((len(path), 1)), length], axis=1) / np.maximum(length[:, -1:], 1e-300)
     row = np.arange(len(path))[:, None]
@@ -257,7 +254,7 @@ def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callabl
 
 
 def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
-    """The same for open paths."""
+    """`_closed` for open paths."""
     target, shares = _evenly(task.wanted[None], True)
     even, reached = _evenly(path, True)
     at, middle = target[0].mean(), even.mean(axis=1)

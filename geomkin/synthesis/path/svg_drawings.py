@@ -1,7 +1,7 @@
 """The first path of an SVG drawing, in mm, with groups, transforms, uses, units and the view box.
 
-XML is read by the standard library, the text of the path by `points`. Elements and attributes that move a path and are
-not supported are refused by name. After Scalable Vector Graphics 2, chapters 5, 7 and 8.
+The standard library reads the XML, the module `points` the text of the path. Unsupported elements and attributes that
+move a path are refused by name. After Scalable Vector Graphics 2, chapters 5, 7 and 8.
 """
 
 from __future__ import annotations
@@ -158,7 +158,7 @@ class _Drawing:
         tag = tag_of(element)
         if tag == "switch":
             raise _refused("it holds a <switch>")
-        # Symbols are drawn only by their uses; clip paths, masks, markers, patterns and definitions never.
+        # Symbols are drawn only if they are used; clip paths, masks, markers, patterns and definitions are never drawn.
         if tag not in DRAWN or (tag == "symbol" and tag_of(above[-1]) != "use") or not _visible(element):
             return None
         if "transform" in element.attrib:

@@ -82,7 +82,7 @@ class CrankRocker(AbstractMember):
         linkage = rounding.linkage(self.linkage)
         moved = full_turn(linkage)
         start, rotation = moved.start, moved.turn
-        # The stroke in the chosen sense is the one that starts nearest to the start before rounding.
+        # Of both strokes, the one in the chosen sense starts nearest to its start before rounding.
         if np.cos(start - self.drive[0]) < np.cos(start + rotation - self.drive[0]):
             start, rotation = (start + rotation) % (2 * np.pi), 2 * np.pi - rotation
         return replace(self, linkage=linkage, **_measured(moved, start, rotation))

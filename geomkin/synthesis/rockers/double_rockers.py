@@ -30,9 +30,8 @@ from .families import (
 
 # Largest error of a rocker's simulated swing, rad. Rounding is far smaller; a different number of turns is 2 pi.
 MISSED = 1e-6
-# Share of the longest link by which a four-bar may satisfy Grashof's condition and still have one circuit: a change
-# point. Smaller values split the circuit of a parallelogram by rounding; larger ones join two circuits that do not
-# meet.
+# A four-bar that satisfies Grashof's condition by at most this share of its longest link has a change point, hence one
+# circuit. A smaller value splits the circuit of a parallelogram by rounding; a larger one joins two separate circuits.
 CHANGE_POINT = 1e-12
 # Transmission angle, rad, below which a position counts as a dead centre, where the direction of motion is
 # undetermined. Below this value rounding decides (it is the square root of a number's last digit); above it poor
@@ -59,8 +58,9 @@ class TwoPositions:
 
     @property
     def tie(self) -> Real:
-        """Coefficients of 1/ground, 1/crank and 1/rocker in the loop condition (their sum is 0), as products to keep
-        digits.
+        """Coefficients of 1/ground, 1/crank and 1/rocker in the loop condition, as products that keep their digits.
+
+        Their sum is 0.
         """
         (crank_1, crank_2), (rocker_1, rocker_2) = self.crank, self.rocker
         relative = self.crank_swing - self.rocker_swing
@@ -73,9 +73,7 @@ class TwoPositions:
 
 @record(eq=False)
 class MotionBetween:
-    """Motion of four-bars between the two positions: masks (linkages,), the branch, and the least transmission angle,
-    rad.
-    """
+    """Motion of four-bars between the two positions, as arrays (linkages,): defects, branch, angles, rad."""
 
     circuit: Mask
     branch: Mask
@@ -94,7 +92,7 @@ class MotionBetween:
 
 
 def motion_between(wanted: TwoPositions, sizes: Mapping[str, Real]) -> MotionBetween:
-    """Motion of four-bars that reach both positions. The joint facing the shortest link gives the circuit."""
+    """Motion of four-bars that reach both positions. The joint opposite the shortest link identifies the circuit."""
     with np.errstate(all="ignore"):
         return _motion_between(wanted, *(sizes[name] for name in ("ground", "crank", "coupler", "rocker")))
 
@@ -114,7 +112,7 @@ def _motion_between(wanted: TwoPositions, ground: Real, crank: Real, coupler: Re
     shortest = np.argmin([ground, crank, coupler, rocker], axis=0)
     lengths = np.sort([ground, crank, coupler, rocker], axis=0)
     grashof = lengths[1] + lengths[2] - lengths[0] - lengths[3] > CHANGE_POINT * lengths[3]
-    # The joint facing the shortest link: rocker pin for ground or crank, crank pivot for coupler, crank pin for rocker.
+    # Opposite the shortest link: rocker pin for ground or crank, crank pivot for coupler, crank pin for rocker.
     facing = [np.choose(shortest, [joint[0], joint[0], joint[1], joint[2]]) for joint in joints]
     circuit = grashof & (np.sign(facing[0]) != np.sign(facing[1]))
     at_least = np.arccos(np.minimum(np.abs(transmission_at_ends).max(axis=0), 1.0))
@@ -181,8 +179,8 @@ Swing = Annotated[float, between(-359, 359, "deg")]
 Ratio = Annotated[float, between(1, 1e6)]
 # Smallest swing, deg. For smaller ones the two positions are so alike that rounding decides the lengths.
 MIN_SWING_DEG = 0.1
-# Size, relative to 1, below which one of the three loop coefficients counts as 0: the rounding of positions that mirror
-# each other in the ground line, or of equal directions. A larger value would discard coefficients that are meant.
+# A loop coefficient below this, relative to 1, counts as 0: it results from the rounding of positions that mirror each
+# other in the ground line, or of equal directions. A larger value would discard true coefficients.
 ZERO_COEFFICIENT = 1e-12
 # Frames of the simulated motion of the chosen linkage.
 FRAMES = 721

@@ -97,7 +97,7 @@ def member_angles(low: float, high: float) -> Real:
 
 
 def maximise(f: Callable[[Real], Real], low: float, high: float) -> float:
-    """Where a vectorised function is largest between two ends; a smooth maximum keeps its nine reliable digits."""
+    """Position of the maximum of a vectorised function between two ends, to nine digits if the maximum is smooth."""
     angles, width = np.linspace(low, high, LOOKS), np.inf
     while True:
         top = int(np.argmax(f(angles)))
@@ -173,13 +173,13 @@ def within_size_limits(*sizes: Real) -> Mask:
 
 
 def four_bars(sizes: Mapping[str, Real]) -> FourBar:
-    """One four-bar with arrays as its lengths."""
+    """Many four-bars as one, whose lengths are arrays."""
     ground, crank, coupler, rocker = (np.asarray(sizes[name], dtype=np.float64) for name in LINKS)
     return FourBar(ground, crank, coupler, rocker)
 
 
-# rad. Two dead centres closer than this are one, found from both sides of angle 0. The search steps by a quarter of a
-# degree, so distinct ones are farther apart.
+# Two dead centres closer than this, rad, are the same one, found on both sides of angle 0. The search steps by a
+# quarter of a degree, so distinct ones are farther apart.
 SAME_ANGLE = 1e-6
 # Frames of the full turn besides the dead centres; they also show whether the linkage closes everywhere.
 FRAMES = 361

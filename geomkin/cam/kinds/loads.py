@@ -1,0 +1,257 @@
+"""Loads in a recipe of a cam: their table, and the columns, checks and summary of the forces that result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, entry, quantity, rounded_up, to_digits
+from ...core.records import record
+from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
+from ...model.check import Check
+from ...model.mass import Mass
+from ...model.material import Material
+from ...model.motor import Motor, root_mean_square
+from ...model.scene import Limit, SceneMark, drawn_at
+from ...model.table import Column
+from ...plane.vec import Real, first_largest
+from ...recipe.settings import BodyMass, Drive, Gravity, gravity_entry
+from ..cam import Cam
+from ..dynamics import (
+    CamForces,
+    FollowerLoads,
+    GuideFriction,
+    cam_forces,
+    check_follower_loads,
+    jump_speed,
+    least_preload,
+    least_stiffness,
+)
+from ..extrema import largest
+from ..measures import at_jumps
+
+# Least contact force without friction of the guide over that with friction: at 0 the guide jams, and below a half
+# friction takes more than the load; chosen here.
+LEAST_GUIDE_SHARE = 0.5
+# Least ratio of the pressure at which the material yields below the surface to the Hertz pressure; chosen here.
+LEAST_CONTACT_SAFETY = 1.0
+# Length of the longest arrow of the contact force, as a share of the prime radius.
+LONGEST_ARROW = 0.7
+# Keys of a follower that moves straight, and of an arm, with the field of `FollowerLoads` that each sets.
+STRAIGHT = {"spring_rate_n_per_mm": "stiffness", "preload_n": "preload", "force_n": "force"}
+ARM = {"spring_rate_n_mm_per_rad": "stiffness", "preload_n_mm": "preload", "torque_n_mm": "force"}
+
+
+@record(checked=True)
+class CamLoadsTable:
+    """What acts on the follower besides the cam, in a recipe."""
+
+    follower: BodyMass | None = entry(
+        "mass of the follower with all that moves with it; by default that of its parts and pins", default=None
+    )
+    gravity_m_per_s2: Gravity = gravity_entry()
+    spring_rate_n_per_mm: float = quantity(
+        "rate of the spring that presses the follower on the cam", "N/mm", default=0.0, at_least=0, at_most=FARTHEST
+    )
+    preload_n: float = quantity("force of the spring at lift 0", "N", default=0.0, at_least=0, at_most=FARTHEST)
+    force_n: float = quantity(
+        "constant further force on the follower, positive towards the cam", "N",
+        default=0.0, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
+    spring_rate_n_mm_per_rad: float = quantity(
+        "rate of a torsion spring at an arm's pivot", "N mm/rad", default=0.0, at_least=0, at_most=FARTHEST
+    )
+    preload_n_mm: float = quantity("torque of that spring at lift 0", "N mm", default=0.0, at_least=0, at_most=FARTHEST)
+    torque_n_mm: float = quantity(
+        "constant further torque on an arm, positive towards the cam", "N mm",
+        default=0.0, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
+    friction: GuideFriction | None = entry(
+        "dry friction of a straight follower's guide, with coefficient, length and overhang", default=None
+    )
+    motor: MotorKey = motor_entry("the cam")
+
+    def of_follower(self, cam: Cam, mass: Mass) -> FollowerLoads:
+        """The loads as the library has them. DesignError if the follower cannot have them."""
+        keys, others = (ARM, STRAIGHT) if cam.follower.oscillates else (STRAIGHT, ARM)
+        for other, key in zip(others, keys):
+            if getattr(self, other):
+                what = "an arm, which turns" if cam.follower.oscillates else "a follower that moves straight"
+                problem = f"found {getattr(self, other):g}, but the cam has {what}"
+                raise DesignError(f"loads.{other}", problem, f"give {key} instead", "conflict")
+        values = {field: getattr(self, key) for key, field in keys.items()}
+        gravity = 1000 * complex(*self.gravity_m_per_s2)
+        loads = FollowerLoads(mass, gravity=gravity, friction=self.friction, **values)
+        check_follower_loads(cam, loads)
+        return loads
+
+
+def follower_mass(cam: Cam, bodies: Mapping[str, Mass]) -> Mass | None:
+    """Mass of the follower's parts, with that of the roller at its centre; None if it has no other parts."""
+    plates = [mass for name, mass in bodies.items() if name not in {"cam", "roller", "ground"}]
+    if not plates:
+        return None
+    mass = sum(plates[1:], plates[0])
+    if "roller" not in bodies:
+        return mass
+    at = cam.contact(np.zeros(()))
+    centre = cam.follower_pose(np.zeros(())).locate(at.point + cam.follower.roller_radius * at.normal)
+    return mass + Mass(bodies["roller"].mass, complex(centre))
+
+
+@record(eq=False)
+class LoadedCam:
+    """A cam with its follower under loads, at the cam angles of a recipe.
+
+    Parameters
+    ----------
+    cam : Cam
+        The cam and its follower.
+    loads : FollowerLoads
+        Of the follower.
+    drive : Drive
+        Speed and cam angles.
+    face_width : float
+        Width of the contact, mm.
+    material : Material or None
+        Of cam and follower.
+    given_motor : Motor or None
+        The motor on the camshaft; the smallest that suffices if None.
+    """
+
+    cam: Cam
+    loads: FollowerLoads
+    drive: Drive
+    face_width: float
+    material: Material | None
+    given_motor: Motor | None
+
+    def forces_at(self, angle: Real) -> CamForces:
+        """The forces at any cam angles, rad."""
+        acceleration = self.drive.acceleration_rad_per_s2
+        return cam_forces(self.cam, self.loads, angle, speed=self.drive.speed, acceleration=acceleration)
+
+    def contact(self, angle: Real) -> Real:
+        """Contact force, N."""
+        return self.forces_at(angle).contact
+
+    def pressure(self, angle: Real) -> Real:
+        """Hertz pressure of the contact, N/mm2; nan if it is unknown."""
+        if self.material is None:
+            return np.full(np.shape(angle), np.nan)
+        return self.forces_at(angle).pressure(self.face_width, self.material)
+
+    @cached_property
+    def forces(self) -> CamForces:
+        """The forces at the angles of the table."""
+        return self.forces_at(self.drive.angles)
+
+    @cached_property
+    def motor(self) -> Motor | None:
+        """The given motor; without one the smallest that suffices, None if no motor can drive the cam."""
+        known = np.isfinite(self.forces.torque).any()
+        return self.given_motor or (smallest_motor(self.forces.duty) if known else None)
+
+    def _extreme(self, values: Callable[[Real], Real], sign: int = 1) -> tuple[float, float]:
+        """Largest known value over a turn, with sign -1 the least, and its cam angle, deg; nan if none is known."""
+
+        def known(angle: Real) -> Real:
+            value = sign * values(angle)
+            return np.where(np.isnan(value), -np.inf, value)
+
+        top, at = largest(self.cam.program.breaks, known)
+        return (np.nan if top == -np.inf else sign * top), float(np.degrees(at))
+
+    @property
+    def columns(self) -> Iterator[Column]:
+        """Torque, contact force and pressure; unknown where the velocity of the follower jumps."""
+        jump, _ = at_jumps(self.cam, self.drive.angles)
+        torque = "torque on the camshaft, positive in the direction in which the cam turns"
+        yield Column("camshaft_torque", "N mm", torque, np.where(jump, np.nan, self.forces.torque))
+        contact = "force between cam and follower along their normal, below 0 if the follower leaves the cam"
+        yield Column("contact_force", "N", contact, np.where(jump, np.nan, self.forces.contact))
+        pressure = self.pressure(self.drive.angles)
+        if np.isfinite(pressure).any():
+            yield Column(
+                "contact_pressure", "N/mm2", "pressure of cam and follower by Hertz", np.where(jump, np.nan, pressure)
+            )
+
+    @property
+    def limits(self) -> Iterator[Limit]:
+        """Limit lines of the plots."""
+        yield Limit("contact_force", 0.0, "below, the follower leaves the cam")
+        if self.material is not None and np.isfinite(self.material.yielding_pressure):
+            yield Limit("contact_pressure", self.material.yielding_pressure, "above, the material yields")
+
+    @property
+    def arrow(self) -> Iterator[SceneMark]:
+        """The contact force at each frame, at one scale; nothing if it is unknown."""
+        force = np.nan_to_num(np.maximum(self.forces.contact, 0.0))
+        if force.any():
+            at, scale = self.cam.contact(self.drive.angles), LONGEST_ARROW * self.cam.prime_radius / force.max()
+            label = f"contact force, {drawn_at(float(scale), 'N')}"
+            yield SceneMark("vector", at.point, "force", label, vector=scale * force * at.normal)
+
+    @property
+    def checks(self) -> Iterator[Check]:
+        """The follower stays on the cam, its guide does not jam, the contact does not yield, and the motor suffices."""
+        least, at = self._extreme(self.contact, -1)
+        if self.cam.program.jumps.velocity.any():
+            least = -np.inf
+        name, advice = "least force between cam and follower", self._contact_advice()
+        yield Check("follower_contact", name, least, "at least", 0, "N", advice, "contact_force", at)
+        if self.loads.friction:
+            share, at = self._extreme(lambda t: self.forces_at(t).guide_share, -1)
+            advice = "friction jams the guide near 0: give a longer guide, less overhang or a larger base_radius"
+            name = "force without friction of the guide over that with friction"
+            yield Check("guide_share", name, share, "at least", LEAST_GUIDE_SHARE, "", advice, "contact_force", at)
+        pressure, at = self._extreme(self.pressure)
+        if self.material is not None and pressure > 0 and np.isfinite(self.material.yielding_pressure):
+            name = f"pressure at which {self.material.name} yields over that of the contact"
+            safety, least = self.material.yielding_pressure / pressure, LEAST_CONTACT_SAFETY
+            advice = "give a thicker sheet, a stronger material, a weaker spring or a larger base_radius"
+            yield Check("contact_safety", name, safety, "at least", least, "", advice, "contact_pressure", at)
+        if self.motor is not None:
+            torque = np.abs(self.forces.torque)
+            at = float(np.degrees(self.drive.angles[first_largest(torque)])) if np.isfinite(torque).any() else np.nan
+            yield motor_check(self.motor, self.forces.duty, "camshaft_torque", at if np.isfinite(at) else None)
+
+    def _contact_advice(self) -> str:
+        """What keeps the follower on the cam: keys of the recipe with values that do."""
+        if self.cam.program.jumps.velocity.any():
+            return "the velocity of the follower jumps: start and end the motion with a law that rests there"
+        rate, preload, _ = ARM if self.cam.follower.oscillates else STRAIGHT
+        speed = self.drive.speed
+        values = {preload: least_preload(self.cam, self.loads, speed)}
+        values[rate] = least_stiffness(self.cam, self.loads, speed)
+        choices = [f"{key} = {rounded_up(value, 4)}" for key, value in values.items() if np.isfinite(value)]
+        return f"give {', '.join([*choices, 'a lighter follower or a lower speed'])}"
+
+    @property
+    def summary(self) -> Mapping[str, object]:
+        """Peaks, limits of the contact, and the motor, as entries of summary.json."""
+        arm, torque = self.cam.follower.oscillates, self.forces.torque
+        result: dict[str, object] = {}
+        peak, at = self._extreme(lambda t: np.abs(self.forces_at(t).torque))
+        if np.isfinite(peak):
+            size = float(self.forces_at(np.radians([at])).torque[0])
+            rms = to_digits(root_mean_square(torque, self.drive.angles))
+            result["camshaft_torque_N_mm"] = {"peak": to_digits(size), "peak_at_deg": to_digits(at, 5), "rms": rms}
+        named = {"contact_force_N": (self.contact, {"least": -1, "largest": 1})}
+        named["contact_pressure_N_per_mm2"] = self.pressure, {"largest": 1}
+        for name, (values, ends) in named.items():
+            found = {end: self._extreme(values, sign) for end, sign in ends.items()}
+            if all(np.isfinite(value) for value, _ in found.values()):
+                sizes = {end: to_digits(value) for end, (value, _) in found.items()}
+                result[name] = sizes | {f"{end}_at_deg": to_digits(at, 5) for end, (_, at) in found.items()}
+        speed = self.drive.speed
+        result["jump_speed_rpm"] = to_digits(jump_speed(self.cam, self.loads) * 30 / np.pi)
+        result[f"least_preload_{'N_mm' if arm else 'N'}"] = to_digits(least_preload(self.cam, self.loads, speed))
+        rate = f"least_spring_rate_{'N_mm_per_rad' if arm else 'N_per_mm'}"
+        result[rate] = to_digits(least_stiffness(self.cam, self.loads, speed))
+        if self.motor:
+            result["motor"] = motor_summary(self.motor, self.forces.duty)
+        return result

@@ -1,0 +1,5 @@
+"""Coupons that measure how a machine cuts or prints: their sizes, parts, scene and recipe."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

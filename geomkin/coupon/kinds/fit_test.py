@@ -1,0 +1,91 @@
+"""Recipe of a fit test."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Literal
+
+from ...core.fields import entry
+from ...core.records import record
+from ...making.materials import MaterialKey, material_entry
+from ...model.check import Check
+from ...model.part import Bought, Part
+from ...model.scene import Scene
+from ...model.table import Table
+from ...recipe.recipe import AbstractRecipe
+from ...recipe.settings import Files
+from ..fit_test import FitTest
+from ..parts import GAUGE_WIDTH, fit_test_parts
+from ..scene import fit_test_scene
+
+# How much smaller than the pin the smallest hole should be, mm: a kerf of 0.2 and an interference of 0.1, chosen here.
+# With less, a laser may leave every hole loose.
+LEAST_RANGE = 0.3
+
+
+@record(checked=True, kw_only=True)
+class FitTestRecipe(AbstractRecipe):
+    """A coupon with stepped holes and slots, and a gauge, which show the kerf and the fits of a machine and a material.
+
+    Parameters
+    ----------
+    openings : FitTest
+        Pin, sheet, and steps of the openings.
+    material : Material, optional
+        Material of the sheet or print.
+    files : Files, optional
+        Formats, and the kerf that is compensated already.
+    """
+
+    kind: Literal["fit-test"] = "fit-test"
+    openings: FitTest
+    material: MaterialKey = material_entry("the sheet or print")
+    files: Files = entry("what is written; leave kerf at 0 to measure it", default=Files())
+
+    @property
+    def design(self) -> FitTest:
+        return self.openings
+
+    @cached_property
+    def table(self) -> Table:
+        return self.openings.table
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        return fit_test_parts(self.openings, self.material)
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        return (Bought(f"pin or shaft {self.openings.pin:g} mm, to try", 1, ("coupon",)),)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """How to measure the coupon."""
+        gauge = f"{GAUGE_WIDTH + self.files.kerf:g} mm"
+        return (
+            f"measure the width of the gauge: the kerf is {gauge} minus this width",
+            "push the pin into the holes from the left: note the largest that it must be pressed into, and the "
+            "first in which it turns freely",
+            "push the end of the gauge, upright, into the slots from the left: note the first that holds it",
+        )
+
+    @property
+    def design_checks(self) -> tuple[Check, ...]:
+        advice = "give a larger step or count; otherwise all holes may be loose"
+        name = "smallest hole, less than the pin by"
+        return (Check("range_below", name, -float(self.openings.offsets[0]), "at least", LEAST_RANGE, "mm", advice),)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The coupon and the gauge, with a circle of the pin's size passing over the holes."""
+        return fit_test_scene(self.openings, self.parts)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        holes, slots = self.openings.hole_diameters, self.openings.slot_widths
+        return {"holes": f"{holes[0]:g} to {holes[-1]:g} mm", "slots": f"{slots[0]:g} to {slots[-1]:g} mm"}
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        return {"gauge_width_mm": GAUGE_WIDTH, **self.assembly_summary}

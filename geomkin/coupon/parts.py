@@ -1,0 +1,114 @@
+"""Parts of a fit test: the coupon with its openings, and the gauge whose width shows the kerf."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.arguments import checked
+from ..export.lettering import HEIGHTS, MARGIN, strokes_of
+from ..model.material import Material
+from ..model.part import Part
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import Circle, Polyline, rounded_hull
+from ..plane.vec import Complex
+from .fit_test import FitTest
+
+# Width and length of the gauge, mm. A wider one shows the same kerf; a narrower one breaks.
+GAUGE_WIDTH, GAUGE_LENGTH = 10.0, 60.0
+# Corner radius of coupon and gauge, mm: the gauge enters its slots more easily.
+CORNER = 1.0
+# How much longer a slot is than the gauge is wide, mm, so that the gauge touches only its sides.
+END_PLAY = 2.0
+# Least material between openings and to the edge, mm, for thin sheets.
+THINNEST_WALL = 3.0
+# Height of the letters, and space reserved above each opening for its size, mm.
+HEIGHT = HEIGHTS[-1]
+LETTERING = HEIGHT + 2 * MARGIN
+
+
+@checked
+def fit_test_parts(fit_test: FitTest, material: Material | None = None) -> tuple[Part, Part]:
+    """The coupon and the gauge of a fit test.
+
+    Parameters
+    ----------
+    fit_test : FitTest
+        Its sizes.
+    material : Material, optional
+        Material of the sheet or print.
+
+    Returns
+    -------
+    tuple of Part
+        The coupon, with a row of slots below a row of holes, growing to the right, and the size of each in mm engraved
+        above it; and the gauge, a bar 10 mm wide.
+
+    Raises
+    ------
+    DesignError
+        If an argument is out of range.
+
+    Examples
+    --------
+    >>> coupon, gauge = gk.coupon.fit_test_parts(gk.coupon.FitTest(pin=3, count=5))
+    >>> [round(2 * hole.radius, 9) for hole in coupon.holes[:5]]
+    [2.8, 2.9, 3.0, 3.1, 3.2]
+    """
+    centres, wall = hole_centres(fit_test), _wall(fit_test)
+    diameters, widths, slot_length = fit_test.hole_diameters, fit_test.slot_widths, GAUGE_WIDTH + END_PLAY
+    holes = [Circle(complex(centre), float(diameter) / 2) for centre, diameter in zip(centres, diameters)]
+    slots = [_rectangle(x - width / 2, width, slot_length) for x, width in zip(centres.real, widths)]
+    tops = (*(centres + 0.5j * diameters), *(centres.real + 1j * slot_length))
+    marks = [stroke for name, top in zip(opening_names(fit_test), tops) for stroke in _lettering_above(top, name)]
+    margin = centres[1].real / 2 + wall
+    # With room for the name of the part above the sizes of the holes.
+    height = centres[0].imag + diameters[-1] / 2 + 2 * LETTERING + 2 * wall
+    outline = _plate(complex(-margin, -wall), centres[-1].real + 2 * margin, height)
+    bar = _plate(complex(-margin, -2 * wall - GAUGE_WIDTH), GAUGE_LENGTH, GAUGE_WIDTH)
+    thickness = fit_test.thickness
+    return (
+        Part("coupon", outline, (*holes, *slots), thickness, marks=tuple(marks), body="coupon", material=material),
+        Part("gauge", bar, (), thickness, body="gauge", material=material),
+    )
+
+
+def hole_centres(fit_test: FitTest) -> Complex:
+    """Centres of the holes, mm, shape (count,), with room for each opening, its wall and its name."""
+    largest_hole, widest_slot = float(fit_test.hole_diameters[-1]), float(fit_test.slot_widths[-1])
+    longest_name = max(_width(name) for name in opening_names(fit_test)) + 2 * MARGIN
+    pitch = float(np.ceil(max(largest_hole + _wall(fit_test), widest_slot + _wall(fit_test), longest_name)))
+    height = GAUGE_WIDTH + END_PLAY + LETTERING + _wall(fit_test) + largest_hole / 2
+    centres: Complex = pitch * np.arange(fit_test.count) + 1j * height
+    return centres
+
+
+def opening_names(fit_test: FitTest) -> tuple[str, ...]:
+    """Sizes of the holes, then of the slots, in mm with up to three decimals, so that neighbours differ."""
+    sizes = (*fit_test.hole_diameters, *fit_test.slot_widths)
+    return tuple(f"{size:.3f}".rstrip("0").rstrip(".") for size in sizes)
+
+
+def _wall(fit_test: FitTest) -> float:
+    return max(THINNEST_WALL, fit_test.thickness)
+
+
+def _lettering_above(top: complex, name: str) -> list[Polyline]:
+    """Strokes of a name, centred above the top of an opening."""
+    corner = top + 1j * MARGIN - _width(name) / 2
+    return [Polyline(corner + HEIGHT * stroke, is_closed=False) for stroke in strokes_of(name)]
+
+
+def _width(name: str) -> float:
+    """Width of lettering, mm."""
+    return HEIGHT * max(float(stroke.real.max()) for stroke in strokes_of(name))
+
+
+def _rectangle(corner: complex, width: float, height: float) -> Polyline:
+    """A rectangle from its lower left corner."""
+    return Polyline(corner + np.array([0, width, width + 1j * height, 1j * height]))
+
+
+def _plate(corner: complex, width: float, height: float) -> AbstractCurve:
+    """A rectangle with rounded corners from its lower left corner."""
+    inner = _rectangle(corner + CORNER * (1 + 1j), width - 2 * CORNER, height - 2 * CORNER)
+    return rounded_hull(inner.vertices, CORNER)

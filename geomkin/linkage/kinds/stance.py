@@ -1,0 +1,129 @@
+"""Whether a walker stands: the feet of a linkage and of its copies, and the tilt of their frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DesignError, shown
+from ...core.fields import entry
+from ...core.records import record
+from ...model.check import Check
+from ...plane.vec import Complex, Real
+from ..checks import driver_at
+from ..linkage import Linkage
+from ..motion import Motion
+from ..parts.stack import Stack
+from ..standing import ground_slopes, support_margin
+from .copies import Copied, Shared
+
+# Least number of feet that carry a frame.
+FEWEST_FEET = 3
+# Largest tilt of the frame over a turn, deg, along the path or across it. A walker that rocks more stumbles; chosen
+# here.
+MOST_ROCKING_DEG = 10.0
+UNKNOWN_STANCE = "how it stands is unknown: no rod joins two of the copies, so their distance is not given"
+
+
+def foot_entry() -> Any:
+    """Field for the foot of a walker."""
+    return entry(
+        "point that stands on the ground, which is at -y, in a linkage and at least two copies; checks then report "
+        "whether the walker falls over, and how far it tilts",
+        default=None,
+    )
+
+
+def check_foot(foot: str | None, linkage: Linkage, count: int) -> None:
+    """Refuse a foot that is no point of a moving body, or too few feet. count: number of linkages."""
+    if foot is None:
+        return
+    fixed = linkage.bodies[linkage.ground]
+    points = dict.fromkeys(point for names in linkage.bodies.values() for point in names if point not in fixed)
+    if foot not in points:
+        raise DesignError("foot", f"found {shown(foot)}", f"give a point of a moving body: {', '.join(points)}")
+    if count < FEWEST_FEET:
+        problem = f"found {foot}, but {count} of them cannot stand"
+        raise DesignError("foot", problem, f"give at least {FEWEST_FEET - 1} [[copies]], or omit foot", "conflict")
+
+
+@record(eq=False)
+class Stance:
+    """The feet of a linkage and its copies over a turn, seen from above: x along the path, y along the shaft, mm.
+
+    feet: shape (feet, frames); height: of the feet in the frame, of the same shape. centre: of the weight, in the
+    middle of all fixed pivots. motion: of the first linkage.
+    """
+
+    feet: Complex
+    height: Real
+    centre: complex
+    motion: Motion
+
+    @cached_property
+    def margin(self) -> Real:
+        """Distance of the centre inside the support polygon, mm; negative where it falls over."""
+        return support_margin(self.feet, self.centre)
+
+    @cached_property
+    def tilt_deg(self) -> Mapping[str, Real]:
+        """Tilt of the frame along the path and across it, deg; nan where it falls over."""
+        slope = ground_slopes(self.feet, self.height, self.centre)
+        return {"along": np.degrees(np.arctan(slope.real)), "across": np.degrees(np.arctan(slope.imag))}
+
+    @property
+    def rocking_deg(self) -> Mapping[str, float]:
+        """Range of the tilt, deg; nan if it falls over."""
+        return {direction: float(np.ptp(tilt)) for direction, tilt in self.tilt_deg.items()}
+
+    @property
+    def checks(self) -> Iterator[Check]:
+        """That the centre stays above the support polygon, and that the frame rocks little."""
+        least = int(np.argmin(self.margin))
+        advice = "give further copies at other phases, or mirrored ones, so that a foot is on each side of the frame"
+        at = driver_at(self.motion, least)
+        name = "least distance of the frame's centre inside its feet"
+        yield Check("support_margin", name, float(self.margin[least]), "at least", 0, "mm", advice, at=at)
+        advice = "give six legs, or hold the feet farther apart"
+        for direction, value in self.rocking_deg.items():
+            name = f"tilt {direction} the path, largest minus least"
+            yield Check(f"tilt_{direction}", name, value, "at most", MOST_ROCKING_DEG, "deg", advice)
+
+    @property
+    def summary(self) -> Mapping[str, object]:
+        """Least margin and the range of the tilts."""
+        tilts = {
+            f"tilt_{direction}_deg": [float(f"{end:.9g}") for end in (tilt.min(), tilt.max())]
+            for direction, tilt in self.tilt_deg.items()
+            if np.isfinite(tilt).all()
+        }
+        return {"least_margin_mm": float(f"{self.margin.min():.9g}"), **tilts}
+
+
+def stance_of(
+    foot: str, motion: Motion, copies: Sequence[Copied], shared: Sequence[Shared], stacks: Sequence[Stack], sheet: float
+) -> Stance | None:
+    """How a linkage with copies stands on its feet, down being -y; None if the distances of copies are unknown.
+
+    foot: a point. motion: of the first linkage. shared, stacks: of all linkages. sheet: thickness, mm.
+    """
+    if any(not rod.pin for rod in shared):
+        return None
+    linkage = motion.linkage
+    body = next(name for name, points in linkage.bodies.items() if foot in points)
+    pivots = [pin for pin, bodies in linkage.pins.items() if linkage.ground in bodies]
+    first = Copied(motion, np.arange(len(motion.drive)), None)
+    feet, height, fixed, start = [], [], [], 0.0
+    for copy, stack, room in zip((first, *copies), stacks, (*(rod.room for rod in shared), 0.0)):
+        total = (1 + max(stack.layers.values())) * sheet
+        layer = next(stack.layers[name] for name, plate in stack.plates.items() if plate.body == body)
+        inside = (layer + 0.5) * sheet
+        place = copy.place(copy.motion.point(foot).position)
+        feet.append(place.real + 1j * (start + (inside if copy.mirror is None else total - inside)))
+        height.append(place.imag)
+        fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
+        start += total + room
+    return Stance(np.array(feet), np.array(height), complex(np.mean(fixed), start / 2), motion)

@@ -1,0 +1,78 @@
+"""Torques and forces of a loaded planetary set, by virtual work and by equilibrium along tangents of the base circles."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+GEARS = {
+    "planets": 3,
+    "sun": {"teeth": 24, "module": 2},
+    "planet": {"teeth": 18, "module": 2},
+    "ring": {"teeth": 60, "module": 2, "addendum": 0.8},
+}
+POM = {"material": "POM"}
+
+
+def planetary(torque=900.0, gears=GEARS, **more):
+    stocks = {"sun_stock": POM, "planet_stock": POM | {"thickness": 5}, "ring_stock": POM | {"rim": 12}}
+    return gk.load({"kind": "planetary", "gears": gears, "loads": {"torque_n_mm": torque}, **stocks, **more})
+
+
+def test_torques_do_no_work_and_balance():
+    recipe = planetary()
+    torques = recipe.notes["loads"]["torque_n_mm"]
+    turned = recipe.table["sun_angle"][-1], recipe.table["carrier_angle"][-1]
+    assert torques["sun"] == 900 and torques["sun"] * turned[0] + torques["carrier"] * turned[1] == pytest.approx(0)
+    assert sum(torques.values()) == pytest.approx(0, abs=1e-6)
+
+
+def shifted():
+    """A ring whose working pressure angle differs from that of the sun, with its profile shift from the refusal."""
+    gears = GEARS | {"sun": {"teeth": 13, "module": 2, "profile_shift": 0.4}}
+    gears |= {"planet": {"teeth": 19, "module": 2, "profile_shift": 0.2}}
+    ring = {"teeth": 53, "module": 2, "addendum": 0.7}
+    with pytest.raises(gk.RecipeError) as refused:
+        planetary(gears=gears | {"ring": ring})
+    shift = float(refused.value.problems[0].remedy.removeprefix("give "))
+    return gears | {"ring": ring | {"profile_shift": shift}}
+
+
+@pytest.mark.parametrize("make", [lambda: GEARS, shifted], ids=["plain", "shifted"])
+def test_the_bearing_of_a_planet_balances_the_forces_on_its_teeth(make):
+    recipe = planetary(gears=make())
+    sun, planet, ring = (getattr(recipe.design, name) for name in ("sun", "planet", "ring"))
+    distance = recipe.design.inner.centre_distance
+    # The force lies on a common tangent of two base circles: between sun and planet, and beside planet and ring. Their
+    # levers about the planet's axis are equal, so that both forces are.
+    force = 900 / 3 / sun.base_radius
+    between = np.arccos((sun.base_radius + planet.base_radius) / distance)
+    beside = np.arccos((ring.base_radius - planet.base_radius) / distance)
+    on_planet = force * 1j * (np.exp(-1j * between) + np.exp(1j * beside))
+    loads = recipe.notes["loads"]
+    assert loads["planet_bearing_load_N"] == pytest.approx(abs(on_planet), rel=1e-8)
+    for mesh in ("sun_and_planet", "planet_and_ring"):
+        forces = loads[mesh]["tangential_force_N"], loads[mesh]["radial_force_N"]
+        assert np.hypot(*forces) == pytest.approx(force, rel=1e-8)
+    # All planets together turn the carrier against its load.
+    assert -3 * distance * on_planet.imag == pytest.approx(loads["torque_n_mm"]["carrier"], rel=1e-8)
+
+
+def test_the_torque_limit_of_the_summary_is_where_the_first_check_fails():
+    limit = planetary().notes["loads"]["torque_limit_n_mm"]
+    for factor, holds in ((0.9999, True), (1.0001, False)):
+        checks = [check for check in planetary(factor * limit).checks if check.id.endswith("_safety")]
+        assert len(checks) == 5 and all(check.passed for check in checks) == holds
+
+
+def test_the_bearing_of_the_sun_carries_the_force_of_a_single_planet_only():
+    single = planetary(gears=GEARS | {"planets": 1}).notes["loads"]["sun_bearing_load_N"]
+    assert single == pytest.approx(900 / (24 * np.cos(np.radians(20))))
+    assert planetary().notes["loads"]["sun_bearing_load_N"] == 0
+
+
+def test_a_missing_material_is_named_and_helical_teeth_state_why_strength_is_missing():
+    with pytest.raises(gk.RecipeError) as error:
+        planetary(ring_stock={"rim": 12})
+    assert [(problem.key, problem.id) for problem in error.value.problems] == [("ring_stock.material", "missing-key")]
+    assert set(planetary(helix_angle_deg=15).notes["loads"]) == {"not_computed"}

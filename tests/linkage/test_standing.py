@@ -1,0 +1,86 @@
+"""How walkers stand: support polygons against shapely, resting planes against linear programming, and recipes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from scipy.optimize import linprog
+
+import geomkin as gk
+from geomkin.linkage.standing import ground_slopes, support_margin
+
+WALKER = (Path(__file__).parent.parent.parent / "recipes" / "walker.toml").read_text("utf-8")
+HEAD, STOCK = WALKER.split("[[copies]]")[0], "[stock]" + WALKER.split("[stock]")[1]
+
+
+def walker(*copies, foot="foot", step=10):
+    """A walker of Jansen's legs. copies: phase and whether mirrored."""
+    tables = (f"[[copies]]\nphase_deg = {phase}\nmirrored = {str(turned).lower()}\n" for phase, turned in copies)
+    head = HEAD.replace("kind =", f'foot = "{foot}"\nkind =').replace("step_deg = 2", f"step_deg = {step}")
+    return gk.load(head + "\n".join(tables) + STOCK)
+
+
+@pytest.fixture(scope="module")
+def cases():
+    """Feet seen from above, shape (5, 60), heights, and the centre, which is not always among them."""
+    rng = np.random.default_rng(5)
+    feet = rng.normal(size=(5, 60)) + 1j * rng.normal(size=(5, 60))
+    return feet, rng.normal(size=(5, 60)), 0.2 + 0.1j
+
+
+def test_support_margin_is_the_distance_to_the_edge_of_the_hull(cases):
+    feet, _, centre = cases
+    margin = support_margin(feet, centre)
+    point = shapely.Point(centre.real, centre.imag)
+    hulls = [shapely.MultiPoint(np.c_[z.real, z.imag]).convex_hull for z in feet.T]
+    inside = np.array([hull.contains(point) for hull in hulls])
+    distance = np.array([hull.exterior.distance(point) for hull in hulls])
+    assert 10 < inside.sum() < 50 and ((margin > 0) == inside).all()
+    assert margin[inside] == pytest.approx(distance[inside])
+
+
+def test_frame_rests_on_the_highest_plane_below_all_feet(cases):
+    feet, height, centre = cases
+    slopes = ground_slopes(feet, height, centre)
+    assert (np.isnan(slopes) == (support_margin(feet, centre) < 0)).all()
+    for z, y, slope in zip(feet.T, height.T, slopes):
+        if np.isfinite(slope):
+            planes = np.c_[z.real, z.imag, np.ones(len(z))]
+            best = linprog([-centre.real, -centre.imag, -1], planes, y, bounds=(None, None))
+            assert slope == pytest.approx(complex(*best.x[:2]), abs=1e-7)
+
+
+def test_six_legs_of_alternating_phase_rock_little_and_four_stand_on_two_feet_at_times():
+    opposite = [(0, True), (180, False), (180, True)]
+    four, six = walker(*opposite), walker(*opposite, (0, False), (0, True))
+    for recipe, rocks in ((four, True), (six, False)):
+        checks = {check.id: check for check in recipe.checks}
+        assert checks["support_margin"].passed and not recipe.remarks
+        assert checks["tilt_across"].passed == checks["tilt_along"].passed == (not rocks)
+        stance = recipe.stance
+        # The same from the back: the copies are arranged as in a mirror.
+        assert stance.feet.imag + stance.feet.imag[::-1] == pytest.approx(2 * stance.centre.imag)
+        assert recipe.notes["stance"]["least_margin_mm"] == pytest.approx(stance.margin.min())
+    # Of four feet the lowest two are at opposite corners, and the centre is above the line between them.
+    low = np.argsort(four.stance.height, axis=0)[:2]
+    pairs = np.take_along_axis(four.stance.feet, low, axis=0) - four.stance.centre
+    off = abs((pairs[0] * pairs[1].conj()).imag) / abs(pairs[0] - pairs[1])
+    assert off.min() < 1e-6
+
+
+def test_walker_on_three_feet_in_phase_falls_over_and_without_rods_its_stance_is_unknown():
+    falling = walker((0, True), (0, False))
+    checks = {check.id: check for check in falling.checks}
+    assert not checks["support_margin"].passed and checks["support_margin"].value < 0
+    assert np.isnan(checks["tilt_along"].value) and "tilt_along_deg" not in falling.notes["stance"]
+    unknown = walker((0, False), (180, False))
+    assert unknown.stance is None and len(unknown.remarks) == 1 and "stance" not in unknown.notes
+    assert not {"support_margin", "tilt_along"} & {check.id for check in unknown.checks}
+
+
+@pytest.mark.parametrize(("foot", "copies"), [("hoof", 3), ("F", 3), ("foot", 1)])
+def test_foot_that_cannot_stand_is_refused(foot, copies):
+    with pytest.raises(gk.RecipeError) as refused:
+        walker(*(copies * [(0, True)]), foot=foot)
+    assert refused.value.problems[0].key == "foot"
