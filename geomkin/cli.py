@@ -411,7 +411,7 @@ def schema() -> None:
 
 @cli.command("chart")
 @click.argument("families", nargs=-1, metavar="[FAMILY]...")
-@click.option("--quick", is_flag=True, help="Take less than a minute: fewer settings, without the slowest methods.")
+@click.option("--quick", is_flag=True, help="Take about a minute: fewer settings, without the slowest methods.")
 @click.option("--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files.")
 def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     """Measure the methods: time per result against error.

@@ -144,7 +144,7 @@ def rounded_down(most: float, digits: int = DIGITS) -> str:
 
 
 def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
-    """The value with so many to_digits digits, for summaries; 0 without a sign."""
+    """A value rounded to significant digits, as summaries have it; 0 without a sign."""
     return float(f"{value:.{digits}g}") + 0.0
 
 

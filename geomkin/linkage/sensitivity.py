@@ -108,7 +108,7 @@ def size_rates(linkage: AbstractLinkage, names: Sequence[str]) -> Complex:
 
 
 def _field_rates(linkage: AbstractLinkage, names: Sequence[str]) -> Complex:
-    """The same by lengths and points of a named linkage, or by one of its angles, then per deg."""
+    """Derivatives of the data of a named linkage by lengths and points, per mm, or by one angle, per deg."""
     steps = np.empty((len(names), *linkage.linkage.shape))
     for k, name in enumerate(names):
         steps[k] = _step(linkage, name)

@@ -105,18 +105,18 @@ class ParetoFront:
         return plot_file(Table(columns), Plot("Pareto front", self.minimised[1:]), dots=True)
 
 
-def search_front(
+def search(
     trials: Trials, boxes: Sequence[Box], own: Mapping[str, float], starts: int, seed: int, watch: Watch
 ) -> None:
-    """Search the least value of each objective, then for points of the front between them."""
+    """Search the least value of each objective; if there are several, then points of the front between them."""
     count = len(trials.objectives)
-    steps = count * len(boxes) + MOST_POINTS
+    steps = count * len(boxes) + (MOST_POINTS if count > 1 else 0)
     for k in range(count):
         trials.target = Target((k,))
         for done, box in enumerate(boxes, k * len(boxes) + 1):
             search_box(trials, box, box.values(box.shares(own)), starts, seed, watch)
             watch.report(done / steps)
-    if not any(design.violation == 0 for design in trials.designs):
+    if count == 1 or not any(design.violation == 0 for design in trials.designs):
         return
     for done, target in enumerate(targets(trials), count * len(boxes) + 1):
         if watch.over():

@@ -24,8 +24,8 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe, varied
 from .designs import Trials, TriedDesign
 from .formulas import condition, objective
-from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, search_front, write_front
-from .search import Box, search_box
+from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, search, write_front
+from .search import Box
 
 # Largest number of combinations of whole numbers, each of which is searched.
 MOST_COMBINATIONS = 10_000
@@ -242,16 +242,12 @@ def _optimised(
     try:
         own = _own_values(source, ranges)
         boxes = _boxes(own, ranges)
-        if is_single:
-            for done, box in enumerate(boxes):
-                search_box(trials, box, box.values(box.shares(own)), starts, seed, watch)
-                watch.report((done + 1) / len(boxes))
-        else:
-            search_front(trials, boxes, own, starts, seed, watch)
+        search(trials, boxes, own, starts, seed, watch)
     except KeyboardInterrupt:
         is_interrupted = True
     watch.report(1.0)
-    best, cut_short = _best(trials, watch.cut or is_interrupted), watch.cut or is_interrupted
+    cut_short = watch.cut or is_interrupted
+    best = _best(trials, cut_short)
     return _result(trials, best, cut_short) if is_single else _front(trials, boxes, cut_short)
 
 

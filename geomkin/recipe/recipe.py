@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Protocol, Self
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import entry
+from ..core.fields import entry, to_digits
 from ..core.records import record
 from ..core.reprs import moving
 from ..core.scaling import with_lengths
@@ -120,9 +120,9 @@ class AbstractRecipe(_Shared, ABC):
         """Masses as an entry of summary.json; empty without a material."""
         bodies = {
             name: {
-                "mass_kg": float(f"{mass.mass:.9g}"),
+                "mass_kg": to_digits(float(mass.mass)),
                 "centre_mm": [round(float(z), 6) + 0.0 for z in (mass.centre.real, mass.centre.imag)],
-                "inertia_kg_mm2": float(f"{mass.inertia:.9g}"),
+                "inertia_kg_mm2": to_digits(float(mass.inertia)),
             }
             for name, mass in self.body_masses.items()
         }

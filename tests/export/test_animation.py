@@ -55,7 +55,8 @@ def test_bodies_follow_the_motion_at_every_frame(name, tmp_path):
     low, high = scene.box
     share = (scene.time - scene.time[0]) / (scene.time[-1] - scene.time[0])
     for body in scene.bodies:
-        if not body.parts or body.fixed:
+        stands_still = np.all(body.origin == body.origin[0]) and np.all(body.direction == body.direction[0])
+        if not body.parts or body.fixed or stands_still:
             continue
         rows, _ = moving(root, body.name.replace("_", " "))
         place, turn = pose_at(rows, share)

@@ -240,10 +240,11 @@ class LoadedCam:
             size = float(self.forces_at(np.radians([at])).torque[0])
             rms = to_digits(root_mean_square(torque, self.drive.angles))
             result["camshaft_torque_N_mm"] = {"peak": to_digits(size), "peak_at_deg": to_digits(at, 5), "rms": rms}
-        named = {"contact_force_N": (self.contact, {"least": -1, "largest": 1})}
-        named["contact_pressure_N_per_mm2"] = self.pressure, {"largest": 1}
-        for name, (values, ends) in named.items():
-            found = {end: self._extreme(values, sign) for end, sign in ends.items()}
+        for name, values, ends in (
+            ("contact_force_N", self.contact, ("least", "largest")),
+            ("contact_pressure_N_per_mm2", self.pressure, ("largest",)),
+        ):
+            found = {end: self._extreme(values, -1 if end == "least" else 1) for end in ends}
             if all(np.isfinite(value) for value, _ in found.values()):
                 sizes = {end: to_digits(value) for end, (value, _) in found.items()}
                 result[name] = sizes | {f"{end}_at_deg": to_digits(at, 5) for end, (_, at) in found.items()}

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Literal
 
 from ...core.errors import DesignError
-from ...core.fields import entry, quantity
+from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock, RackBaseStock
@@ -46,7 +46,6 @@ from .helical import (
     mesh_notes,
     overlap_notes,
     pair_quantities,
-    shown,
     strength_notes,
 )
 
@@ -336,12 +335,12 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def notes(self) -> Mapping[str, object]:
         pair, width = self.design, self.stock.thickness
         mesh = {
-            "distance_mm": shown(pair.distance),
-            "travel_per_turn_mm": shown(pair.travel),
-            "contact_ratio": shown(pair.contact_ratio),
+            "distance_mm": to_digits(pair.distance),
+            "travel_per_turn_mm": to_digits(pair.travel),
+            "contact_ratio": to_digits(pair.contact_ratio),
             **overlap_notes(pair.contact_ratio, pair.module, self.helix, width),
             **backlash_notes(pair, pair.distance, self.helix),
-            "clearances_mm": [shown(c) for c in pair.clearances],
+            "clearances_mm": [to_digits(c) for c in pair.clearances],
             "interferences": list(pair.interferences),
         }
         sizes = {"pinion": (pair.pinion, self.helix, width)}

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Literal
 
 from ...core.errors import DesignError
-from ...core.fields import entry, quantity
+from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
@@ -27,7 +27,7 @@ from ..parts.trains import ArborStock, TrainStocks, arbor_check, train_assembly,
 from ..scene_train import train_handles, train_scene, turned_train_scene
 from ..train import FEWEST_TEETH, MOST_TEETH, Direction, GearTrain, Stages, train_table
 from ..train_search import LARGEST_RATIO, MOST_SEARCHED, gear_train
-from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes, shown
+from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
 
 
 @record(checked=True)
@@ -247,13 +247,13 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         return {
             "train": {
                 "stages": [list(teeth) for teeth in train.stages],
-                "ratio": shown(train.ratio),
-                **({} if self.train.ratio is None else {"error": shown(abs(train.ratio) / self.train.ratio - 1)}),
-                "efficiency": shown(train.efficiency),
+                "ratio": to_digits(train.ratio),
+                **({} if self.train.ratio is None else {"error": to_digits(abs(train.ratio) / self.train.ratio - 1)}),
+                "efficiency": to_digits(train.efficiency),
                 "axes_mm": [[round(z.real, 6) + 0.0, round(z.imag, 6) + 0.0] for z in train.axes.tolist()],
             },
             **{
-                f"stage_{k}": {**mesh_notes(pair), "efficiency": shown(efficiency)}
+                f"stage_{k}": {**mesh_notes(pair), "efficiency": to_digits(efficiency)}
                 for k, (pair, efficiency) in enumerate(zip(train.pairs, train.efficiencies), start=1)
             },
             "measures_mm": {g.name: gear_notes(g.gear) for g in self.stocks.gears(train)},
@@ -266,6 +266,6 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         train = self.design
         stages = " x ".join(f"{driven}/{driver}" for driver, driven in train.stages)
         return (
-            f"stages {stages}, ratio {shown(train.ratio):.9g}",
+            f"stages {stages}, ratio {to_digits(train.ratio):.9g}",
             f"efficiency {train.efficiency:.3f} at friction {train.friction:g}, without bearings",
         )

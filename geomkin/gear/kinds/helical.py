@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import WIDEST, entry
+from ...core.fields import WIDEST, entry, to_digits
 from ...core.records import record
 from ...making.bases import BaseStock
 from ...making.materials import MATERIALS
@@ -154,11 +154,6 @@ def boss_checks(name: str, radius: float, motor: MountedMotorKey | None, base: B
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 
 
-def shown(value: float) -> float:
-    """A number with the digits of a summary."""
-    return float(f"{value:.9g}")
-
-
 # The reason why helical teeth have no strength.
 NOT_COMPUTED = "the formulas of root stress and pressure are those of straight teeth"
 
@@ -181,20 +176,20 @@ def strength_notes(loaded: PairStrength, gears: tuple[str, str] | None = None) -
     factors = {"application": loads.application_factor, "dynamic": loads.dynamic_factor}
     torques = (loads.torque_n_mm, loads.torque_n_mm * abs(pair.ratio))
     return {
-        "torque_n_mm": {name: shown(torque) for name, torque in zip(pair.names, torques)},
+        "torque_n_mm": {name: to_digits(torque) for name, torque in zip(pair.names, torques)},
         "load_factors": factors | {"face_load": loads.face_load_factor},
-        "tangential_force_N": shown(loaded.tangential_force),
-        "radial_force_N": shown(loaded.radial_force),
-        "bearing_load_N": shown(loaded.normal_force),
-        "contact_pressure_n_per_mm2": shown(loaded.contact_pressure),
-        "contact_safety": shown(loaded.contact_safety),
-        "torque_limit_n_mm": shown(loaded.torque_limit),
+        "tangential_force_N": to_digits(loaded.tangential_force),
+        "radial_force_N": to_digits(loaded.radial_force),
+        "bearing_load_N": to_digits(loaded.normal_force),
+        "contact_pressure_n_per_mm2": to_digits(loaded.contact_pressure),
+        "contact_safety": to_digits(loaded.contact_safety),
+        "torque_limit_n_mm": to_digits(loaded.torque_limit),
         "teeth": {
             name: {
                 "material": material.name,
-                "root_stress_n_per_mm2": shown(teeth.root_stress),
-                "lewis_stress_n_per_mm2": shown(teeth.lewis_stress),
-                "root_safety": shown(teeth.root_safety),
+                "root_stress_n_per_mm2": to_digits(teeth.root_stress),
+                "lewis_stress_n_per_mm2": to_digits(teeth.lewis_stress),
+                "root_safety": to_digits(teeth.root_safety),
             }
             for name, (teeth, material) in names.items()
         },
@@ -211,11 +206,11 @@ def planetary_strength_notes(loaded: PlanetaryStrength) -> Mapping[str, object]:
         notes = strength_notes(mesh, gears)
         entries["_and_".join(gears)] = {key: value for key, value in notes.items() if key not in of_set}
     return {
-        "torque_n_mm": {name: shown(torque) for name, torque in loaded.torques.items()},
+        "torque_n_mm": {name: to_digits(torque) for name, torque in loaded.torques.items()},
         "load_factors": strength_notes(loaded.inner)["load_factors"],
-        "planet_bearing_load_N": shown(loaded.planet_bearing_load),
-        "sun_bearing_load_N": shown(loaded.sun_bearing_load),
-        "torque_limit_n_mm": shown(loaded.torque_limit),
+        "planet_bearing_load_N": to_digits(loaded.planet_bearing_load),
+        "sun_bearing_load_N": to_digits(loaded.sun_bearing_load),
+        "torque_limit_n_mm": to_digits(loaded.torque_limit),
         **entries,
     }
 
@@ -227,31 +222,31 @@ def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: 
     """
     notes: dict[str, object] = {
         "teeth": gear.teeth,
-        "module": shown(gear.module),
-        "pressure_angle_deg": shown(np.degrees(gear.pressure_angle)),
-        "profile_shift": shown(gear.profile_shift),
-        "tip_radius": shown(gear.tip_radius),
-        "form_radius": shown(gear.form_radius),
-        "pitch_radius": shown(gear.pitch_radius),
-        "base_radius": shown(gear.base_radius),
-        "root_radius": shown(gear.root_radius),
-        "base_pitch": shown(gear.base_pitch),
+        "module": to_digits(gear.module),
+        "pressure_angle_deg": to_digits(np.degrees(gear.pressure_angle)),
+        "profile_shift": to_digits(gear.profile_shift),
+        "tip_radius": to_digits(gear.tip_radius),
+        "form_radius": to_digits(gear.form_radius),
+        "pitch_radius": to_digits(gear.pitch_radius),
+        "base_radius": to_digits(gear.base_radius),
+        "root_radius": to_digits(gear.root_radius),
+        "base_pitch": to_digits(gear.base_pitch),
     }
     if gear.is_undercut:
-        notes["share_of_involute_lost"] = shown(gear.involute_lost)
+        notes["share_of_involute_lost"] = to_digits(gear.involute_lost)
     if helix.slope:
         return {**notes, **_helical_measures(gear, helix, face_width)}
     try:
         pins = over_pins(gear)
         word = "between_pins" if gear.is_ring else "over_pins"
-        notes[word] = {"pin_diameter": shown(pins.pin), "measure": shown(pins.diameter)}
+        notes[word] = {"pin_diameter": to_digits(pins.pin), "measure": to_digits(pins.diameter)}
     except DesignError:
         pass
     try:
         over = span(gear)
-        notes["span"] = {"teeth": over.teeth, "measure": shown(over.length)}
+        notes["span"] = {"teeth": over.teeth, "measure": to_digits(over.length)}
         tooth = chord(gear)
-        notes["chordal_thickness"] = {"thickness": shown(tooth.chord), "height": shown(tooth.height)}
+        notes["chordal_thickness"] = {"thickness": to_digits(tooth.chord), "height": to_digits(tooth.height)}
     except DesignError:
         pass
     return notes
@@ -266,7 +261,7 @@ def _helical_measures(gear: AbstractInvoluteGear, helix: Helix, face_width: floa
     angle = helix.base_angle(gear)
     if over.length * np.cos(angle) * np.sin(angle) >= helix.width(face_width):
         return {}
-    return {"span": {"teeth": over.teeth, "measure": shown(over.length * float(np.cos(angle)))}}
+    return {"span": {"teeth": over.teeth, "measure": to_digits(over.length * float(np.cos(angle)))}}
 
 
 def helix_notes(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mapping[str, object]:
@@ -289,11 +284,11 @@ def _helix(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mappi
         "hand": helix.hand,
         "herringbone": helix.herringbone,
         "face_width_mm": face_width,
-        "normal_module_mm": shown(helix.normal_module(gear.module)),
-        "normal_pressure_angle_deg": shown(np.degrees(helix.normal_pressure_angle(gear))),
-        "base_helix_angle_deg": shown(np.degrees(helix.base_angle(gear))),
-        "normal_profile_shift": shown(gear.profile_shift / np.cos(np.radians(helix.helix_angle_deg))),
-        "lead_mm": shown(helix.lead(gear)),
+        "normal_module_mm": to_digits(helix.normal_module(gear.module)),
+        "normal_pressure_angle_deg": to_digits(np.degrees(helix.normal_pressure_angle(gear))),
+        "base_helix_angle_deg": to_digits(np.degrees(helix.base_angle(gear))),
+        "normal_profile_shift": to_digits(gear.profile_shift / np.cos(np.radians(helix.helix_angle_deg))),
+        "lead_mm": to_digits(helix.lead(gear)),
     }
 
 
@@ -302,7 +297,7 @@ def overlap_notes(contact_ratio: float, module: float, helix: Helix, face_width:
     if not helix.slope:
         return {}
     overlap = helix.overlap_ratio(module, face_width)
-    return {"overlap_ratio": shown(overlap), "total_contact_ratio": shown(contact_ratio + overlap)}
+    return {"overlap_ratio": to_digits(overlap), "total_contact_ratio": to_digits(contact_ratio + overlap)}
 
 
 def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = STRAIGHT) -> Mapping[str, object]:
@@ -336,13 +331,13 @@ def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0)
     """Data of two gears in mesh. face_width: common to both, mm, used for helical teeth."""
     start, end = pair.contact_lengths
     return {
-        "ratio": shown(pair.ratio),
-        "centre_distance_mm": shown(pair.centre_distance),
-        "working_pressure_angle_deg": shown(np.degrees(pair.working_pressure_angle)),
-        "contact_ratio": shown(pair.contact_ratio),
+        "ratio": to_digits(pair.ratio),
+        "centre_distance_mm": to_digits(pair.centre_distance),
+        "working_pressure_angle_deg": to_digits(np.degrees(pair.working_pressure_angle)),
+        "contact_ratio": to_digits(pair.contact_ratio),
         **overlap_notes(pair.contact_ratio, pair.module, helix, face_width),
         **backlash_notes(pair, pair.centre_distance, helix),
-        "clearances_mm": [shown(c) for c in pair.clearances],
-        "largest_specific_sliding": [shown(float(pair.sliding(start)[0])), shown(float(pair.sliding(end)[1]))],
+        "clearances_mm": [to_digits(c) for c in pair.clearances],
+        "largest_specific_sliding": [to_digits(float(pair.sliding(start)[0])), to_digits(float(pair.sliding(end)[1]))],
         "interferences": list(pair.interferences),
     }

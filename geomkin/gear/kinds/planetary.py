@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import entry
+from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...making.assembly import Assembly, collar_across
 from ...making.bases import BaseStock
@@ -44,7 +44,6 @@ from .helical import (
     loaded_materials,
     mesh_notes,
     planetary_strength_notes,
-    shown,
 )
 
 
@@ -259,7 +258,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "ring": (gears.ring, helix.mate, ring),
         }
         return {
-            "ratios": {name: shown(ratio) for name, ratio in gears.ratios.items()},
+            "ratios": {name: to_digits(ratio) for name, ratio in gears.ratios.items()},
             "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
             **helices_notes(sizes),

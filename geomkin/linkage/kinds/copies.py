@@ -208,8 +208,7 @@ def counted(driven: Sequence[Part], others: Sequence[Part], count: int) -> tuple
 def shared_rods(
     copies: tuple[Copy, ...], linkage: AbstractLinkage, stacks: Sequence[Stack], thickness: float
 ) -> Iterator[Shared]:
-    """The rods by which neighbouring copies drive each other; pin "" and length 0 if no rod fits,
-    and the room is unknown.
+    """The rods by which neighbouring copies drive each other; where none fits, pin "", length 0 and room nan.
 
     Back to back, the shaft goes from crank to crank through both grounds. Face to face, the cranks share a pin if they
     are in phase and it ends in the uppermost layer, so that nothing passes over it. Derived here.
@@ -234,7 +233,7 @@ def shared_rods(
             rod = f"one rod {lower.letters[pin]}, {length:g} mm long for both screws, glued into both cranks"
             yield Shared(pin, length, room, f"{pair} face to face, {room:g} mm between them: {rod}")
         else:
-            yield Shared("", 0.0, np.nan, f"{pair}: no rod joins their cranks, so turn both by a shaft of yours")
+            yield Shared("", 0.0, np.nan, f"{pair}: no rod joins their cranks; add a shaft that turns both")
 
 
 def _crank_pins(linkage: AbstractLinkage, stack: Stack) -> tuple[PinSpan, dict[str, PinSpan]]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import entry
+from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...making.materials import MATERIALS
 from ...making.motors import MOTORS
@@ -362,14 +362,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """The ranges of the driver in which the linkage closes."""
         drives, in_deg = self.input_range.collision_samples, isinstance(self.input_range, Turn)
         limits = driver_limits(self.linkage, branch, (float(drives[0]), float(drives[-1])))
-        reached = [[_ten_digits(np.degrees(q) if in_deg else q) for q in part] for part in limits]
+        reached = [[to_digits(np.degrees(q) if in_deg else q, 10) for q in part] for part in limits]
         return {f"driver_reaches_{'deg' if in_deg else 'mm'}": reached}
 
     def _other_mode(self) -> Mapping[str, object]:
         if not (self.both_modes and self.other):
             return {}
         joint, motion = self.other
-        angle = {"least_transmission_angle_deg": _ten_digits(np.degrees(least_transmission_angle(motion)))}
+        angle = {"least_transmission_angle_deg": to_digits(np.degrees(least_transmission_angle(motion)), 10)}
         return {"other_mode": {"joint": joint, **self._reached(motion.solution.spec), **angle}}
 
     @classmethod
@@ -381,10 +381,6 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     def turning(self) -> Mapping[str, object]:
         """Summary of the links that turn fully, if there is a rule."""
         return {}
-
-
-def _ten_digits(value: float | np.floating[Any]) -> float:
-    return float(f"{value:.10g}")
 
 
 @record(kw_only=True)
@@ -456,7 +452,7 @@ class FourBarRecipe(TurningLinkageRecipe):
         sums = {"shortest_and_longest_mm": result.shortest_and_longest, "other_two_mm": result.other_two}
         return {
             "grashof_type": result.type,
-            "grashof": links | {name: _ten_digits(length) for name, length in sums.items()},
+            "grashof": links | {name: to_digits(length, 10) for name, length in sums.items()},
         }
 
 

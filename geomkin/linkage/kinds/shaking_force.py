@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import entry, quantity
+from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.handles import point_handle
@@ -212,8 +212,8 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     @property
     def notes(self) -> Mapping[str, object]:
         return {
-            "best_counterbalance_kg_mm": float(f"{self.best.product.real:.9g}"),
-            "largest_force_N": {name: float(f"{force:.9g}") for name, force in self.largest.items()},
+            "best_counterbalance_kg_mm": to_digits(self.best.product.real),
+            "largest_force_N": {name: to_digits(force) for name, force in self.largest.items()},
             **self.mass_summary,
             "stack": {**self.stack.summary(), "steps": list(self.steps)},
         }

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import DesignError, shown
-from ...core.fields import entry
+from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...plane.vec import Complex, Real
@@ -96,11 +96,11 @@ class Stance:
     def summary(self) -> Mapping[str, object]:
         """Least margin and the range of the tilts."""
         tilts = {
-            f"tilt_{direction}_deg": [float(f"{end:.9g}") for end in (tilt.min(), tilt.max())]
+            f"tilt_{direction}_deg": [to_digits(tilt.min()), to_digits(tilt.max())]
             for direction, tilt in self.tilt_deg.items()
             if np.isfinite(tilt).all()
         }
-        return {"least_margin_mm": float(f"{self.margin.min():.9g}"), **tilts}
+        return {"least_margin_mm": to_digits(self.margin.min()), **tilts}
 
 
 def stance_of(

@@ -252,7 +252,7 @@ class Editor {
     else this.family = mountRows(root, read(choice), (row, data) => this.choose(row, data));
   }
 
-  // Writes the value of a row of the family into the recipe, with as many digits as tell it from its neighbours.
+  // Writes the value of a row of the family into the recipe, rounded to the fewest decimals that distinguish neighbouring rows.
   choose(row, { key, instead_of, chosen, columns: [{ row: values }] }) {
     if (!key || row === chosen) return;
     const [first, last] = [values[0], values[values.length - 1]];
