@@ -16,7 +16,7 @@ from .cut import Loop, cut, decimals
 from .dxf import drawn
 from .job import Job
 from .labels import LETTER, Name, place_labels
-from .still import Still, frame_at, palette
+from .still import SCREEN, Still, frame_at, palette
 from .text import Text
 
 # Layers besides those of bodies, which start with BODY, and their colours in the palette.
@@ -93,7 +93,7 @@ def _placed(loop: Loop, body: SceneBody, frame: int, digits: int) -> Circle | Po
 def _curves(still: Still, tolerance: float) -> Iterator[Shape]:
     poses, digits = {body.name: body for body in still.scene.bodies}, decimals(tolerance)
     for curve in still.scene.curves:
-        points = flatten(curve.curve, max(tolerance, 0.1 * still.tolerance))
+        points = flatten(curve.curve, max(tolerance, 0.1 * SCREEN * still.size))
         if body := poses.get(curve.body):
             points = body.origin[still.frame] + body.direction[still.frame] * points
         yield from _line(_layer(curve.role), points, digits, curve.curve.closed)

@@ -75,7 +75,7 @@ def decimal(value: float, digits: int) -> str:
 
 
 # Distance between a curve and its chords, pixels. Larger values show corners; smaller ones only enlarge the file.
-FINE = 0.25
+FINE = 0.33
 # Pixels kept free on each side.
 MARGIN = 2
 # Size in pixels of a stand-alone picture, and the colours of the page's first body.
