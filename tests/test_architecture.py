@@ -37,7 +37,7 @@ ALONE = {
     "shapely": {"plane/region.py"},
     "ezdxf": {"export/dxf.py", "verification/read_dxf.py"},
     "trimesh": {"export/glb.py", "verification/read_mesh.py"},
-    "click": {"cli.py", "__main__.py"},
+    "click": {"cli/__init__.py", "cli/recipes.py", "cli/show.py", "cli/write.py", "__main__.py"},
     "highspy": {"cam/program/optimise.py"},
     "nlopt": {"optimisation/search.py", "linkage/dynamics/counterweights.py"},
     "mpmath": {"tradeoff/cell.py"},
