@@ -186,7 +186,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
                 writer.write(job)
         # Notes are part of the summary and may raise too.
         _ = recipe.notes
-        facts, remarks = recipe.facts, (*recipe.remarks, *recipe.unknown_expectations)
+        facts = (*recipe.facts, *([recipe.forces_missing] if recipe.forces_missing else []))
+        remarks = (*recipe.remarks, *recipe.unknown_expectations)
     return Made(name, recipe.kind, checks, {}, facts, remarks)
 
 
@@ -314,14 +315,19 @@ def _job(name: str, source: Source, files: Files) -> Job:
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
-    about = " ".join((source.subtitle, *source.remarks))
+    about = " ".join((source.subtitle, *source.remarks, source.forces_missing)).rstrip()
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp)
 
 
 def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
-    """Further entries of summary.json, the files that the recipe reads among them."""
-    return {**recipe.notes, **({"sources": dict(recipe.sources)} if recipe.sources else {})}
+    """Further entries of summary.json, with the files that the recipe reads, and why there are no forces."""
+    missing, sources = recipe.forces_missing, recipe.sources
+    return {
+        **recipe.notes,
+        **({"loads": {"not_computed": missing}} if missing else {}),
+        **({"sources": dict(sources)} if sources else {}),
+    }
 
 
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:

@@ -27,7 +27,7 @@ def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
         for check in result.checks:
             click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
         for fact in result.facts:
-            click.echo(f"        {printable(fact)}")
+            click.echo(f"        {printable(fact, 200)}")
         for remark in result.remarks:
             click.echo(f"        {printable(remark)}")
     end(outcomes)

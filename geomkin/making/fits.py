@@ -124,7 +124,7 @@ class AbstractBored:
     motor: MountedMotorKey | None = mounted_motor_entry(
         "motor that drives the part; adds the motor's mounting plate, or its holes in a base"
     )
-    material: MaterialKey = material_entry("the part")
+    material: MaterialKey | None = material_entry("the part")
 
     def __post_init__(self) -> None:
         self._check_bore()

@@ -229,6 +229,11 @@ class AbstractRecipe(_Shared, ABC):
         return ()
 
     @property
+    def forces_missing(self) -> str:
+        """Why the effort of the driver and the forces are not reported; empty if they are, or if nothing moves."""
+        return ""
+
+    @property
     def further_values(self) -> Mapping[str, Real]:
         """Values at each frame, by id, that formulas may use besides the columns of the table."""
         return {}
@@ -361,6 +366,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def quantities(self) -> Mapping[str, str]:
         return self.design.quantities
+
+    @property
+    def forces_missing(self) -> str:
+        return "The search computes no driver effort and no joint forces; add the table loads to the found recipe."
 
     @property
     def scene(self) -> Scene | None:

@@ -244,10 +244,8 @@ def _plain(node: Any) -> Any:
         del node["oneOf"]
         node |= _by_kind(choice["mapping"], choice.get("usual", ""))
     if "anyOf" in node:
-        types = [part for part in node["anyOf"] if part != {"type": "null"}]
-        if len(types) == 1:
-            del node["anyOf"]
-            node = types[0] | node
+        types = [part for part in node.pop("anyOf") if part != {"type": "null"}]
+        node = types[0] | node if len(types) == 1 else {"anyOf": types} | node
     if "default" in node:
         default = node.pop("default")
         if isinstance(default, str) and node.get("type") == "array":

@@ -266,6 +266,10 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             if peaks["Cv"] == peaks["Cv"]
         )
 
+    @property
+    def forces_missing(self) -> str:
+        return "" if self.loads else "Contact force and camshaft torque are computed with the table loads."
+
     def _undercut(self) -> Mapping[str, object]:
         (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit
         return {

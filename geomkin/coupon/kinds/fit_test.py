@@ -40,7 +40,7 @@ class FitTestRecipe(AbstractRecipe):
 
     kind: Literal["fit-test"] = "fit-test"
     openings: FitTest
-    material: MaterialKey = material_entry("the sheet or print")
+    material: MaterialKey | None = material_entry("the sheet or print")
     files: Files = entry("what is written; leave kerf at 0 to measure it", default=Files())
 
     @property

@@ -33,6 +33,7 @@ from ..parts.bases import pair_base
 from ..parts.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
 from ..scene_pairs import conjugate_handles, conjugate_scene
 from .helical import boss_checks, check_tooth_points
+from .strength_notes import NO_INVOLUTE
 
 
 @record(checked=True)
@@ -104,6 +105,10 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
             ],
             **self.assembly_summary,
         }
+
+    @property
+    def forces_missing(self) -> str:
+        return NO_INVOLUTE
 
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
         """Gear and mate, and their base if there is one. reach: largest radius of the gear, mm."""

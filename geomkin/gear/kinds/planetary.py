@@ -34,17 +34,15 @@ from ..planetary import PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
-    NOT_COMPUTED,
     AbstractHelicalRecipe,
     boss_checks,
     check_tooth_points,
     gear_notes,
     gear_quantities,
     helices_notes,
-    loaded_materials,
     mesh_notes,
-    planetary_strength_notes,
 )
+from .strength_notes import forces_missing, loaded_materials, planetary_strength_notes
 
 
 @record(kw_only=True)
@@ -243,10 +241,9 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         stocks = ("sun_stock", "planet_stock", "ring_stock") if "loads" in tables else ()
         return shaft | {f"{stock}.material": MATERIALS["steel-C45"] for stock in stocks}
 
-    def _load_notes(self) -> Mapping[str, object]:
-        if self.loads is None:
-            return {}
-        return {"loads": planetary_strength_notes(self.strength) if self.strength else {"not_computed": NOT_COMPUTED}}
+    @property
+    def forces_missing(self) -> str:
+        return forces_missing(self.loads, self.strength)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -263,6 +260,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **self._load_notes(),
+            **({"loads": planetary_strength_notes(self.strength)} if self.strength else {}),
             **self.assembly_summary,
         }

@@ -336,6 +336,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return (*((self.output_deviation.remark,) if self.output_deviation else ()), *unknown)
 
     @property
+    def forces_missing(self) -> str:
+        if self.loads is not None:
+            return ""
+        takes_loads = "loads" in self.__dataclass_fields__
+        words = "Driver effort and joint forces are computed with the table loads."
+        return words if takes_loads else super().forces_missing
+
+    @property
     def notes(self) -> Mapping[str, object]:
         """Summary: range of the driver, links that turn fully, and the stack of plates."""
         stack = self.stack.summary()

@@ -117,7 +117,7 @@ class LoadsTable:
     slide_friction: tuple[SlideFriction, ...] = entry(
         "friction of slides, each with slide, coefficient, length and viscous", default=()
     )
-    motor: MotorKey = motor_entry("the driver")
+    motor: MotorKey | None = motor_entry("the driver")
 
     @property
     def by_key(self) -> dict[str, tuple[Any, ...]]:

@@ -106,6 +106,10 @@ class AbstractMovedRecipe(AbstractRecipe):
         return self.linkage
 
     @property
+    def forces_missing(self) -> str:
+        return "This kind computes no driver effort and no joint forces; a recipe of the linkage with loads does."
+
+    @property
     def input_range(self) -> Turn | Stroke:
         """Range and speed of the driver."""
         return self.stroke or self.drive

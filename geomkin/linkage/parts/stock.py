@@ -69,7 +69,7 @@ class LinkStock:
     )
     fit: Fit = fit("the crank's bore on a motor")
     interference: float = interference()
-    material: MaterialKey = material_entry("the sheet")
+    material: MaterialKey | None = material_entry("the sheet")
 
     def __post_init__(self) -> None:
         # Raises DesignError if no such screw exists.
