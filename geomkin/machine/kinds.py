@@ -23,9 +23,10 @@ from ..model.part import Bought, Part
 from ..model.scene import Scene
 from ..model.table import Table
 from ..plane.vec import Pose, Real
-from ..recipe.load import LARGEST, from_table, parsed, short_table, to_toml
+from ..recipe.load import from_table, short_table, to_toml
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
+from ..recipe.toml import LARGEST, parsed
 from .placed import PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, shaft_fits
 from .shafts import ShaftGraph

@@ -136,6 +136,7 @@ def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
 
 def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown: bool) -> Problem:
     known = list(dict.fromkeys(f.name for t in tables for f in dataclasses.fields(t)))
+    known += ["workshop"] if recipe in tables and hasattr(recipe, "loaded_table") else []
     problem, remedy = "unknown key", f"known here: {', '.join(known)}"
     if not is_shown:
         return Problem(key, problem, remedy, "unknown-key")

@@ -28,6 +28,13 @@ from .settings import Files, OptimiseTable
 
 # Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
 UNSCALED = ("stock", "base", "files", "tolerances", "optimise")
+# Keys of stocks and bases that a workshop file has for each material.
+FITS = frozenset({"clearance", "interference"})
+
+
+def is_stock(key: str) -> bool:
+    """Whether a key of a recipe is that of a stock or of the base, the tables that have fits."""
+    return key == "base" or key.endswith("stock")
 
 
 @record(kw_only=True)
@@ -65,6 +72,8 @@ class AbstractRecipe(_Shared, ABC):
     # Name of the folder and the files; "" stands for the kind. It is not a field: recipes that differ only in their
     # names are equal.
     name: str = ""
+    # The table that the recipe was loaded from, with the values of its workshop file; None if it was made in Python.
+    loaded_table: Mapping[str, Any] | None = None
     # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
     can_be_scaled: ClassVar[bool] = False
     # A sentence that a template adds to the description of the kind.
@@ -222,6 +231,24 @@ class AbstractRecipe(_Shared, ABC):
     def sources(self) -> Mapping[str, str]:
         """Texts of the files that the recipe reads, by name; summary.json keeps them."""
         return {}
+
+    @property
+    def assumed_fits(self) -> Mapping[str, float]:
+        """Kerf and fits that neither the recipe nor its workshop file states, mm, by dotted key.
+
+        Empty for a recipe made in Python.
+        """
+        if self.loaded_table is None:
+            return {}
+        values: dict[str, float] = {}
+        for key in (field.name for field in dataclasses.fields(self)):
+            table, stated = getattr(self, key), self.loaded_table.get(key, {})
+            if not isinstance(stated, Mapping):
+                continue
+            is_pressed = "press" in (getattr(table, "fit", ""), getattr(table, "mate_fit", ""))
+            fits = ("clearance", *["interference"] * is_pressed) if is_stock(key) else ("kerf",) * (key == "files")
+            values |= {f"{key}.{fit}": getattr(table, fit) for fit in fits if fit not in stated and hasattr(table, fit)}
+        return values
 
     @property
     def facts(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from ..recipe.kinds import recipe_class
 from ..recipe.messages import hints_of, kind_of, tables_in
 from ..recipe.recipe import SHARED
-from ..recipe.template import SCALE
+from ..recipe.template import SCALE, WORKSHOP
 
 
 def form(kind: str) -> dict[str, Any]:
@@ -44,6 +44,7 @@ def form(kind: str) -> dict[str, Any]:
     # The same table may be inside several kinds of table.
     found = _groups(recipe, "", {"title": kind, "help": recipe.about()})
     groups = list({group["key"]: group for group in found}.values())
+    groups[0]["fields"].append(_described("workshop", str, {"description": WORKSHOP}, None, True))
     if recipe.can_be_scaled:
         scale = {"unit": "", "ge": 1e-6, "le": 1e6, "description": SCALE}
         groups[0]["fields"].append(_described("scale", float, scale, 1.0, True))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from ..core.errors import DesignError, FileError, GeomkinError, printable, shown
 from ..core.names import file_name_flaw, read_text_file
 from ..export.files import write_whole
-from ..recipe.load import LARGEST, parsed
+from ..recipe.toml import LARGEST, parsed
 
 # Texts of a recipe that may be names of files; a longer one is no name.
 LONGEST_NAME = 255

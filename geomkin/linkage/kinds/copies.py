@@ -145,7 +145,10 @@ def copied(copies: tuple[Copy, ...], first: Motion, linkage: AbstractLinkage, si
         phase = np.radians(copy.phase_deg)
         # In a mirrored copy an arm at an angle a appears at pi - a.
         wanted = np.pi - 2 * zero_angle - phase - frames[::-1] if copy.mirrored else frames + phase
-        motion = move(linkage, _led(wanted, frames), signs, first.timing.speed, first.timing.acceleration)
+        # Seen from its front, a mirrored copy turns the other way.
+        side = -1 if copy.mirrored else 1
+        speed, acceleration = side * first.timing.speed, side * first.timing.acceleration
+        motion = move(linkage, _led(wanted, frames), signs, speed, acceleration)
         rows = np.arange(len(motion.drive) - len(frames), len(motion.drive))
         yield Copied(motion, rows[::-1] if copy.mirrored else rows, shaft.real if copy.mirrored else None)
 

@@ -63,18 +63,8 @@ from .copies import (
     without_motor,
 )
 from .dwell_bands import DwellBand
-from .loads import (
-    LoadsTable,
-    force_columns,
-    force_hodographs,
-    force_marks,
-    force_plots,
-    force_summary,
-    loads_entry,
-    motor_checks,
-    motor_of,
-    number_of_columns,
-)
+from .loaded import LoadedLinkage
+from .loads import LoadsTable, loads_entry, number_of_columns
 from .moved import (
     WITH_SLIDER,
     AbstractMovedRecipe,
@@ -122,9 +112,6 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             problem = "found true, but there is no other mode: it cannot be assembled, or there are more than two dyads"
             raise DesignError("both_modes", problem, "omit it", "conflict")
         if self.loads:
-            if self.loads.motor and self.copies:
-                problem = f"found {self.loads.motor.name} and copies, which are not counted in the torque"
-                raise DesignError("loads.motor", problem, "omit motor or copies", "conflict")
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
         if self.tolerances:
             self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
@@ -137,11 +124,18 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return OutputDeviation(self.tolerances, self.tolerances.analysis(self.motion, self.stock.clearance))
 
     @cached_property
-    def force_analysis(self) -> ForceAnalysis | None:
-        """Driver effort and joint forces of one linkage under the loads; None without loads."""
+    def loaded(self) -> LoadedLinkage | None:
+        """The linkage and its copies under the loads; None without loads."""
         if self.loads is None:
             return None
-        return self.loads.forces_of(self.motion, self.body_masses if self.stock.material else {})
+        masses = self.body_masses if self.stock.material else {}
+        motor = self.loads.motor or MOTORS.get(str(self.stock.motor))
+        return LoadedLinkage(self.loads, self.motion, masses, self.moving_copies if self.copies else (), motor)
+
+    @property
+    def force_analysis(self) -> ForceAnalysis | None:
+        """Driver effort and joint forces of one linkage under the loads; None without loads."""
+        return self.loaded.analysis if self.loaded else None
 
     @property
     def further_handles(self) -> Iterator[SceneHandle]:
@@ -150,12 +144,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.loads is not None:
             yield from self.loads.handles(self.motion)
 
-    @cached_property
+    @property
     def motor(self) -> Motor | None:
-        """The motor that drives the linkage against the loads: given, or the smallest that suffices."""
-        if self.loads is None or self.force_analysis is None or self.copies:
-            return None
-        return motor_of(self.force_analysis, self.loads.motor or MOTORS.get(str(self.stock.motor)))
+        """The motor that drives linkage and copies against the loads: given, or the smallest that suffices."""
+        return self.loaded.motor if self.loaded else None
 
     @cached_property
     def fine_motion(self) -> Motion:
@@ -217,8 +209,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def table(self) -> Table:
         table = motion_table(self.motion, self.coefficients)
-        if self.force_analysis:
-            table = Table((*table.columns, *force_columns(self.force_analysis)))
+        if self.loaded:
+            table = Table((*table.columns, *self.loaded.columns))
         if self.output_deviation:
             table = Table((*table.columns, *self.output_deviation.columns(table)))
         if not (self.both_modes and self.other):
@@ -235,17 +227,17 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         least = LEAST_TRANSMISSION_ANGLE_DEG
         limit = Limit("transmission_angle", least, f"at least {least:g} deg")
         plots = motion_plots(self.motion, self.table, [limit])
-        if self.force_analysis:
-            plots = (*force_plots(self.force_analysis), *plots)
+        if self.loaded:
+            plots = (*self.loaded.plots, *plots)
         if self.output_deviation:
             plots = (*self.output_deviation.plots(self.table), *plots)
         # Only the page shows them, no file of numbers.
         effects = size_columns(self.motion)
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
         scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
-        if self.force_analysis:
-            marks = (*scene.marks, *force_marks(self.force_analysis))
-            scene = dataclasses.replace(scene, marks=marks, hodographs=force_hodographs(self.motion.linkage))
+        if self.loaded:
+            marks = (*scene.marks, *self.loaded.marks)
+            scene = dataclasses.replace(scene, marks=marks, hodographs=self.loaded.hodographs)
         if self.output_deviation:
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
@@ -300,10 +292,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     def _load_checks(self) -> tuple[Check, ...]:
         """Checks of the motor, and of pins and plates if the material is known; none without loads."""
-        if self.force_analysis is None:
+        if self.loaded is None:
             return ()
-        holds = linkage_strength_checks(self.force_analysis, self.stock, self.stack) if self.stock.material else ()
-        return (*motor_checks(self.force_analysis, self.motor), *holds)
+        holds = linkage_strength_checks(self.loaded.analysis, self.stock, self.stack) if self.stock.material else ()
+        return (*self.loaded.checks, *holds)
 
     @cached_property
     def own_parts(self) -> tuple[Part, ...]:
@@ -349,7 +341,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         stack = self.stack.summary()
         dwell = {"dwell": self.dwell.found(self.motion)} if self.dwell else {}
         tolerances = self.output_deviation.summary if self.output_deviation else {}
-        loads = {"loads": force_summary(self.force_analysis, self.motor)} if self.force_analysis else {}
+        loads = {"loads": self.loaded.summary} if self.loaded else {}
         if self.copies:
             stack |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
             if self.stock.motor:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
+from ...core.fields import to_digits
 from ...core.records import record
 from ...making.assembly import Bill, shaft_bill
 from ...making.bores import fits_of
@@ -69,7 +70,7 @@ def pile_places(motion: Motion, assembly: LinkAssembly, near: float) -> tuple[co
     directions = direction_deg(180 / DIRECTIONS * np.arange(DIRECTIONS))
     widths = [out(u) + out(-u) for u in directions]
     # Compared to ten digits, so that rounding does not choose between equally good directions.
-    best = directions[min(range(DIRECTIONS), key=lambda k: (float(f"{widths[k]:.10g}"), k))]
+    best = directions[min(range(DIRECTIONS), key=lambda k: (to_digits(widths[k], 10), k))]
     return middle + complex(best) * out(best), middle - complex(best) * out(-best)
 
 
@@ -242,7 +243,7 @@ class Stack:
                 "name": pin.name,
                 "letter": self.letters[pin.name],
                 "layers": [pin.first, pin.last],
-                "length_mm": float(f"{pin.length:.10g}"),
+                "length_mm": to_digits(pin.length, 10),
                 "holes_in": list(pin.holes),
                 "slots_in": list(pin.slots),
                 "spacers_in": list(pin.spacers),
