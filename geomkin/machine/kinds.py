@@ -333,6 +333,16 @@ class MachineRecipe(AbstractRecipe):
         return own | {name: text for recipe in self.recipes.values() for name, text in recipe.sources.items()}
 
     @property
+    def assumed_fits(self) -> Mapping[str, float]:
+        """Those of each mechanism, whose kerf is that of the machine."""
+        return dict(super().assumed_fits) | {
+            f"mechanisms.{name}.recipe.{key}": value
+            for name, recipe in self.recipes.items()
+            for key, value in recipe.assumed_fits.items()
+            if key != "files.kerf"
+        }
+
+    @property
     def notes(self) -> Mapping[str, object]:
         graph = self.graph
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}

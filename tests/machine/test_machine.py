@@ -180,6 +180,12 @@ def test_bill_has_every_item_of_every_mechanism_and_the_shafts():
     assert "24 mm" in shaft[0] and "2 mm" in shaft[0]
 
 
+def test_fits_that_a_mechanism_does_not_state_are_assumed_once_each():
+    stated = f"{CRANK}, stock = {{ clearance = 0.15 }}"
+    own = parse(machine(a=inline(CRANK), b=inline(stated, 'turned_by = "a.crank"')))
+    assert set(own.assumed_fits) == {"files.kerf", "mechanisms.a.recipe.stock.clearance"}
+
+
 @pytest.mark.parametrize("up", [True, False])
 def test_shaft_that_meets_a_moving_plate_is_found(up):
     """Against polygons of all plates between the joined ones, frame by frame."""
