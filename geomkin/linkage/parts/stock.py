@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Literal
 
 from ...core.errors import DesignError
@@ -82,7 +83,7 @@ class LinkStock:
                 "give wider bars or thinner pins",
             )
 
-    @property
+    @cached_property
     def fastener_used(self) -> Fastener:
         """The fastener that holds the pins."""
         return fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
