@@ -131,22 +131,24 @@ def check_copies(copies: tuple[Copy, ...], linkage: AbstractLinkage, input_range
         raise DesignError("copies", f"found {len(copies)}", f"give at most {MOST}", "out-of-range")
     if linkage.linkage.driver_pivot is None:
         raise DesignError("copies", "the driver turns on no fixed shaft that they could share", "omit them", "conflict")
-    turn = input_range.turn_deg if isinstance(input_range, Turn) else 0.0
-    if abs(turn - 360) > 360 * WHOLE:
+    if not is_whole_turn(input_range):
         raise DesignError(
             "copies", "the driver makes no whole turn", "let it turn by 360 deg, or omit copies", "conflict"
         )
 
 
-def copied(
-    copies: tuple[Copy, ...], first: Motion, linkage: AbstractLinkage, signs: Branch, input_range: Turn
-) -> Iterator[Copied]:
-    """The motion of each copy at the frames of the first linkage.
+def is_whole_turn(input_range: Turn | Stroke) -> bool:
+    """Whether the driver turns by 360 deg in either direction."""
+    return isinstance(input_range, Turn) and abs(input_range.turn_deg - 360) <= 360 * WHOLE
+
+
+def copied(copies: tuple[Copy, ...], first: Motion, linkage: AbstractLinkage, signs: Branch) -> Iterator[Copied]:
+    """The motion of each copy at the frames of the first linkage, over one turn of its driver.
 
     Each is followed from the first linkage's start, through its phase angle, so that it moves on the same branch.
     Derived here.
     """
-    frames, k, driver = input_range.frames, int(np.argmax(first.assembled)), linkage.linkage.driver
+    frames, k, driver = first.drive, int(np.argmax(first.assembled)), linkage.linkage.driver
     pivot = linkage.linkage.driver_pivot
     assert pivot is not None
     shaft = complex(first.point(pivot).position[k])
@@ -161,7 +163,7 @@ def copied(
         wanted = np.pi - 2 * zero_angle - phase - frames[::-1] if copy.mirrored else frames + phase
         # Seen from its front, a mirrored copy turns the other way.
         side = -1 if copy.mirrored else 1
-        speed, acceleration = side * input_range.speed, side * input_range.acceleration
+        speed, acceleration = side * first.timing.speed, side * first.timing.acceleration
         motion = move(linkage, _led(wanted, frames), signs, speed, acceleration)
         rows = np.arange(len(motion.drive) - len(frames), len(motion.drive))
         yield Copied(motion, rows[::-1] if copy.mirrored else rows, shaft.real if copy.mirrored else None)
@@ -169,7 +171,8 @@ def copied(
 
 def _led(wanted: Real, frames: Real) -> Real:
     """A drive that continues from the first frame and ends with `wanted`, or whole turns later."""
-    step = float(frames[1] - frames[0])
+    steps = np.diff(frames)
+    step = float(steps[np.argmax(np.abs(steps))])
     turn = float(np.copysign(2 * np.pi, step))
     later = wanted + turn * np.ceil((frames[0] - wanted[0]) / turn - WHOLE)
     before = np.arange(frames[0], later[0] - 1e-6 * step, step)

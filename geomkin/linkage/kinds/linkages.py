@@ -18,15 +18,17 @@ from ...model.check import Check
 from ...model.mass import Mass
 from ...model.motor import Motor
 from ...model.part import Bought, Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import grashof, least_transmission_angle
+from ..measures import grashof, least_transmission_angle, steady_bodies
 from ..motion import Motion, motion_table
 from ..named_linkages import (
     EllipticTrammel,
@@ -55,6 +57,7 @@ from .copies import (
     copying,
     counted,
     driven_check,
+    is_whole_turn,
     joining,
     shared_rods,
     with_copies,
@@ -198,15 +201,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def moving_copies(self) -> tuple[Copied, ...]:
         """The motion of each copy."""
-        return tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
+        return tuple(copied(self.copies, self.motion, self.linkage, self.signs))
 
     @cached_property
     def stance(self) -> Stance | None:
         """How a walker stands on its feet; None without feet, or if the distances of the copies are unknown."""
         if self.foot is None:
             return None
-        sheet = self.stock.thickness
-        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, sheet)
+        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, self.stock.thickness)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -255,8 +257,23 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
+        return self._with_copies(scene, self.moving_copies)
+
+    def _with_copies(self, scene: Scene, copies: tuple[Copied, ...]) -> Scene:
         lowest = 1 + max(self.stack.layers.values())
-        return with_copies(scene, self.moving_copies, self.copy_parts, self.copy_stack.layers, lowest)
+        return with_copies(scene, copies, self.copy_parts, self.copy_stack.layers, lowest)
+
+    @cached_property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        pivot = self.linkage.linkage.driver_pivot if is_whole_turn(self.input_range) else None
+        return steady_bodies(self.motion) if pivot and self.motion.assembled.all() else {}
+
+    def scene_at(self, turn: Real) -> Scene:
+        motion, rows = self.moved_at(turn)
+        scene = linkage_scene(motion, motion_table(motion), self.own_parts, self.stack.layers, rates=False)
+        if self.copies:
+            scene = self._with_copies(scene, tuple(copied(self.copies, motion, self.linkage, self.signs)))
+        return scene.at_frames(rows)
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
