@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -24,7 +24,6 @@ from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
-from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
 from ..measures import grashof, least_transmission_angle
 from ..motion import Motion, motion_table
@@ -37,7 +36,7 @@ from ..named_linkages import (
     Shaper,
     SliderCrank,
 )
-from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
+from ..parts.stack import Stack, fastener_masses, link_parts
 from ..parts.stock import LinkStock
 from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
@@ -59,6 +58,7 @@ from .copies import (
     with_copies,
     without_motor,
 )
+from .counterweights import BalancedPlates, balanced_plates, stack_with_ends
 from .dwell_bands import DwellBand
 from .loaded import LoadedLinkage
 from .loads import LoadsTable, loads_entry, number_of_columns
@@ -110,6 +110,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             raise DesignError("both_modes", problem, "omit it", "conflict")
         if self.loads:
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
+            if self.loads.counterweights:
+                self.loads.counterweights.check(linkage, self.stock, self.loads.masses)
         if self.tolerances:
             self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
 
@@ -127,12 +129,20 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             return None
         masses = self.body_masses if self.stock.material else {}
         motor = self.loads.motor or MOTORS.get(str(self.stock.motor))
-        return LoadedLinkage(self.loads, self.motion, masses, self.moving_copies if self.copies else (), motor)
+        copies = self.moving_copies if self.copies else ()
+        return LoadedLinkage(self.loads, self.motion, masses, copies, motor, self.balanced)
 
-    @property
-    def force_analysis(self) -> ForceAnalysis | None:
-        """Driver effort and joint forces of one linkage under the loads; None without loads."""
-        return self.loaded.analysis if self.loaded else None
+    @cached_property
+    def balanced(self) -> BalancedPlates | None:
+        """Plates with counterweights; None if none are requested."""
+        if self.loads is None or self.loads.counterweights is None:
+            return None
+        forces_of = partial(self.loads.forces_of, self.motion)
+        return balanced_plates(self.loads.counterweights, forces_of, self.fine_motion, self.stock)
+
+    def _stacked(self, stock: LinkStock) -> Stack:
+        """The plates with their counterweights in layers."""
+        return stack_with_ends(self.fine_motion, stock, self.balanced.ends if self.balanced else {})
 
     @property
     def further_handles(self) -> Iterator[SceneHandle]:
@@ -154,14 +164,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def stack(self) -> Stack:
         """The plates in layers."""
-        return stack_links(self.fine_motion, self.stock)
+        return self._stacked(self.stock)
 
     @cached_property
     def copy_stack(self) -> Stack:
         """The plates of a copy in layers; the motor is in the first linkage only."""
         if self.stock.motor is None:
             return self.stack
-        return without_motor(stack_links(self.fine_motion, self.copy_stock), self.stack)
+        return without_motor(self._stacked(self.copy_stock), self.stack)
 
     @property
     def copy_stock(self) -> LinkStock:
