@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import cache, reduce
-from math import inf, nextafter
+from math import inf, isfinite, nextafter
 from operator import ge, gt, le, lt, or_
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -157,6 +157,11 @@ def rounded_down(most: float, digits: int = DIGITS) -> str:
 def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
     """A value rounded to significant digits, as summaries have it; 0 without a sign."""
     return float(f"{value:.{digits}g}") + 0.0
+
+
+def to_digits_or_none(value: float | np.floating[Any], digits: int = 9) -> float | None:
+    """A value rounded to significant digits; None, which JSON writes as null, if it is not finite."""
+    return to_digits(value, digits) if isfinite(value) else None
 
 
 def _rounded(value: float, digits: int, mode: str) -> str:

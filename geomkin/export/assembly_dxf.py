@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.fields import to_digits
 from ..core.names import folded
 from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.flatten import flatten
@@ -142,7 +143,7 @@ def _line(layer: str, points: Complex, digits: int, closed: bool = False) -> Ite
 def _text(name: Name, still: Still) -> Text:
     # In the format two per cent signs start a code.
     plain = harmless(name.text).replace("%%", "% %")
-    return Text(NAMES, plain, rounded(name.place, still.digits).item(), float(f"{0.72 * LETTER * still.pixel:.3g}"))
+    return Text(NAMES, plain, rounded(name.place, still.digits).item(), to_digits(0.72 * LETTER * still.pixel, 3))
 
 
 def _extents(shapes: list[Circle | Polyline], names: tuple[Name, ...]) -> tuple[complex, complex]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from ..build import errors_named_by_key
 from ..core.arguments import checked
 from ..core.errors import FileError, GeomkinError, harmless, printable
+from ..core.fields import to_digits
 from ..core.names import file_name_flaw
 from ..core.progress import report
 from ..core.records import record
@@ -90,7 +91,7 @@ class FileReport:
         entries: dict[str, object] = {"file": self.file, "format": self.format, "measured": self.measured}
         if isfinite(self.deviation):
             entries |= {
-                "deviation_mm": float(f"{self.deviation:.3g}"),
+                "deviation_mm": to_digits(self.deviation, 3),
                 "allowed_mm": self.allowed,
                 "part": self.part,
                 "at_mm": [round(self.place.real, 4) + 0.0, round(self.place.imag, 4) + 0.0],

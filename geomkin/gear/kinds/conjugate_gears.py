@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import PLAY, Assembly
 from ...making.bases import BaseStock
@@ -90,13 +90,13 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
         mate = self.design
         jams = "teeth without backlash jam: give mate.backlash, mm"
         return {
-            "ratio": float(f"{mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1):.10g}"),
+            "ratio": to_digits(mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1), 10),
             **({} if self.mate.backlash else {"backlash_advice": jams}),
-            "centre_distance_mm": float(f"{mate.distance:.10g}"),
+            "centre_distance_mm": to_digits(mate.distance, 10),
             "never_touching": [
                 {
-                    "inner_radius_mm": float(f"{u.inner_radius:.7g}"),
-                    "outer_radius_mm": float(f"{u.outer_radius:.7g}"),
+                    "inner_radius_mm": to_digits(u.inner_radius, 7),
+                    "outer_radius_mm": to_digits(u.outer_radius, 7),
                     "why": u.why,
                 }
                 for u in mate.untouched

@@ -133,7 +133,7 @@ def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[Abs
 def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str:
     """A remedy: the least trial tolerance within the limit of points, or the number of teeth for this tolerance."""
     for k in range(1, TRIALS + 1):
-        wider = float(f"{tolerance * WIDER**k:.3g}")
+        wider = to_digits(tolerance * WIDER**k, 3)
         if points(wider) <= MOST:
             return f"give at least {wider:g} mm, or at most {teeth:,} teeth"
     return f"give at most {teeth:,} teeth"

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import ComplexPoint, RowsOf, entry, quantity
+from ...core.fields import ComplexPoint, RowsOf, entry, quantity, to_digits
 from ...core.records import record
 from ...linkage.motion import Motion, unwrapped_deg
 from ...linkage.moving import move
@@ -312,8 +312,8 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         poles_mm: dict[str, object] = {}
         for (j, k), pole in poles(self.wanted.pairs).items() if len(self.wanted.poses) <= 5 else ():
             z = complex(pole.position)
-            direction = {"at_infinity_deg": float(f"{np.degrees(np.angle(complex(pole.direction))):.9g}")}
-            position = [float(f"{z.real:.9g}"), float(f"{z.imag:.9g}")]
+            direction = {"at_infinity_deg": to_digits(np.degrees(np.angle(complex(pole.direction))))}
+            position = [to_digits(z.real), to_digits(z.imag)]
             poles_mm[f"{j + 1} and {k + 1}"] = position if np.isfinite(z) else direction
         return {**super().notes, "poles_mm": poles_mm}
 
