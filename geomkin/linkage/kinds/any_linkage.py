@@ -16,6 +16,7 @@ from ...recipe.settings import Stroke
 from ..linkage import LINKAGES, AbstractLinkage
 from ..motion import on_ground
 from ..named_linkages import FourBar, SliderCrank
+from . import linkage_kinds
 from .moved import AbstractMovedRecipe
 
 # The kinds that such a table may have. A scotch yoke has no body that turns and is not on a ground pivot.
