@@ -69,6 +69,7 @@ KINDS: dict[str, KindRow] = {
     "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
     "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),
     "fit-test": KindRow("coupons", "geomkin.coupon.kinds.fit_test:FitTestRecipe"),
+    "machine": KindRow("machines", "geomkin.machine.kinds:MachineRecipe"),
 }
 
 

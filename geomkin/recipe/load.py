@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -100,15 +100,37 @@ def to_toml(recipe: AbstractRecipe) -> str:
     str
         A text from which `gk.load` makes an equal recipe.
     """
-    table = adapter(type(recipe)).dump_python(recipe, mode="json")
-    usual = {f.name for f in fields(recipe) if f.name != "kind" and getattr(recipe, f.name) == f.default}
-    table = {key: value for key, value in table.items() if key not in usual}
+    return "\n".join(table_lines("", plain_table(recipe))).lstrip("\n") + "\n"
+
+
+def plain_table(recipe: AbstractRecipe) -> dict[str, Any]:
+    """The keys of a recipe as TOML has them, without those that have their default value."""
+    table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json")
+    table = _without_defaults(recipe, table)
     # The mechanism comes first.
-    table |= {key: table.pop(key) for key in ("optimise",) if key in table}
-    return "\n".join(_table("", table)).lstrip("\n") + "\n"
+    return table | {key: table.pop(key) for key in ("optimise",) if key in table}
 
 
-def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
+def short_table(recipe: AbstractRecipe) -> dict[str, Any]:
+    """The same, and without the default values in its tables."""
+    return _without_defaults(recipe, plain_table(recipe), is_deep=True)
+
+
+def _without_defaults(thing: Any, table: dict[str, Any], is_deep: bool = False) -> dict[str, Any]:
+    usual = {f.name for f in fields(thing) if f.name != "kind" and getattr(thing, f.name) == _default(f)}
+    kept = {key: value for key, value in table.items() if key not in usual}
+    for key, value in kept.items() if is_deep else ():
+        if isinstance(value, dict) and is_dataclass(inner := getattr(thing, key)):
+            # An empty table would not be written.
+            kept[key] = _without_defaults(inner, value, is_deep) or value
+    return kept
+
+
+def _default(field: Field[Any]) -> object:
+    return field.default if field.default_factory is MISSING else field.default_factory()
+
+
+def table_lines(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
     """Lines of a table: its keys with plain values first, then the tables in it."""
     plain: list[str] = []
     tables: list[str] = []
@@ -116,10 +138,10 @@ def _table(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
     for key, value in without_none(table, with_empty=depth >= DEEPEST).items():
         name = f"{path}.{toml_key(key)}" if path else toml_key(key)
         if isinstance(value, dict) and depth < DEEPEST:
-            tables += ["", f"[{name}]", *_table(name, value, depth + 1)]
+            tables += ["", f"[{name}]", *table_lines(name, value, depth + 1)]
         elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value) and depth < DEEPEST:
             for row in value:
-                tables += ["", f"[[{name}]]", *_table(name, row, DEEPEST)]
+                tables += ["", f"[[{name}]]", *table_lines(name, row, DEEPEST)]
         else:
             plain.append(f"{toml_key(key)} = {toml_value(value)}")
     return [*plain, *tables]

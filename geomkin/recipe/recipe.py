@@ -19,6 +19,7 @@ from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
+from ..model.rotating import RotatingBody
 from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
@@ -81,6 +82,11 @@ class AbstractRecipe(_Shared, ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving
+
+    @property
+    def is_in_own_file(self) -> bool:
+        """Whether it has a name, by which another recipe that contains it states it."""
+        return bool(self.name)
 
     @property
     @abstractmethod
@@ -147,7 +153,9 @@ class AbstractRecipe(_Shared, ABC):
         # Parts first, since they may raise an error.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
         reasons = self.expected_failures
-        return tuple(replace(check, expected=reasons.get(check.id, "")) for check in (*self.design_checks, *walls))
+        return tuple(
+            replace(check, expected=reasons.get(check.id, check.expected)) for check in (*self.design_checks, *walls)
+        )
 
     @property
     def unknown_expectations(self) -> tuple[str, ...]:
@@ -174,6 +182,21 @@ class AbstractRecipe(_Shared, ABC):
     def scene(self) -> Scene | None:
         """The moving drawing; None if the kind has none."""
         return None
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """Bodies that turn in a constant ratio to the driver, by name, the driver first.
+
+        By these a machine joins the mechanism to others; empty if it cannot be part of a machine.
+        """
+        return {}
+
+    def scene_at(self, turn: Real) -> Scene:
+        """The scene at rotations of the driver from its first position, rad, (frames,), of any size and order.
+
+        A kind with `rotating_bodies` has it. The table holds positions and angles; the time is that of a machine.
+        """
+        raise NotImplementedError
 
     @property
     def quantities(self) -> Mapping[str, str]:
@@ -378,6 +401,13 @@ class AbstractGoal(AbstractRecipe):
     @property
     def scene(self) -> Scene | None:
         return self.design.scene
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        return self.design.rotating_bodies
+
+    def scene_at(self, turn: Real) -> Scene:
+        return self.design.scene_at(turn)
 
     @property
     def notes(self) -> Mapping[str, object]:

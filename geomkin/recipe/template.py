@@ -14,7 +14,7 @@ from pydantic import TypeAdapter
 from ..core.errors import DesignError, printable
 from ..core.fields import allowed
 from .kinds import kind_names, recipe_class
-from .load import adapter
+from .load import adapter, short_table, table_lines
 from .messages import kind_of, nearest, tables_in
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
@@ -95,6 +95,11 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
         if isinstance(rows, tuple | list) and rows and dataclasses.is_dataclass(rows[0]):
             for row in rows:
                 tables += ["", f"[[{name}]]", *_table(name, row, offered)]
+        elif isinstance(inner, dict) and any(map(dataclasses.is_dataclass, inner.values())):
+            for key, item in inner.items():
+                tables += ["", f"[{name}.{key}]", *_table(f"{name}.{key}", item, offered)]
+        elif isinstance(inner, AbstractRecipe):
+            tables += ["", f"[{name}]", *table_lines(name, short_table(inner))]
         elif isinstance(inner, dict) and inner:
             tables += ["", f"[{name}]  # {field.metadata['description']}"]
             tables += [f"{key} = {toml_value(item)}" for key, item in inner.items()]
@@ -229,6 +234,9 @@ def _plain(node: Any) -> Any:
         return [_plain(part) for part in node]
     if not isinstance(node, dict):
         return node
+    if node.get("format") == "recipe":
+        # A file's name, or a recipe in the recipe.
+        return {"type": ["string", "object"], "if": {"type": "object"}, "then": {"$ref": "#"}}
     node = {key: part if key in ("default", "enum", "const") else _plain(part) for key, part in node.items()}
     # Sections such as Notes are for readers of the code.
     if isinstance(node.get("description"), str):

@@ -62,7 +62,8 @@ def _groups(
     for one in tables or [table]:
         for field in sorted(dataclasses.fields(one), key=lambda field: field.name in SHARED):
             hint = hints_of(one)[field.name]
-            if inner := tables_in(hint):
+            # Tables under names that the recipe chooses are edited in its text.
+            if (inner := tables_in(hint)) and get_origin(hint) is not dict:
                 key = f"{path}.{field.name}" if path else field.name
                 is_rows = get_origin(hint) is tuple or (dataclasses.is_dataclass(hint) and hint not in inner)
                 entry = {
@@ -77,7 +78,7 @@ def _groups(
 def _fields(table: type, path: str) -> Iterator[dict[str, Any]]:
     for field in dataclasses.fields(table):
         hint = hints_of(table)[field.name]
-        if tables_in(hint) or (field.name == "kind" and not path):
+        if (tables_in(hint) and get_origin(hint) is not dict) or (field.name == "kind" and not path):
             continue
         key = f"{path}.{field.name}" if path else field.name
         has_default = field.default is not MISSING or field.default_factory is not MISSING

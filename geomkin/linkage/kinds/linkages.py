@@ -18,15 +18,17 @@ from ...model.check import Check
 from ...model.mass import Mass
 from ...model.motor import Motor
 from ...model.part import Bought, Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import grashof, least_transmission_angle
+from ..measures import grashof, least_transmission_angle, steady_bodies
 from ..motion import Motion, motion_table
 from ..named_linkages import (
     EllipticTrammel,
@@ -37,7 +39,8 @@ from ..named_linkages import (
     Shaper,
     SliderCrank,
 )
-from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
+from ..parts.frame import frame_places, with_frame
+from ..parts.stack import MOTOR_PLATE, Stack, fastener_masses, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
@@ -54,6 +57,7 @@ from .copies import (
     copying,
     counted,
     driven_check,
+    is_whole_turn,
     joining,
     shared_rods,
     with_copies,
@@ -152,16 +156,29 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return self.moved(self.input_range.collision_samples, self.signs)
 
     @cached_property
+    def _unframed(self) -> tuple[Stack, Stack]:
+        """The stacks of the first linkage and of a copy, without the frame of a walker."""
+        own = stack_links(self.fine_motion, self.stock)
+        return own, own if self.stock.motor is None else stack_links(self.fine_motion, self.copy_stock)
+
+    @cached_property
+    def frame(self) -> tuple[complex, ...]:
+        """Places of the rods that join the grounds of a walker, mm; empty without a foot, or if they are not known."""
+        if self.foot is None or any(not rod.pin for rod in self.shared):
+            return ()
+        return frame_places(self.fine_motion, self.stock, self._unframed[0].plates)
+
+    @cached_property
     def stack(self) -> Stack:
         """The plates in layers."""
-        return stack_links(self.fine_motion, self.stock)
+        return with_frame(self._unframed[0], self.linkage.linkage.ground, self.frame)
 
     @cached_property
     def copy_stack(self) -> Stack:
         """The plates of a copy in layers; the motor is in the first linkage only."""
         if self.stock.motor is None:
             return self.stack
-        return without_motor(stack_links(self.fine_motion, self.copy_stock), self.stack)
+        return without_motor(with_frame(self._unframed[1], self.linkage.linkage.ground, self.frame), self.stack)
 
     @property
     def copy_stock(self) -> LinkStock:
@@ -178,31 +195,30 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def shared(self) -> tuple[Shared, ...]:
         """The rods by which neighbouring copies drive each other."""
-        return tuple(shared_rods(self.copies, self.linkage, self._stacks, self.stock.thickness))
+        stacks = (self._unframed[0], *(self._unframed[1] for _ in self.copies))
+        return tuple(shared_rods(self.copies, self.linkage, stacks, self.stock.thickness))
 
     @cached_property
     def moving_copies(self) -> tuple[Copied, ...]:
         """The motion of each copy."""
-        return tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
+        return tuple(copied(self.copies, self.motion, self.linkage, self.signs))
 
     @cached_property
     def stance(self) -> Stance | None:
         """How a walker stands on its feet; None without feet, or if the distances of the copies are unknown."""
         if self.foot is None:
             return None
-        sheet = self.stock.thickness
-        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, sheet)
+        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, self.stock.thickness)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return joining(self._stacks, self.shared)
+        return joining(self._stacks, self.shared, self.stock.thickness)
 
     @property
     def steps(self) -> tuple[str, ...]:
         if not self.copies:
             return self.stack.steps
-        without = self.copy_stack.steps if self.stock.motor else ()
-        return (*self.stack.steps, *copying(self.copies, self.shared, without))
+        return copying(self.copies, self.shared, self._stacks, self.stock.thickness)
 
     @cached_property
     def table(self) -> Table:
@@ -232,7 +248,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         # Only the page shows them, no file of numbers.
         effects = size_columns(self.motion)
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
-        scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
+        layers = {MOTOR_PLATE: -1, **self.stack.layers}
+        scene = linkage_scene(self.motion, table, self.own_parts, layers, plots, self._others())
         if self.loaded:
             marks = (*scene.marks, *self.loaded.marks)
             scene = dataclasses.replace(scene, marks=marks, hodographs=self.loaded.hodographs)
@@ -240,8 +257,23 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
+        return self._with_copies(scene, self.moving_copies)
+
+    def _with_copies(self, scene: Scene, copies: tuple[Copied, ...]) -> Scene:
         lowest = 1 + max(self.stack.layers.values())
-        return with_copies(scene, self.moving_copies, self.copy_parts, self.copy_stack.layers, lowest)
+        return with_copies(scene, copies, self.copy_parts, self.copy_stack.layers, lowest)
+
+    @cached_property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        pivot = self.linkage.linkage.driver_pivot if is_whole_turn(self.input_range) else None
+        return steady_bodies(self.motion) if pivot and self.motion.assembled.all() else {}
+
+    def scene_at(self, turn: Real) -> Scene:
+        motion, rows = self.moved_at(turn)
+        scene = linkage_scene(motion, motion_table(motion), self.own_parts, self.stack.layers, rates=False)
+        if self.copies:
+            scene = self._with_copies(scene, tuple(copied(self.copies, motion, self.linkage, self.signs)))
+        return scene.at_frames(rows)
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
@@ -290,7 +322,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """The parts of a copy."""
         if self.stock.motor is None:
             return self.own_parts
-        return link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+        own = {part.name: part for part in self.own_parts}
+        parts = link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+        return tuple(dataclasses.replace(own.get(part.name, part), count=part.count) for part in parts)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -307,8 +341,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        unknown = (UNKNOWN_STANCE,) if self.foot and not self.stance else ()
-        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *unknown)
+        stance = tuple(self.stance.remarks) if self.stance else (UNKNOWN_STANCE,) if self.foot else ()
+        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *stance)
 
     @property
     def forces_missing(self) -> str:
