@@ -30,7 +30,7 @@ class MeasuredFits:
         "how much wider a hole is than its pin or shaft", "mm", default=None, at_least=0, at_most=FARTHEST
     )
     interference: float | None = quantity(
-        "interference of a press-fit bore", "mm", default=None, at_least=0, at_most=FARTHEST
+        "interference of a press-fit bore", "mm", default=None, at_least=-1, at_most=FARTHEST
     )
 
 

@@ -117,6 +117,8 @@ def test_each_stock_takes_the_fits_of_its_own_material():
     assert problems_of(pair) == [("files.kerf", "conflict")]
     recipe = gk.load({**pair, "files": {"kerf": 0.2}})
     assert (recipe.first_stock.clearance, recipe.second_stock.clearance, recipe.base.clearance) == (0.08, 0.3, 0.08)
+    # A base that is left out does not come from the file.
+    assert gk.load({key: value for key, value in pair.items() if key != "base"} | {"files": {"kerf": 0}}).base is None
     # The oak has no interference in the file.
     assert recipe.second_stock.interference == gk.gear.GearStock().interference
 
@@ -232,10 +234,12 @@ def test_sweep_and_studio_use_the_file():
     assert own["values"]["stock.clearance"] == 0.4 and own["values"]["files.kerf"] == 0.18
 
 
-@pytest.mark.parametrize("compensated", [0, 0.1])
-def test_lines_of_a_fit_test_filled_in_reproduce_the_holes_that_fitted(compensated):
-    """A beam of kerf 0.18 cuts all holes wider by it: the same drawn hole is the same cut hole in coupon and gear."""
-    kerf, pin, free, pressed = 0.18, 3.0, 2.9, 2.7
+@pytest.mark.parametrize(
+    ("kerf", "free", "pressed", "compensated"), [(0.18, 2.9, 2.7, 0), (0.18, 2.9, 2.7, 0.1), (0, 3.3, 3.1, 0)]
+)
+def test_lines_of_a_fit_test_filled_in_reproduce_the_holes_that_fitted(kerf, free, pressed, compensated):
+    """The same drawn hole is the same hole in coupon and gear, on a laser and on a printer with narrow holes."""
+    pin = 3.0
     openings = {"pin": pin, "thickness": 3}
     table = {"kind": "fit-test", "material": PLYWOOD, "openings": openings, "files": {"kerf": compensated}}
     lines = gk.load(table).notes["workshop_file"]

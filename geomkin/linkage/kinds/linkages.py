@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from functools import cached_property
-from typing import ClassVar, Literal
+from functools import cached_property, partial
+from typing import ClassVar
 
 import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.records import record
+from ...making.fasteners import gathered
 from ...making.materials import MATERIALS
 from ...making.motors import MOTORS
 from ...model.check import Check
@@ -26,26 +27,15 @@ from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
-from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import grashof, least_transmission_angle, steady_bodies
+from ..measures import least_transmission_angle, steady_bodies
 from ..motion import Motion, motion_table
-from ..named_linkages import (
-    EllipticTrammel,
-    FourBar,
-    InvertedSliderCrank,
-    OldhamCoupling,
-    ScotchYoke,
-    Shaper,
-    SliderCrank,
-)
 from ..parts.frame import frame_places, with_frame
-from ..parts.stack import MOTOR_PLATE, Stack, fastener_masses, link_parts, stack_links
+from ..parts.stack import MOTOR_PLATE, Stack, fastener_masses, link_parts
 from ..parts.stock import LinkStock
 from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
 from ..scene_sizes import size_columns, size_plot
-from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import (
     Copied,
@@ -58,18 +48,17 @@ from .copies import (
     counted,
     driven_check,
     is_whole_turn,
-    joining,
+    joint_bills,
     shared_rods,
     with_copies,
     without_motor,
 )
+from .counterweights import BalancedPlates, balanced_plates, stack_with_ends
 from .dwell_bands import DwellBand
 from .loaded import LoadedLinkage
 from .loads import LoadsTable, loads_entry, number_of_columns
 from .moved import (
-    WITH_SLIDER,
     AbstractMovedRecipe,
-    BodyList,
     Branches,
     SideOrFollow,
     both_modes_entry,
@@ -77,7 +66,7 @@ from .moved import (
     branches_entry,
     coefficients_entry,
 )
-from .stance import UNKNOWN_STANCE, Stance, check_foot, foot_entry, stance_of
+from .stance import UNKNOWN_STANCE, Stance, check_foot, stance_of
 from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
 
 
@@ -114,6 +103,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             raise DesignError("both_modes", problem, "omit it", "conflict")
         if self.loads:
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
+            if self.loads.counterweights:
+                self.loads.counterweights.check(linkage, self.stock, self.loads.masses)
         if self.tolerances:
             self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
 
@@ -131,12 +122,20 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             return None
         masses = self.body_masses if self.stock.material else {}
         motor = self.loads.motor or MOTORS.get(str(self.stock.motor))
-        return LoadedLinkage(self.loads, self.motion, masses, self.moving_copies if self.copies else (), motor)
+        copies = self.moving_copies if self.copies else ()
+        return LoadedLinkage(self.loads, self.motion, masses, copies, motor, self.balanced)
 
-    @property
-    def force_analysis(self) -> ForceAnalysis | None:
-        """Driver effort and joint forces of one linkage under the loads; None without loads."""
-        return self.loaded.analysis if self.loaded else None
+    @cached_property
+    def balanced(self) -> BalancedPlates | None:
+        """Plates with counterweights; None if none are requested."""
+        if self.loads is None or self.loads.counterweights is None:
+            return None
+        forces_of = partial(self.loads.forces_of, self.motion)
+        return balanced_plates(self.loads.counterweights, forces_of, self.fine_motion, self.stock)
+
+    def _stacked(self, stock: LinkStock) -> Stack:
+        """The plates with their counterweights in layers."""
+        return stack_with_ends(self.fine_motion, stock, self.balanced.ends if self.balanced else {})
 
     @property
     def further_handles(self) -> Iterator[SceneHandle]:
@@ -158,8 +157,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def _unframed(self) -> tuple[Stack, Stack]:
         """The stacks of the first linkage and of a copy, without the frame of a walker."""
-        own = stack_links(self.fine_motion, self.stock)
-        return own, own if self.stock.motor is None else stack_links(self.fine_motion, self.copy_stock)
+        own = self._stacked(self.stock)
+        return own, own if self.stock.motor is None else self._stacked(self.copy_stock)
 
     @cached_property
     def frame(self) -> tuple[complex, ...]:
@@ -212,7 +211,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return joining(self._stacks, self.shared, self.stock.thickness)
+        return gathered(joint_bills(self._stacks, self.shared, self.stock.thickness))
+
+    @property
+    def shaft_items(self) -> tuple[Bought, ...]:
+        motors = {stack.letters[pin.name] for stack in self._stacks for pin in stack.pins if pin.motor}
+        bills = joint_bills(self._stacks, self.shared, self.stock.thickness)
+        return tuple(Bought(name, n, (joint,)) for joint, bill in bills if joint not in motors for name, n in bill)
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -447,167 +452,3 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
         none = {"copies": ()} if "copies" in tables else {}
         values = super().example_values(tables)
         return {**values, **none, **cls.sliding} if "stroke" in tables else values
-
-
-@record(kw_only=True)
-class FourBarRecipe(TurningLinkageRecipe):
-    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point.
-
-    Parameters
-    ----------
-    linkage : FourBar
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["four-bar"] = "four-bar"
-    linkage: FourBar
-
-    @property
-    def turning(self) -> Mapping[str, object]:
-        result = grashof(self.linkage)
-        links = {"shortest": result.shortest, "longest": result.longest}
-        sums = {"shortest_and_longest_mm": result.shortest_and_longest, "other_two_mm": result.other_two}
-        return {
-            "grashof_type": result.type,
-            "grashof": links | {name: to_digits(length, 10) for name, length in sums.items()},
-        }
-
-
-@record(kw_only=True)
-class SliderCrankRecipe(SlidingLinkageRecipe):
-    """A slider-crank, driven by crank, connecting rod or slider.
-
-    Parameters
-    ----------
-    linkage : SliderCrank
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["slider-crank"] = "slider-crank"
-    linkage: SliderCrank
-    copies: tuple[Copy, ...] = copies_entry()
-    sliding: ClassVar = {"linkage.driver": "slider", "stroke": Stroke(start=70, end=110)}
-
-
-@record(kw_only=True)
-class InvertedSliderCrankRecipe(TurningLinkageRecipe):
-    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block.
-
-    Parameters
-    ----------
-    linkage : InvertedSliderCrank
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
-    linkage: InvertedSliderCrank
-
-
-@record(kw_only=True)
-class StephensonSixBarRecipe(TurningLinkageRecipe):
-    """A four-bar whose coupler point drives an output, which can dwell.
-
-    Parameters
-    ----------
-    linkage : StephensonSixBar
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
-    linkage: StephensonSixBar
-
-
-@record(kw_only=True)
-class WattSixBarRecipe(TurningLinkageRecipe):
-    """Two four-bars in series: the first one's rocker drives the second.
-
-    Parameters
-    ----------
-    linkage : WattSixBar
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["watt-six-bar"] = "watt-six-bar"
-    linkage: WattSixBar
-
-
-@record(kw_only=True)
-class ShaperRecipe(TurningLinkageRecipe):
-    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return.
-
-    Parameters
-    ----------
-    linkage : Shaper
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["shaper"] = "shaper"
-    linkage: Shaper
-
-
-@record(kw_only=True)
-class EllipticTrammelRecipe(SlidingLinkageRecipe):
-    """A rod whose pins run in two crossing slots: its points draw ellipses.
-
-    Parameters
-    ----------
-    linkage : EllipticTrammel
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["elliptic-trammel"] = "elliptic-trammel"
-    linkage: EllipticTrammel
-    sliding: ClassVar = {"linkage.driver": "shuttle", "stroke": Stroke(start=-45, end=45)}
-
-
-@record(kw_only=True)
-class ScotchYokeRecipe(TurningLinkageRecipe):
-    """A crank pin in a slotted yoke: exactly harmonic motion along a line.
-
-    Parameters
-    ----------
-    linkage : ScotchYoke
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["scotch-yoke"] = "scotch-yoke"
-    linkage: ScotchYoke
-
-
-@record(kw_only=True)
-class OldhamCouplingRecipe(TurningLinkageRecipe):
-    """Two slotted hubs and a disc between them: equal rotation of two offset shafts.
-
-    Parameters
-    ----------
-    linkage : OldhamCoupling
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["oldham-coupling"] = "oldham-coupling"
-    linkage: OldhamCoupling
-
-
-@record(kw_only=True)
-class LinkageRecipe(SlidingLinkageRecipe):
-    """Any linkage, as a list of bodies: where two name the same point, a pin joins them.
-
-    Parameters
-    ----------
-    linkage : BodyList
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["linkage"] = "linkage"
-    linkage: BodyList
-    copies: tuple[Copy, ...] = copies_entry()
-    foot: str | None = foot_entry()
-    sliding: ClassVar = {
-        "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
-        "stroke": Stroke(start=70, end=110),
-    }
-
-    @classmethod
-    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        values = super().example_values(tables)
-        return {"linkage": WITH_SLIDER, **values} if set(tables) - {"copies", "loads"} else values

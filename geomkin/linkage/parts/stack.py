@@ -302,7 +302,12 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     -----
     Exact for the motion's frames, and between them to second order. Derived here.
     """
-    meetings = Meetings(motion, stock, assemble(motion, stock))
+    return stack_assembly(motion, stock, assemble(motion, stock))
+
+
+def stack_assembly(motion: Motion, stock: LinkStock, assembly: LinkAssembly) -> Stack:
+    """Arrange given plates as `stack_links` does."""
+    meetings = Meetings(motion, stock, assembly)
     if len(meetings.moving) > LARGEST:
         raise DesignError(
             "bodies",
