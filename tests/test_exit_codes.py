@@ -69,7 +69,7 @@ GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
 def watched(monkeypatch, tmp_path):
     """watched(*arguments): the command run where someone watches; a gear of 33 teeth reports its progress."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(commands, "_is_terminal", lambda stream: True)
+    monkeypatch.setattr("geomkin.cli.recipes._is_terminal", lambda stream: True)
     monkeypatch.setattr("click._termui_impl.isatty", lambda stream: True)
     monkeypatch.setattr("geomkin.core.processes.worker_count", lambda: 1)
     handler = signal.getsignal(signal.SIGINT)

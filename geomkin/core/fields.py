@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import cache, reduce
-from math import isfinite
+from math import inf, isfinite, nextafter
 from operator import ge, gt, le, lt, or_
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -98,15 +98,15 @@ def check_sizes(thing: Any, many: bool = False) -> None:
 def check_quantities(thing: Any, many: bool = False) -> None:
     """Raise DesignError for the first quantity that is not a finite number in its range."""
     rows: dict[str, int] = {}
-    for field in _quantities(type(thing)):  # type: ignore[arg-type]
+    for field, types, least, most in _quantities(type(thing)):  # type: ignore[arg-type]
         about, value = field.metadata, getattr(thing, field.name)
-        if value is None and field.default is None:
+        if (type(value) in types and least <= value <= most) or (value is None and field.default is None):
             continue
         if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
         if _is_tiny(value, about):
-            least = f"{'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
-            raise DesignError(field.name, f"found {shown(value)}, which is too small", f"give {least}", "out-of-range")
+            remedy = f"give {'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
+            raise DesignError(field.name, f"found {shown(value)}, which is too small", remedy, "out-of-range")
         if many and np.ndim(value):
             rows[field.name] = len(value)
     if len(set(rows.values()) - {1}) > 1:
@@ -117,8 +117,19 @@ def check_quantities(thing: Any, many: bool = False) -> None:
 
 
 @cache
-def _quantities(kind: type) -> tuple[dataclasses.Field[Any], ...]:
-    return tuple(field for field in dataclasses.fields(kind) if "unit" in field.metadata)
+def _quantities(kind: type) -> tuple[tuple[dataclasses.Field[Any], tuple[type, ...], float, float], ...]:
+    """The quantities of a class, each with types of number and a range in which all of them fit, the usual case.
+
+    NumPy's functions, which decide about any other value, take ten times as long for one number.
+    """
+    usual = []
+    for field in dataclasses.fields(kind):
+        if "unit" in (about := field.metadata):
+            least = max(nextafter(about.get("gt", -inf), inf), about.get("ge", -inf))
+            most = min(nextafter(about.get("lt", inf), -inf), about.get("le", inf), LARGEST_WHOLE)
+            least = max(least, SMALLEST) if _has_one_sign(about) else least
+            usual.append((field, (int,) if about.get("whole") else (float, int, np.float64), least, most))
+    return tuple(usual)
 
 
 def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
@@ -148,6 +159,11 @@ def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
     return float(f"{value:.{digits}g}") + 0.0
 
 
+def to_digits_or_none(value: float | np.floating[Any], digits: int = 9) -> float | None:
+    """A value rounded to significant digits; None, which JSON writes as null, if it is not finite."""
+    return to_digits(value, digits) if isfinite(value) else None
+
+
 def _rounded(value: float, digits: int, mode: str) -> str:
     # From its decimal text, since the float 0.0072 is a little less than 0.0072.
     return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
@@ -164,10 +180,6 @@ _TESTS: dict[str, Callable[[Any, Any], Any]] = {"gt": gt, "ge": ge, "lt": lt, "l
 
 
 def _fits(value: Any, about: Any, many: bool) -> bool:
-    if isinstance(value, float) and not about.get("whole"):
-        # The usual case; NumPy's functions take ten times as long for one number.
-        value = float(value)
-        return isfinite(value) and all(test(value, about[key]) for key, test in _TESTS.items() if key in about)
     number = numbers(value, "iu" if about.get("whole") else "iuf")
     if number is None or isinstance(value, (list, tuple)) or (number.ndim and not many):
         return False
@@ -182,16 +194,18 @@ def _fits(value: Any, about: Any, many: bool) -> bool:
 # underflow, and their quotients overflow. A size that may be negative is a coordinate or an angle; a tiny
 # one is a rounded 0, so it has no such limit.
 SMALLEST = 1e-12
+# Up to this number every whole number is also a floating-point number.
+LARGEST_WHOLE = 2.0**53
+
+
+def _has_one_sign(about: Any) -> bool:
+    return not about.get("whole") and about.get("gt", about.get("ge")) == 0
 
 
 def _is_tiny(value: Any, about: Any) -> bool:
     """Whether a size of one sign is too small for calculations, but not 0."""
-    if about.get("whole") or about.get("gt", about.get("ge")) != 0:
-        return False
-    if isinstance(value, float):
-        return bool(0 < value < SMALLEST)
     number = np.abs(np.asarray(value, dtype=float))
-    return bool(((number > 0) & (number < SMALLEST)).any())
+    return _has_one_sign(about) and bool(((number > 0) & (number < SMALLEST)).any())
 
 
 # Largest width of a written part, mm. A larger one is a mistake of units, and its points would fill the disk.

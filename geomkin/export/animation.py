@@ -44,8 +44,8 @@ def animation(job: Job) -> bytes:
     drawn = "".join(film.shown())
     repetition = "infinite" if round_ else "infinite alternate"
     css = (
-        f"{style(still)}@media(prefers-reduced-motion:no-preference){{.move{{animation:{SECONDS}s linear {repetition}}}"
-        f"{film.rules()}}}{film.keyframes()}"
+        f"{style(still, drawn)}@media(prefers-reduced-motion:no-preference){{"
+        f".move{{animation:{SECONDS}s linear {repetition}}}{film.rules()}}}{film.keyframes()}"
     )
     body = [f'<g transform="scale(1 -1)">{drawn}</g>']
     return document(still, page_box(still), job.name, job.about or "A mechanism, moving.", css, body)

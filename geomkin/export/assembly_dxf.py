@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.fields import to_digits
 from ..core.names import folded
 from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.flatten import flatten
@@ -16,7 +17,7 @@ from .cut import Loop, cut, decimals
 from .dxf import drawn
 from .job import Job
 from .labels import LETTER, Name, place_labels
-from .still import Still, frame_at, palette
+from .still import SCREEN, Still, frame_at, palette
 from .text import Text
 
 # Layers besides those of bodies, which start with BODY, and their colours in the palette.
@@ -93,7 +94,7 @@ def _placed(loop: Loop, body: SceneBody, frame: int, digits: int) -> Circle | Po
 def _curves(still: Still, tolerance: float) -> Iterator[Shape]:
     poses, digits = {body.name: body for body in still.scene.bodies}, decimals(tolerance)
     for curve in still.scene.curves:
-        points = flatten(curve.curve, max(tolerance, 0.1 * still.tolerance))
+        points = flatten(curve.curve, max(tolerance, 0.1 * SCREEN * still.size))
         if body := poses.get(curve.body):
             points = body.origin[still.frame] + body.direction[still.frame] * points
         yield from _line(_layer(curve.role), points, digits, curve.curve.closed)
@@ -142,7 +143,7 @@ def _line(layer: str, points: Complex, digits: int, closed: bool = False) -> Ite
 def _text(name: Name, still: Still) -> Text:
     # In the format two per cent signs start a code.
     plain = harmless(name.text).replace("%%", "% %")
-    return Text(NAMES, plain, rounded(name.place, still.digits).item(), float(f"{0.72 * LETTER * still.pixel:.3g}"))
+    return Text(NAMES, plain, rounded(name.place, still.digits).item(), to_digits(0.72 * LETTER * still.pixel, 3))
 
 
 def _extents(shapes: list[Circle | Polyline], names: tuple[Name, ...]) -> tuple[complex, complex]:

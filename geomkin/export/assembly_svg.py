@@ -42,7 +42,8 @@ def assembly(job: Job) -> bytes:
         *_names(still, names),
         _scale_bar(still, box, position),
     ]
-    return document(still, box, f"{job.name}, assembled", f"The parts in place at {position}.", style(still), body)
+    css = style(still, "".join(body))
+    return document(still, box, f"{job.name}, assembled", f"The parts in place at {position}.", css, body)
 
 
 def _placed(still: Still) -> Iterator[str]:

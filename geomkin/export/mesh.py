@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.errors import DesignError, GeomkinError
+from ..core.fields import to_digits
 from ..model.part import Part, Twist
 from ..plane import region as region
 from ..plane.vec import Complex, Mask, Real, Whole, dot, rounded, xy
@@ -62,7 +63,7 @@ def _check_apart(cut_part: Cut, twist: Twist) -> None:
 def _tolerance_advice(part: Part, twist: Twist, tolerance: float) -> str:
     """Advice with the least tolerance tried that needs few enough triangles; empty if there is none."""
     for k in range(1, LOOKS + 1):
-        wider = float(f"{tolerance * WIDER**k:.3g}")
+        wider = to_digits(tolerance * WIDER**k, 3)
         try:
             if moving_triangles(cut(part, wider / 2), twist) <= MOST:
                 return f"at least {wider:g} mm, or "

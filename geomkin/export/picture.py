@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from html import escape
@@ -18,8 +19,8 @@ from .labels import LETTER, Name
 from .still import Still, palette
 from .svg_path import decimal, path
 
-# Driver rotation, deg, of a dash of a trail, as on the page; a stroke is divided into a number of dashes.
-DASH_DEG, STROKE_DASHES = 5.0, 72
+# Driver rotation, deg, of a dash of a trail, as on the page, and the most dashes of a whole motion.
+DASH_DEG, MOST_DASHES = 5.0, 72
 # Pixels around the picture.
 MARGIN = 14.0
 # A support of a ground pivot, if no plate shows the ground, and a slider block, in pixels, y up.
@@ -87,15 +88,15 @@ def page_box(still: Still, names: Sequence[Name] = (), below: float = 0.0) -> tu
     return complex(left, bottom), complex(right, top)
 
 
-def style(still: Still) -> str:
-    """The style sheet of the classes, in the page's colours on white."""
+def style(still: Still, drawn: str) -> str:
+    """The style sheet of the elements and classes in the text of a drawing, in the page's colours on white."""
     c, px = palette(), still.pixel
 
     def w(pixels: float) -> str:
         return f"{pixels * px:.3g}"
 
     tints = "".join(f".t{k}{{fill:{c[f't{k}']}}}" for k in range(8))
-    return (
+    css = (
         f"path,circle{{fill:none;stroke:{c['line']};stroke-width:{w(1)};stroke-linejoin:round}}"
         f".plate{{fill-rule:evenodd;fill-opacity:.85}}{tints}.ground{{fill:{c['ground']}}}"
         f".hatch{{fill:url(#hatch);fill-rule:evenodd;stroke:none}}.over{{opacity:.35}}"
@@ -115,6 +116,13 @@ def style(still: Still) -> str:
         f"text.wanted{{fill:{c['wanted']};stroke:#fff;stroke-width:{w(2.4)}}}"
         f"text.contact,text.centrode,text.inflection{{stroke:#fff;stroke-width:{w(2.4)};stroke-dasharray:none}}"
         ".scale{text-anchor:start}"
+    )
+    names = set(re.findall(r"\w+", " ".join(re.findall(r'<\w+| class="[^"]*"', drawn))))
+    rules = re.findall(r"([^{}]+)({[^{}]*})", css)
+    return "".join(
+        f"{selectors}{values}"
+        for selectors, values in rules
+        if any(names.issuperset(re.findall(r"\w+", selector)) for selector in selectors.split(","))
     )
 
 
@@ -175,12 +183,12 @@ def _body(still: Still, body: SceneBody) -> str:
     over = body.fixed and any(not other.fixed and other.layer < body.layer for other in still.bodies)
     drawn = []
     for part in body.parts:
-        d = path((part.outline, *part.holes), still.tolerance, still.digits)
+        d = _path(still, (part.outline, *part.holes))
         drawn.append(f'<path class="plate {still.tint(body)}" d="{d}"/>')
         if body.fixed:
             drawn.append(f'<path class="hatch" d="{d}"/>')
         if part.marks:
-            drawn.append(f'<path class="engraved" d="{path(part.marks, still.tolerance, still.digits)}"/>')
+            drawn.append(f'<path class="engraved" d="{_path(still, part.marks)}"/>')
     text = "".join(drawn)
     if over:
         text = f'<g class="over">{text}</g>'
@@ -190,15 +198,20 @@ def _body(still: Still, body: SceneBody) -> str:
     return f"<title>{escape(harmless(body.name.replace('_', ' ')))}</title>{text}" if text else ""
 
 
+def _path(still: Still, curves: Sequence[AbstractCurve]) -> str:
+    """The curves with decimals that move no point by more than the tolerance."""
+    return path(curves, still.tolerance, -int(np.floor(np.log10(still.tolerance))))
+
+
 def _line(still: Still, curve: AbstractCurve, shown: str) -> str:
-    return f'<path class="{shown}" d="{path((curve,), still.tolerance, still.digits)}"/>'
+    return f'<path class="{shown}" d="{_path(still, (curve,))}"/>'
 
 
 def _trail(still: Still, mark: SceneMark) -> str:
     """A dash for every second of equal steps of the drive, so that long dashes show a fast point."""
     drive = np.asarray(still.scene.drive.values, dtype=float)
     passed = np.abs(drive - drive[0])
-    every = DASH_DEG if still.scene.drive.unit == "deg" else passed[-1] / STROKE_DASHES
+    every = max(DASH_DEG if still.scene.drive.unit == "deg" else 0.0, passed[-1] / MOST_DASHES)
     place = np.asarray(mark.place)
     step = passed / every if every > 0 else np.zeros(len(drive))
     dashes = []
@@ -209,7 +222,7 @@ def _trail(still: Still, mark: SceneMark) -> str:
         points = np.interp(at, step, place.real) + 1j * np.interp(at, step, place.imag)
         if np.isfinite(points).all():
             dashes.append(Polyline(_thinned(points, still.tolerance), is_closed=False))
-    return path(dashes, still.tolerance, still.digits)
+    return _path(still, dashes)
 
 
 def _thinned(points: Complex, tolerance: float) -> Complex:
@@ -301,10 +314,10 @@ def _rail(still: Still, mark: SceneMark) -> str:
     is_straight = np.abs(np.imag(slide_direction[known] * np.conj(first))).max() < 1e-3
     if not is_straight or high == low or np.ptp(along_rail.imag) > 2e-3 * (high - low):
         return ""
-    px, digits = still.pixel, still.digits
+    px = still.pixel
     start, end, y = low - 16 * px, high + 16 * px, offset - 8 * px
     marks = np.arange(start + 4 * px, end, 7 * px)
     lines = [np.array([start + 1j * y, end + 1j * y])]
     lines += [np.array([x + 1j * y, x - 4 * px + 1j * (y - 5 * px)]) for x in marks]
     strokes = [Polyline(line * first, is_closed=False) for line in lines]
-    return f'<path class="rail" d="{path(strokes, still.tolerance, digits)}"/>'
+    return f'<path class="rail" d="{_path(still, strokes)}"/>'

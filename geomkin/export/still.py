@@ -18,6 +18,7 @@ from ..plane.flatten import flatten
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Whole
 from .job import Job
+from .svg_path import FINE
 
 # Roles that the page shows only on request; in a still picture they hide the mechanism.
 ASIDE = tuple(role for role, style in ROLES.items() if not style.shown)
@@ -107,7 +108,7 @@ class Still:
     @property
     def tolerance(self) -> float:
         """Distance between a curve and its chords, mm."""
-        return SCREEN * self.size
+        return FINE * self.pixel
 
     @cached_property
     def outlines(self) -> list[list[Complex]]:
@@ -269,8 +270,8 @@ def _heights(scene: Scene) -> dict[int, float]:
     return heights
 
 
-# Distance between an outline and its chords, as a share of the scene's size. Larger values show visible corners on a
-# wide screen; a tenth of it makes a gear's page three times as large.
+# Distance between an outline on a page and its chords, as a share of the scene's size. Larger values show visible
+# corners on a wide screen; a tenth of it makes a gear's page three times as large.
 SCREEN = 2e-4
 # Largest number of frames of a page, evenly chosen. More make a page of megabytes and no smoother motion; fewer
 # would leave out frames of a full turn in half degrees.

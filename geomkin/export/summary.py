@@ -9,6 +9,7 @@ from functools import cache
 from math import inf, isfinite
 from pathlib import Path
 
+from ..core.fields import to_digits
 from ..core.names import file_name_flaw
 from ..core.version import __version__
 from ..model.check import Check
@@ -73,9 +74,9 @@ def _part(part: Part) -> dict[str, object]:
         "count": part.count,
         "layer": part.layer,
         "thickness_mm": part.thickness,
-        "area_mm2": float(f"{exact:.10g}"),
-        "volume_mm3": float(f"{exact * part.thickness:.10g}"),
-    } | ({} if part.mass is None else {"mass_kg": float(f"{part.mass.mass:.9g}")})
+        "area_mm2": to_digits(exact, 10),
+        "volume_mm3": to_digits(exact * part.thickness, 10),
+    } | ({} if part.mass is None else {"mass_kg": to_digits(float(part.mass.mass))})
 
 
 def _wall(job: Job, part: Part) -> dict[str, object]:
@@ -89,7 +90,7 @@ def _sheets(job: Job, written: Collection[str]) -> dict[str, object]:
     if not any(WRITERS[ending].flat for ending in written):
         return {}
     sizes = (
-        {"width_mm": sheet.width, "height_mm": sheet.height, "filled": float(f"{sheet.filled:.4g}")}
+        {"width_mm": sheet.width, "height_mm": sheet.height, "filled": to_digits(sheet.filled, 4)}
         for sheet in job.sheets
     )
     return {"sheets": list(sizes)}
@@ -102,10 +103,10 @@ def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, 
     """
     sizes: dict[Part, dict[str, float]] = {}
     if any(WRITERS[ending].flat for ending in written):
-        sizes = {cut.part: {"written_area_mm2": float(f"{cut.area:.10g}")} for cut in job.flats}
+        sizes = {cut.part: {"written_area_mm2": to_digits(cut.area, 10)} for cut in job.flats}
     if any(WRITERS[ending].needs == "parts" and not WRITERS[ending].flat for ending in written):
         for cut in job.solids:
-            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": float(f"{volume(cut):.10g}")}
+            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": to_digits(volume(cut), 10)}
     return sizes
 
 

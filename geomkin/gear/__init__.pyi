@@ -35,6 +35,10 @@ from .measures import chord as chord
 from .measures import over_pins as over_pins
 from .measures import span as span
 from .measures import tooth_table as tooth_table
+from .output_loads import RackLoads as RackLoads
+from .output_loads import RackStrength as RackStrength
+from .output_loads import TrainLoads as TrainLoads
+from .output_loads import TrainStrength as TrainStrength
 from .pair import contact_table as contact_table
 from .parts.bases import carrier as carrier
 from .parts.bases import pair_base as pair_base

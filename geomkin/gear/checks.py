@@ -11,7 +11,7 @@ from .contract import AbstractGear
 from .pair import GearPair
 from .planetary import PlanetarySet
 from .rack import RackPair
-from .strength import LEAST_CONTACT_SAFETY, LEAST_ROOT_SAFETY, UNKNOWN, PairStrength
+from .strength import LEAST_CONTACT_SAFETY, LEAST_ROOT_SAFETY, UNKNOWN, AbstractMeshStrength
 
 # Modules. A thinner tip chips, and breaks off when it is hardened (Roloff/Matek, Maschinenelemente: 0.2, hardened 0.4).
 LEAST_TIP_THICKNESS = 0.2
@@ -106,17 +106,21 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
 
 
 @checked
-def strength_checks(loaded: PairStrength, name: str = "", torque_limit: FloatOrNan | None = None) -> tuple[Check, ...]:
-    """Check the teeth of two gears under a torque.
+def strength_checks(
+    loaded: AbstractMeshStrength, name: str = "", limit: FloatOrNan | None = None, unit: str = "N mm"
+) -> tuple[Check, ...]:
+    """Check the teeth of two gears under a load.
 
     Parameters
     ----------
-    loaded : PairStrength
+    loaded : PairStrength or RackStrength
         The pair under its loads.
     name : str
         Name of the pair in the ids and names of the checks.
-    torque_limit : float, optional
-        Torque that the advice names, N mm; by default that of the pair.
+    limit : float, optional
+        Load that the advice names; by default the torque on the driving gear at which a safety falls to its limit.
+    unit : str
+        Unit of that load.
 
     Returns
     -------
@@ -128,8 +132,8 @@ def strength_checks(loaded: PairStrength, name: str = "", torque_limit: FloatOrN
     Limits are constants of `geomkin.gear.strength`. Stresses are nominal ones, with the given load factors.
     """
     before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
-    limit = loaded.torque_limit if torque_limit is None else torque_limit
-    most = f"give at most {limit:.4g} N mm, a wider face, a larger module or a stronger material"
+    limit = loaded.torque * loaded.load_margin if limit is None else limit
+    most = f"give at most {limit:.4g} {unit}, a wider face, a larger module or a stronger material"
     unknown = "give strength, modulus and poisson_ratio of the material"
     advice = most if np.isfinite(limit) else unknown
     roots = (

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from abc import ABC, abstractmethod
+from dataclasses import fields
 from functools import cached_property
 from itertools import pairwise
 
@@ -18,6 +19,7 @@ from ..plane.vec import Real, cross
 from .contract import AbstractInvoluteGear
 from .pair import GearPair
 from .planetary import PlanetarySet
+from .rack import RackPair
 
 # Least ratio of a material's yield strength, or of its strength, to the nominal root stress: teeth that pulsate for
 # long endure about half of what they carry once; chosen here.
@@ -31,7 +33,43 @@ SAMPLES, ROUNDS = 65, 8
 
 
 @record(checked=True, kw_only=True)
-class GearLoads:
+class LoadFactors:
+    """Factors that multiply the tooth force for stresses.
+
+    Parameters
+    ----------
+    application_factor : float, optional
+        For shocks of motor and machine.
+    dynamic_factor : float, optional
+        For vibration of the teeth.
+    face_load_factor : float, optional
+        For load that is uneven over the width.
+    """
+
+    application_factor: float = quantity(
+        "factor on the tooth force for shocks of motor and machine", default=1.0, at_least=0.1, at_most=100
+    )
+    dynamic_factor: float = quantity(
+        "factor on the tooth force for vibration of the teeth", default=1.0, at_least=0.1, at_most=100
+    )
+    face_load_factor: float = quantity(
+        "factor on the tooth force for load that is uneven over the width", default=1.0, at_least=0.1, at_most=100
+    )
+
+    @property
+    def factor(self) -> float:
+        """Product of the factors."""
+        return self.application_factor * self.dynamic_factor * self.face_load_factor
+
+    def of_gear(self, torque: float) -> GearLoads:
+        """The same factors with a torque on a driving gear, N mm, however small it is."""
+        loads = GearLoads(torque_n_mm=1.0, **{f.name: getattr(self, f.name) for f in fields(LoadFactors)})
+        object.__setattr__(loads, "torque_n_mm", torque)
+        return loads
+
+
+@record(checked=True, kw_only=True)
+class GearLoads(LoadFactors):
     """Torque on the driving gear, and the factors that multiply the tooth force.
 
     Parameters
@@ -47,20 +85,6 @@ class GearLoads:
     """
 
     torque_n_mm: float = quantity("torque on the driving gear", "N mm", above=0, at_most=1e12, example=500)
-    application_factor: float = quantity(
-        "factor on the tooth force for shocks of motor and machine", default=1.0, at_least=0.1, at_most=100
-    )
-    dynamic_factor: float = quantity(
-        "factor on the tooth force for vibration of the teeth", default=1.0, at_least=0.1, at_most=100
-    )
-    face_load_factor: float = quantity(
-        "factor on the tooth force for load that is uneven over the width", default=1.0, at_least=0.1, at_most=100
-    )
-
-    @property
-    def factor(self) -> float:
-        """Product of the factors."""
-        return self.application_factor * self.dynamic_factor * self.face_load_factor
 
 
 @record
@@ -246,8 +270,77 @@ class ToothStrength:
 UNKNOWN = ToothStrength(np.nan, np.nan, np.nan)
 
 
+class AbstractMeshStrength(ABC):
+    """Base class of the forces and stresses of two gears in mesh under a load.
+
+    A subclass has the fields `pair`, `loads`, `face_width` and `materials`, of the driving and of the driven gear.
+    """
+
+    pair: GearPair | RackPair
+    loads: LoadFactors
+    face_width: float
+    materials: tuple[Material, Material]
+
+    @property
+    @abstractmethod
+    def torque(self) -> float:
+        """Torque on the driving gear, N mm."""
+
+    @property
+    @abstractmethod
+    def pressure_angle(self) -> float:
+        """Working pressure angle, rad."""
+
+    @property
+    @abstractmethod
+    def teeth(self) -> tuple[ToothStrength, ToothStrength]:
+        """Stresses of the teeth of both gears."""
+
+    @property
+    @abstractmethod
+    def contact_pressure(self) -> float:
+        """Hertz pressure at the pitch point if one pair of teeth carries the force, N/mm2."""
+
+    @property
+    def normal_force(self) -> float:
+        """Force along the line of action, which also loads the bearings of each gear, N, without load factors."""
+        return self.torque / self.pair.driver.base_radius
+
+    @property
+    def tangential_force(self) -> float:
+        """Its part along the working pitch circles, N."""
+        return self.normal_force * float(np.cos(self.pressure_angle))
+
+    @property
+    def radial_force(self) -> float:
+        """Its part that pushes both gears apart, N; of a ring together."""
+        return self.normal_force * float(np.sin(self.pressure_angle))
+
+    @property
+    def contact_safety(self) -> float:
+        """Pressure at which the weaker material yields below its surface, over the Hertz pressure."""
+        return min(material.yielding_pressure for material in self.materials) / self.contact_pressure
+
+    @property
+    def load_margin(self) -> float:
+        """Load at which a safety falls to its limit, over the given one; nan if a strength is unknown."""
+        roots = [tooth.root_safety for tooth in self.teeth if tooth is not UNKNOWN]
+        shares = [*(safety / LEAST_ROOT_SAFETY for safety in roots), (self.contact_safety / LEAST_CONTACT_SAFETY) ** 2]
+        return float(np.min(shares))
+
+    def tooth_strength(self, gear: AbstractInvoluteGear, along: float, material: Material) -> ToothStrength:
+        """Stresses of a gear's teeth for a load on the line of action, `along` mm from the gear's base circle."""
+        per_module = self.loads.factor * self.normal_force * np.cos(gear.pressure_angle)
+        per_module /= self.face_width * gear.module
+        tip = tooth_form(gear)
+        inner, outer = gear.flank_lengths
+        form = tooth_form(gear, float(np.hypot(gear.base_radius, np.clip(along, inner, outer))))
+        root = float(per_module * form.form_factor * form.stress_correction)
+        return ToothStrength(root, float(per_module / tip.lewis_factor), (material.carried_stress or np.nan) / root)
+
+
 @record(checked=True)
-class PairStrength:
+class PairStrength(AbstractMeshStrength):
     """Forces and stresses of two spur gears in mesh under a torque.
 
     Parameters
@@ -282,46 +375,27 @@ class PairStrength:
     materials: tuple[Material, Material]
 
     @property
-    def normal_force(self) -> float:
-        """Force along the line of action, which also loads the bearings of each gear, N, without load factors."""
-        return self.loads.torque_n_mm / self.pair.first.base_radius
+    def torque(self) -> float:
+        return self.loads.torque_n_mm
 
     @property
-    def tangential_force(self) -> float:
-        """Its part along the working pitch circles, N."""
-        return self.normal_force * float(np.cos(self.pair.working_pressure_angle))
-
-    @property
-    def radial_force(self) -> float:
-        """Its part that pushes the axes apart, N; of a ring together."""
-        return self.normal_force * float(np.sin(self.pair.working_pressure_angle))
+    def pressure_angle(self) -> float:
+        return self.pair.working_pressure_angle
 
     @cached_property
     def teeth(self) -> tuple[ToothStrength, ToothStrength]:
-        """Stresses of the teeth of both gears."""
         start, end = self.pair.contact_lengths
         pitch, between = self.pair.first.base_pitch, self.pair.line_of_action
         # The outermost point of each flank at which its pair is alone.
         points = min(start + pitch, end), between - max(end - pitch, start)
         first, second = self.pair.first, self.pair.second
         return (
-            self._tooth(first, points[0], self.materials[0]),
-            UNKNOWN if second.is_ring else self._tooth(second, points[1], self.materials[1]),
+            self.tooth_strength(first, points[0], self.materials[0]),
+            UNKNOWN if second.is_ring else self.tooth_strength(second, points[1], self.materials[1]),
         )
-
-    def _tooth(self, gear: AbstractInvoluteGear, along: float, material: Material) -> ToothStrength:
-        """along: the load's place on the line of action, mm from the gear's base circle."""
-        per_module = self.loads.factor * self.normal_force * np.cos(gear.pressure_angle)
-        per_module /= self.face_width * gear.module
-        tip = tooth_form(gear)
-        inner, outer = gear.flank_lengths
-        form = tooth_form(gear, float(np.hypot(gear.base_radius, np.clip(along, inner, outer))))
-        root = float(per_module * form.form_factor * form.stress_correction)
-        return ToothStrength(root, float(per_module / tip.lewis_factor), (material.carried_stress or np.nan) / root)
 
     @property
     def contact_pressure(self) -> float:
-        """Hertz pressure at the pitch point if one pair of teeth carries the force, N/mm2."""
         pair, slope = self.pair, np.sin(self.pair.working_pressure_angle)
         return float(self.pressure_at(pair.working_radii[0] * slope))
 
@@ -350,16 +424,9 @@ class PairStrength:
         return hertz_pressure(force, self.face_width, curvature, *self.materials)
 
     @property
-    def contact_safety(self) -> float:
-        """Pressure at which the weaker material yields below its surface, over the Hertz pressure."""
-        return min(material.yielding_pressure for material in self.materials) / self.contact_pressure
-
-    @property
     def torque_limit(self) -> float:
         """Torque on the first gear at which a safety falls to its limit, N mm; nan if a strength is unknown."""
-        roots = [tooth.root_safety for tooth in self.teeth if tooth is not UNKNOWN]
-        shares = [*(safety / LEAST_ROOT_SAFETY for safety in roots), (self.contact_safety / LEAST_CONTACT_SAFETY) ** 2]
-        return self.loads.torque_n_mm * float(np.min(shares))
+        return self.torque * self.load_margin
 
 
 @record
@@ -392,13 +459,13 @@ class PlanetaryStrength:
     @cached_property
     def inner(self) -> PairStrength:
         """Sun and one planet."""
-        loads = replace(self.loads, torque_n_mm=self.loads.torque_n_mm / self.gears.planets)
+        loads = self.loads.of_gear(self.loads.torque_n_mm / self.gears.planets)
         return PairStrength(self.gears.inner, loads, self.face_widths[0], (self.materials[0], self.materials[1]))
 
     @cached_property
     def outer(self) -> PairStrength:
         """One planet and the ring, with the same force between the teeth."""
-        loads = replace(self.loads, torque_n_mm=self.inner.normal_force * self.gears.planet.base_radius)
+        loads = self.loads.of_gear(self.inner.normal_force * self.gears.planet.base_radius)
         return PairStrength(self.gears.outer, loads, self.face_widths[1], (self.materials[1], self.materials[2]))
 
     @property
@@ -415,8 +482,7 @@ class PlanetaryStrength:
     @property
     def torque_limit(self) -> float:
         """Torque on the sun at which a safety falls to its limit, N mm; nan if a strength is unknown."""
-        shares = [mesh.torque_limit / mesh.loads.torque_n_mm for mesh in (self.inner, self.outer)]
-        return self.loads.torque_n_mm * float(np.min(shares))
+        return self.loads.torque_n_mm * float(np.min([self.inner.load_margin, self.outer.load_margin]))
 
 
 def pressure_column(loaded: PairStrength, contact: Table) -> Column:

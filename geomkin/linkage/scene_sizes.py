@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..core.fields import to_digits
 from ..model.scene import Plot
 from ..model.table import Column, finite
 from ..plane.vec import Real
@@ -34,7 +35,7 @@ def size_columns(motion: Motion) -> tuple[Column, ...]:
         words = f"change of the {name.replace('_', ' ')} for 1 mm of {size}"
         columns.append(Column(f"{name}_by_{size.replace('.', '_')}", unit, words, values))
     # To six digits, so that rounding does not decide the order.
-    columns.sort(key=lambda column: -float(f"{_largest(column.values):.6g}"))
+    columns.sort(key=lambda column: -to_digits(_largest(column.values), 6))
     # The rest is rounding: sizes that do not matter.
     usual = 1.0 if unit == "mm/mm" else scale / float(linkage.size)
     return tuple(column for column in columns if _largest(column.values) > ROUNDING * usual)

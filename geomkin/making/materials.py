@@ -38,7 +38,7 @@ STEEL_DENSITY = 7850.0
 
 _NAMED = NamedIn(MATERIALS, "material")
 # Field type of a material in the tables of a recipe.
-MaterialKey = Annotated[Material | None, _NAMED]
+MaterialKey = Annotated[Material, _NAMED]
 
 
 def material(name: str) -> Material:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..core.arguments import ArgumentType, PositiveFloat, checked
-from ..core.errors import DesignError, shown
+from ..core.errors import DesignError
 from ..core.fields import FARTHEST, ComplexPoint, Length, NotBoolean, entry, quantity
 from ..core.records import record
 from ..model.part import HoleFit, Part
@@ -17,10 +17,7 @@ from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import Complex
 from .fasteners import LENGTHS, SIZES
-
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic_core.core_schema import CoreSchema
+from .named import NamedIn
 
 
 @record
@@ -190,9 +187,12 @@ class MotorFace:
         """Corners of the face, or of the square round it, mm, moved inwards by the inset; place: of the shaft."""
         return place + self.face_offset + (self.face_width / 2 - inset) * CORNERS
 
-    def check_plate(self, thickness: float, key: str) -> None:
-        """DesignError if the boss or the heads of the screws project from the plate, on which a wheel turns."""
-        if thickness < (least := max(self.boss_height, MOTOR_SCREWS[self.thread].sunk[0])):
+    def check_plate(self, thickness: float, key: str, sheets: int = 1) -> None:
+        """DesignError if the boss or the heads of the screws project from the plate, on which a wheel turns.
+
+        sheets: largest number of plates that the boss may pass.
+        """
+        if thickness < (least := max(self.boss_height / sheets, MOTOR_SCREWS[self.thread].sunk[0])):
             name = name_of(self)
             raise DesignError(
                 key,
@@ -244,39 +244,16 @@ MOTOR_FACES: dict[str, MotorFace] = {
 CORNER = 4.0
 
 
-class MountedMotor(ArgumentType):
-    """Marks a motor on its plate: a name in MOTOR_FACES or, in a recipe, a table of the values of a MotorFace."""
-
-    def __init__(self) -> None:
-        names = ", ".join(MOTOR_FACES)
-        super().__init__(self._fits_face, f"{names}, or a MotorFace", (str,))
-
-    @staticmethod
-    def _fits_face(value: object) -> bool:
-        return isinstance(value, MotorFace) or (isinstance(value, str) and value in MOTOR_FACES)
-
-    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        from pydantic_core import core_schema
-
-        def named(value: object, values: Any) -> object:
-            if not isinstance(value, str):
-                return values(value)
-            if value not in MOTOR_FACES:
-                names = ", ".join(MOTOR_FACES)
-                raise DesignError("motor", f"found {shown(value)}", f"give {names}, or a table of values")
-            return value
-
-        values = core_schema.wrap_serializer_function_ser_schema(
-            lambda value, written: value if isinstance(value, str) else written(value)
-        )
-        schema = handler.generate_schema(MotorFace)
-        return core_schema.no_info_wrap_validator_function(named, schema, serialization=values)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [{"type": "string", "enum": list(MOTOR_FACES)}, handler(schema)]}
-
-
-MountedMotorKey = Annotated[str | MotorFace, MountedMotor()]
+# Field type of a motor on its plate: its name, or its face.
+MountedMotorKey = Annotated[
+    str | MotorFace,
+    NamedIn(MOTOR_FACES, "motor", keeps_name=True),
+    ArgumentType(
+        lambda value: isinstance(value, MotorFace) or (isinstance(value, str) and value in MOTOR_FACES),
+        f"{', '.join(MOTOR_FACES)}, or a MotorFace",
+        (str,),
+    ),
+]
 
 
 def face_of(motor: str | MotorFace) -> MotorFace:
@@ -294,10 +271,14 @@ def mounted_motor_entry(meaning: str) -> Any:
     return entry(f"{meaning}: {', '.join(MOTOR_FACES)}, or a table of values; none if omitted", default=None)
 
 
-def fixed_under(plate: str, letter: str, count: int) -> str:
-    """The first step of an assembly with a motor under a plate; letter: at its shaft; count: number of screws."""
+def fixed_under(plate: str, letter: str, count: int, packing: int = 0) -> str:
+    """The first step of an assembly with a motor under a plate.
+
+    letter: at its shaft; count: number of screws; packing: number of plates between motor and plate.
+    """
     screws = f"with its {count} countersunk screws from above, heads flush"
-    return f"fix the motor under {plate}, its shaft up through {letter}, {screws}"
+    between = f", {packing} motor_plate between them" if packing else ""
+    return f"fix the motor under {plate}{between}, its shaft up through {letter}, {screws}"
 
 
 def plate_radius(motor: MountedMotorKey) -> float:

@@ -58,7 +58,7 @@ MOTORS: dict[str, Motor] = {
 }  # fmt: skip
 _NAMED = NamedIn(MOTORS, "motor")
 # Field type of a motor in the tables of a recipe.
-MotorKey = Annotated[Motor | None, _NAMED]
+MotorKey = Annotated[Motor, _NAMED]
 
 
 def motor(name: str) -> Motor:

@@ -21,10 +21,12 @@ class NamedIn:
         The table.
     key : str
         Key of the field in an error.
+    keeps_name : bool
+        Whether the field holds the name itself; otherwise it holds the entry.
     """
 
-    def __init__(self, entries: Mapping[str, Any], key: str) -> None:
-        self.entries, self.key = entries, key
+    def __init__(self, entries: Mapping[str, Any], key: str, keeps_name: bool = False) -> None:
+        self.entries, self.key, self.keeps_name = entries, key, keeps_name
 
     def find(self, name: object, key: str = "name") -> Any:
         """The entry of a name; DesignError with the key if there is none."""
@@ -35,14 +37,19 @@ class NamedIn:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import core_schema
 
-        def named(value: object) -> object:
-            return self.find(value, self.key) if isinstance(value, str) else value
+        def read(value: object, values: Any) -> object:
+            if not isinstance(value, str):
+                return values(value)
+            found = self.find(value, self.key)
+            return value if self.keeps_name else found
 
-        def written(value: Any, handler: Any) -> Any:
-            return next((name for name, known in self.entries.items() if known == value), None) or handler(value)
+        def written(value: Any, values: Any) -> Any:
+            names = (name for name, known in self.entries.items() if value in (name, known))
+            return next(names, None) or values(value)
 
-        return core_schema.no_info_before_validator_function(
-            named, handler(source), serialization=core_schema.wrap_serializer_function_ser_schema(written)
+        schema = handler.generate_schema(type(next(iter(self.entries.values()))))
+        return core_schema.no_info_wrap_validator_function(
+            read, schema, serialization=core_schema.wrap_serializer_function_ser_schema(written)
         )
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from ..core.arguments import REAL, ArgumentType
 from ..core.errors import harmless
+from ..core.fields import to_digits
 from ..core.records import record
 from ..core.reprs import clipped
 from ..plane.vec import rounded
@@ -67,7 +68,7 @@ class Check:
         return {
             "id": self.id,
             "name": self.name,
-            "value": float(f"{self.value:.{self.digits(10)}g}"),
+            "value": to_digits(self.value, self.digits(10)),
             "side": self.side,
             "limit": self.limit,
             "unit": self.unit,

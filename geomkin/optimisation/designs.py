@@ -10,6 +10,7 @@ import numpy as np
 
 from ..build import errors_named_by_key
 from ..core.errors import DesignError, GeomkinError, printable, shown
+from ..core.fields import to_digits
 from ..core.progress import shown as progress_shown
 from ..core.records import record
 from ..plane.vec import Real
@@ -85,7 +86,7 @@ class Target:
     def rank(self, design: TriedDesign) -> tuple[float, ...]:
         """For sorting: designs that meet all constraints come first, and of nearly equal ones those that are exact."""
         value, most = float(self.rows(design).max()), float(design.excesses.max(initial=0.0))
-        return design.violation, float(f"{value:.6g}"), most, value
+        return design.violation, to_digits(value, 6), most, value
 
 
 class Trials:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import islice
 from pathlib import Path
 from typing import TypeGuard
@@ -132,7 +133,8 @@ def _picture(recipe_folder: Path, room: int) -> str:
             content = file.read(LARGEST_PICTURE + 1)
     except OSError:
         return ""
-    address = f"data:image/svg+xml,{quote(content, safe=PLAIN)}"
+    # An image shows no titles.
+    address = f"data:image/svg+xml,{quote(re.sub(rb'<title>[^<]*</title>', b'', content), safe=PLAIN)}"
     return address if len(content) <= LARGEST_PICTURE and len(address) <= room else ""
 
 

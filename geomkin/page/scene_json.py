@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.fields import to_digits
 from ..export.still import SCREEN, kept_frames
 from ..export.svg_path import path
 from ..model.roles import ROLES, Role
@@ -187,7 +188,7 @@ class _Encoder:
 
     def row(self, row: object) -> int:
         """The index of a row, which is stored if it is new."""
-        key = json.dumps(row)
+        key = tuple(row) if isinstance(row, list) else row
         if key not in self._indices:
             self._indices[key] = len(self.series)
             self.series.append(row)
@@ -203,7 +204,7 @@ def floats(row: Real) -> object:
         single = row.astype("<f4")
     if not np.isfinite(single).any():
         return None
-    return float(f"{row[0]:.7g}") if (single == single[0]).all() else b64encode(single.tobytes()).decode()
+    return to_digits(row[0], 7) if (single == single[0]).all() else b64encode(single.tobytes()).decode()
 
 
 def steps(row: Real, decimals: int) -> object:

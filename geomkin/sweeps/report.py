@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.fields import to_digits_or_none
 from ..export.text import capital, number, text
 from ..model.check import Check
 from ..model.table import Column
@@ -146,7 +147,7 @@ def _plots(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], columns: Se
 
 
 def _column(name: str, unit: str, meaning: str, row: Sequence[Any]) -> dict[str, Any]:
-    values = [float(f"{value:.6g}") if math.isfinite(value) else None for value in row]
+    values = [to_digits_or_none(value, 6) for value in row]
     return {"name": harmless(name), "unit": harmless(unit), "meaning": harmless(meaning), "row": values}
 
 

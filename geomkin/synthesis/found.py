@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from ..core.fields import to_digits_or_none
 from ..core.records import record
 from ..core.reprs import moving
 from ..linkage.linkage import AbstractLinkage
@@ -127,4 +128,4 @@ def size_entries(linkage: AbstractLinkage) -> dict[str, object]:
 
 def ten_digits(value: float) -> float | None:
     """A number with ten digits; None, which JSON writes as null, if it is not finite."""
-    return float(f"{value:.10g}") if np.isfinite(value) else None
+    return to_digits_or_none(value, 10)

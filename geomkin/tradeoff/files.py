@@ -8,11 +8,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ..core.fields import to_digits
 from ..export.text import text
 from ..page.page import head
 from .family import Method
 from .picture import drawing, picture
-from .results import Chart, FamilyChart, Measurement, to_six_digits
+from .results import Chart, FamilyChart, Measurement
 from .study import Stability
 
 # Columns of `chart.csv`, after which come the versions and the processor.
@@ -181,8 +182,8 @@ def _beaten(one: FamilyChart, method: Method[object, object]) -> str:
     for point, on in one.defaults:
         if on or point.method != method.name:
             continue
-        error, seconds = one.shown_error(point), to_six_digits(point.seconds)
-        better = [p for p, q in zip(one.points, one.on_front) if q and to_six_digits(p.seconds) <= seconds]
+        error, seconds = one.shown_error(point), to_digits(point.seconds, 6)
+        better = [p for p, q in zip(one.points, one.on_front) if q and to_digits(p.seconds, 6) <= seconds]
         better = [p for p in better if one.shown_error(p) <= error]
         if better:
             best = min(better, key=lambda p: p.seconds)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..core.arguments import AnyFloat, checked
 from ..core.errors import DesignError, shown
+from ..core.fields import to_digits
 from ..core.progress import Watch
 from ..core.records import record
 from ..core.version import __version__
@@ -165,11 +166,6 @@ def _measurement(family: str, trial: _Trial) -> Measurement:
     )
 
 
-def to_six_digits(value: float) -> float:
-    """A value as reported; points that agree in six digits are equal."""
-    return float(f"{value:.6g}")
-
-
 @record(eq=False)
 class FamilyChart:
     """The measured points of one family.
@@ -190,12 +186,12 @@ class FamilyChart:
         """Mask (points,) of the Pareto front by time per result and largest error; points with missed results are off
         it.
         """
-        return self._front([to_six_digits(p.seconds) for p in self.points])
+        return self._front([to_digits(p.seconds, 6) for p in self.points])
 
     @cached_property
     def on_weight_front(self) -> Mask:
         """The same by weight; all False if only time counts."""
-        return self._front([to_six_digits(p.weight) for p in self.points])
+        return self._front([to_digits(p.weight, 6) for p in self.points])
 
     def _front(self, costs: list[float]) -> Mask:
         return pareto_front(costs, [self.shown_error(p) if not p.missed else np.nan for p in self.points])
@@ -208,7 +204,7 @@ class FamilyChart:
         point : Measurement
             A point of this family.
         """
-        return to_six_digits(max(point.largest, self.family.floor))
+        return to_digits(max(point.largest, self.family.floor), 6)
 
     @cached_property
     def defaults(self) -> tuple[tuple[Measurement, bool], ...]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from ..build import errors_named_by_key
 from ..core.arguments import checked
 from ..core.errors import FileError, GeomkinError, harmless, printable
+from ..core.fields import to_digits
 from ..core.names import file_name_flaw
 from ..core.progress import report
 from ..core.records import record
@@ -90,7 +91,7 @@ class FileReport:
         entries: dict[str, object] = {"file": self.file, "format": self.format, "measured": self.measured}
         if isfinite(self.deviation):
             entries |= {
-                "deviation_mm": float(f"{self.deviation:.3g}"),
+                "deviation_mm": to_digits(self.deviation, 3),
                 "allowed_mm": self.allowed,
                 "part": self.part,
                 "at_mm": [round(self.place.real, 4) + 0.0, round(self.place.imag, 4) + 0.0],
@@ -244,6 +245,29 @@ class Expected:
                 return part
         raise UnreadableError(f"the recipe has no part {printable(name, 60)}")
 
+    @cached_property
+    def assembled(self) -> dict[str, ExactPart]:
+        """The parts in the assembly, where a repeated name is numbered; those of mirrored copies are turned over."""
+        files, counts, named = self.recipe.files, Counter[str](), dict[str, ExactPart]()
+        known = {id(exact.part): exact for exact in self.parts}
+        bodies = self.recipe.scene.bodies if self.recipe.scene else ()
+        for part in (part for body in bodies for part in body.parts):
+            counts[part.name] += 1
+            name = f"{part.name} {counts[part.name]}" if counts[part.name] > 1 else part.name
+            named[name] = known.get(id(part)) or exact_part(part, files.kerf, files.tolerance)
+        return named
+
+    def in_assembly(self, name: str) -> ExactPart:
+        """The part of this name in the assembly."""
+        if name not in self.assembled:
+            raise UnreadableError(f"the assembly has no part {printable(name, 60)}")
+        return self.assembled[name]
+
+    def missing_problems(self, names: Iterable[str]) -> list[str]:
+        """A sentence for each part of the assembly that is not among the names."""
+        present = set(names)
+        return [f"{printable(name, 60)} is missing" for name in self.assembled if name not in present]
+
     @property
     def count(self) -> int:
         """Number of all copies of all parts."""
@@ -290,19 +314,23 @@ def _glb(path: Path, expected: Expected) -> Content:
     from .read_mesh import read_glb
 
     meshes, problems, stamp = read_glb(path)
-    refuse_more(len(meshes), expected.count, MOST_PLATES, "solids")
-    measured = [measure_mesh(mesh, expected.named(mesh.name), expected.tolerance) for mesh in meshes]
-    return Content(measured, stamp, tuple(problems))
+    refuse_more(len(meshes), len(expected.assembled), MOST_PLATES, "solids")
+    measured = [measure_mesh(mesh, expected.in_assembly(mesh.name), expected.tolerance) for mesh in meshes]
+    return Content(measured, stamp, (*problems, *expected.missing_problems(mesh.name for mesh in meshes)))
 
 
-def _threemf(path: Path, expected: Expected) -> Content:
+def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content:
     from .read_mesh import read_3mf
 
     meshes, counts, problems, stamp = read_3mf(path)
-    refuse_more(max(len(meshes), sum(counts.values())), expected.count, MOST_PLATES, "solids")
+    named = expected.in_assembly if assembled else expected.named
+    count = len(expected.assembled) if assembled else expected.count
+    if assembled:
+        problems += expected.missing_problems(counts)
+    refuse_more(max(len(meshes), sum(counts.values())), count, MOST_PLATES, "solids")
     measured: list[Measured] = []
     for mesh in meshes:
-        found = measure_mesh(mesh, expected.named(mesh.name), expected.tolerance)
+        found = measure_mesh(mesh, named(mesh.name), expected.tolerance)
         measured += [found] * counts.get(mesh.name, 0)
     return Content(measured, stamp, tuple(problems))
 
@@ -335,7 +363,7 @@ READERS: Mapping[str, Callable[[Path, Expected], Content]] = {
     "stl": _stl,
     "glb": _glb,
     "3mf": _threemf,
-    "assembly-3mf": _threemf,
+    "assembly-3mf": partial(_threemf, assembled=True),
     "step": _step,
     "csv": _csv,
     "bom": _bom,
@@ -359,7 +387,7 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
         if kind not in READERS:
             return FileReport(path.name, kind, measured=False)
         content = READERS[kind](path, expected)
-    except (UnreadableError, OSError) as error:
+    except (UnreadableError, OSError, GeomkinError) as error:
         return file(problems=(harmless(error),))
     problems = [*content.problems, *(_stamp_problems(content.stamp, expected, hashed) if kind in STAMPED else [])]
     for part in content.measured:

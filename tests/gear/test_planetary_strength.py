@@ -75,4 +75,9 @@ def test_a_missing_material_is_named_and_helical_teeth_state_why_strength_is_mis
     with pytest.raises(gk.RecipeError) as error:
         planetary(ring_stock={"rim": 12})
     assert [(problem.key, problem.id) for problem in error.value.problems] == [("ring_stock.material", "missing-key")]
-    assert set(planetary(helix_angle_deg=15).notes["loads"]) == {"not_computed"}
+    assert planetary(helix_angle_deg=15).forces_missing
+
+
+def test_the_least_torque_of_the_key_is_enough_for_each_planet():
+    least, usual = (planetary(torque).notes["loads"]["planet_bearing_load_N"] for torque in (1e-12, 900.0))
+    assert least == pytest.approx(usual * 1e-12 / 900)

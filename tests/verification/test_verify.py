@@ -8,6 +8,7 @@ import zipfile
 
 import numpy as np
 import pytest
+import trimesh
 
 import geomkin as gk
 from geomkin.verification import comparison, drawing, outline
@@ -115,6 +116,40 @@ def test_a_package_that_unpacks_to_a_large_text_is_refused(copy):
         package.writestr("3D/3dmodel.model", " " * (drawing.LARGEST + 1))
     only(copy, "bars.3mf")
     assert "bytes" in wrong(copy)["bars.3mf"].problems[0]
+
+
+MIRRORED = """
+kind = "four-bar"
+[linkage]
+ground = 100
+crank = 30
+coupler = 90
+rocker = 70
+[[copies]]
+mirrored = true
+[files]
+write = ["glb", "assembly-3mf"]
+"""
+
+
+@pytest.mark.parametrize("renamed", [{"crank": "rest"}, {"crank": "crank 2", "crank 2": "crank"}, {"crank 2": "crank"}])
+def test_mirrored_copies_pass_unless_their_parts_are_renamed_or_lost(tmp_path, renamed):
+    """Files have the parts of a mirrored copy turned over, so that exchanging two names makes both wrong."""
+    gk.make(gk.load(MIRRORED).with_name("pair"), tmp_path)
+    folder = tmp_path / "pair"
+    assert not wrong(folder)
+    with zipfile.ZipFile(folder / "pair-assembly.3mf") as package:
+        model = package.read("3D/3dmodel.model").decode()
+    model = re.sub('name="([^"]*)"', lambda name: f'name="{renamed.get(name[1], name[1])}"', model)
+    with zipfile.ZipFile(folder / "pair-assembly.3mf", "w") as package:
+        package.writestr("3D/3dmodel.model", model)
+    scene = trimesh.load(folder / "pair-assembly.glb", process=False)
+    changed = trimesh.Scene(metadata=scene.metadata)
+    for node in scene.graph.nodes_geometry:
+        place, name = scene.graph[node]
+        changed.add_geometry(scene.geometry[name], geom_name=renamed.get(name, name), node_name=node, transform=place)
+    (folder / "pair-assembly.glb").write_bytes(trimesh.exchange.gltf.export_glb(changed))
+    assert set(wrong(folder)) == {"pair-assembly.3mf", "pair-assembly.glb"}
 
 
 def test_a_missing_file_and_a_wrong_folder(copy, tmp_path_factory):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import entry
+from ...core.fields import entry, to_digits
 from ...core.names import read_text_file
 from ...core.records import record
 from ...making.assembly import Assembly
@@ -19,8 +20,10 @@ from ...making.motors import MOTORS
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import AbstractAssembledRecipe, part_masses
 from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
@@ -174,6 +177,15 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return replace(scene, marks=(*scene.marks, *self.loaded.arrow)) if self.loaded else scene
 
     @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """The cam, whose angle counts in its own direction."""
+        return {"cam": RotatingBody(0j, Fraction(self.cam.sense))}
+
+    def scene_at(self, turn: Real) -> Scene:
+        table = cam_table(self.cam, self.drive.speed, np.remainder(turn, 2 * np.pi), self.cut)
+        return cam_scene(self.cam, table, self.parts, self.cut)
+
+    @property
     def handles(self) -> tuple[SceneHandle, ...]:
         return tuple(cam_handles(self.cam, self.drive.angles))
 
@@ -211,16 +223,16 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         notes: dict[str, object] = {"peaks": self._peaks()}
         try:
             least = least_base_circle(cam.follower, cam.program, cam.direction, most_pressure_angle(cam))
-            notes["least_base_circle"] = {"radius_mm": float(f"{least.radius:.9g}"), "limit": least.limit}
+            notes["least_base_circle"] = {"radius_mm": to_digits(least.radius), "limit": least.limit}
         except DesignError as error:
             notes["least_base_circle"] = {"none": error.problem}
         if cam.program.optima:
             notes["optimised_segments"] = [
                 {
                     "segment": k + 1,
-                    "peak_acceleration": float(f"{best.peak_acceleration:.9g}"),
-                    "proven_least": float(f"{best.bound:.9g}"),
-                    "peak_jerk": float(f"{best.peak_jerk:.9g}"),
+                    "peak_acceleration": to_digits(best.peak_acceleration),
+                    "proven_least": to_digits(best.bound),
+                    "peak_jerk": to_digits(best.peak_jerk),
                     "units": "rad/rad2, rad/rad3" if cam.follower.oscillates else "mm/rad2, mm/rad3",
                 }
                 for k, best in sorted(cam.program.optima.items())
@@ -240,7 +252,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             sizes |= dict(zip(("Cv", "Ca", "Cj"), peaks.factors))
             entries[f"segment_{k + 1}"] = (
                 {"law": law if isinstance(law, str) else "given", "units": f"{unit}/rad, {unit}/rad2, {unit}/rad3"}
-                | {name: float(f"{value:.9g}") for name, value in sizes.items()}
+                | {name: to_digits(value) for name, value in sizes.items()}
             )  # fmt: skip
         return entries
 
@@ -254,12 +266,16 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             if peaks["Cv"] == peaks["Cv"]
         )
 
+    @property
+    def forces_missing(self) -> str:
+        return "" if self.loads else "Contact force and camshaft torque are computed with the table loads."
+
     def _undercut(self) -> Mapping[str, object]:
         (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit
         return {
-            f"lost_lift_{unit}": float(f"{lost * size:.9g}"),
-            "worst_at_deg": float(f"{np.degrees(at):.5g}"),  # the angle of a flat peak has no more certain digits
-            "spans_deg": [[float(f"{np.degrees(a):.9g}") for a in span] for span in self.cut.spans],
+            f"lost_lift_{unit}": to_digits(lost * size),
+            "worst_at_deg": to_digits(np.degrees(at), 5),  # the angle of a flat peak has no more certain digits
+            "spans_deg": [[to_digits(np.degrees(a)) for a in span] for span in self.cut.spans],
         }
 
     @classmethod

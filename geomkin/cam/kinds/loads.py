@@ -72,7 +72,7 @@ class CamLoadsTable:
     friction: GuideFriction | None = entry(
         "dry friction of a straight follower's guide, with coefficient, length and overhang", default=None
     )
-    motor: MotorKey = motor_entry("the cam")
+    motor: MotorKey | None = motor_entry("the cam")
 
     def of_follower(self, cam: Cam, mass: Mass) -> FollowerLoads:
         """The loads as the library has them. DesignError if the follower cannot have them."""

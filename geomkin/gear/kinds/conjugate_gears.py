@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import PLAY, Assembly
 from ...making.bases import BaseStock
@@ -33,6 +33,7 @@ from ..parts.bases import pair_base
 from ..parts.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
 from ..scene_pairs import conjugate_handles, conjugate_scene
 from .helical import boss_checks, check_tooth_points
+from .strength_notes import NO_INVOLUTE
 
 
 @record(checked=True)
@@ -89,13 +90,13 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
         mate = self.design
         jams = "teeth without backlash jam: give mate.backlash, mm"
         return {
-            "ratio": float(f"{mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1):.10g}"),
+            "ratio": to_digits(mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1), 10),
             **({} if self.mate.backlash else {"backlash_advice": jams}),
-            "centre_distance_mm": float(f"{mate.distance:.10g}"),
+            "centre_distance_mm": to_digits(mate.distance, 10),
             "never_touching": [
                 {
-                    "inner_radius_mm": float(f"{u.inner_radius:.7g}"),
-                    "outer_radius_mm": float(f"{u.outer_radius:.7g}"),
+                    "inner_radius_mm": to_digits(u.inner_radius, 7),
+                    "outer_radius_mm": to_digits(u.outer_radius, 7),
                     "why": u.why,
                 }
                 for u in mate.untouched
@@ -104,6 +105,10 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
             ],
             **self.assembly_summary,
         }
+
+    @property
+    def forces_missing(self) -> str:
+        return NO_INVOLUTE
 
     def on_base(self, parts: tuple[Part, ...], reach: float) -> tuple[Part, ...]:
         """Gear and mate, and their base if there is one. reach: largest radius of the gear, mm."""

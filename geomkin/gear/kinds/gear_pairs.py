@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Literal
 
@@ -15,23 +16,25 @@ from ...making.bases import BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks, strength_checks
 from ..contract import AbstractInvoluteGear
 from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
+from ..output_loads import RackLoads, RackStrength
 from ..pair import GearPair, contact_table
 from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
 from ..parts.bases import pair_base, rack_base
 from ..parts.gears import GearStock, base_plate, gear_parts
 from ..rack import GearRack, RackPair
-from ..scene_pairs import pair_handles, pair_scene, rack_handles
+from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
-    NOT_COMPUTED,
     AbstractHelicalRecipe,
     backlash_notes,
     boss_checks,
@@ -39,11 +42,16 @@ from .helical import (
     gear_notes,
     gear_quantities,
     helices_notes,
-    loaded_materials,
     mesh_notes,
     overlap_notes,
     pair_quantities,
-    strength_notes,
+)
+from .strength_notes import (
+    RACK_WITHOUT_LOADS,
+    forces_missing,
+    loaded_materials,
+    pair_strength_notes,
+    rack_strength_notes,
 )
 
 
@@ -188,6 +196,17 @@ class GearPairRecipe(AbstractHelicalRecipe):
         return pair_scene(self.design, self.parts)
 
     @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """Both gears."""
+        pair = self.design
+        speeds = Fraction(1), Fraction(-pair.first.teeth, pair.second.teeth)
+        axes = 0j, complex(0, pair.centre_distance)
+        return {name: RotatingBody(axis, v, is_wheel=True) for name, axis, v in zip(pair.names, axes, speeds)}
+
+    def scene_at(self, turn: Real) -> Scene:
+        return turned_pair_scene(self.design, self.parts, turn)
+
+    @property
     def quantities(self) -> Mapping[str, str]:
         pair = self.design
         return pair_quantities(pair) | gear_quantities(pair.first, "first") | gear_quantities(pair.second, "second")
@@ -211,16 +230,13 @@ class GearPairRecipe(AbstractHelicalRecipe):
             "pair": mesh_notes(self.design, self.helix, width),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **self._load_notes(),
+            **({"loads": pair_strength_notes(self.strength)} if self.strength else {}),
             **self.assembly_summary,
         }
 
-    def _load_notes(self) -> Mapping[str, object]:
-        if self.loads is None:
-            return {}
-        if self.strength is None:
-            return {"loads": {"not_computed": NOT_COMPUTED}}
-        return {"loads": strength_notes(self.strength)}
+    @property
+    def forces_missing(self) -> str:
+        return forces_missing(self.loads, self.strength)
 
 
 @record(kw_only=True)
@@ -239,6 +255,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         Sheet of both, and bore of the pinion.
     base : RackBaseStock, optional
         Base plate that guides the rack; none if omitted.
+    loads : RackLoads, optional
+        Force on the rack, for pinion torque and strength; the stock then names its material.
     helix_angle_deg, hand, herringbone, section : optional
         Direction of the teeth, and the section to which the sizes refer.
     files : Files, optional
@@ -257,11 +275,25 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     )
     stock: GearStock = entry("sheet of both, and bore of the pinion", default=GearStock())
     base: RackBaseStock | None = entry("a base plate that guides the rack; none if omitted", default=None)
+    loads: RackLoads | None = entry(
+        "force on the rack, for pinion torque and strength; the stock then names its material", default=None
+    )
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.design  # noqa: B018  raises for gears that cannot mesh
+        self.strength  # noqa: B018  raises if the material is missing
+
+    @cached_property
+    def strength(self) -> RackStrength | None:
+        """Pinion torque and stresses under the loads; None without loads, or if the teeth are helical."""
+        if self.loads is None:
+            return None
+        (material,) = loaded_materials(stock=self.stock.material)
+        if self.helix_angle_deg:
+            return None
+        return RackStrength(self.design, self.loads, self.stock.thickness, (material, material))
 
     @cached_property
     def design(self) -> RackPair:
@@ -279,7 +311,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         pinion = self.design.pinion
         gear = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
         boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
-        return (*mesh_checks(self.design), *gear, *boss)
+        loaded = self.strength
+        holds = () if loaded is None else strength_checks(loaded, limit=loaded.force_limit, unit="N")
+        return (*mesh_checks(self.design), *gear, *boss, *holds)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -312,10 +346,10 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        """A shaft, and pins thin enough for the rack, if a base is requested."""
-        if "base" not in tables:
-            return {}
-        return {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}
+        """A shaft, and pins thin enough for the rack, if a base is requested; a material, if loads are."""
+        base = {"stock.bore": 8.0, "stock.thickness": 4.0, "base": RackBaseStock(guide_pin=3.0)}
+        material = {"stock.material": MATERIALS["steel-C45"]} if "loads" in tables else {}
+        return {**(base if "base" in tables else {}), **material}
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -331,4 +365,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         }
         sizes = {"pinion": (pair.pinion, self.helix, width)}
         measures = {"pinion": gear_notes(*sizes["pinion"])}
-        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **self.assembly_summary}
+        loads = {"loads": rack_strength_notes(self.strength)} if self.strength else {}
+        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **loads, **self.assembly_summary}
+
+    @property
+    def forces_missing(self) -> str:
+        return forces_missing(self.loads, self.strength, RACK_WITHOUT_LOADS)

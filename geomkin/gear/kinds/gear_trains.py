@@ -12,20 +12,25 @@ from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
+from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import AbstractAssembledRecipe
 from ...recipe.settings import Files
-from ..checks import gear_checks, mesh_checks
+from ..checks import gear_checks, mesh_checks, strength_checks
 from ..module import LARGEST
+from ..output_loads import TrainLoads, TrainStrength
 from ..parts.gears import GearStock
 from ..parts.trains import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
-from ..scene_train import train_handles, train_scene
+from ..scene_train import train_handles, train_scene, turned_train_scene
 from ..train import FEWEST_TEETH, MOST_TEETH, Direction, GearTrain, Stages, train_table
 from ..train_search import LARGEST_RATIO, MOST_SEARCHED, gear_train
 from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
+from .strength_notes import forces_missing, loaded_materials, train_strength_notes
 
 
 @record(checked=True)
@@ -162,6 +167,9 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         Sheet and bore of the driving and of the last gear, if different from those of the others.
     base : BaseStock, optional
         The plate that holds the arbors.
+    loads : TrainLoads, optional
+        Torque on the last gear, for the torque of the first, tooth forces and strength; the stocks then name their
+        material.
     files : Files, optional
         Formats and tolerance of the files.
     """
@@ -176,10 +184,25 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         "sheet and bore of the last gear; if omitted, those of the others", default=None
     )
     base: BaseStock = entry("the plate that holds the arbors", default=BaseStock())
+    loads: TrainLoads | None = entry(
+        "torque on the last gear, for the torque of the first and for strength; the stocks then name their material",
+        default=None,
+    )
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
         self.stocks.gears(self.design)
+        self.strength  # noqa: B018  raises if a material is missing, or friction locks the train
+
+    @cached_property
+    def strength(self) -> TrainStrength | None:
+        """Torques, forces and stresses under the loads; None without loads."""
+        if self.loads is None:
+            return None
+        gears = self.stocks.gears(self.design)
+        loaded_materials(**{gear.key: gear.stock.material for gear in gears})
+        materials = tuple(gear.stock.material for gear in gears if gear.stock.material)
+        return TrainStrength(self.design, self.loads, self.stock.thickness, materials)
 
     @cached_property
     def design(self) -> GearTrain:
@@ -201,7 +224,13 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         meshes = (check for k, pair in enumerate(train.pairs, 1) for check in mesh_checks(pair, f"stage_{k}"))
         teeth = (check for g in gears for check in gear_checks(g.gear, g.stock.rim_under(g.gear), g.name))
         boss = boss_checks("driver_1", gears[0].gear.root_radius, gears[0].stock.motor, self.base)
-        return (*meshes, *teeth, *boss, arbor_check(train, self.stocks))
+        return (*meshes, *teeth, *boss, arbor_check(train, self.stocks), *self._strength_checks())
+
+    def _strength_checks(self) -> tuple[Check, ...]:
+        if self.strength is None:
+            return ()
+        stages, limit = self.strength.stages, self.strength.torque_limit
+        return tuple(c for k, stage in enumerate(stages, 1) for c in strength_checks(stage, f"stage_{k}", limit))
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -219,13 +248,28 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         return train_scene(self.design, self.parts)
 
     @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """All gears."""
+        train, bodies = self.design, {}
+        for k in range(len(train.stages)):
+            for name, j in ((f"driver_{k + 1}", k), (f"driven_{k + 1}", k + 1)):
+                bodies[name] = RotatingBody(complex(train.axes[j]), train.speeds[j], is_wheel=True)
+        return bodies
+
+    def scene_at(self, turn: Real) -> Scene:
+        return turned_train_scene(self.design, self.parts, turn)
+
+    @property
     def handles(self) -> tuple[SceneHandle, ...]:
         return tuple(train_handles(self.design, self.train.stages is not None, bool(self.train.directions_deg)))
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        """The bore of the other gears."""
-        return {key: GearStock(bore=ArborStock().bore) for key in ("first_stock", "last_stock") if key in tables}
+        """The bore of the other gears, and materials, if loads are requested."""
+        keys = ("stock", *(key for key in ("first_stock", "last_stock") if key in tables))
+        bores = {f"{key}.bore": ArborStock().bore for key in keys}
+        materials = {f"{key}.material": MATERIALS["steel-C45"] for key in keys}
+        return bores | (materials if "loads" in tables else {})
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -243,15 +287,21 @@ class GearTrainRecipe(AbstractAssembledRecipe):
                 for k, (pair, efficiency) in enumerate(zip(train.pairs, train.efficiencies), start=1)
             },
             "measures_mm": {g.name: gear_notes(g.gear) for g in self.stocks.gears(train)},
+            **({"loads": train_strength_notes(self.strength)} if self.strength else {}),
             **self.assembly_summary,
         }
 
     @property
     def facts(self) -> tuple[str, ...]:
-        """The stages that were found, the ratio and the efficiency."""
-        train = self.design
+        """The stages that were found, the ratio, the efficiency, and the torque on the first gear under loads."""
+        train, loaded = self.design, self.strength
         stages = " x ".join(f"{driven}/{driver}" for driver, driven in train.stages)
         return (
             f"stages {stages}, ratio {to_digits(train.ratio):.9g}",
             f"efficiency {train.efficiency:.3f} at friction {train.friction:g}, without bearings",
+            *((f"torque on the first gear {loaded.input_torque:.4g} N mm",) if loaded else ()),
         )
+
+    @property
+    def forces_missing(self) -> str:
+        return forces_missing(self.loads, self.strength)

@@ -12,10 +12,8 @@ from ...core.errors import DesignError
 from ...core.fields import WIDEST, entry, to_digits
 from ...core.records import record
 from ...making.bases import BaseStock
-from ...making.materials import MATERIALS
 from ...making.motor_faces import MountedMotorKey, face_of
 from ...model.check import Check
-from ...model.material import Material
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.joined import PolarArray
@@ -31,7 +29,6 @@ if TYPE_CHECKING:
     from ..rack import GearRack, RackPair
     from ..ring import RingGear
     from ..spur import SpurGear
-    from ..strength import PairStrength, PlanetaryStrength
 
 
 G = TypeVar("G", "SpurGear", "RingGear", "GearRack", "PlanetarySet")
@@ -136,7 +133,7 @@ def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[Abs
 def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str:
     """A remedy: the least trial tolerance within the limit of points, or the number of teeth for this tolerance."""
     for k in range(1, TRIALS + 1):
-        wider = float(f"{tolerance * WIDER**k:.3g}")
+        wider = to_digits(tolerance * WIDER**k, 3)
         if points(wider) <= MOST:
             return f"give at least {wider:g} mm, or at most {teeth:,} teeth"
     return f"give at most {teeth:,} teeth"
@@ -152,67 +149,6 @@ def boss_checks(name: str, radius: float, motor: MountedMotorKey | None, base: B
     rests = radius - (face_of(motor).boss_diameter + base.clearance) / 2
     words = f"{name} beyond the hole for the motor's boss"
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
-
-
-# The reason why helical teeth have no strength.
-NOT_COMPUTED = "the formulas of root stress and pressure are those of straight teeth"
-
-
-def loaded_materials(**stocks: Material | None) -> tuple[Material, ...]:
-    """The materials of all gears, given by the keys of their stocks; DesignError for a missing one."""
-    for key, material in stocks.items():
-        if material is None:
-            problem = "is missing, and the strength under [loads] depends on it"
-            raise DesignError(
-                f"{key}.material", problem, f"give {' or '.join(MATERIALS)}, or omit loads", "missing-key"
-            )
-    return tuple(material for material in stocks.values() if material is not None)
-
-
-def strength_notes(loaded: PairStrength, gears: tuple[str, str] | None = None) -> Mapping[str, object]:
-    """Forces and stresses of a pair under its loads. gears: their names, by default those of the pair."""
-    pair, loads = loaded.pair, loaded.loads
-    names = dict(zip(gears or pair.names, zip(loaded.teeth, loaded.materials)))
-    factors = {"application": loads.application_factor, "dynamic": loads.dynamic_factor}
-    torques = (loads.torque_n_mm, loads.torque_n_mm * abs(pair.ratio))
-    return {
-        "torque_n_mm": {name: to_digits(torque) for name, torque in zip(pair.names, torques)},
-        "load_factors": factors | {"face_load": loads.face_load_factor},
-        "tangential_force_N": to_digits(loaded.tangential_force),
-        "radial_force_N": to_digits(loaded.radial_force),
-        "bearing_load_N": to_digits(loaded.normal_force),
-        "contact_pressure_n_per_mm2": to_digits(loaded.contact_pressure),
-        "contact_safety": to_digits(loaded.contact_safety),
-        "torque_limit_n_mm": to_digits(loaded.torque_limit),
-        "teeth": {
-            name: {
-                "material": material.name,
-                "root_stress_n_per_mm2": to_digits(teeth.root_stress),
-                "lewis_stress_n_per_mm2": to_digits(teeth.lewis_stress),
-                "root_safety": to_digits(teeth.root_safety),
-            }
-            for name, (teeth, material) in names.items()
-        },
-    }
-
-
-def planetary_strength_notes(loaded: PlanetaryStrength) -> Mapping[str, object]:
-    """Torques, bearing loads and stresses of a planetary set under its loads."""
-    # Those of one mesh would be mistaken for those of the set.
-    of_set = ("torque_n_mm", "load_factors", "bearing_load_N", "torque_limit_n_mm")
-    meshes = {("sun", "planet"): loaded.inner, ("planet", "ring"): loaded.outer}
-    entries: dict[str, object] = {}
-    for gears, mesh in meshes.items():
-        notes = strength_notes(mesh, gears)
-        entries["_and_".join(gears)] = {key: value for key, value in notes.items() if key not in of_set}
-    return {
-        "torque_n_mm": {name: to_digits(torque) for name, torque in loaded.torques.items()},
-        "load_factors": strength_notes(loaded.inner)["load_factors"],
-        "planet_bearing_load_N": to_digits(loaded.planet_bearing_load),
-        "sun_bearing_load_N": to_digits(loaded.sun_bearing_load),
-        "torque_limit_n_mm": to_digits(loaded.torque_limit),
-        **entries,
-    }
 
 
 def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Literal
 
@@ -18,8 +19,10 @@ from ...making.materials import MATERIALS
 from ...making.motor_faces import plate_radius
 from ...model.check import Check
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
+from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks, strength_checks
 from ..contract import AbstractInvoluteGear
@@ -31,17 +34,15 @@ from ..planetary import PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
-    NOT_COMPUTED,
     AbstractHelicalRecipe,
     boss_checks,
     check_tooth_points,
     gear_notes,
     gear_quantities,
     helices_notes,
-    loaded_materials,
     mesh_notes,
-    planetary_strength_notes,
 )
+from .strength_notes import forces_missing, loaded_materials, planetary_strength_notes
 
 
 @record(kw_only=True)
@@ -207,6 +208,22 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         return planetary_scene(self.design, self.table, self.parts)
 
     @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """The sun and the carrier; the planets have no fixed axis."""
+        sun, ring = self.design.sun.teeth, self.design.ring.teeth
+        carrier = RotatingBody(0j, Fraction(sun, sun + ring))
+        return {"sun": RotatingBody(0j, Fraction(1), is_wheel=True), "carrier": carrier}
+
+    def scene_at(self, turn: Real) -> Scene:
+        speeds = self.design.speeds(sun=1.0, ring=0.0)
+        columns = (
+            Column(f"{body}_angle", "deg", f"rotation of the {body}", np.degrees(turn * speed))
+            for body, speed in (("sun", 1.0), ("carrier", speeds["carrier"]), ("planet", speeds["planet"]))
+        )
+        table = Table((*columns, Column("time", "s", "time", np.zeros(turn.shape))))
+        return planetary_scene(self.design, table, self.parts)
+
+    @property
     def quantities(self) -> Mapping[str, str]:
         gears = self.design
         ratio = {"sun to carrier": f"{gears.ratios['sun to carrier']:.5g}"}
@@ -224,10 +241,9 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         stocks = ("sun_stock", "planet_stock", "ring_stock") if "loads" in tables else ()
         return shaft | {f"{stock}.material": MATERIALS["steel-C45"] for stock in stocks}
 
-    def _load_notes(self) -> Mapping[str, object]:
-        if self.loads is None:
-            return {}
-        return {"loads": planetary_strength_notes(self.strength) if self.strength else {"not_computed": NOT_COMPUTED}}
+    @property
+    def forces_missing(self) -> str:
+        return forces_missing(self.loads, self.strength)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -244,6 +260,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
             **helices_notes(sizes),
             "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **self._load_notes(),
+            **({"loads": planetary_strength_notes(self.strength)} if self.strength else {}),
             **self.assembly_summary,
         }

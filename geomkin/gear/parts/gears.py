@@ -100,7 +100,7 @@ class RingStock:
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     rim: float = quantity("thickness of the ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
-    material: MaterialKey = material_entry("the ring")
+    material: MaterialKey | None = material_entry("the ring")
 
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material outside the teeth, mm."""

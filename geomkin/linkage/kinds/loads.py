@@ -1,4 +1,4 @@
-"""Loads in a recipe of a linkage: their table, and the columns, plots and summary of the forces that result."""
+"""Loads in a recipe of a linkage."""
 
 from __future__ import annotations
 
@@ -9,26 +9,22 @@ from typing import Annotated, Any
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, RowWithin, entry, quantity, to_digits
+from ...core.fields import FARTHEST, RowWithin, entry, quantity
 from ...core.records import record
-from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
-from ...model.check import Check
+from ...making.motors import MotorKey, motor_entry
 from ...model.handles import point_handle
 from ...model.mass import Mass
-from ...model.motor import Motor, root_mean_square
-from ...model.scene import Hodograph, Plot, SceneHandle, SceneMark
-from ...model.table import Column, xy_columns
-from ...plane.vec import first_largest
+from ...model.scene import SceneHandle
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
-from ..checks import driver_at
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
 from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
 from ..dynamics.wrenches import Wrenches, known_body
 from ..linkage import Linkage
 from ..motion import Motion
-from ..scene import vector_marks
 from ..scene_handles import body_point
+from .counterweights import CounterweightsTable
+from .runs import RunTable
 
 
 @record(checked=True)
@@ -117,7 +113,19 @@ class LoadsTable:
     slide_friction: tuple[SlideFriction, ...] = entry(
         "friction of slides, each with slide, coefficient, length and viscous", default=()
     )
-    motor: MotorKey = motor_entry("the driver")
+    motor: MotorKey | None = motor_entry("the driver")
+    counterweights: CounterweightsTable | None = entry(
+        "round ends of bars that reduce the shaking force, with bodies, distance and largest_radius", default=None
+    )
+    run: RunTable | None = entry(
+        "motion that follows from a torque or from the motor, with torque_n_mm, start_rpm and turns", default=None
+    )
+
+    @property
+    def has_dry_friction(self) -> bool:
+        """Whether a pin or a slide has dry friction."""
+        pins, slides = self.pin_friction, self.slide_friction
+        return any(pin.coefficient for pin in pins) or any(slide.coefficient for slide in slides)
 
     @property
     def by_key(self) -> dict[str, tuple[Any, ...]]:
@@ -167,8 +175,16 @@ class LoadsTable:
             problem = f"found {self.motor.name}, but the driver turns on no fixed shaft"
             raise DesignError("loads.motor", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
 
-    def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass]) -> ForceAnalysis:
-        """Driver effort and joint forces. part_masses: of the parts, for bodies without an entry in `masses`."""
+    def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass], turned_over: bool = False) -> ForceAnalysis:
+        """Driver effort and joint forces.
+
+        part_masses: of the parts, for bodies without an entry in `masses`. turned_over: whether the motion is that of a
+        copy seen from its front, which hangs left for right.
+        """
+        return forces(motion, self.loads_of(motion, part_masses, turned_over))
+
+    def loads_of(self, motion: Motion, part_masses: Mapping[str, Mass], turned_over: bool = False) -> Loads:
+        """The loads as the library has them, as for `forces_of`."""
         self.check(motion)
         given = {body: mass.mass for body, mass in self.masses.items()}
         loads = self.by_key
@@ -178,7 +194,10 @@ class LoadsTable:
         if not masses and not any(loads.values()):
             problem = "no body has a mass, and nothing else acts"
             raise DesignError("loads", problem, 'give material = "steel-S235" in [stock], or masses', "missing-key")
-        return forces(motion, Loads(1000 * complex(*self.gravity_m_per_s2), masses, friction=friction, **loads))
+        gravity = 1000 * complex(*self.gravity_m_per_s2)
+        if turned_over:
+            gravity = -gravity.conjugate()
+        return Loads(gravity, masses, friction=friction, **loads)
 
 
 def loads_entry() -> Any:
@@ -191,106 +210,4 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 5 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
-
-
-def force_columns(analysis: ForceAnalysis) -> Iterator[Column]:
-    """Driver effort, joint forces, and the force and moment by which the masses shake the ground."""
-    linkage = analysis.motion.linkage
-    if linkage.driven_slider is None:
-        yield Column("driver_torque", "N mm", "torque of the driver, counterclockwise positive", analysis.driver)
-    else:
-        yield Column("driver_force", "N", "force of the driver along its line", analysis.driver)
-    for pin, bodies in linkage.pins.items():
-        for body in bodies[1:]:
-            force, id = analysis.pin(pin, body), f"{pin}_force_on_{body}"
-            meaning = f"force at {pin} on {body}"
-            yield from xy_columns(id, "N", meaning, force)
-            yield Column(id, "N", f"{meaning}, its size", np.abs(force))
-    for slider in linkage.sliders:
-        name, slide = slider.name, analysis.slide(slider.name)
-        meaning = f"on {slider.body}, along the left normal of {name}"
-        yield Column(f"{name}_normal_force", "N", f"force of {slider.along} {meaning}", slide.normal)
-        yield Column(f"{name}_moment", "N mm", f"moment of {slider.along} on {slider.body}", slide.moment)
-    meaning = "shaking force of the masses on the ground"
-    yield from xy_columns("shaking_force", "N", meaning, analysis.shaking_force)
-    yield Column("shaking_force", "N", f"{meaning}, its size", np.abs(analysis.shaking_force))
-    at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
-    moment = f"shaking moment of the masses about {at}"
-    yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
-
-
-def force_plots(analysis: ForceAnalysis) -> tuple[Plot, ...]:
-    """Plots of the columns of `force_columns`."""
-    linkage = analysis.motion.linkage
-    effort = "torque" if linkage.driven_slider is None else "force"
-    plots = [
-        Plot(f"driver {effort}", (f"driver_{effort}",)),
-        Plot("pin forces", _pin_forces(linkage)),
-        Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
-        Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
-        Plot("shaking force", ("shaking_force",)),
-    ]
-    return tuple(plot for plot in plots if plot.columns)
-
-
-def _pin_forces(linkage: Linkage) -> tuple[str, ...]:
-    return tuple(f"{pin}_force_on_{body}" for pin, bodies in linkage.pins.items() for body in bodies[1:])
-
-
-def force_hodographs(linkage: Linkage) -> tuple[Hodograph, ...]:
-    """Polar diagrams of the shaking force and of the pin forces."""
-    shaking = Hodograph("polar diagram of the shaking force", ("shaking_force",))
-    pins = Hodograph("polar diagram of the pin forces", _pin_forces(linkage))
-    return (shaking, pins) if pins.columns else (shaking,)
-
-
-def force_marks(analysis: ForceAnalysis) -> Iterator[SceneMark]:
-    """An arrow at each pin for the force on each body but the first, all at one scale."""
-    motion, arrows = analysis.motion, {}
-    for pin, bodies in motion.linkage.pins.items():
-        for body in bodies[1:]:
-            force = analysis.pin(pin, body)
-            if np.isfinite(force).any():
-                arrows[f"{pin} on {body}"] = motion.point(pin).position, force
-    yield from vector_marks(motion, arrows, "force", "N")
-
-
-def motor_of(analysis: ForceAnalysis, motor: Motor | None) -> Motor | None:
-    """The given motor; without one the smallest that suffices, None if no motor can drive the linkage."""
-    turns = analysis.motion.linkage.driver_pivot is not None and np.isfinite(analysis.driver).any()
-    return motor or (smallest_motor(analysis.duty) if turns else None)
-
-
-def motor_checks(analysis: ForceAnalysis, motor: Motor | None) -> tuple[Check, ...]:
-    """Check of the motor, if there is one."""
-    if motor is None:
-        return ()
-    known = np.isfinite(analysis.driver).any()
-    at = driver_at(analysis.motion, first_largest(np.abs(analysis.driver))) if known else None
-    return (motor_check(motor, analysis.duty, "driver_torque", at),)
-
-
-def force_summary(analysis: ForceAnalysis, motor: Motor | None) -> Mapping[str, object]:
-    """Peak and rms driver effort, largest pin forces and the motor, as entries of the summary; without unknown ones."""
-    motion = analysis.motion
-    effort, unit = ("driver_force_N", "mm") if motion.linkage.driven_slider else ("driver_torque_N_mm", "deg")
-    known = np.isfinite(analysis.driver)
-    result: dict[str, object] = {}
-    if known.any():
-        peak = first_largest(np.abs(analysis.driver))
-        result[effort] = {
-            "peak": to_digits(analysis.driver[peak]),
-            f"peak_at_{unit}": to_digits(driver_at(motion, peak)),
-            "rms": to_digits(root_mean_square(analysis.driver, motion.drive)),
-        }
-    sizes = {
-        pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
-        for pin, bodies in motion.linkage.pins.items()
-    }
-    result["largest_pin_force_N"] = {
-        pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
-    }
-    if motor:
-        result["motor"] = motor_summary(motor, analysis.duty)
-    return {**result, "undetermined": list(analysis.undetermined)}
+    return 11 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)

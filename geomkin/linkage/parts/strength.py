@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
+from ...core.fields import to_digits
 from ...core.records import record
 from ...making.fasteners import MINOR_DEPTH
 from ...model.check import Check
@@ -256,7 +257,7 @@ def linkage_strength_checks(
     if material and material.carried_stress:
         loads, tolerance = plate_loads(analysis), FINE * stock.bar_width
         stresses = (
-            (part.name, plate_stress(loads, part, plate.centres, tolerance))
+            (part.name, plate_stress(loads, part, plate.section_points, tolerance))
             for part in link_parts(motion, stock, stack)
             if (plate := stack.plates.get(part.name)) and plate.body != motion.linkage.ground
         )
@@ -279,4 +280,4 @@ def _check(
         advice = "a unit is probably wrong: forces are in N, lengths in mm, masses in kg"
     # A value that is the same at all frames has no worst one.
     at = driver_at(motion, first_largest(value)) if np.shape(value) == motion.drive.shape else None
-    return Check(id, f"{what} {name}", largest, "at most", float(f"{most:.6g}"), "N/mm2", advice, at=at)
+    return Check(id, f"{what} {name}", largest, "at most", to_digits(most, 6), "N/mm2", advice, at=at)

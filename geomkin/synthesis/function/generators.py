@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ...core.fields import to_digits
 from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.named_linkages import FourBar, SliderCrank
@@ -87,7 +88,7 @@ DIGITS, DECIMALS = 11, 10
 
 def with_digits(values: Real) -> Real:
     """Values rounded to the reported digits."""
-    return np.array([float(f"{value:.{DIGITS}g}") for value in values.ravel().tolist()]).reshape(values.shape)
+    return np.array([to_digits(value, DIGITS) for value in values.ravel().tolist()]).reshape(values.shape)
 
 
 def with_decimals(angles: Real) -> Real:

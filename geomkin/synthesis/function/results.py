@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.arguments import checked
+from ...core.fields import to_digits_or_none
 from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.named_linkages import FourBar, SliderCrank
@@ -114,10 +115,12 @@ class AbstractFunctionGenerator(Found):
     def proof(self) -> Mapping[str, object]:
         """Entries for `summary.json`: peaks of the error, deg or mm, and active limits, with their multipliers."""
         # Rounding leaves only half of the digits of the position of a flat maximum.
-        peaks = [{name: _six(value) for name, value in peak._asdict().items()} for peak in self.alternation]
+        peaks = [
+            {name: to_digits_or_none(value, 6) for name, value in peak._asdict().items()} for peak in self.alternation
+        ]
         return {
             "alternation": peaks,
-            "active_limits": {name: _six(value) for name, value in self.active_limits.items()},
+            "active_limits": {name: to_digits_or_none(value, 6) for name, value in self.active_limits.items()},
         }
 
     def _share(self, x: float | ArrayLike) -> Real:
@@ -261,11 +264,6 @@ class SliderFunctionGenerator(AbstractFunctionGenerator):
     def summary(self) -> Mapping[str, object]:
         entries = {"largest_error_mm": self.largest_error, "start_deg": self.start_deg, "start_mm": self.start_mm}
         return {**{name: ten_digits(value) for name, value in entries.items()}, **super().summary()}
-
-
-def _six(value: float) -> float | None:
-    """A number with six digits; None if it is not finite."""
-    return float(f"{value:.6g}") if np.isfinite(value) else None
 
 
 def common_fields(

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.arguments import ArgumentType, between, checked, is_complex, whole_between
 from ...core.errors import DesignError
+from ...core.fields import to_digits
 from ...core.progress import Watch
 from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
@@ -106,8 +107,8 @@ class BodyGuide(Found):
     def summary(self) -> Mapping[str, object]:
         error = {"pose_error_mm": self.pose_error, "angle_error_deg": self.angle_error_deg}
         # The errors of exact poses are rounding noise, which differs between processors.
-        entries = {name: float(f"{rounded(value, 9):.6g}") for name, value in error.items()}
-        entries |= {"body_angle_deg": float(f"{self.body_angle_deg:.10g}")}
+        entries = {name: to_digits(float(rounded(value, 9)), 6) for name, value in error.items()}
+        entries |= {"body_angle_deg": to_digits(self.body_angle_deg, 10)}
         pins = {
             f"{name}_pin_on_body_mm": [ten_digits(pin.real), ten_digits(pin.imag)]
             for name, pin in zip(("driving", "driven"), self.pins)
@@ -231,7 +232,7 @@ def body_guides(
     if region is not None or not (has_points or len(origins) > 4):
         for corners in request.larger_regions:
             if search(replace(request, region=corners, rng=np.random.default_rng(seed))):
-                low, high = ([float(f"{v:.12g}") for v in (z.real, z.imag)] for z in corners)
+                low, high = ([to_digits(v, 12) for v in (z.real, z.imag)] for z in corners)
                 problem = f"{problem} in the region"
                 raise DesignError("poses", problem, f"give a larger region: [{low}, {high}] is large enough")
             if watch.over():

@@ -11,10 +11,11 @@ from typing import Any, ClassVar, Generic, TypeVar
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import quantity, rounded_up
+from ...core.fields import quantity, rounded_up, to_digits
 from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
-from ...linkage.kinds.linkages import AbstractLinkageRecipe, EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
+from ...linkage.kinds.linkage_kinds import EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
+from ...linkage.kinds.linkages import AbstractLinkageRecipe
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.measures import grashof_type
 from ...linkage.moving import move
@@ -146,7 +147,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         if self.found.linkage.linkage.driven_slider is not None:
             return low, high
         # Rounded, since the conversion from radians leaves noise in the last bits.
-        return float(f"{np.degrees(low):.13g}"), float(f"{np.degrees(high):.13g}")
+        return to_digits(np.degrees(low), 13), to_digits(np.degrees(high), 13)
 
     @cached_property
     def design(self) -> AbstractLinkageRecipe:
@@ -243,7 +244,7 @@ def recipe_of(
     else:
         length = high - low
         speed, acceleration = (
-            float(f"{length * rate:.10g}") for rate in (drive.speed_rpm / 30, drive.acceleration_rad_per_s2 / np.pi)
+            to_digits(length * rate, 10) for rate in (drive.speed_rpm / 30, drive.acceleration_rad_per_s2 / np.pi)
         )
         step = float(rounded_up(length * drive.step_deg / 180))
         given["stroke"] = Stroke(*span, speed, step, acceleration)

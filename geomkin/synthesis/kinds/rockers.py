@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.parts.stock import LinkStock
@@ -203,7 +203,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         for ratio in sorted({*RATIOS, self.ranked[0].largest_ratio}):
             with suppress(DesignError):
                 best = self.at_ratio(ratio)
-                angle, longest = (float(f"{value:.6g}") for value in (best.transmission_angle_deg, best.size))
+                angle, longest = (to_digits(value, 6) for value in (best.transmission_angle_deg, best.size))
                 entries.append(
                     {"largest_ratio": ten_digits(ratio), "transmission_angle_deg": angle, "longest_link_mm": longest}
                 )
@@ -236,7 +236,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        ends = [float(f"{end:.10g}") for end in self.ranked[0].family.range_deg]
+        ends = [to_digits(end, 10) for end in self.ranked[0].family.range_deg]
         family: dict[str, object] = {"free_angle_deg": ends}
         if self.wanted.is_free:
             family["trade_off"] = self.trade_off

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import DesignError
+from ...core.fields import to_digits
 from ...core.progress import Watch
 from ...core.records import record
 from ...linkage.cognate_linkages import Cognate, cognates
@@ -139,8 +140,8 @@ class PathFound(Found):
 
     def summary(self) -> Mapping[str, object]:
         errors: dict[str, object] = {
-            "square_error_mm2": float(f"{self.square_error:.6g}"),
-            "largest_distance_mm": float(f"{self.largest_distance:.6g}"),
+            "square_error_mm2": to_digits(self.square_error, 6),
+            "largest_distance_mm": to_digits(self.largest_distance, 6),
         }
         limits: dict[str, object] = {"at_limits": list(self.at_limits)} if self.at_limits else {}
         return errors | dict(super().summary()) | limits
@@ -296,7 +297,7 @@ class PathSearch:
         def rank(linkage: PathFound) -> tuple[float, ...]:
             # Cognates are equally near; their order must not depend on the last digits, which differ by processor.
             error, angle = (
-                float(f"{max(linkage.square_error, unit_error):.6g}"),
+                to_digits(max(linkage.square_error, unit_error), 6),
                 _zero_if_nan(linkage.transmission_angle_deg),
             )
             return len(linkage.defects), error, -round(angle, 4), round(linkage.ratio, 4), linkage.branch

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arguments import LARGEST
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, SMALLEST, rounded_down, rounded_up
+from ...core.fields import FARTHEST, SMALLEST, rounded_down, rounded_up, to_digits
 from ...core.records import record
 from ...linkage.drive_limits import dead_centres
 from ...linkage.linkage import AbstractLinkage
@@ -107,7 +107,7 @@ def maximise(f: Callable[[Real], Real], low: float, high: float) -> float:
             break
         width = ends[1] - ends[0]
         angles = np.unique(np.append(np.linspace(*ends, 17), best))
-    round_top = float(f"{_smooth_maximum(f, best, STEP * (high - low)):.9g}")
+    round_top = to_digits(_smooth_maximum(f, best, STEP * (high - low)))
     values = f(np.array([best, round_top]))
     return round_top if low <= round_top <= high and values[1] >= values[0] - ROUNDING else best
 

@@ -1,0 +1,33 @@
+"""The command `geomkin`: `write.py` has the commands that write files, `show.py` those that print or show something.
+
+Both take their recipes, and report on each, by `recipes.py`.
+"""
+
+from __future__ import annotations
+
+import click
+
+from . import show, write
+
+EXIT_STATUS = """\b
+Exit status:
+  0  done; checks of a design may have failed
+  1  a recipe was refused or could not be made (the other recipes were made), or a file is not as designed
+  2  the command was called wrongly; nothing was done"""
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]}, epilog=EXIT_STATUS)
+@click.version_option(package_name="geomkin")
+def cli() -> None:
+    """Turn text recipes into planar mechanisms: linkages, cams and gears.
+
+    Start with `geomkin list` and `geomkin new KIND > my.toml`; then `geomkin run my.toml` writes drawings to cut,
+    solids to print, the motion as CSV, and an animated page.
+    """
+
+
+for command in (
+    write.run, write.verify, show.check_command, show.columns, write.sweep, write.optimise_command,
+    show.studio, show.list_command, show.new, show.schema, write.chart_command,
+):  # fmt: skip
+    cli.add_command(command)

@@ -1,0 +1,279 @@
+"""The commands that write files: run, verify, sweep, optimise, chart."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+
+import click
+
+from ..export.formats import WRITERS
+from .recipes import (
+    end,
+    json_option,
+    made_of,
+    one_recipe,
+    out_folder,
+    outcomes_of,
+    print_json,
+    print_made,
+    print_refusals,
+    progress_shown,
+    recipe_arguments,
+    recipe_files,
+    refusal,
+)
+
+
+def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
+    """The formats in a comma-separated list."""
+    chosen = None if value is None else [part.strip() for part in value.split(",")]
+    if unknown := [ending for ending in chosen or () if ending not in WRITERS]:
+        raise click.BadParameter(f"unknown format {unknown[0]!r}; choose from {', '.join(WRITERS)}")
+    return chosen
+
+
+@click.command()
+@recipe_arguments
+@out_folder
+@click.option(
+    "--only", callback=_formats, metavar="FORMAT,...",
+    help=f"Write only these formats ({', '.join(WRITERS)}).",
+)  # fmt: skip
+@click.option(
+    "--verify",
+    "verified",
+    is_flag=True,
+    help="Afterwards read the files back and measure them, as `geomkin verify` does.",
+)
+@json_option
+def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: bool, as_json: bool) -> None:
+    """Write the files of recipes into OUT/<recipe>/.
+
+    A folder stands for all recipes in it. With several recipes it also writes OUT/index.html, a page with a card for
+    each.
+    """
+    from ..build import index, make
+    from ..core.errors import FileError, harmless, printable
+
+    files = recipe_files(recipes)
+    _refuse_twins(files)
+    outcomes = outcomes_of(files, partial(make, out=out, only=only))
+    made = made_of(outcomes)
+    sound = not verified or all(_verified([out / result.name for result in made], as_json))
+    if made and only is None and (len(files) > 1 or recipes[0].is_dir()):
+        try:
+            index(out)
+        except FileError as error:
+            click.secho(str(error), fg="yellow", err=True)
+    if as_json:
+        end(outcomes, as_json)
+    print_refusals(outcomes)
+    if made:
+        print_made(made)
+    for result in made:
+        for remark in result.remarks:
+            click.echo(f"{printable(result.name)}: {remark}", err=True)
+        for check in result.checks:
+            if not check.passed:
+                click.secho(f"{printable(result.name)}: check failed: {harmless(check)}", fg="yellow", err=True)
+    if not sound:
+        sys.exit(1)
+    end(outcomes)
+
+
+def _refuse_twins(files: list[Path]) -> None:
+    stems = [f.stem for f in files]
+    twins = [f for f in files if stems.count(f.stem) > 1]
+    if twins:
+        from ..core.errors import printable
+
+        named = " and ".join(map(printable, twins))
+        raise click.UsageError(f"{named} would write the same folder; run them with another --out")
+
+
+@click.command()
+@click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
+@json_option
+def verify(folders: tuple[Path, ...], as_json: bool) -> None:
+    """Measure the files in FOLDERS against their recipes.
+
+    Reads every file back and compares it with the exact curves of its recipe. A folder is that of one recipe, or
+    contains such folders. Writes verify.json and verify.html into the folder of each recipe. The exit status is 1 if a
+    file is not as designed.
+    """
+    if not all(_verified(folders, as_json)):
+        sys.exit(1)
+
+
+def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
+    """Verify folders and print the result of each recipe. Returns whether each is as designed."""
+    from ..core.errors import FileError, harmless, printable
+    from ..verification.certificate import recipe_folders
+    from ..verification.certificate_files import certify
+
+    results: list[bool] = []
+    to_verify: list[Path] = []
+    for folder in folders:
+        try:
+            to_verify += recipe_folders(folder)
+        except FileError as error:
+            click.secho(str(error), fg="red", err=True)
+            results.append(False)
+    outcomes = outcomes_of(to_verify, certify) if to_verify else []
+    print_refusals(outcomes)
+    results += [False] * (len(outcomes) - len(made_of(outcomes)))
+    for certificate in made_of(outcomes):
+        results.append(certificate.passed)
+        if as_json:
+            print_json(certificate.to_dict())
+            continue
+        measured = [file for file in certificate.files if file.measured]
+        verdict = "as designed" if certificate.passed else "NOT as designed"
+        click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
+        problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
+        for problem in [*certificate.problems, *problems]:
+            click.secho(f"  {harmless(problem)}", fg="yellow")
+    return results
+
+
+@click.command()
+@one_recipe
+@click.option(
+    "--set", "settings", multiple=True, required=True, metavar="KEY=VALUES",
+    help="Values of a key: gear.teeth=8:120:4 (start:stop:step) or gear.profile_shift=-0.5,0,0.5; once for each key. "
+    "Items of a list are numbered from [0]: cam.program[1].rise=10,20.",
+)  # fmt: skip
+@click.option(
+    "--result", "results", multiple=True, metavar="NAME",
+    help="A result besides the checks: COLUMN:least, COLUMN:largest or COLUMN:last, or an entry of summary.json.",
+)  # fmt: skip
+@out_folder
+@json_option
+def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
+    """Evaluate a RECIPE for all combinations of values.
+
+    Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues with
+    the same command.
+    """
+    from ..core.errors import GeomkinError, harmless, printable
+    from ..sweeps.sweep import by_processes, swept
+
+    values: dict[str, str] = {}
+    for setting in settings:
+        key, equals, listed = setting.partition("=")
+        if not equals or key.strip() in values:
+            problem = "is given twice" if equals else "has no values"
+            raise click.BadParameter(f"{printable(key.strip())} {problem}; give KEY=VALUES once for each key")
+        values[key.strip()] = listed
+    try:
+        with progress_shown():
+            result = swept(recipe, values, results, out, by_processes)
+    except GeomkinError as error:
+        refused = refusal(recipe, error)
+        end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
+        sys.exit(1)
+    if result.is_restarted:
+        why = "the earlier run is of another recipe, other results or another version, or damaged"
+        click.echo(f"started again: {why}", err=True)
+    refusals = [row.refused for row in result.rows if row.refused]
+    if as_json:
+        rows = [
+            {"values": row.values, "refused": row.refused, "checks": [c.to_dict() for c in row.checks]}
+            | {"results": row.results}
+            for row in result.rows
+        ]
+        about = {"name": result.name, "kind": result.kind, "file": str(recipe)}
+        print_json({**about, "rows": rows, "files": list(map(str, result.files))})
+    else:
+        counts = f"{len(result.rows):,} combinations, {result.reused:,} of them reused, {len(refusals):,} refused"
+        click.echo(f"{', '.join(map(printable, result.files))}: {counts}")
+    if len(refusals) == len(result.rows):
+        click.secho(f"all combinations are refused; the first one: {harmless(refusals[0])}", fg="red", err=True)
+        sys.exit(1)
+
+
+@click.command("optimise")
+@one_recipe
+@click.option(
+    "--vary", "ranges", multiple=True, metavar="KEY=LOW:HIGH",
+    help="Range of a number: linkage.crank=20:40; once for each key. If the key holds a whole number, every "
+    "whole number in the range is tried.",
+)  # fmt: skip
+@click.option(
+    "--minimise", "objectives", multiple=True, metavar="FORMULA",
+    help="Result to minimise: max(rocker_omega), or -min(transmission_angle) for a maximum; several: Pareto front.",
+)  # fmt: skip
+@click.option(
+    "--subject-to", "constraints", multiple=True, metavar="CONSTRAINT",
+    help="A constraint, such as 'min(transmission_angle) >= 40'.",
+)  # fmt: skip
+@click.option("--starts", default=6, show_default=True, help="Number of gradient searches.")
+@click.option("--seed", default=0, show_default=True, help="Seed of the random designs.")
+@click.option("--time-limit", default=60.0, show_default=True, help="Time limit, s; the best design by then is taken.")
+@out_folder
+def optimise_command(
+    recipe: Path, ranges: tuple[str, ...], objectives: tuple[str, ...], constraints: tuple[str, ...],
+    starts: int, seed: int, time_limit: float, out: Path,
+) -> None:  # fmt: skip
+    """Find the best values of a RECIPE's keys.
+
+    The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
+    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture and a
+    recipe for each design of their Pareto front. Ctrl-C ends the search; the best so far is written.
+    """
+    import signal
+
+    from ..core.errors import GeomkinError, harmless, printable
+    from ..optimisation.optimiser import optimise, ranges_of
+
+    try:
+        vary = ranges_of(ranges) or None
+    except GeomkinError as error:
+        raise click.BadParameter(harmless(error), param_hint="--vary") from None
+    # Ctrl-C ends the search, not the process.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with progress_shown():
+            minimise = objectives[0] if len(objectives) == 1 else objectives or None
+            best = optimise(recipe, vary, minimise, list(constraints) or None, starts, seed, time_limit, out)
+    except GeomkinError as error:
+        click.secho(refusal(recipe, error).text, fg="red", err=True)
+        sys.exit(1)
+    for line in best.lines:
+        click.echo(harmless(line))
+    note = ", ended before it was complete" if best.cut_short else ""
+    click.echo(f"{', '.join(map(printable, best.files))}: {best.evaluations:,} designs tried{note}")
+
+
+@click.command("chart")
+@click.argument("families", nargs=-1, metavar="[FAMILY]...")
+@click.option("--quick", is_flag=True, help="Take about a minute: fewer settings, without the slowest methods.")
+@out_folder
+def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
+    """Measure the methods: time per result against error.
+
+    Measures all families of methods, or only those given, and writes tables, pictures and a page into OUT/chart/.
+    """
+    from importlib.util import find_spec
+
+    from ..core.errors import DesignError, GeomkinError, printable
+    from ..export.files import write_whole
+    from ..tradeoff.files import chart_files
+    from ..tradeoff.results import chart
+    from ..tradeoff.study import stability
+
+    try:
+        with progress_shown():
+            measured = chart(families, quick)
+        # The study of where methods lose digits needs mpmath.
+        study = stability() if not families and find_spec("mpmath") else None
+        write_whole(out / "chart", chart_files(measured, study))
+    except DesignError as error:
+        raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="FAMILY") from None
+    except GeomkinError as error:
+        raise click.ClickException(str(error)) from None
+    count, points = len(measured.families), sum(len(family.points) for family in measured.families)
+    click.echo(f"{printable(out / 'chart', 200)}: {count} famil{'y' if count == 1 else 'ies'}, {points} points")

@@ -1,0 +1,120 @@
+"""Loads in recipes of gears: materials, summaries of forces and stresses, and why they are not computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import to_digits
+from ...making.materials import MATERIALS
+from ...model.material import Material
+from ..output_loads import RackStrength, TrainStrength
+from ..strength import AbstractMeshStrength, LoadFactors, PairStrength, PlanetaryStrength
+
+# Why recipes of gears report no forces.
+BALANCED = "Gears are balanced about their axes, so gravity needs no torque"
+ONLY_WITH_LOADS = f"{BALANCED}; tooth forces and stresses are computed with the table loads."
+RACK_WITHOUT_LOADS = (
+    "Gravity acts across the rack and needs no torque; torque and tooth forces are computed with the table loads."
+)
+NO_INVOLUTE = f"{BALANCED}; tooth forces and stresses are not computed for teeth that are no involutes."
+HELICAL = f"{BALANCED}; tooth forces and stresses are not computed, as their formulas are those of straight teeth."
+
+
+def forces_missing(loads: LoadFactors | None, strength: object, without_loads: str = ONLY_WITH_LOADS) -> str:
+    """The reason why a recipe of involute gears reports no forces; empty if it reports them."""
+    if loads is None:
+        return without_loads
+    return HELICAL if strength is None else ""
+
+
+def loaded_materials(**stocks: Material | None) -> tuple[Material, ...]:
+    """The materials of all gears, given by the keys of their stocks; DesignError for a missing one."""
+    for key, material in stocks.items():
+        if material is None:
+            problem = "is missing, and the strength under [loads] depends on it"
+            raise DesignError(
+                f"{key}.material", problem, f"give {' or '.join(MATERIALS)}, or omit loads", "missing-key"
+            )
+    return tuple(material for material in stocks.values() if material is not None)
+
+
+def factor_notes(loads: LoadFactors) -> Mapping[str, float]:
+    """The load factors."""
+    factors = {"application": loads.application_factor, "dynamic": loads.dynamic_factor}
+    return factors | {"face_load": loads.face_load_factor}
+
+
+def mesh_strength_notes(loaded: AbstractMeshStrength, gears: tuple[str, str] | None = None) -> Mapping[str, object]:
+    """Forces and stresses of a mesh under its load. gears: their names, by default those of the pair."""
+    names = dict(zip(gears or loaded.pair.names, zip(loaded.teeth, loaded.materials)))
+    return {
+        "tangential_force_N": to_digits(loaded.tangential_force),
+        "radial_force_N": to_digits(loaded.radial_force),
+        "contact_pressure_n_per_mm2": to_digits(loaded.contact_pressure),
+        "contact_safety": to_digits(loaded.contact_safety),
+        "teeth": {
+            name: {
+                "material": material.name,
+                "root_stress_n_per_mm2": to_digits(teeth.root_stress),
+                "lewis_stress_n_per_mm2": to_digits(teeth.lewis_stress),
+                "root_safety": to_digits(teeth.root_safety),
+            }
+            for name, (teeth, material) in names.items()
+        },
+    }
+
+
+def pair_strength_notes(loaded: PairStrength) -> Mapping[str, object]:
+    """Torques, forces and stresses of a pair under its loads."""
+    torques = (loaded.torque, loaded.torque * abs(loaded.pair.ratio))
+    return {
+        "torque_n_mm": {name: to_digits(torque) for name, torque in zip(loaded.pair.names, torques)},
+        "load_factors": factor_notes(loaded.loads),
+        "bearing_load_N": to_digits(loaded.normal_force),
+        "torque_limit_n_mm": to_digits(loaded.torque_limit),
+        **mesh_strength_notes(loaded),
+    }
+
+
+def rack_strength_notes(loaded: RackStrength) -> Mapping[str, object]:
+    """Pinion torque, forces and stresses of a rack and pinion under its loads."""
+    return {
+        "force_n": to_digits(loaded.loads.force_n),
+        "pinion_torque_n_mm": to_digits(loaded.torque),
+        "load_factors": factor_notes(loaded.loads),
+        "bearing_load_N": to_digits(loaded.normal_force),
+        "force_limit_n": to_digits(loaded.force_limit),
+        **mesh_strength_notes(loaded),
+    }
+
+
+def planetary_strength_notes(loaded: PlanetaryStrength) -> Mapping[str, object]:
+    """Torques, bearing loads and stresses of a planetary set under its loads."""
+    meshes = {("sun", "planet"): loaded.inner, ("planet", "ring"): loaded.outer}
+    return {
+        "torque_n_mm": {name: to_digits(torque) for name, torque in loaded.torques.items()},
+        "load_factors": factor_notes(loaded.loads),
+        "planet_bearing_load_N": to_digits(loaded.planet_bearing_load),
+        "sun_bearing_load_N": to_digits(loaded.sun_bearing_load),
+        "torque_limit_n_mm": to_digits(loaded.torque_limit),
+        **{"_and_".join(gears): mesh_strength_notes(mesh, gears) for gears, mesh in meshes.items()},
+    }
+
+
+def train_strength_notes(loaded: TrainStrength) -> Mapping[str, object]:
+    """Torques, bearing loads and stresses of a gear train under its loads."""
+    turning = ["driver_1", *(f"driven_{k}" for k, _ in enumerate(loaded.stages, 1))]
+    return {
+        "input_torque_n_mm": to_digits(loaded.input_torque),
+        "torque_n_mm": {name: to_digits(torque) for name, torque in zip(turning, loaded.torques)},
+        "load_factors": factor_notes(loaded.loads),
+        "bearing_load_N": {name: to_digits(load) for name, load in zip(turning, np.abs(loaded.bearing_loads))},
+        "output_torque_limit_n_mm": to_digits(loaded.torque_limit),
+        **{
+            f"stage_{k}": mesh_strength_notes(stage, (f"driver_{k}", f"driven_{k}"))
+            for k, stage in enumerate(loaded.stages, 1)
+        },
+    }
