@@ -60,7 +60,7 @@ CLOSED = {
     "kidney": (0.0146386, 30 * np.exp(1j * FULL) + 9 * np.exp(2j * FULL)),
     "bean": (0.101857, 30 * np.cos(FULL) + 1j * (15 * np.sin(FULL) + 10 * np.cos(FULL) ** 2)),
     "harmonics 1": (322.938, harmonics(1, 4)),
-    "harmonics 2": (1181.26, harmonics(2, 4)),
+    "harmonics 2": (1180.22, harmonics(2, 4)),
     "harmonics 3": (1071.58, harmonics(3, 3)),
     "harmonics 4": (1175.64, harmonics(4, 5)),
 }
