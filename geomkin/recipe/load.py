@@ -71,14 +71,14 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     try:
         kind = recipe_class(name if isinstance(name, str) else "")
     except KeyError:
-        from .messages import nearest
+        from .messages import did_you_mean
 
         id: ProblemId = "unknown-kind" if "kind" in data else "missing-key"
         kinds = kind_names()
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
         inner = {table: value.get("kind") for table, value in data.items() if isinstance(value, dict)}
         owner = next((table for table, kind in inner.items() if isinstance(kind, str) and kind in kinds), None)
-        near = f"move it from [{printable(owner)}] above the first table; " if owner else nearest(name, kinds)
+        near = f"move it from [{printable(owner)}] above the first table; " if owner else did_you_mean(name, kinds)
         raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)]) from None
     # `scale` is not a field, since the recipe holds the scaled lengths.
     fields = {key: value for key, value in data.items() if key != "scale" or not kind.can_be_scaled}

@@ -14,7 +14,7 @@ from ..recipe.recipe import SHARED
 from ..recipe.template import SCALE
 
 
-def form(kind: str) -> dict[str, Any]:
+def recipe_form(kind: str) -> dict[str, Any]:
     """The form of a kind of recipe, in groups, one for each table.
 
     Parameters

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import shown
+from geomkin.core.progress import progress_to
 from geomkin.synthesis.path.coupler_paths import paths
 from tests.speed.synthesis_path import FIVE, FIVE_BOUNDS, K18, K18_BOUNDS, LINE6, LINE6_BOUNDS, NINE
 
@@ -178,7 +178,7 @@ def test_size_and_place_do_not_matter():
 
 def test_same_seed_gives_the_same_result_and_progress_is_reported():
     reported = []
-    with shown(lambda share, what: reported.append((share, what))):
+    with progress_to(lambda share, what: reported.append((share, what))):
         one = gk.path_generator(K18, 20.0 * np.arange(18), seed=4)
     other = gk.path_generator(K18, 20.0 * np.arange(18), seed=4, time_limit=60)
     assert one.linkage == other.linkage and not one.cut_short

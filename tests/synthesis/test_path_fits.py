@@ -9,7 +9,7 @@ import geomkin as gk
 from geomkin.core.progress import Watch
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
-from geomkin.synthesis.path.fits import PathTask, polished, refined, squares
+from geomkin.synthesis.path.fits import PathTask, polished_starts, refined_starts, squares
 from geomkin.synthesis.path.search import _cranks_for_all_points, _nearest_on_path
 
 WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
@@ -67,7 +67,7 @@ def test_limit_violation_agrees_with_the_motion(slides, asked):
         assert task.passed(lost, np.zeros((1, 3))) == np.inf
 
 
-@pytest.mark.parametrize("brought", [polished, refined])
+@pytest.mark.parametrize("brought", [polished_starts, refined_starts])
 def test_cranks_of_an_open_path_stay_on_their_part_of_it_where_it_crosses_itself(brought):
     turn = np.linspace(0, 2 * np.pi, 721)[:-1]
     path = at(CROSSING, turn)
@@ -84,7 +84,7 @@ def test_cranks_of_an_open_path_stay_on_their_part_of_it_where_it_crosses_itself
     assert squares(task, x, t, np.ones(1)) <= squares(task, CROSSING[None], drive[None], np.ones(1))
 
 
-@pytest.mark.parametrize("brought", [polished, refined])
+@pytest.mark.parametrize("brought", [polished_starts, refined_starts])
 def test_points_of_a_closed_path_find_their_places_on_it(brought):
     drive = np.random.default_rng(4).uniform(0, 2 * np.pi, 40)
     task = task_of(at(CROSSING, drive), closed=True)

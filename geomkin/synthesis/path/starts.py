@@ -22,7 +22,7 @@ from .coupler_paths import (
     closing,
     points_of,
 )
-from .fits import PathTask, nearest
+from .fits import PathTask, nearest_angles
 
 # Share of random linkages whose crank turns fully, if a full turn is not required.
 TURNING = 0.6
@@ -210,7 +210,7 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
     if not rows:
         return np.zeros((0, 10)), np.zeros((0, len(task.wanted))), np.zeros(0)
     x, cranks, branch, _ = (np.concatenate(column) for column in zip(*rows))
-    t = nearest(task, x, cranks, branch) if task.closed else cranks
+    t = nearest_angles(task, x, cranks, branch) if task.closed else cranks
     crank, coupler = closing(x, t, branch, task.slides)
     fitted, score = linear_fit(task, x, crank, coupler)
     chosen = unlike(fitted, branch, score, IMPROVED if len(task.wanted) > FEW_OPEN else IMPROVED // 2)
