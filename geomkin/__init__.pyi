@@ -4,6 +4,7 @@ from . import coupon as coupon
 from . import export as export
 from . import gear as gear
 from . import linkage as linkage
+from . import machine as machine
 from . import making as making
 from . import model as model
 from . import plane as plane

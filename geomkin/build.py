@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from textwrap import wrap
 from typing import Annotated, Any, Literal
 
 from .core.arguments import ArgumentType, checked
@@ -29,6 +30,8 @@ from .recipe.settings import Files, Format
 
 # Largest number of bytes of a recipe's name, so that a name with an ending suits every file system.
 LONGEST_NAME = 200
+# Width of a line of facts, in letters: the terminal shows at most 80.
+FACT_WIDTH = 72
 # A path, a TOML text, or a mapping such as a TOML parser returns.
 Readable = str | Path | Annotated[Mapping[str, Any], ArgumentType(lambda value: isinstance(value, Mapping), "a table")]
 
@@ -187,6 +190,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
         # Notes are part of the summary and may raise too.
         _ = recipe.notes
         facts = (*recipe.facts, *([recipe.forces_missing] if recipe.forces_missing else []))
+        if assumed := ", ".join(f"{key} {value:g} mm" for key, value in recipe.assumed_fits.items()):
+            facts = (*facts, *wrap(f"assumed, not measured: {assumed}", FACT_WIDTH))
         remarks = (*recipe.remarks, *recipe.unknown_expectations)
     return Made(name, recipe.kind, checks, {}, facts, remarks)
 
@@ -321,13 +326,15 @@ def _job(name: str, source: Source, files: Files) -> Job:
 
 
 def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
-    """Further entries of summary.json, with the files that the recipe reads, and why there are no forces."""
-    missing, sources = recipe.forces_missing, recipe.sources
-    return {
-        **recipe.notes,
-        **({"loads": {"not_computed": missing}} if missing else {}),
-        **({"sources": dict(sources)} if sources else {}),
+    """Further entries of summary.json, such as the files that the recipe reads, and why there are no forces."""
+    missing = recipe.forces_missing
+    entries = {
+        "loads": {"not_computed": missing} if missing else {},
+        "workshop": (recipe.loaded_table or {}).get("workshop"),
+        "assumed_mm": dict(recipe.assumed_fits),
+        "sources": dict(recipe.sources),
     }
+    return {**recipe.notes, **{name: entry for name, entry in entries.items() if entry}}
 
 
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:

@@ -21,6 +21,7 @@ ORDER = (
     ("page", "recipe", "making"),
     ("linkage", "cam", "gear", "coupon"),
     ("synthesis",),
+    ("machine",),
     ("build",),
     ("sweeps", "tradeoff", "optimisation", "studio", "verification"),
     ("cli",),

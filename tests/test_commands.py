@@ -3,8 +3,8 @@
 import pytest
 from click.testing import CliRunner
 
-import geomkin as gk
 from geomkin import cli as commands
+from geomkin.build import check_recipe
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
 
@@ -31,8 +31,9 @@ def test_check_prints_every_check_with_its_verdict_and_writes_nothing(command, t
     code, output, wrong = command("check", "in/a.toml", "in/b.toml")
     expected = []
     for name in "ab":
-        checks = gk.load(tmp_path / f"in/{name}.toml").checks
-        expected += [name, *(f"  {'pass' if check.passed else 'FAIL'}  {check}" for check in checks)]
+        made = check_recipe(tmp_path / f"in/{name}.toml")
+        expected += [name, *(f"  {'pass' if check.passed else 'FAIL'}  {check}" for check in made.checks)]
+        expected += [f"        {fact}" for fact in made.facts]
     assert (code, wrong, output.splitlines()) == (0, "", expected)
     assert "  FAIL  " in output and "  pass  " in output and [path.name for path in tmp_path.iterdir()] == ["in"]
     code, output, wrong = command("check", "in")

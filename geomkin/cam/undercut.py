@@ -159,8 +159,7 @@ def undercut(cam: Cam) -> Undercut:
     """
     raw = UntrimmedOutline(cam)
     loops, points = _backward(raw)
-    grid = _grid(raw, loops, points)
-    z = raw.curve.point(grid)
+    grid, z = _grid(raw, loops, points)
     kept, skipped = _Tracing(raw, grid, z, points).trace(float(grid[np.abs(z).argmin()]))
     if not skipped:
         outline = raw.pieces[0] if len(raw.pieces) == 1 else raw.curve
@@ -318,14 +317,15 @@ def _sign_change(f: Callable[[Real], Real], outside: Real, inside: Real) -> Real
     return inside
 
 
-def _grid(raw: UntrimmedOutline, loops: list[Interval], points: list[Interval]) -> Real:
-    """Parameters of the untrimmed outline whose chords cross where the curve does, including its loops."""
+def _grid(raw: UntrimmedOutline, loops: list[Interval], points: list[Interval]) -> tuple[Real, Complex]:
+    """Parameters and points of the untrimmed outline whose chords cross where the curve does, including its loops."""
     grid = [raw.places]
     for a, b in loops:
         dense = np.linspace(5 * a - 4 * b, 5 * b - 4 * a, 9 * CHORDS_PER_LOOP + 1)
         grid.append(dense[(dense >= np.floor(a)) & (dense < np.ceil(b))])
-    parameters = refined_parameters(raw.curve, np.unique(np.concatenate(grid)))
+    parameters, z = refined_parameters(raw.curve, np.unique(np.concatenate(grid)))
     for a, b in points:
         before, after = parameters <= a, parameters >= b
-        parameters = parameters[before | after if a < b else before & after]
-    return parameters
+        kept = before | after if a < b else before & after
+        parameters, z = parameters[kept], z[kept]
+    return parameters, z

@@ -200,23 +200,26 @@ def _is_one_place(curve: AbstractCurve, pairs: Real, small: float) -> Mask:
     return np.asarray(np.abs(z - z[:, :1]).max(axis=1) <= small)
 
 
-def refined_parameters(curve: AbstractCurve, places: Real) -> Real:
-    """Rising parameters of a closed curve, with more between them until the chords follow the curve."""
-    end = float(curve.breaks[-1])
-    low, high = places, np.append(places[1:], end)
-    parameters = [places]
-    tolerance = CHORD_ERROR * float(np.abs(curve.point(places)).max())
+def refined_parameters(curve: AbstractCurve, places: Real) -> tuple[Real, Complex]:
+    """Rising parameters of a closed curve, with more between them until the chords follow the curve, and its points."""
+    z = curve.point(places)
+    tolerance = CHORD_ERROR * float(np.abs(z).max())
+    parameters, points = [places], [z]
+    low, high, start, end = places, np.append(places[1:], curve.breaks[-1]), z, np.roll(z, -1)
     for _ in range(HALVINGS):
         # Not at the middle, where an S-shaped curve crosses its chord.
-        chord = 0.6 * curve.point(low) + 0.4 * curve.point(np.minimum(high, np.nextafter(end, 0)))
-        bad = np.abs(curve.point(0.6 * low + 0.4 * high) - chord) > tolerance
+        bad = np.abs(curve.point(0.6 * low + 0.4 * high) - (0.6 * start + 0.4 * end)) > tolerance
         if not bad.any():
             break
-        low, high = low[bad], high[bad]
+        low, high, start, end = low[bad], high[bad], start[bad], end[bad]
         middle = 0.5 * (low + high)
+        z = curve.point(middle)
         parameters.append(middle)
+        points.append(z)
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-    return np.unique(np.concatenate(parameters))
+        start, end = np.concatenate([start, z]), np.concatenate([z, end])
+    rising, first = np.unique(np.concatenate(parameters), return_index=True)
+    return rising, np.concatenate(points)[first]
 
 
 def chord_crossings(z: Complex, reach: float = np.inf) -> tuple[Whole, Whole, Real, Real]:

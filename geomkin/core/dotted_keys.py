@@ -58,7 +58,7 @@ def _inside(value: Any, key: str, field: str, about: Mapping[str, Any]) -> Itera
     elif isinstance(value, complex):
         yield Number(f"{key}[0]", key, value.real, "mm")
         yield Number(f"{key}[1]", key, value.imag, "mm")
-    elif dataclasses.is_dataclass(value):
+    elif dataclasses.is_dataclass(value) and not getattr(value, "is_in_own_file", False):
         # A table that a recipe writes as the list of its segments.
         segments = getattr(value, "segments", None)
         yield from numbers_in(value, key) if segments is None else _inside(segments, key, key, {})

@@ -137,7 +137,8 @@ class FileError(GeomkinError, OSError):
 
 def harmless(text: object) -> str:
     """`text` as one line without control characters, including those that change the direction of writing."""
-    return "".join(c if c.isprintable() else "?" for c in str(text))
+    line = str(text)
+    return line if line.isprintable() else "".join(c if c.isprintable() else "?" for c in line)
 
 
 def printable(text: object, longest: int = 80) -> str:

@@ -248,9 +248,8 @@ def _size_of(fit: HoleFit | None, diameter: float | None) -> str:
         sizes.append("keyway {} wide {} deep".format(*map(length_text, fit.keyway)))
     if not fit.play:
         return ", ".join(sizes)
-    return (
-        f"{', '.join(sizes)} ({length_text(fit.diameter)}, {'press' if fit.play < 0 else 'clearance'} {fit.play:+.5g})"
-    )
+    kind = "press" if fit.is_press or fit.play < 0 else "clearance"
+    return f"{', '.join(sizes)} ({length_text(fit.diameter)}, {kind} {fit.play:+.5g})"
 
 
 def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:

@@ -67,6 +67,7 @@ WRITERS: dict[str, Writer] = {
     "assembly-dxf": Writer(
         "scene", _in("export.assembly_dxf:write_assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", opt_in=True
     ),
+    "steps": Writer("scene", _in("export.steps_svg:write_steps_svg"), tail="-steps.svg", opt_in=True),
     "animation": Writer("scene", _in("export.animation:write_animation"), tail="-animation.svg", opt_in=True),
     "plots": Writer("scene", _in("export.plots:write_plots"), tail="-plot.svg", opt_in=True),
     "glb": Writer("scene", _in("export.glb:write_glb"), ("shapely", "trimesh"), tail="-assembly.glb", opt_in=True),

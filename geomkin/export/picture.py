@@ -19,8 +19,8 @@ from .labels import LETTER, Name
 from .still import Still, palette
 from .svg_path import decimal, path
 
-# Driver rotation, deg, of a dash of a trail, as on the page; a stroke is divided into a number of dashes.
-DASH_DEG, STROKE_DASHES = 5.0, 72
+# Driver rotation, deg, of a dash of a trail, as on the page, and the most dashes of a whole motion.
+DASH_DEG, MOST_DASHES = 5.0, 72
 # Pixels around the picture.
 MARGIN = 14.0
 # A support of a ground pivot, if no plate shows the ground, and a slider block, in pixels, y up.
@@ -211,7 +211,7 @@ def _trail(still: Still, mark: SceneMark) -> str:
     """A dash for every second of equal steps of the drive, so that long dashes show a fast point."""
     drive = np.asarray(still.scene.drive.values, dtype=float)
     passed = np.abs(drive - drive[0])
-    every = DASH_DEG if still.scene.drive.unit == "deg" else passed[-1] / STROKE_DASHES
+    every = max(DASH_DEG if still.scene.drive.unit == "deg" else 0.0, passed[-1] / MOST_DASHES)
     place = np.asarray(mark.place)
     step = passed / every if every > 0 else np.zeros(len(drive))
     dashes = []

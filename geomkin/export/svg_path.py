@@ -68,10 +68,10 @@ def _pair(z: complex, digits: int) -> str:
 
 def decimal(value: float, digits: int) -> str:
     """A rounded number as its shortest decimal text, without the zero before its point."""
-    text = f"{value:.{max(0, digits)}f}"
-    text = text.rstrip("0").rstrip(".") if "." in text else text
-    text = text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
-    return "0" if text in ("-0", "") else text
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".") if digits > 0 else f"{value:.0f}"
+    if -1 < value < 1:
+        text = text.replace("0.", ".", 1)
+    return "0" if text == "-0" else text
 
 
 # Distance between a curve and its chords, pixels. Larger values show corners; smaller ones only enlarge the file.

@@ -233,6 +233,19 @@ def meshing_scene(
     return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 
+def turned_scene(
+    columns: Iterable[Column], bodies: tuple[SceneBody, ...], circles: Iterable[SceneCurve], axes: Mapping[str, complex]
+) -> Scene:
+    """The scene of gears at the rotations of a machine's frames, whose time the machine sets.
+
+    axes: fixed axes by their labels, mm.
+    """
+    still = np.zeros(bodies[0].origin.shape, complex)
+    marks = (SceneMark("fixed pin", still + axis, "construction", label) for label, axis in axes.items())
+    table = Table(tuple(columns))
+    return Scene(table, still.real, np.ones(still.shape, bool), bodies, tuple(circles), tuple(marks))
+
+
 def tooth_regions(gear: AbstractInvoluteGear, name: str) -> Iterator[SceneCurve]:
     """Regions of the right-hand side of the tooth on +y, mm in the frame of the gear `name`.
 

@@ -32,6 +32,7 @@ from .scene import (
     gear_handles,
     meshing,
     meshing_scene,
+    turned_scene,
 )
 
 
@@ -288,6 +289,21 @@ def pair_scene(pair: GearPair | RackPair, parts: Sequence[Part] = ()) -> Scene:
     )
     columns = (*_turns(pair, roll), *_contact(pair, frames))
     return meshing_scene(Table(columns), frames, with_motor_plate(bodies_at(parts, poses), motor), curves, marks, plots)
+
+
+def turned_pair_scene(pair: GearPair, parts: Sequence[Part], turn: Real) -> Scene:
+    """The scene of a pair as a part of a machine. turn: of the first gear, rad, (frames,)."""
+    parts, motor = split_motor_parts(parts)
+    poses, (name, other) = dict(zip(pair.names, pair.poses(turn))), pair.names
+    still = np.zeros(turn.shape, complex)
+    bodies = with_motor_plate(bodies_at(parts, poses | {"ground": Pose(still, still + 1j)}), motor)
+    columns = (
+        Column(f"{name}_turn", "deg", f"rotation of the {name}", np.degrees(turn)),
+        Column(f"{other}_turn", "deg", f"rotation of the {other}", np.degrees(turn / pair.ratio)),
+    )
+    circles = (curve for curve in LineOfAction(pair).circles() if curve.role == "pitch")
+    axes = {f"axis of the {body}": complex(np.asarray(pose.origin)[0]) for body, pose in poses.items()}
+    return turned_scene(columns, bodies, circles, axes)
 
 
 def _frames(pair: GearPair | RackPair, parts: Sequence[Part]) -> tuple[Meshing, int]:

@@ -11,11 +11,11 @@ import numpy as np
 from ..core.arguments import checked
 from ..model.handles import circle_handle, point_handle
 from ..model.part import Part
-from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, dimension, mm
+from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, dimension, mm
 from ..model.table import Table
 from ..plane.curve import Moved
 from ..plane.primitives import Circle
-from ..plane.vec import Pose
+from ..plane.vec import Pose, Real
 from .scene import (
     MOST_PITCHES,
     Meshing,
@@ -25,6 +25,7 @@ from .scene import (
     contact_marks,
     meshing_scene,
     pitches_in_contact,
+    turned_scene,
 )
 from .scene_pairs import LineOfAction
 from .train import GearTrain, turn_columns
@@ -54,25 +55,47 @@ def train_scene(train: GearTrain, parts: Sequence[Part] = ()) -> Scene:
     pair, direction = train.pairs[0], train.directions[0]
     line, (start, _), pitch = LineOfAction(pair), pair.contact_lengths, pair.first.base_pitch
     roll = (start + pitch * frames.passed) / pair.first.base_radius
-    axes, poses = train.axes, train.poses(roll + line.flank_turn + float(np.angle(direction / 1j)))
-    still = np.zeros(roll.shape, complex)
-    bodies, layers, curves = {"ground": Pose(still, still + 1)}, {"ground": 0}, list[SceneCurve]()
+    axes = train.axes
+    bodies = train_bodies(train, parts, roll + line.flank_turn + float(np.angle(direction / 1j)))
+    curves = list[SceneCurve]()
     for k, (mesh, unit) in enumerate(zip(train.pairs, train.directions)):
         # A pair's contact is on +y of its driver.
         frame = Pose(complex(axes[k]), complex(unit / 1j))
-        for name, pose in ((f"driver_{k + 1}", poses[k]), (f"driven_{k + 1}", poses[k + 1])):
-            bodies[name], layers[name] = pose, k + 1
-        for name, radius, axis in zip(("driver", "driven"), mesh.working_radii, axes[k : k + 2]):
-            curves.append(SceneCurve(Circle(complex(axis), radius), "pitch", f"pitch circle of {name}_{k + 1}"))
+        curves += _pitch_circles(train, k)
         path = LineOfAction(mesh).between(*mesh.contact_lengths)
         curves.append(SceneCurve(Moved(path, frame), "contact", f"path of contact of stage {k + 1}"))
         curves.append(_distance(train, k))
     contacts = axes[0] + direction / 1j * line.place(start + pitch * frames.all_since)
-    marks = [axis_mark(frames, axis, f"arbor {letter}") for letter, axis in train.arbor_axes.items()]
+    marks = [axis_mark(frames, axis, label) for label, axis in _axes(train).items()]
     marks += contact_marks(contacts)
     columns = tuple(turn_columns(train, roll - roll[0]))
     plots = (Plot("rotations", tuple(column.id for column in columns[1:])),)
-    return meshing_scene(Table(columns), frames, bodies_at(parts, bodies, layers=layers), curves, marks, plots)
+    return meshing_scene(Table(columns), frames, bodies, curves, marks, plots)
+
+
+def train_bodies(train: GearTrain, parts: Sequence[Part], turn: Real) -> tuple[SceneBody, ...]:
+    """The gears at rotations of the first one, rad, (frames,), each in the layer of its stage, and the ground."""
+    poses, still = train.poses(turn), np.zeros(turn.shape, complex)
+    bodies, layers = {"ground": Pose(still, still + 1)}, {"ground": 0}
+    for k in range(len(train.stages)):
+        for name, pose in ((f"driver_{k + 1}", poses[k]), (f"driven_{k + 1}", poses[k + 1])):
+            bodies[name], layers[name] = pose, k + 1
+    return bodies_at(parts, bodies, layers=layers)
+
+
+def turned_train_scene(train: GearTrain, parts: Sequence[Part], turn: Real) -> Scene:
+    """The scene of a train as a part of a machine. turn: of the first gear, rad, (frames,)."""
+    circles = (circle for k in range(len(train.stages)) for circle in _pitch_circles(train, k))
+    return turned_scene(turn_columns(train, turn), train_bodies(train, parts, turn), circles, _axes(train))
+
+
+def _axes(train: GearTrain) -> dict[str, complex]:
+    return {f"arbor {letter}": axis for letter, axis in train.arbor_axes.items()}
+
+
+def _pitch_circles(train: GearTrain, k: int) -> Iterator[SceneCurve]:
+    for name, radius, axis in zip(("driver", "driven"), train.pairs[k].working_radii, train.axes[k : k + 2]):
+        yield SceneCurve(Circle(complex(axis), radius), "pitch", f"pitch circle of {name}_{k + 1}")
 
 
 def _distance(train: GearTrain, k: int) -> SceneCurve:

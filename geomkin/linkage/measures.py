@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
+from ..model.rotating import RotatingBody
 from ..plane.vec import Real, Whole, dot
 from .linkage import AbstractLinkage
 from .motion import Motion
@@ -198,3 +200,25 @@ def motion_quantities(linkage: AbstractLinkage, motion: Motion) -> dict[str, str
     if np.isfinite(angle).any():
         listed["transmission angle"] = f"{np.nanmin(angle):.4g} to {np.nanmax(angle):.4g} deg"
     return listed
+
+
+# Difference of directions, as unit numbers, below which two bodies turn alike.
+ALIKE = 1e-9
+
+
+def steady_bodies(motion: Motion) -> dict[str, RotatingBody]:
+    """The driver of a linkage, which turns on the ground, and the bodies on fixed pins that turn as it does.
+
+    The motion covers one turn of the driver without gaps. A linkage has no other ratio than 1 over the whole turn,
+    apart from that of a body at rest.
+    """
+    linkage = motion.linkage
+    driver = motion.bodies[linkage.driver].direction
+    names = [linkage.driver, *(name for name in linkage.bodies if name not in (linkage.driver, linkage.ground))]
+    bodies = {}
+    for name in names:
+        pin = next((pin for pin in linkage.bodies[name] if pin in linkage.bodies[linkage.ground]), None)
+        angle = motion.bodies[name].direction * np.conj(driver)
+        if pin is not None and np.abs(angle - angle[0]).max() <= ALIKE:
+            bodies[name] = RotatingBody(complex(motion.point(pin).position[0]), Fraction(1))
+    return bodies

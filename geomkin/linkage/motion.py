@@ -229,8 +229,8 @@ class Motion:
         -------
         array, shape of the motion
             The quantity's unit per mm, or per rad if the size is an angle; angles are in rad. nan where the linkage is
-            open, at a limit of the driver and at a change point. The transmission angle of loops that are solved
-            together has no derivative here: nan.
+            open, and at a limit of the driver or a change point, except for points of the driver itself. The
+            transmission angle of loops that are solved together has no derivative here: nan.
 
         Raises
         ------

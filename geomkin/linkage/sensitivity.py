@@ -3,17 +3,17 @@
 The poses of all bodies satisfy the conditions of the joints. Differentiated by a size, and by the drive as often as
 needed, each condition is linear in the unknown derivatives, always with the same matrix: three linear systems give the
 derivatives of positions and of first and second kinematic coefficients, for dyads and for iterated loops alike
-(implicit function theorem).
+(implicit function theorem). A tree of pins places the bodies on each other, so that only their angles are unknown.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from difflib import get_close_matches
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import pairwise
-from math import prod
+from math import comb, prod
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from ..core.records import record
 from ..plane.vec import Array, Complex, Mask, Real
 from .linkage import STRUCTURES, AbstractLinkage, Linkage, Slider, Structure
 from .solve.dyads import Crossed, Dyad
+from .solve.loops import Loops
 from .solve.solution import LinkageSolution
 
 # Frames times linkages that are solved at once. With more the matrices take hundreds of megabytes; with fewer calling
@@ -90,7 +91,8 @@ def field_names(linkage: AbstractLinkage) -> Iterator[str]:
 def size_rates(linkage: AbstractLinkage, names: Sequence[str]) -> Complex:
     """Derivatives of the linkage's data by some of its sizes, per mm or per rad, (entries, sizes, *linkages)."""
     general = linkage.linkage
-    numbers, known = entry_numbers(general), set(field_names(linkage))
+    # All named linkages pass these three on.
+    numbers, known = entry_numbers(general), {*field_names(linkage)} - {"origin.x", "origin.y", "ground_angle_deg"}
     rates = np.zeros((len(numbers), len(names), *general.shape), dtype=complex)
     # Lengths and points are changed in one copy of the linkage, as arrays; angles may not be arrays.
     lengths = [k for k, name in enumerate(names) if name in known and not name.endswith("_deg")]
@@ -111,44 +113,46 @@ def _field_rates(linkage: AbstractLinkage, names: Sequence[str]) -> Complex:
     """Derivatives of the data of a named linkage by lengths and points, per mm, or by one angle, per deg."""
     steps = np.empty((len(names), *linkage.linkage.shape))
     for k, name in enumerate(names):
-        steps[k] = _step(linkage, name)
-
-    def data(multiple: float) -> Complex:
-        return _changed_data(linkage, names, multiple * steps)
-
-    above, below, here = data(1.0), data(-1.0), linkage_data(linkage.linkage)[:, None]
+        steps[k] = _size(linkage, name)
+    # A power of two between a quarter and half of a size: differences of linear data are then exact to rounding. The
+    # smallest of all numbers have no power of two below them.
+    steps = np.ldexp(1.0, np.maximum(np.frexp(steps)[1] - 2, -1000))
+    above, below = _changed_data(linkage, names, np.stack([steps, -steps]))
     rounding = 8 * np.finfo(float).eps * (np.abs(above) + np.abs(below))
     rates: Complex = (above - below) / (2 * steps)
-    if np.any(np.abs(above + below - 2 * here) > rounding):
-        differences = [weight * (data(k / 16) - data(-k / 16)) for k, weight in ORDER_EIGHT.items()]
+    if np.any(np.abs(above + below - 2 * linkage_data(linkage.linkage)[:, None]) > rounding):
+        multiples = np.array([[k / 16, -k / 16] for k in ORDER_EIGHT]).reshape(-1, *(1,) * steps.ndim)
+        data = _changed_data(linkage, names, multiples * steps)
+        differences = [weight * (data[2 * k] - data[2 * k + 1]) for k, weight in enumerate(ORDER_EIGHT.values())]
         rates = 16 * np.sum(differences, axis=0) / steps
     return rates
 
 
-def _step(linkage: AbstractLinkage, name: str) -> Real:
-    """A power of two between a quarter and half of a size: differences of linear data are then exact to rounding."""
+def _size(linkage: AbstractLinkage, name: str) -> Real:
+    """The value of a size of a named linkage, mm or deg."""
     value: Any = linkage
     path = name.split(".")
     while isinstance(value, AbstractLinkage):
         value, path = getattr(value, path[0]), path[1:]
-    exponent = np.frexp(np.imag(value) if path == ["y"] else np.real(value))[1] - 2
-    # The smallest of all numbers have no power of two below them.
-    step: Real = np.ldexp(1.0, np.maximum(exponent, -1000))
-    return step
+    size: Real = np.imag(value) if path == ["y"] else np.real(value)
+    return size
 
 
 def _changed_data(linkage: AbstractLinkage, names: Sequence[str], changes: Real) -> Complex:
-    """The linkage's data with each of some sizes changed alone; changes and result: (entries,) sizes, *linkages."""
-    copies, *shape = changes.shape
+    """The linkage's data if some sizes change alone, several times; changes: (times, sizes, *linkages).
+
+    Returns (times, entries, sizes, *linkages).
+    """
     if names[0].endswith("_deg"):
-        return linkage_data(_changed(linkage, {names[0]: float(changes.flat[0])}, 1).linkage)[:, None]
-    rows = {}
-    for k, name in enumerate(names):
-        row = np.zeros(changes.shape)
-        row[k] = changes[k]
-        rows[name] = row.ravel()
-    data = linkage_data(_changed(linkage, rows, copies).linkage)
-    return np.broadcast_to(data, (len(data), changes.size)).reshape(len(data), copies, *shape)
+        copies = [_changed(linkage, {names[0]: float(change.flat[0])}, 1) for change in changes]
+        return np.array([linkage_data(copy.linkage)[:, None] for copy in copies])
+    times, sizes = changes.shape[:2]
+    alone = np.zeros((sizes, *changes.shape))
+    alone[range(sizes), :, range(sizes)] = changes.swapaxes(0, 1)
+    changed = _changed(linkage, dict(zip(names, alone.reshape(sizes, -1))), times * sizes)
+    data = linkage_data(changed.linkage)
+    data = np.broadcast_to(data, (len(data), changes.size)).reshape(len(data), *changes.shape)
+    return data.swapaxes(0, 1)
 
 
 def _changed(linkage: AbstractLinkage, changes: Mapping[str, Real | float], copies: int) -> AbstractLinkage:
@@ -245,34 +249,69 @@ def _unknown(field: str, name: str, known: list[str], meaning: str) -> DesignErr
     return DesignError(field, f"found {shown(name)}, which is the name of no {meaning}", remedy, "unknown-key")
 
 
+def _pin_tree(linkage: Linkage) -> tuple[list[tuple[str, str, str]], list[tuple[str, str, str]]]:
+    """Pins that place one body each on another one, as pin, other body and body, and the remaining pins.
+
+    The bodies that no pin of the tree places are the ground and those without a chain of pins to bodies before them.
+    """
+    pairs = [(pin, one, two) for pin, bodies in linkage.pins.items() for one, two in pairwise(bodies)]
+    tree: list[tuple[str, str, str]] = []
+    reached: set[str] = set()
+    for root in linkage.bodies:
+        reached.add(root)
+        while pair := next((pair for pair in pairs if len(reached & set(pair[1:])) == 1), None):
+            pairs.remove(pair)
+            pin, one, two = pair
+            tree.append((pin, one, two) if one in reached else (pin, two, one))
+            reached |= {one, two}
+    return tree, pairs
+
+
+def _not_zero(values: Complex) -> list[bool]:
+    """Whether each row has a number that is not zero."""
+    flags: list[bool] = (values != 0).reshape(len(values), -1).any(axis=1).tolist()
+    return flags
+
+
+def _product(order: int, one: Callable[[int], Array], two: Callable[[int], Array]) -> Array:
+    """The derivative of a product, from functions that return those of its factors by order (Leibniz)."""
+    product = one(order) * two(0)
+    for k in range(1, order + 1):
+        product = product + comb(order, k) * one(order - k) * two(k)
+    return product
+
+
 class SizeDerivatives:
     """Derivatives by some sizes of the poses over some frames, and of their derivatives by the drive.
 
     n is the number of frames times linkages. `origin` and `angle` hold for each order a derivative by the drive,
-    differentiated by the sizes: (sizes, n) for each body, mm and rad; an order is solved on first use.
+    differentiated by the sizes: (sizes or 1, n or 1) by body, mm and rad; bodies that do not turn have no angle. An
+    order is solved on first use.
     """
 
     def __init__(self, solution: LinkageSolution, frames: slice, sizes: list[str], rates: Complex):
         self.solution, self.frames, self.sizes = solution, frames, sizes
         self.linkage = linkage = solution.linkage
-        self.bodies = {name: k for k, name in enumerate(linkage.bodies)}
         self.entries = entry_numbers(linkage)
-        self.data = [self._flat(row) for row in linkage_data(linkage)]
+        data = linkage_data(linkage)
+        self.data = [self._flat(row) for row in data]
+        self.not_zero = _not_zero(data)
         if linkage.is_batch:
             shape = (*rates.shape[:2], *solution.assembled[frames].shape)
             rates = np.broadcast_to(rates[:, :, None], shape).reshape(*rates.shape[:2], -1)
         self.rates = rates if linkage.is_batch else rates[..., None]
+        self.changed = _not_zero(rates)
         self.scale = self._flat(np.where(linkage.size > 0, linkage.size, 1.0))
         self.n = solution.assembled[frames].size
         self._results: dict[Quantity, Array] = {}
-        self.origin: list[list[Complex]] = []
-        self.angle: list[list[Real]] = []
-        unknown = [b for b in linkage.bodies if b != linkage.ground]
+        self._axes: dict[tuple[str, int], Complex] = {}
+        self.origin: list[dict[str, Complex]] = []
+        self.angle: list[dict[str, Real]] = []
         self.turned_by_drive = None if linkage.driven_slider else linkage.driver
-        columns = [
-            (b, axis) for b in unknown for axis in ("x", "y", "angle") if (b, axis) != (self.turned_by_drive, "angle")
-        ]
-        self.columns = {column: k for k, column in enumerate(columns)}
+        self.tree, self.loops = _pin_tree(linkage)
+        placed = {linkage.ground, *(body for _, _, body in self.tree)}
+        self.unknowns = [(b, "angle") for b in linkage.bodies if b not in (linkage.ground, self.turned_by_drive)]
+        self.unknowns += [(b, axis) for b in linkage.bodies if b not in placed for axis in ("x", "y")]
 
     def _flat(self, values: Array) -> Array:
         """Values over the frames and linkages of this block in one row; a single number is kept."""
@@ -281,155 +320,113 @@ class SizeDerivatives:
             values = np.broadcast_to(values, self.solution.shape)
         return values[self.frames].ravel() if values.ndim else values
 
-    @cached_property
-    def _direction(self) -> list[Complex]:
-        return [self._flat(self.solution.value("direction", body)) for body in self.bodies]
+    def _axis(self, body: str, order: int) -> Complex:
+        """Direction of a body, or its derivative by the drive, (n,)."""
+        if (body, order) not in self._axes:
+            axis: Complex = self._flat(self.solution.value("direction", body))
+            if order:
+                turn = [self._flat(self.solution.value(k, body)) for k in ("first", "second")[:order]]
+                axis = axis * (1j * turn[0] if order == 1 else 1j * turn[1] - turn[0] ** 2)
+            self._axes[body, order] = axis
+        return self._axes[body, order]
 
-    @cached_property
-    def _origins(self) -> list[list[Complex]]:
-        """Origins of the bodies and their derivatives by the drive."""
-        return [[self._flat(self.solution.origin(body, k)) for body in self.bodies] for k in range(3)]
-
-    @cached_property
-    def _turn(self) -> list[list[Real]]:
-        """First and second derivatives of the bodies' angles by the drive."""
-        return [[], *([self._flat(self.solution.value(k, body)) for body in self.bodies] for k in ("first", "second"))]
-
-    def _entry(self, owner: str, name: str) -> tuple[Complex, Complex]:
-        """Data of the linkage and its rates, (sizes, 1 or n)."""
-        k = self.entries[owner, name]
-        return self.data[k], self.rates[k]
-
-    def _point(self, body: str, local: tuple[Complex, Complex], order: int) -> Complex:
-        """Rates of a point of a body, or of its derivative by the drive, (sizes, n)."""
-        b, (place, place_rate) = self.bodies[body], local
-        arm = self._direction[b] * place
-        arm_rate = 1j * self.angle[0][b] * arm + self._direction[b] * place_rate
-        if order == 0:
-            return self.origin[0][b] + arm_rate
-        first, first_rate = self._turn[1][b], self.angle[1][b]
-        if order == 1:
-            return self.origin[1][b] + 1j * (first_rate * arm + first * arm_rate)
-        turning = (1j * self.angle[2][b] - 2 * first * first_rate) * arm
-        return self.origin[2][b] + turning + (1j * self._turn[2][b] - first**2) * arm_rate
-
-    def _place(self, body: str, local: Complex, order: int) -> Complex:
+    def _place(self, body: str, owner: str, name: str, order: int) -> Complex:
         """A point of a body, or its derivative by the drive, (n,)."""
-        b = self.bodies[body]
-        arm = self._direction[b] * local
-        if order == 0:
-            return self._origins[0][b] + arm
-        if order == 1:
-            return self._origins[1][b] + 1j * self._turn[1][b] * arm
-        return self._origins[2][b] + (1j * self._turn[2][b] - self._turn[1][b] ** 2) * arm
+        origin: Complex = self._flat(self.solution.origin(body, order))
+        return origin + self._axis(body, order) * self.data[self.entries[owner, name]]
 
-    def _line(self, slider: Slider) -> Complex:
-        return self._direction[self.bodies[slider.along]] * slider.direction
+    def _rate(self, owner: str, name: str) -> Complex:
+        """Rates of an entry of the linkage's data, (sizes, 1 or n)."""
+        rate: Complex = self.rates[self.entries[owner, name]]
+        return rate
+
+    def _point(self, body: str, owner: str, name: str, order: int) -> Complex:
+        """Rates of a point of a body, or of its derivative by the drive, (sizes, n or 1)."""
+        point, entry = self.origin[order][body], self.entries[owner, name]
+        if order and body == self.linkage.ground:
+            return point
+        for k in range(order + 1 if self.not_zero[entry] else 0):
+            if body in self.angle[k]:
+                arm = self._axis(body, order - k) * (1j * comb(order, k) * self.data[entry])
+                point = point + self.angle[k][body] * arm
+        return point + self.rates[entry] * self._axis(body, order) if self.changed[entry] else point
+
+    def _line(self, slider: Slider, order: int = 0) -> Complex:
+        """Direction of a slider's line, or its derivative by the drive, (n,)."""
+        return self._axis(slider.along, order) * slider.direction
 
     def _slide(self, slider: Slider, order: int) -> Complex:
         """Rates of the sliding point relative to the line's own frame, along it and to its left, (sizes, n)."""
-        point, through = self._entry(slider.name, "point"), self._entry(slider.name, "through")
-        guide = self.bodies[slider.along]
-        apart = [
-            self._place(slider.body, point[0], k) - self._place(slider.along, through[0], k) for k in range(order + 1)
-        ]
-        rates = [self._point(slider.body, point, k) - self._point(slider.along, through, k) for k in range(order + 1)]
-        # The line itself turns by the rate of its guide and of its direction there.
-        turned = 1j * (self.angle[0][guide] + self._entry(slider.name, "direction_deg")[1].real)
-        if order == 0:
-            relative, rate = apart[0], rates[0]
-        else:
-            h, h_rate = self._turn[1][guide], self.angle[1][guide]
-            if order == 1:
-                relative = apart[1] - 1j * h * apart[0]
-                rate = rates[1] - 1j * (h_rate * apart[0] + h * rates[0])
-            else:
-                spin, spin_rate = 1j * self._turn[2][guide] + h * h, 1j * self.angle[2][guide] + 2 * h * h_rate
-                relative = apart[2] - 2j * h * apart[1] - spin * apart[0]
-                rate = rates[2] - 2j * (h_rate * apart[1] + h * rates[1]) - spin_rate * apart[0] - spin * rates[0]
-        return np.conj(self._line(slider)) * (rate - turned * relative)
+        ends = (slider.body, slider.name, "point"), (slider.along, slider.name, "through")
 
-    @cached_property
-    def _pairs(self) -> list[tuple[str, str, str]]:
-        """Pin, and two bodies that it joins."""
-        return [(pin, one, two) for pin, bodies in self.linkage.pins.items() for one, two in pairwise(bodies)]
+        def line(k: int) -> Complex:
+            return np.conj(self._line(slider, k))
+
+        def relative(k: int) -> Complex:
+            return _product(k, line, lambda j: np.subtract(*(self._place(*end, j) for end in ends)))
+
+        def turned(k: int) -> Real:
+            """The line itself turns by the rate of its guide and of its direction there."""
+            rate: Real = self.angle[k].get(slider.along, np.zeros((1, 1)))
+            return rate if k else rate + self._rate(slider.name, "direction_deg").real
+
+        moved = _product(order, line, lambda k: np.subtract(*(self._point(*end, k) for end in ends)))
+        return moved - 1j * _product(order, relative, turned)
 
     def _closure(self, order: int) -> Real:
-        """Rates of the errors of all joints while the unknown rates of this order are zero, (rows, sizes, n)."""
-        rows: list[Real] = []
-        for pin, one, two in self._pairs:
-            apart = self._point(one, self._entry(one, pin), order) - self._point(two, self._entry(two, pin), order)
-            rows += [apart.real / self.scale, apart.imag / self.scale]
+        """Rates of the errors of the joints outside the tree of pins, (rows, sizes, n)."""
+        rows: list[Real | float] = []
+        for pin, *bodies in self.loops:
+            one, two = (self._point(body, body, pin, order) for body in bodies)
+            apart = (one - two) * (1 / self.scale)
+            rows += [apart.real, apart.imag]
         for slider in self.linkage.sliders:
-            relative = self._slide(slider, order)
-            rows.append(relative.imag / self.scale)
+            relative = self._slide(slider, order) * (1 / self.scale)
+            rows.append(relative.imag)
             if slider is self.linkage.driven_slider:
-                rows.append(relative.real / self.scale)
-            body, guide = self.bodies[slider.body], self.bodies[slider.along]
-            turned = self.angle[order][body] - self.angle[order][guide]
+                rows.append(relative.real)
+            turned = self.angle[order].get(slider.body, 0.0) - self.angle[order].get(slider.along, 0.0)
             if order == 0:
-                turned = turned - sum(
-                    self._entry(slider.name, f"{what}_deg")[1].real for what in ("direction", "angle")
-                )
+                turned = turned - sum(self._rate(slider.name, f"{w}_deg").real for w in ("direction", "angle"))
             rows.append(turned)
-        errors = np.empty((len(rows), len(self.sizes), self.n))
+        errors = np.empty((len(rows), self.rates.shape[1], self.n))
         for error, row in zip(errors, rows):
             error[:] = row
         return errors
 
-    @cached_property
-    def _inverse(self) -> Real:
-        """Inverse of the derivatives of all joints' errors by the unknowns, (columns, rows, n); nan at a limit."""
-        matrix = np.zeros((self.n, len(self.columns), len(self.columns)))
-        row = 0
-
-        def put(body: str, axis: str, row: int, values: Real | float) -> None:
-            if (body, axis) in self.columns:
-                matrix[:, row, self.columns[body, axis]] = values
-
-        for pin, *bodies in self._pairs:
-            for body, sign in zip(bodies, (1, -1)):
-                arm = sign * 1j * self._direction[self.bodies[body]] * self._entry(body, pin)[0] / self.scale
-                for k, (axis, part) in enumerate((("x", arm.real), ("y", arm.imag))):
-                    put(body, axis, row + k, sign)
-                    put(body, "angle", row + k, part)
-            row += 2
-        for slider in self.linkage.sliders:
-            line = np.conj(self._line(slider))
-            point = self._place(slider.body, self._entry(slider.name, "point")[0], 0)
-            for across in (True, False) if slider is self.linkage.driven_slider else (True,):
-                for body, sign in ((slider.body, 1), (slider.along, -1)):
-                    arm = 1j * (point - self._origins[0][self.bodies[body]]) / self.scale
-                    for axis, moved in (("x", line), ("y", 1j * line), ("angle", arm * line)):
-                        put(body, axis, row, sign * (moved.imag if across else moved.real))
-                row += 1
-            put(slider.body, "angle", row, 1)
-            put(slider.along, "angle", row, -1)
-            row += 1
-        return np.ascontiguousarray(np.moveaxis(_inverted(matrix), 0, -1))
+    def _move(self, order: int, unknowns: Real) -> None:
+        """Set the rates of an order from those of the unknowns, (unknowns, sizes, n or 1); zero if none are given."""
+        ground = self.linkage.ground
+        origin: dict[str, Complex] = dict.fromkeys(self.linkage.bodies, np.zeros((1, 1), dtype=complex))
+        angle: dict[str, Real] = {}
+        if order == 0:
+            origin[ground], angle[ground] = self._rate("", "origin"), self._rate("", "ground_angle_deg").real
+            if self.turned_by_drive:
+                # The driver's angle is measured from the ground.
+                angle[self.turned_by_drive] = angle[ground]
+        for (body, axis), values in zip(self.unknowns, unknowns):
+            if axis == "angle":
+                angle[body] = values
+            else:
+                origin[body] = origin[body] + values * self.scale * (1j if axis == "y" else 1)
+        self.origin[order:], self.angle[order:] = [origin], [angle]
+        for pin, other, body in self.tree:
+            origin[body] = self._point(other, other, pin, order) - self._point(body, body, pin, order)
 
     def _solve(self, order: int) -> None:
         """Add the rates of one more order."""
-        shape = len(self.sizes), self.n
-        origin: list[Complex] = [np.zeros(shape, dtype=complex) for _ in self.bodies]
-        angle: list[Real] = [np.zeros(shape) for _ in self.bodies]
-        ground = self.bodies[self.linkage.ground]
-        if order == 0:
-            origin[ground][:] = self._entry("", "origin")[1]
-            angle[ground][:] = self._entry("", "ground_angle_deg")[1].real
-            if self.turned_by_drive:
-                # The driver's angle is measured from the ground.
-                angle[self.bodies[self.turned_by_drive]] = angle[ground]
-        self.origin.append(origin)
-        self.angle.append(angle)
+        count = len(self.unknowns)
         with np.errstate(all="ignore"):
-            rates = np.einsum("crn,rsn->csn", self._inverse, -self._closure(order))
-        for (body, axis), values in zip(self.columns, rates):
-            b = self.bodies[body]
-            if axis == "angle":
-                angle[b] = values
-            else:
-                origin[b] += values * self.scale * (1j if axis == "y" else 1)
+            if order == 0:
+                # The matrix is the same for all orders: each unknown changes alone, while all sizes are constant.
+                rates, changed = self.rates, self.changed
+                self.rates, self.changed = np.zeros((len(rates), count, 1), dtype=complex), [False] * len(rates)
+                self._move(0, np.eye(count)[..., None])
+                matrices = np.moveaxis(self._closure(0), -1, 0)
+                self.inverse = np.ascontiguousarray(np.moveaxis(_inverted(matrices), 0, -1))
+                self.rates, self.changed = rates, changed
+            self._move(order, np.zeros(0))
+            self._move(order, np.einsum("urn,rsn->usn", self.inverse, -self._closure(order)))
 
     def of(self, quantity: Quantity) -> Array:
         """Rates of a quantity, (sizes, n)."""
@@ -451,6 +448,7 @@ class SizeDerivatives:
                 values = values * speed**2
                 if np.any(acceleration):
                     values = values + self._coefficient(quantity, 1) * acceleration
+        values = np.broadcast_to(values, (len(self.sizes), self.n))
         return values if not quantity.part else values.real if quantity.part == "x" else values.imag
 
     def _coefficient(self, quantity: Quantity, order: int) -> Array:
@@ -458,11 +456,11 @@ class SizeDerivatives:
         while len(self.origin) <= order:
             self._solve(len(self.origin))
         if quantity.kind == "body":
-            return self.angle[order][self.bodies[quantity.name]]
+            return self.angle[order].get(quantity.name, np.zeros((1, 1)))
         if quantity.kind == "slider":
             return self._slide(next(s for s in self.linkage.sliders if s.name == quantity.name), order).real
         body = self._body_of(quantity.name)
-        return self._point(body, self._entry(body, quantity.name), order)
+        return self._point(body, body, quantity.name, order)
 
     def _body_of(self, point: str) -> str:
         return next(body for body, points in self.linkage.bodies.items() if point in points)
@@ -472,34 +470,32 @@ class SizeDerivatives:
         self._coefficient(Quantity("body", self.linkage.ground, 0), 0)
         least, rates = np.full(self.n, np.nan), np.full((len(self.sizes), self.n), np.nan)
         for placement in self.solution.placements:
-            angle = placement.transmission_angle(self.solution.poses)
-            if angle is None:
+            if isinstance(placement, Dyad | Crossed):
+                lines = placement.joint_lines
+                directions, turned = zip(*map(self._joint_line, lines))
+                between = directions[1] * np.conj(directions[0])
+                # A bar moves its joint across its length, a slide along its line.
+                between = between * 1j if isinstance(lines[0], Slider) != isinstance(lines[1], Slider) else between
+                angle = np.arctan2(np.abs(between.imag), np.abs(between.real))
+                sine_cosine = between.real * between.imag
+                folded = np.abs(sine_cosine) <= FOLD * np.abs(between) ** 2
+                rate = np.where(folded, np.nan, np.sign(sine_cosine)) * (turned[1] - turned[0])
+            elif isinstance(placement, Loops):
+                angle, rate = self._flat(placement.transmission_angle(self.solution.poses)), np.nan
+            else:
                 continue
-            angle = self._flat(angle)
             smaller = np.isnan(least) | (angle < least)
-            least = np.where(smaller, angle, least)
-            if not isinstance(placement, Dyad | Crossed):
-                rates[:, smaller] = np.nan
-                continue
-            lines = placement.joint_lines
-            directions, turned = zip(*map(self._joint_line, lines))
-            between = directions[1] * np.conj(directions[0])
-            # A bar moves its joint across its length, a slide along its line.
-            between = between * 1j if isinstance(lines[0], Slider) != isinstance(lines[1], Slider) else between
-            sine_cosine = between.real * between.imag
-            folded = np.abs(sine_cosine) <= FOLD * np.abs(between) ** 2
-            fold = np.where(folded, np.nan, np.sign(sine_cosine))
-            rates = np.where(smaller, fold * (turned[1] - turned[0]), rates)
+            least, rates = np.where(smaller, angle, least), np.where(smaller, rate, rates)
         return rates
 
     def _joint_line(self, line: tuple[str, str] | Slider) -> tuple[Complex, Real]:
         """Direction of the line through two points, or of a slider, and the rates of its angle, (sizes, n)."""
         if isinstance(line, Slider):
-            turned = self.angle[0][self.bodies[line.along]] + self._entry(line.name, "direction_deg")[1].real
+            turned: Real = self.angle[0].get(line.along, 0.0) + self._rate(line.name, "direction_deg").real
             return self._line(line), turned
         bodies = [self._body_of(point) for point in line]
-        places = [self._place(body, self._entry(body, point)[0], 0) for body, point in zip(bodies, line)]
-        rates = [self._point(body, self._entry(body, point), 0) for body, point in zip(bodies, line)]
+        places = [self._place(body, body, point, 0) for body, point in zip(bodies, line)]
+        rates = [self._point(body, body, point, 0) for body, point in zip(bodies, line)]
         bar, rate = places[1] - places[0], rates[1] - rates[0]
         with np.errstate(all="ignore"):
             return bar, (rate / bar).imag

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from math import pi, sqrt
 from typing import Literal
 
@@ -72,7 +73,7 @@ class Fastener:
     play: float
     head_height: float | None = None
 
-    @property
+    @cached_property
     def size(self) -> Size | None:
         """The screw size; None if there is no standard one."""
         return SIZES.get(self.diameter)
@@ -86,9 +87,9 @@ class Fastener:
         """The standard length for plates of a thickness `grip`, mm; None for a rod."""
         if self.form == "rod" or self.size is None:
             return None
-        least = self._threaded(self.size, grip)
-        fit = [length for length in LENGTHS if max(least, self.size.lengths[0]) <= length <= self.size.lengths[1]]
-        return float(fit[0]) if fit else None
+        low, high = self.size.lengths
+        least = max(low, self._threaded(self.size, grip))
+        return next((float(length) for length in LENGTHS if least <= length <= high), None)
 
     def ends(self, grip: float) -> tuple[float, float]:
         """Largest projection of head and nut beyond plates of a thickness `grip`, mm."""

@@ -75,7 +75,8 @@ def fit_entry(bore: str = "the bore") -> Any:
 
 def interference() -> Any:
     """The field for the interference of press fits."""
-    return quantity("interference of a press-fit bore", "mm", default=INTERFERENCE, at_least=0, at_most=FARTHEST)
+    meaning = "interference of a press-fit bore; below 0 if holes come out narrower than drawn, as on printers"
+    return quantity(meaning, "mm", default=INTERFERENCE, at_least=-1, at_most=FARTHEST)
 
 
 @record(checked=True)
@@ -98,7 +99,7 @@ class AbstractBored:
     fit : {"running", "press"}, optional
         Fit of the bore.
     interference : float, optional
-        Interference of a press-fit bore, mm.
+        Interference of a press-fit bore, mm, from -1; below 0 if holes come out narrower than drawn.
     clearance : float, optional
         How much wider a hole is than its pin or shaft, mm.
     motor : str or MotorFace, optional
@@ -136,7 +137,7 @@ class AbstractBored:
 
     @property
     def play(self) -> float:
-        """How much wider the bore is than its shaft, mm; negative for a press fit."""
+        """How much wider the bore is drawn than its shaft, mm; usually negative for a press fit."""
         return self.clearance if self.fit == "running" else -self.interference
 
     @property
@@ -155,7 +156,8 @@ class AbstractBored:
         if not self.bore:
             return ()
         flat = 0.0 if self.across_flat is None else self.across_flat + self.play
-        return (HoleFit(self.bore, self.play, flat, self.keyway, flats=2 if self.bore_form == "double-D" else 1),)
+        flats: Literal[1, 2] = 2 if self.bore_form == "double-D" else 1
+        return (HoleFit(self.bore, self.play, flat, self.keyway, flats=flats, is_press=self.fit == "press"),)
 
     @property
     def hole_reach(self) -> float:

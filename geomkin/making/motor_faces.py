@@ -187,9 +187,12 @@ class MotorFace:
         """Corners of the face, or of the square round it, mm, moved inwards by the inset; place: of the shaft."""
         return place + self.face_offset + (self.face_width / 2 - inset) * CORNERS
 
-    def check_plate(self, thickness: float, key: str) -> None:
-        """DesignError if the boss or the heads of the screws project from the plate, on which a wheel turns."""
-        if thickness < (least := max(self.boss_height, MOTOR_SCREWS[self.thread].sunk[0])):
+    def check_plate(self, thickness: float, key: str, sheets: int = 1) -> None:
+        """DesignError if the boss or the heads of the screws project from the plate, on which a wheel turns.
+
+        sheets: largest number of plates that the boss may pass.
+        """
+        if thickness < (least := max(self.boss_height / sheets, MOTOR_SCREWS[self.thread].sunk[0])):
             name = motor_face_name(self)
             raise DesignError(
                 key,
@@ -268,10 +271,14 @@ def mounted_motor_entry(meaning: str) -> Any:
     return entry(f"{meaning}: {', '.join(MOTOR_FACES)}, or a table of values; none if omitted", default=None)
 
 
-def fixed_under(plate: str, letter: str, count: int) -> str:
-    """The first step of an assembly with a motor under a plate; letter: at its shaft; count: number of screws."""
+def fixed_under(plate: str, letter: str, count: int, packing: int = 0) -> str:
+    """The first step of an assembly with a motor under a plate.
+
+    letter: at its shaft; count: number of screws; packing: number of plates between motor and plate.
+    """
     screws = f"with its {count} countersunk screws from above, heads flush"
-    return f"fix the motor under {plate}, its shaft up through {letter}, {screws}"
+    between = f", {packing} motor_plate between them" if packing else ""
+    return f"fix the motor under {plate}{between}, its shaft up through {letter}, {screws}"
 
 
 def plate_radius(motor: MountedMotorKey) -> float:

@@ -69,7 +69,7 @@ class HoleFit:
     diameter : float
         Diameter of the shaft, pin or screw, mm, above 0.
     play : float
-        How much wider the hole is, mm; negative for a press fit.
+        How much wider the hole is drawn, mm; negative for a press fit, unless holes come out narrower than drawn.
     flat : float, optional
         Of a hole for a D-shaft, from its flat side across to the round side, mm; 0 for none.
     flats : {1, 2}, optional
@@ -78,6 +78,8 @@ class HoleFit:
         Width of the keyway, and its depth beyond the bore along the centre line, mm; 0 for none.
     travel : float, optional
         Of a slot, the distance of the centres of its ends, mm; 0 for a hole.
+    is_press : bool, optional
+        Whether it is a press fit, as every one with a negative play.
     """
 
     diameter: PositiveFloat
@@ -86,6 +88,7 @@ class HoleFit:
     keyway: tuple[Length, Length] = (0.0, 0.0)
     travel: Length = 0.0
     flats: Literal[1, 2] = 1
+    is_press: bool = False
 
 
 @record(checked=True, eq=False)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import field, replace
-from typing import Literal
+from dataclasses import field, fields, replace
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
-from ..plane.vec import Array, Complex, Mask, Real, as_unit
+from ..plane.vec import Array, Complex, Mask, Real, Whole, as_unit
 from .part import Part
 from .roles import Role
 from .table import Column, Table
@@ -108,6 +108,10 @@ class SceneMark:
     def __post_init__(self) -> None:
         if self.direction is not None:
             object.__setattr__(self, "direction", as_unit(self.direction))
+
+
+# What has arrays of a value for each frame, (frames,).
+Moving = TypeVar("Moving", Column, SceneBody, SceneMark)
 
 
 @record(checked=True, eq=False)
@@ -269,6 +273,8 @@ class Scene:
         The solutions from which the mechanism was chosen.
     hodographs : tuple of Hodograph
         Polar diagrams of vectors of the table.
+    units : mapping of str to tuple of SceneBody
+        Bodies of each unit that is assembled for itself, by its name; empty if the whole scene is one unit.
     """
 
     table: Table
@@ -283,6 +289,7 @@ class Scene:
     regions: tuple[SceneRegion, ...] = ()
     choice: Choice | None = None
     hodographs: tuple[Hodograph, ...] = ()
+    units: dict[str, tuple[SceneBody, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         frames = len(self.drive.values)
@@ -303,6 +310,25 @@ class Scene:
                 problem = f"found {frames} rows, but {len(row)} frames of {what}"
                 raise DesignError("table", problem, "give arrays of the same length", "conflict")
         _check_plots(self.plots, self.table)
+
+    def at_frames(self, frames: Whole) -> Scene:
+        """The scene at some of its frames, in any order and as often as given; without variants and choice."""
+
+        def taken(thing: Moving) -> Moving:
+            values = {f.name: getattr(thing, f.name) for f in fields(thing)}
+            rows: dict[str, Any] = {n: v[frames] for n, v in values.items() if isinstance(v, np.ndarray)}
+            return replace(thing, **rows)
+
+        return replace(
+            self,
+            table=Table(tuple(map(taken, self.table.columns))),
+            time=self.time[frames],
+            assembled=self.assembled[frames],
+            bodies=tuple(map(taken, self.bodies)),
+            marks=tuple(map(taken, self.marks)),
+            others={},
+            choice=None,
+        )
 
     @property
     def drive(self) -> Column:

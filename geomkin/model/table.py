@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from difflib import get_close_matches
+from functools import cached_property
 from typing import Annotated, TypeVar
 
 import numpy as np
@@ -94,19 +95,23 @@ class Table:
                 problem = f"two columns would be named {shown(twin)}"
                 raise DesignError("columns", problem, "give one body or point another name", "conflict")
 
-    @property
+    @cached_property
     def ids(self) -> tuple[str, ...]:
         """Ids of the columns, in order."""
         return tuple(column.id for column in self.columns)
 
     def column(self, id: str) -> Column:
         """The column of this id or header; if there is none, a DesignError names similar ids."""
-        for column in self.columns:
-            if id in (column.id, column.header):
-                return column
+        if isinstance(id, str) and id in self._by_name:
+            return self._by_name[id]
         near = get_close_matches(str(id), self.ids, 3, 0.4)
         remedy = f"give {' or '.join(near)}" if near else "give one of `Table.ids`"
         raise DesignError("id", f"found {shown(id)}, which is the id of no column", remedy, "unknown-key")
+
+    @cached_property
+    def _by_name(self) -> dict[str, Column]:
+        by_header = {column.header: column for column in self.columns}
+        return by_header | {column.id: column for column in self.columns}
 
     def __getitem__(self, id: str) -> Array:
         """Values (frames,) of the column of this id or header, in the unit that its header states."""

@@ -191,7 +191,7 @@ class _Encoder:
 
     def row(self, row: object) -> int:
         """The index of a row, which is stored if it is new."""
-        key = json.dumps(row)
+        key = tuple(row) if isinstance(row, list) else row
         if key not in self._indices:
             self._indices[key] = len(self.series)
             self.series.append(row)

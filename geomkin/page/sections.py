@@ -227,7 +227,9 @@ def _list_of(entries: Mapping[str, str]) -> str:
 
 
 def _subsection(name: str, value: object, found: object) -> str:
-    """A mapping as a list, or several as a table, without columns in which all rows equal the solution `found`."""
+    """Texts as lines, a mapping as a list, several as a table without columns that all equal the solution `found`."""
+    if isinstance(value, list) and value and all(isinstance(line, str) for line in value):
+        return f'<h3>{_head(name)}</h3><pre tabindex="0">{_lines(map(harmless, value))}</pre>'
     digits = MEASURED_DIGITS if name == "measures_mm" else DIGITS
     if isinstance(value, Mapping) and all(isinstance(item, Mapping) for item in value.values()):
         rows = [{"name": key.replace("_", " "), **_flat(item, digits)} for key, item in value.items()]

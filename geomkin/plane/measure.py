@@ -13,8 +13,8 @@ from ..core.errors import DesignError
 from ..core.records import record
 from .curve import AbstractCurve
 from .joined import PolarArray
-from .primitives import Polyline
-from .vec import Complex, Real, cross, dot, unit
+from .primitives import Circle, Polyline
+from .vec import Array, Complex, Real, cross, dot, unit
 
 # Gauss points per smooth piece, the positive ones, and weights (Abramowitz and Stegun, table 25.4). 16 usually
 # integrate a piece to rounding; the doubling below confirms it. Computing them takes longer than integrating a gear.
@@ -63,7 +63,7 @@ def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     """
     if isinstance(curve, PolarArray):
         return curve.count * length(curve.piece, accuracy)
-    return float(_integral(curve, lambda t: np.abs(curve.velocity(t)), accuracy).real)
+    return _integral(curve, lambda t: np.abs(curve.velocity(t)), accuracy)
 
 
 @checked
@@ -126,13 +126,13 @@ def signed_area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     if not curve.closed:
         raise DesignError("curve", "found an open curve, which encloses no area", "give a closed curve", "wrong-type")
     if isinstance(curve, PolarArray):
-        return curve.count * _sector(curve.piece, 0j, accuracy).real
+        return curve.count * _sector(curve.piece, 0j, accuracy)
     if isinstance(curve, Polyline):
         return curve.swept
-    return float(_sector(curve, complex(curve.point(curve.breaks[0])), accuracy).real)
+    return _sector(curve, complex(curve.point(curve.breaks[0])), accuracy)
 
 
-def _sector(curve: AbstractCurve, about: complex, accuracy: float) -> complex:
+def _sector(curve: AbstractCurve, about: complex, accuracy: float) -> float:
     def swept(t: Real) -> Real:
         return 0.5 * cross(curve.point(t) - about, curve.velocity(t))
 
@@ -206,6 +206,9 @@ def area_moments(curve: AbstractCurve, accuracy: float = 1e-12) -> AreaMoments:
     """
     if not curve.closed:
         raise DesignError("curve", "found an open curve, which encloses no area", "give a closed curve")
+    if isinstance(curve, Circle):
+        disc, square = np.pi * curve.radius**2, abs(curve.centre) ** 2
+        return AreaMoments(disc, disc * curve.centre, disc * (curve.radius**2 / 2 + square))
     if isinstance(curve, PolarArray) and curve.count > 1:
         sector = _sector_moments(curve.piece, 0j, accuracy)
         moments = AreaMoments(curve.count * sector.area, 0j, curve.count * sector.polar)
@@ -221,20 +224,13 @@ def area_moments(curve: AbstractCurve, accuracy: float = 1e-12) -> AreaMoments:
 def _sector_moments(curve: AbstractCurve, about: complex, accuracy: float) -> AreaMoments:
     """Signed moments, about a point, of the area that the line from the point to the curve sweeps."""
 
-    def swept(t: Real) -> tuple[Complex, Real]:
+    def swept(t: Real) -> Complex:
         z = curve.point(t) - about
-        return z, cross(z, curve.velocity(t))
+        rows: Complex = cross(z, curve.velocity(t)) * np.array([0.5 + 0 * z, z / 3, np.abs(z) ** 2 / 4])
+        return rows
 
-    def first(t: Real) -> Complex:
-        z, rate = swept(t)
-        return z * rate / 3
-
-    def polar(t: Real) -> Real:
-        z, rate = swept(t)
-        return np.abs(z) ** 2 * rate / 4
-
-    area = _sector(curve, about, accuracy).real
-    return AreaMoments(float(area), _integral(curve, first, accuracy), float(_integral(curve, polar, accuracy).real))
+    area, first, polar = _integrals(curve, swept, accuracy)
+    return AreaMoments(float(area.real), complex(first), float(polar.real))
 
 
 @checked
@@ -387,16 +383,20 @@ def _golden(curve: AbstractCurve, z: Complex, low: Real, high: Real, start: Real
     return nearest
 
 
-def _integral(curve: AbstractCurve, f: Callable[[Real], Real | Complex], accuracy: float) -> complex:
-    """Integral of f over the curve's domain by Gauss' rule on more and more pieces, to a relative accuracy."""
+def _integral(curve: AbstractCurve, f: Callable[[Real], Real], accuracy: float) -> float:
+    return float(_integrals(curve, lambda t: f(t)[None], accuracy)[0])
+
+
+def _integrals(curve: AbstractCurve, f: Callable[[Real], Array], accuracy: float) -> Array:
+    """Integrals of the rows of f over the curve's domain by Gauss' rule on more and more pieces, to an accuracy."""
     edges = curve.breaks
     before = None
     for _ in range(_DOUBLINGS):
         half = 0.5 * np.diff(edges)
         t = (edges[:-1] + half)[:, None] + half[:, None] * _NODES
         cells = (f(t) * _WEIGHTS).sum(axis=-1) * half
-        total, scale = complex(cells.sum()), float(np.abs(cells).sum())
-        if before is not None and abs(total - before) <= max(accuracy, 1e-15) * scale:
+        total: Array = cells.sum(axis=-1)
+        if before is not None and (np.abs(total - before) <= max(accuracy, 1e-15) * np.abs(cells).sum(axis=-1)).all():
             return total
         before = total
         edges = np.sort(np.concatenate([edges, 0.5 * (edges[:-1] + edges[1:])]))

@@ -102,6 +102,13 @@ def holds(loops: Loops, boxes: Complex, taken: Sequence[Complex] = ()) -> Mask:
     return contained
 
 
+def distances(loops: Loops, points: Complex) -> Real:
+    """Distance of each point (n,) from a region, its outline first, mm; 0 inside, nan for a point that is nan."""
+    area = _polygon(loops)
+    shapely.prepare(area)
+    return np.asarray(shapely.distance(area, shapely.points(xy(points))))
+
+
 def gap(a: Complex, b: Complex) -> float:
     """Smallest distance between the boundaries of two polygons, mm."""
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))

@@ -30,17 +30,17 @@ class KindRow:
 
 
 KINDS: dict[str, KindRow] = {
-    "four-bar": KindRow("linkages", "geomkin.linkage.kinds.linkages:FourBarRecipe"),
-    "slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkages:SliderCrankRecipe"),
-    "inverted-slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkages:InvertedSliderCrankRecipe"),
-    "stephenson-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkages:StephensonSixBarRecipe"),
-    "watt-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkages:WattSixBarRecipe"),
-    "shaper": KindRow("linkages", "geomkin.linkage.kinds.linkages:ShaperRecipe"),
+    "four-bar": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:FourBarRecipe"),
+    "slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:SliderCrankRecipe"),
+    "inverted-slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:InvertedSliderCrankRecipe"),
+    "stephenson-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:StephensonSixBarRecipe"),
+    "watt-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:WattSixBarRecipe"),
+    "shaper": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:ShaperRecipe"),
     "pantograph": KindRow("linkages", "geomkin.linkage.kinds.pantograph:PantographRecipe"),
-    "elliptic-trammel": KindRow("linkages", "geomkin.linkage.kinds.linkages:EllipticTrammelRecipe"),
-    "scotch-yoke": KindRow("linkages", "geomkin.linkage.kinds.linkages:ScotchYokeRecipe"),
-    "oldham-coupling": KindRow("linkages", "geomkin.linkage.kinds.linkages:OldhamCouplingRecipe"),
-    "linkage": KindRow("linkages", "geomkin.linkage.kinds.linkages:LinkageRecipe"),
+    "elliptic-trammel": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:EllipticTrammelRecipe"),
+    "scotch-yoke": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:ScotchYokeRecipe"),
+    "oldham-coupling": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:OldhamCouplingRecipe"),
+    "linkage": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:LinkageRecipe"),
     "four-bar-atlas": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:FourBarAtlasRecipe"),
     "slider-crank-atlas": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:SliderCrankAtlasRecipe"),
     "cognates": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:CognatesRecipe"),
@@ -69,6 +69,7 @@ KINDS: dict[str, KindRow] = {
     "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
     "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),
     "fit-test": KindRow("coupons", "geomkin.coupon.kinds.fit_test:FitTestRecipe"),
+    "machine": KindRow("machines", "geomkin.machine.kinds:MachineRecipe"),
 }
 
 

@@ -136,6 +136,7 @@ def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
 
 def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown: bool) -> Problem:
     known = list(dict.fromkeys(f.name for t in tables for f in dataclasses.fields(t)))
+    known += ["workshop"] if recipe in tables and hasattr(recipe, "loaded_table") else []
     problem, remedy = "unknown key", f"known here: {', '.join(known)}"
     if not is_shown:
         return Problem(key, problem, remedy, "unknown-key")
@@ -222,7 +223,12 @@ def _location(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dat
 
 
 def tables_in(hint: Any) -> list[type]:
-    """Dataclasses that a type hint names; of a motion program, written as a list, those of its segments."""
+    """Dataclasses that a type hint names; of a motion program, written as a list, those of its segments.
+
+    A recipe in a recipe may be of any kind and is none of them.
+    """
+    if dataclasses.is_dataclass(hint) and getattr(hint, "__abstractmethods__", None):
+        return []
     if dataclasses.is_dataclass(hint):
         segments = "segments" in (f.name for f in dataclasses.fields(hint))
         return tables_in(get_type_hints(hint)["segments"]) if segments else [hint]  # type: ignore[list-item]
@@ -241,7 +247,7 @@ def _join(key: str, part: str) -> str:
     last = key.rsplit(".", 1)[-1]
     if part == last or part.startswith(f"{last}["):
         return key + part[len(last) :]
-    return f"{key}.{part}" if key else part
+    return ".".join(filter(None, (key, part)))
 
 
 def toml_mistake(text: str, complaint: str) -> Problem | None:

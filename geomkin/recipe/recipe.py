@@ -19,6 +19,7 @@ from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
+from ..model.rotating import RotatingBody
 from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
@@ -27,6 +28,13 @@ from .settings import Files, OptimiseTable
 
 # Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
 UNSCALED = ("stock", "base", "files", "tolerances", "optimise")
+# Keys of stocks and bases that a workshop file has for each material.
+FITS = frozenset({"clearance", "interference"})
+
+
+def is_stock(key: str) -> bool:
+    """Whether a key of a recipe is that of a stock or of the base, the tables that have fits."""
+    return key == "base" or key.endswith("stock")
 
 
 @record(kw_only=True)
@@ -64,6 +72,8 @@ class AbstractRecipe(_Shared, ABC):
     # Name of the folder and the files; "" stands for the kind. It is not a field: recipes that differ only in their
     # names are equal.
     name: str = ""
+    # The table that the recipe was loaded from, with the values of its workshop file; None if it was made in Python.
+    loaded_table: Mapping[str, Any] | None = None
     # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
     can_be_scaled: ClassVar[bool] = False
     # A sentence that a template adds to the description of the kind.
@@ -72,6 +82,11 @@ class AbstractRecipe(_Shared, ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving
+
+    @property
+    def is_in_own_file(self) -> bool:
+        """Whether it has a name, by which another recipe that contains it states it."""
+        return bool(self.name)
 
     @property
     @abstractmethod
@@ -138,7 +153,9 @@ class AbstractRecipe(_Shared, ABC):
         # Parts first, since they may raise an error.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
         reasons = self.expected_failures
-        return tuple(replace(check, expected=reasons.get(check.id, "")) for check in (*self.design_checks, *walls))
+        return tuple(
+            replace(check, expected=reasons.get(check.id, check.expected)) for check in (*self.design_checks, *walls)
+        )
 
     @property
     def unknown_expectations(self) -> tuple[str, ...]:
@@ -165,6 +182,21 @@ class AbstractRecipe(_Shared, ABC):
     def scene(self) -> Scene | None:
         """The moving drawing; None if the kind has none."""
         return None
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """Bodies that turn in a constant ratio to the driver, by name, the driver first.
+
+        By these a machine joins the mechanism to others; empty if it cannot be part of a machine.
+        """
+        return {}
+
+    def scene_at(self, turn: Real) -> Scene:
+        """The scene at rotations of the driver from its first position, rad, (frames,), of any size and order.
+
+        A kind with `rotating_bodies` has it. The table holds positions and angles; the time is that of a machine.
+        """
+        raise NotImplementedError
 
     @property
     def quantities(self) -> Mapping[str, str]:
@@ -199,6 +231,24 @@ class AbstractRecipe(_Shared, ABC):
     def sources(self) -> Mapping[str, str]:
         """Texts of the files that the recipe reads, by name; summary.json keeps them."""
         return {}
+
+    @property
+    def assumed_fits(self) -> Mapping[str, float]:
+        """Kerf and fits that neither the recipe nor its workshop file states, mm, by dotted key.
+
+        Empty for a recipe made in Python.
+        """
+        if self.loaded_table is None:
+            return {}
+        values: dict[str, float] = {}
+        for key in (field.name for field in dataclasses.fields(self)):
+            table, stated = getattr(self, key), self.loaded_table.get(key, {})
+            if not isinstance(stated, Mapping):
+                continue
+            is_pressed = "press" in (getattr(table, "fit", ""), getattr(table, "mate_fit", ""))
+            fits = ("clearance", *["interference"] * is_pressed) if is_stock(key) else ("kerf",) * (key == "files")
+            values |= {f"{key}.{fit}": getattr(table, fit) for fit in fits if fit not in stated and hasattr(table, fit)}
+        return values
 
     @property
     def facts(self) -> tuple[str, ...]:
@@ -351,6 +401,13 @@ class AbstractGoal(AbstractRecipe):
     @property
     def scene(self) -> Scene | None:
         return self.design.scene
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        return self.design.rotating_bodies
+
+    def scene_at(self, turn: Real) -> Scene:
+        return self.design.scene_at(turn)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -87,6 +87,12 @@ def check_rows(key: str, span: float, step: float, unit: str, columns: int = 1) 
         )
 
 
+def kerf(default: float | None) -> Any:
+    """The field for the kerf."""
+    meaning = "width of the cut; DXF and SVG move outlines out and holes in by half of it"
+    return quantity(meaning, "mm", default=default, at_least=0, at_most=20)
+
+
 @record(checked=True)
 class Files:
     """The formats to write, and their options."""
@@ -99,13 +105,7 @@ class Files:
         "outlines in DXF and SVG as chords, which every program reads, or as arcs, a tenth of the points",
         default="chords",
     )
-    kerf: float = quantity(
-        "width of the cut; DXF and SVG move outlines out and holes in by half of it",
-        "mm",
-        default=0.0,
-        at_least=0,
-        at_most=20,
-    )
+    kerf: float = kerf(0.0)
     style: Literal["drawing", "laser"] = entry(
         "SVG for viewing, or with the red and blue hairlines that programs of laser cutters expect", default="drawing"
     )

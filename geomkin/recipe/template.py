@@ -14,13 +14,15 @@ from pydantic import TypeAdapter
 from ..core.errors import DesignError, printable
 from ..core.fields import allowed
 from .kinds import kind_names, recipe_class
-from .load import adapter, toml_value
+from .load import adapter, short_table, table_lines
 from .messages import did_you_mean, kind_of, tables_in
 from .recipe import SHARED, AbstractRecipe
+from .toml import toml_value
 
 # Editors look for the schema in the folder of the recipe, so no network is needed.
 SCHEMA = "geomkin.schema.json"
-# Description of the key `scale`. No class has it as a field, since loading applies it.
+# Descriptions of the keys that loading applies, so that no class has them as fields.
+WORKSHOP = "file with the kerf and the fits of your materials, such as workshop/laser.toml"
 SCALE = "multiplies all lengths except those of stock, base and files; from 1e-06 to 1e+06"
 
 
@@ -82,8 +84,10 @@ def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]
 def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> list[str]:
     """Lines of a table: its keys with plain values first, then the tables in it."""
     plain, tables = [], []
-    if not path and value.can_be_scaled:
-        plain.append(("# scale = 1", SCALE))
+    if not path:
+        plain.append(("# workshop =", WORKSHOP))
+        if value.can_be_scaled:
+            plain.append(("# scale = 1", SCALE))
     for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name in SHARED)):
         inner = getattr(value, field.name)
         name = f"{path}.{field.name}" if path else field.name
@@ -91,6 +95,11 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
         if isinstance(rows, tuple | list) and rows and dataclasses.is_dataclass(rows[0]):
             for row in rows:
                 tables += ["", f"[[{name}]]", *_table(name, row, offered)]
+        elif isinstance(inner, dict) and any(map(dataclasses.is_dataclass, inner.values())):
+            for key, item in inner.items():
+                tables += ["", f"[{name}.{key}]", *_table(f"{name}.{key}", item, offered)]
+        elif isinstance(inner, AbstractRecipe):
+            tables += ["", f"[{name}]", *table_lines(name, short_table(inner))]
         elif isinstance(inner, dict) and inner:
             tables += ["", f"[{name}]  # {field.metadata['description']}"]
             tables += [f"{key} = {toml_value(item)}" for key, item in inner.items()]
@@ -195,9 +204,10 @@ def schema() -> dict[str, Any]:
     for table in shared["$defs"].values():
         table["additionalProperties"] = False
     for name, recipe in kinds.items():
+        properties = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]["properties"]
+        properties["workshop"] = {"type": "string", "description": WORKSHOP}
         if recipe.can_be_scaled:
-            definition = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]
-            definition["properties"]["scale"] = {
+            properties["scale"] = {
                 "type": "number",
                 "minimum": 1e-6,
                 "maximum": 1e6,
@@ -229,6 +239,9 @@ def _plain(node: Any) -> Any:
         return [_plain(part) for part in node]
     if not isinstance(node, dict):
         return node
+    if node.get("format") == "recipe":
+        # A file's name, or a recipe in the recipe.
+        return {"type": ["string", "object"], "if": {"type": "object"}, "then": {"$ref": "#"}}
     node = {key: part if key in ("default", "enum", "const") else _plain(part) for key, part in node.items()}
     # Sections such as Notes are for readers of the code.
     if isinstance(node.get("description"), str):

@@ -10,8 +10,9 @@ from typing import Any
 from ..core.errors import DesignError, RecipeError
 from ..core.records import record
 from .keys import with_values
-from .load import from_table, parsed, table_of, to_toml
+from .load import from_table, to_toml
 from .recipe import AbstractRecipe
+from .toml import parsed, table_of
 
 
 @record

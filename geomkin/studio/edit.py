@@ -18,8 +18,9 @@ from ..model.scene import SceneHandle
 from ..page.scene_json import scene_data
 from ..plane.vec import Real
 from ..recipe.keys import edited_text, with_values
-from ..recipe.load import adapter, from_table, parsed
+from ..recipe.load import adapter, from_table
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.toml import parsed
 from .drag import drag, is_locked
 
 # Digits of positions of handles: a millionth of their size is far below a pixel.

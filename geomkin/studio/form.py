@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from ..recipe.kinds import recipe_class
 from ..recipe.messages import hints_of, kind_of, tables_in
 from ..recipe.recipe import SHARED
-from ..recipe.template import SCALE
+from ..recipe.template import SCALE, WORKSHOP
 
 
 def recipe_form(kind: str) -> dict[str, Any]:
@@ -44,6 +44,7 @@ def recipe_form(kind: str) -> dict[str, Any]:
     # The same table may be inside several kinds of table.
     found = _groups(recipe, "", {"title": kind, "help": recipe.about()})
     groups = list({group["key"]: group for group in found}.values())
+    groups[0]["fields"].append(_described("workshop", str, {"description": WORKSHOP}, None, True))
     if recipe.can_be_scaled:
         scale = {"unit": "", "ge": 1e-6, "le": 1e6, "description": SCALE}
         groups[0]["fields"].append(_described("scale", float, scale, 1.0, True))
@@ -61,7 +62,8 @@ def _groups(
     for one in tables or [table]:
         for field in sorted(dataclasses.fields(one), key=lambda field: field.name in SHARED):
             hint = hints_of(one)[field.name]
-            if inner := tables_in(hint):
+            # Tables under names that the recipe chooses are edited in its text.
+            if (inner := tables_in(hint)) and get_origin(hint) is not dict:
                 key = f"{path}.{field.name}" if path else field.name
                 is_rows = get_origin(hint) is tuple or (dataclasses.is_dataclass(hint) and hint not in inner)
                 entry = {
@@ -76,7 +78,7 @@ def _groups(
 def _fields(table: type, path: str) -> Iterator[dict[str, Any]]:
     for field in dataclasses.fields(table):
         hint = hints_of(table)[field.name]
-        if tables_in(hint) or (field.name == "kind" and not path):
+        if (tables_in(hint) and get_origin(hint) is not dict) or (field.name == "kind" and not path):
             continue
         key = f"{path}.{field.name}" if path else field.name
         has_default = field.default is not MISSING or field.default_factory is not MISSING

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from threading import Event, Lock, Thread
 from typing import Any
@@ -31,16 +32,12 @@ class BackgroundJob:
         self.result: dict[str, Any] | None = None
         self.done, self._stop = Event(), Event()
         self._work = work
-        self._thread = Thread(target=self._run, daemon=True)
-        self._thread.start()
+        self.thread = Thread(target=self._run, daemon=True)
+        self.thread.start()
 
     def stop(self) -> None:
         """Stop the work at its next report of progress."""
         self._stop.set()
-
-    def wait(self, seconds: float) -> None:
-        """Wait until the work has ended."""
-        self._thread.join(seconds)
 
     @property
     def state(self) -> dict[str, Any]:
@@ -81,8 +78,15 @@ class Jobs:
         return self._jobs.get(id)
 
     def stop_all(self, seconds: float) -> None:
-        """Stop all jobs, and wait for the end of each."""
-        for job in self._jobs.values():
+        """Stop all jobs, and wait for their end, at most so many seconds in total."""
+        jobs = list(self._jobs.values())
+        for job in jobs:
             job.stop()
-        for job in self._jobs.values():
-            job.wait(seconds)
+        join_all([job.thread for job in jobs], seconds)
+
+
+def join_all(threads: Iterable[Thread], seconds: float) -> None:
+    """Wait for the end of all threads, at most so many seconds in total."""
+    end = time.monotonic() + seconds
+    for thread in threads:
+        thread.join(max(0.0, end - time.monotonic()))

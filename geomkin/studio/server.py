@@ -30,7 +30,7 @@ from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.template import template
 from .edit import Draft, answer
 from .form import recipe_form
-from .jobs import BackgroundJob, Jobs
+from .jobs import BackgroundJob, Jobs, join_all
 from .workspace import ConflictError, Workspace
 
 HOST = "127.0.0.1"
@@ -53,8 +53,9 @@ POLICY = (
 # Pages that may hold the studio in a frame: none, or those of a notebook on this machine.
 NOBODY = "'none'"
 NOTEBOOKS = "http://localhost:* http://127.0.0.1:* https://localhost:* https://127.0.0.1:* vscode-webview:"
-# Seconds within which work that goes on must end when the server is closed.
-LAST_WAIT = 5.0
+# Seconds for which a server that is closed waits for jobs, and for requests: enough to write a recipe. A longer
+# computation is given up.
+LAST_WAIT = 1.0
 # For files that were made, whose texts come from recipes.
 FILE_POLICY = "sandbox allow-scripts allow-downloads"
 TYPES = {
@@ -326,10 +327,10 @@ class StudioServer(ThreadingHTTPServer):
         """Stop all work, end the connections that browsers keep open, and give the port back."""
         super().server_close()
         self.studio.close()
-        for thread, connection in list(self._connections.items()):
+        for connection in self._connections.values():
             with suppress(OSError):
                 connection.shutdown(SHUT_RD)
-            thread.join(LAST_WAIT)
+        join_all(self._connections, LAST_WAIT)
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """Answer the requests of one connection in a thread of its own."""

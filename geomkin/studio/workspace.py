@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from ..core.errors import DesignError, FileError, GeomkinError, printable, shown
 from ..core.names import file_name_flaw, read_text_file
 from ..export.files import write_whole
-from ..recipe.load import LARGEST, parsed
+from ..recipe.toml import LARGEST, parsed
 
 # Texts of a recipe that may be names of files; a longer one is no name.
 LONGEST_NAME = 255
@@ -73,18 +73,25 @@ class Workspace:
             return ""
 
     def files_of(self, text: str) -> dict[str, str]:
-        """Texts of the files that a recipe names; those that cannot be read are left out."""
-        try:
-            table = parsed(text)
-        except GeomkinError:
-            return {}
-        texts = {}
-        for name in _texts(table):
+        """Texts of the files that a recipe names, and of those that recipes among them name.
+
+        Those that cannot be read are left out.
+        """
+        texts: dict[str, str] = {}
+        pending = [text]
+        while pending:
             try:
-                if (self.folder / name).is_file():
-                    texts[name] = read_text_file(name, self.folder, "a file")
-            except (DesignError, OSError, ValueError):
+                table = parsed(pending.pop())
+            except GeomkinError:
                 continue
+            for name in set(_texts(table)) - set(texts):
+                try:
+                    if (self.folder / name).is_file():
+                        texts[name] = read_text_file(name, self.folder, "a file")
+                except (DesignError, OSError, ValueError):
+                    continue
+                if name.endswith(".toml") and name in texts:
+                    pending.append(texts[name])
         return texts
 
     def _content(self, name: str) -> bytes:

@@ -242,6 +242,25 @@ def test_a_click_or_enter_on_the_plot_of_a_family_chooses_the_free_angle(studio,
     assert page.input_value(f'[name="{key}"]') == "" and page.input_value('[name="choose"]') == "2"
 
 
+def test_a_click_on_the_plot_of_the_linkages_through_poses_chooses_a_rank(studio):
+    editor = studio((RECIPES / "three-poses.toml").read_text())
+    page, ranked = editor.page, gk.load(editor.file).ranked
+    plot = page.locator('#choice [role="slider"]').first
+    plot.scroll_into_view_if_needed()
+    box = plot.bounding_box()
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    settle(page)
+    clicked = value(page, "choose")
+    assert clicked.is_integer() and abs(clicked - (1 + len(ranked)) / 2) <= 1
+    for name in ("ArrowRight", "Enter"):
+        page.keyboard.press(name)
+    settle(page)
+    assert value(page, "choose") == clicked + 1
+    assert f"choose = {clicked + 1:.0f}\n" in save(editor)
+    found, chosen = gk.load(editor.file).found, ranked[int(clicked)]
+    assert found.transmission_angle_deg == pytest.approx(chosen.transmission_angle_deg, abs=0.01)
+
+
 def test_a_click_on_a_picture_chooses_a_linkage(studio):
     editor = studio((RECIPES / "poses-by-crank.toml").read_text())
     page = editor.page

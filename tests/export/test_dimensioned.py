@@ -105,6 +105,7 @@ BORED = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n[files]\ncurves = "
     [
         ("bore = 8\nclearance = 0.15", "1 x dia 8.15 (8, clearance +0.15)", (8.15, 8.15)),
         ('bore = 8\nfit = "press"\ninterference = 0.02', "1 x dia 7.98 (8, press -0.02)", (7.98, 7.98)),
+        ('bore = 8\nfit = "press"\ninterference = -0.05', "1 x dia 8.05 (8, press +0.05)", (8.05, 8.05)),
         ('bore = 5\nbore_form = "D"', "1 x D dia 5, across flat 4.5", (4.5, 5.0)),
         (
             'bore = 5\nbore_form = "D"\nflat = 4.2\nfit = "press"',

@@ -141,7 +141,7 @@ def test_what_no_motor_can_turn_is_refused(linkage, sizes, words):
 @pytest.mark.parametrize(
     ("sizes", "field", "words"),
     [
-        ({"motor": "nema17", "thickness": 1.9}, "motor", "at least 2 mm"),
+        ({"motor": "nema17", "thickness": 1.6}, "motor", "at least 1.65 mm"),
         ({"motor": "nema17", "bar_width": 5.2}, "bar_width", "5.2 mm wide"),
         ({"motor": "nema17", "fit": "press", "interference": 4.5}, "interference", "at most 4.49 mm"),
         ({"fit": "press"}, "fit", "no motor"),

@@ -197,9 +197,11 @@ def test_a_limit_of_the_driver_and_a_change_point_have_no_derivative():
     rates = motion.sensitivity("rocker_angle", by="crank")
     assert np.isfinite(rates[2]) and np.isnan(rates[3])
     assert (np.isnan(rates[:2]) | (np.abs(rates[:2]) > 1e5)).all()
-    motion = gk.move(gk.FourBar(100, 40, 100, 40), [0.0, 1.0], "follow")
+    motion = gk.move(gk.FourBar(100, 40, 100, 40, 40 + 25j), [0.0, 1.0], "follow")
     assert np.isnan(motion.sensitivity("coupler_point", by="crank")[0])
     assert np.isfinite(motion.sensitivity("coupler_point", by="crank")[1])
+    # The crank pin is on the crank, whose angle is given.
+    np.testing.assert_allclose(motion.sensitivity("crank_pin", by="crank"), motion.crank.direction, rtol=1e-15)
 
 
 @pytest.mark.parametrize(

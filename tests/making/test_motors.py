@@ -246,7 +246,7 @@ def test_a_motor_is_given_by_its_values(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "field"),
     [
-        ({"boss_height": 6.5}, "stock.motor"),
+        ({"boss_height": 30}, "stock.motor"),
         ({"boss_diameter": 5}, "stock.motor.boss_diameter"),
         ({"flat": 2.6}, "stock.motor.flat"),
         ({"thread": 3.5}, "stock.motor.thread"),

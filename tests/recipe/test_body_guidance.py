@@ -52,6 +52,17 @@ def test_found_linkage_goes_through_the_poses(tmp_path, wanted):
         assert (angles[k] - goal.wanted.poses[j][2] + 180) % 360 == pytest.approx(180, abs=1e-3) or goal.found.defects
 
 
+def test_the_plotted_rows_are_the_linkages_that_their_ranks_choose():
+    goal = recipe(rest="choose = 2")
+    choice = goal.scene.choice
+    ranks, angles, ratios = (column.values for column in choice.table.columns)
+    assert ranks[choice.chosen] == 2 and len(ranks) == len(goal.ranked) and choice.key == "choose"
+    for design, row in ((goal.design, 1), (recipe(rest="choose = 4").design, 3)):
+        lengths = [getattr(design.linkage, name) for name in ("ground", "crank", "coupler", "rocker")]
+        assert max(lengths) / min(lengths) == pytest.approx(ratios[row], rel=1e-4)
+        assert np.degrees(gk.least_transmission_angle(design.motion)) == pytest.approx(angles[row], abs=0.1)
+
+
 def ends(goal):
     """The first and last row, and the poses that they are."""
     rising = goal.found.drive[-1] > goal.found.drive[0]

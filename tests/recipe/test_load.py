@@ -6,7 +6,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe.kinds import KINDS
-from geomkin.recipe.load import LARGEST
+from geomkin.recipe.toml import LARGEST
 from tests.texts import parse, recipe_of, template_of
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'

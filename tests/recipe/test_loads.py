@@ -117,7 +117,7 @@ def test_friction_of_a_pin_makes_the_driver_work_more():
     turn = {"speed_rpm": 60, "step_deg": 2}
     linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
     without, with_friction = (
-        gk.load({"kind": "four-bar", "linkage": linkage, "drive": turn, "loads": loads}).force_analysis
+        gk.load({"kind": "four-bar", "linkage": linkage, "drive": turn, "loads": loads}).loaded.analysis
         for loads in (force, force | friction)
     )
     # Over a turn the weight gives back what it took.
@@ -238,7 +238,7 @@ def test_the_motor_is_the_one_named_or_mounted_or_the_smallest_that_suffices():
         return recipe, check
 
     recipe, check = motor({})
-    duty = recipe.force_analysis.duty
+    duty = recipe.loaded.analysis.duty
     lighter = [one for one in gk.making.MOTORS.values() if one.mass_g < recipe.motor.mass_g]
     assert check.passed and check.value >= 1.5 and lighter and all(one.margin(duty) < 1.5 for one in lighter)
     assert recipe.notes["loads"]["motor"] == {
@@ -265,7 +265,7 @@ def test_pins_and_plates_are_checked_if_the_material_is_known():
     checks = {check.id: check for check in recipe.checks}
     assert holds <= set(checks) and not holds & {check.id for check in four_bar(force).checks}
     at = [abs(value - checks["pin_pressure"].at) for value in np.degrees(recipe.motion.drive)]
-    largest = max(abs(recipe.force_analysis.pin(pin, body)).max() for pin, body in
+    largest = max(abs(recipe.loaded.analysis.pin(pin, body)).max() for pin, body in
                   [("crank_pivot", "crank"), ("rocker_pivot", "rocker"), ("crank_pin", "crank"), ("rocker_pin", "rocker"),
                    ("crank_pin", "coupler"), ("rocker_pin", "coupler")])  # fmt: skip
     assert min(at) < 1e-9 and checks["pin_pressure"].value == pytest.approx(largest / (4 * 3))

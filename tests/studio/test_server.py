@@ -213,6 +213,29 @@ def test_new_recipes_and_pictures(running):
     assert {row["kind"] for row in json.loads(ask(running, "gallery")[2])["kinds"]} > {"four-bar", "spur-gear"}
 
 
+def test_closing_does_not_wait_for_answers_that_still_compute(running, monkeypatch):
+    computing, end = threading.Semaphore(0), threading.Event()
+
+    def compute(*_):
+        computing.release()
+        end.wait(60)
+        return {}
+
+    monkeypatch.setattr(module, "answer", compute)
+    clients = [threading.Thread(target=ask, args=(running, "answer", {"text": FOUR_BAR}), daemon=True) for _ in "abcd"]
+    for client in clients:
+        client.start()
+    running.studio.jobs.start(compute)
+    assert all(computing.acquire(timeout=20) for _ in range(5))
+    begun = time.monotonic()
+    running.shutdown()
+    running.server_close()
+    assert time.monotonic() - begun < 4
+    end.set()
+    for client in clients:
+        client.join(20)
+
+
 def test_the_command_ends_with_ctrl_c(tmp_path):
     (tmp_path / "bar.toml").write_text(FOUR_BAR)
     command = [sys.executable, "-m", "geomkin", "studio", str(tmp_path / "bar.toml"), "--no-browser", "--port", "18300"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -19,8 +20,10 @@ from ...making.motors import MOTORS
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import AbstractAssembledRecipe, part_masses
 from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
@@ -172,6 +175,15 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         """Cam and follower in contact."""
         scene = cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
         return replace(scene, marks=(*scene.marks, *self.loaded.arrow)) if self.loaded else scene
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """The cam, whose angle counts in its own direction."""
+        return {"cam": RotatingBody(0j, Fraction(self.cam.sense))}
+
+    def scene_at(self, turn: Real) -> Scene:
+        table = cam_table(self.cam, self.drive.speed, np.remainder(turn, 2 * np.pi), self.cut)
+        return cam_scene(self.cam, table, self.parts, self.cut)
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:

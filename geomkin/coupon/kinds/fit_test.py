@@ -8,13 +8,14 @@ from typing import Literal
 
 from ...core.fields import entry
 from ...core.records import record
-from ...making.materials import MaterialKey, material_entry
+from ...making.materials import MATERIALS, MaterialKey, material_entry
 from ...model.check import Check
 from ...model.part import Bought, Part
 from ...model.scene import Scene
 from ...model.table import Table
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Files
+from ...recipe.toml import toml_key
 from ..fit_test import FitTest
 from ..parts import GAUGE_WIDTH, fit_test_parts
 from ..scene import fit_test_scene
@@ -68,7 +69,27 @@ class FitTestRecipe(AbstractRecipe):
             "push the pin into the holes from the left: note the largest that it must be pressed into, and the "
             "first in which it turns freely",
             "push the end of the gauge, upright, into the slots from the left: note the first that holds it",
+            "fill in the workshop file, and name it in your recipes",
         )
+
+    @property
+    def workshop_file(self) -> tuple[str, ...]:
+        """Lines of a workshop file whose values, each a `?`, are to be filled in from the measurements."""
+        known = next((name for name, material in MATERIALS.items() if material == self.material), None)
+        name = known or (self.material.name if self.material else "the material of your recipes")
+        gauge, pin = f"{GAUGE_WIDTH + self.files.kerf:g}", f"{self.openings.pin:g}"
+        # Holes are drawn narrower by the kerf that is compensated already.
+        kerf = f"(kerf - {self.files.kerf:g})" if self.files.kerf else "kerf"
+        return (
+            f"[{toml_key(name)}]",
+            f"kerf = ?          # {gauge} - width of the gauge",
+            f"clearance = ?     # first hole in which the pin turns freely - {pin} + {kerf}",
+            f"interference = ?  # {pin} - largest hole that grips the pin - {kerf}",
+        )
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        return self.workshop_file
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
@@ -88,4 +109,4 @@ class FitTestRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return {"gauge_width_mm": GAUGE_WIDTH, **self.assembly_summary}
+        return {"gauge_width_mm": GAUGE_WIDTH, "workshop_file": list(self.workshop_file), **self.assembly_summary}

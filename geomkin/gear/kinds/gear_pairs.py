@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Literal
 
@@ -15,8 +16,10 @@ from ...making.bases import BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks, strength_checks
 from ..contract import AbstractInvoluteGear
@@ -28,7 +31,7 @@ from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
 from ..parts.bases import pair_base, rack_base
 from ..parts.gears import GearStock, base_plate, gear_parts
 from ..rack import GearRack, RackPair
-from ..scene_pairs import pair_handles, pair_scene, rack_handles
+from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
@@ -191,6 +194,17 @@ class GearPairRecipe(AbstractHelicalRecipe):
     def scene(self) -> Scene:
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """Both gears."""
+        pair = self.design
+        speeds = Fraction(1), Fraction(-pair.first.teeth, pair.second.teeth)
+        axes = 0j, complex(0, pair.centre_distance)
+        return {name: RotatingBody(axis, v, is_wheel=True) for name, axis, v in zip(pair.names, axes, speeds)}
+
+    def scene_at(self, turn: Real) -> Scene:
+        return turned_pair_scene(self.design, self.parts, turn)
 
     @property
     def quantities(self) -> Mapping[str, str]:

@@ -15,8 +15,10 @@ from ...making.bases import BaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import AbstractAssembledRecipe
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks, strength_checks
@@ -24,7 +26,7 @@ from ..module import LARGEST
 from ..output_loads import TrainLoads, TrainStrength
 from ..parts.gears import GearStock
 from ..parts.trains import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
-from ..scene_train import train_handles, train_scene
+from ..scene_train import train_handles, train_scene, turned_train_scene
 from ..train import FEWEST_TEETH, MOST_TEETH, Direction, GearTrain, Stages, train_table
 from ..train_search import LARGEST_RATIO, MOST_SEARCHED, gear_train
 from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
@@ -244,6 +246,18 @@ class GearTrainRecipe(AbstractAssembledRecipe):
     def scene(self) -> Scene:
         """All gears in mesh."""
         return train_scene(self.design, self.parts)
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """All gears."""
+        train, bodies = self.design, {}
+        for k in range(len(train.stages)):
+            for name, j in ((f"driver_{k + 1}", k), (f"driven_{k + 1}", k + 1)):
+                bodies[name] = RotatingBody(complex(train.axes[j]), train.speeds[j], is_wheel=True)
+        return bodies
+
+    def scene_at(self, turn: Real) -> Scene:
+        return turned_train_scene(self.design, self.parts, turn)
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:

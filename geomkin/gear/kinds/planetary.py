@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Literal
 
@@ -18,8 +19,10 @@ from ...making.materials import MATERIALS
 from ...making.motor_faces import plate_radius
 from ...model.check import Check
 from ...model.part import Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
+from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks, strength_checks
 from ..contract import AbstractInvoluteGear
@@ -203,6 +206,22 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     def scene(self) -> Scene:
         """One rotation of the carrier."""
         return planetary_scene(self.design, self.table, self.parts)
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """The sun and the carrier; the planets have no fixed axis."""
+        sun, ring = self.design.sun.teeth, self.design.ring.teeth
+        carrier = RotatingBody(0j, Fraction(sun, sun + ring))
+        return {"sun": RotatingBody(0j, Fraction(1), is_wheel=True), "carrier": carrier}
+
+    def scene_at(self, turn: Real) -> Scene:
+        speeds = self.design.speeds(sun=1.0, ring=0.0)
+        columns = (
+            Column(f"{body}_angle", "deg", f"rotation of the {body}", np.degrees(turn * speed))
+            for body, speed in (("sun", 1.0), ("carrier", speeds["carrier"]), ("planet", speeds["planet"]))
+        )
+        table = Table((*columns, Column("time", "s", "time", np.zeros(turn.shape))))
+        return planetary_scene(self.design, table, self.parts)
 
     @property
     def quantities(self) -> Mapping[str, str]:

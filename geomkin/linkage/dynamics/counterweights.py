@@ -135,7 +135,7 @@ def balance(
     if objective == "driver" and any(friction.coefficient for friction in loads.friction):
         problem = "found dry friction, with which the driver's effort is not linear in the masses"
         raise DesignError("loads.friction", problem, "give viscous friction only, or another objective", "conflict")
-    pivots = _pivots(linkage, bodies)
+    pivots = fixed_pivots(linkage, bodies)
     before = forces(motion, loads, about)
     given = _components(before, objective)
     seen = np.isfinite(given).all(axis=-1)
@@ -160,7 +160,7 @@ def balance(
     return Balance(objective, counterweights, before, forces(motion, replace(loads, masses=masses), about))
 
 
-def _pivots(linkage: Linkage, bodies: Sequence[str]) -> dict[str, complex]:
+def fixed_pivots(linkage: Linkage, bodies: Sequence[str]) -> dict[str, complex]:
     """Each body's fixed pivot, mm in the body's frame."""
     if not bodies or len(set(bodies)) < len(bodies):
         raise DesignError("bodies", f"found {shown(bodies)}", "name one or more different bodies", "conflict")

@@ -16,23 +16,23 @@ from ...recipe.settings import Stroke
 from ..linkage import LINKAGES, AbstractLinkage
 from ..motion import on_ground
 from ..named_linkages import FourBar, SliderCrank
-from . import linkages as linkages
+from . import linkage_kinds
 from .moved import AbstractMovedRecipe
 
 # The kinds that such a table may have. A scotch yoke has no body that turns and is not on a ground pivot.
 OF = (
-    linkages.FourBarRecipe,
-    linkages.SliderCrankRecipe,
-    linkages.InvertedSliderCrankRecipe,
-    linkages.StephensonSixBarRecipe,
-    linkages.WattSixBarRecipe,
-    linkages.ShaperRecipe,
-    linkages.EllipticTrammelRecipe,
-    linkages.OldhamCouplingRecipe,
-    linkages.LinkageRecipe,
+    linkage_kinds.FourBarRecipe,
+    linkage_kinds.SliderCrankRecipe,
+    linkage_kinds.InvertedSliderCrankRecipe,
+    linkage_kinds.StephensonSixBarRecipe,
+    linkage_kinds.WattSixBarRecipe,
+    linkage_kinds.ShaperRecipe,
+    linkage_kinds.EllipticTrammelRecipe,
+    linkage_kinds.OldhamCouplingRecipe,
+    linkage_kinds.LinkageRecipe,
 )
 PLAIN: dict[str, type[AbstractLinkage]] = {recipe.kind: get_type_hints(recipe)["linkage"] for recipe in OF}
-DEFAULT_KIND = linkages.FourBarRecipe.kind
+DEFAULT_KIND = linkage_kinds.FourBarRecipe.kind
 for _kind, _plain in PLAIN.items():
     _own = [("kind", Literal[_kind], field(default=_kind))]
     LINKAGES[_kind] = make_dataclass(_plain.__name__, _own, bases=(_plain,), frozen=True, kw_only=True, repr=False)

@@ -11,6 +11,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
+from ...making.assembly import tube_bill
 from ...making.fasteners import gathered
 from ...model.check import Check
 from ...model.part import Bought, Part
@@ -80,7 +81,22 @@ def with_copies(
             replace(mark, place=copy.place(mark.place), label=mark.label + suffix)
             for mark in traced_points(copy.motion)
         ]
-    return replace(scene, assembled=closed, bodies=(*scene.bodies, *bodies), marks=(*scene.marks, *marks))
+    # Not mirrored, since each copy is assembled on its own ground.
+    rows = copies[0].rows
+    own = (
+        replace(body, origin=np.asarray(body.origin)[rows], direction=np.asarray(body.direction)[rows])
+        for body in placed_bodies(copies[0].motion, parts, layers)
+    )
+    units = _units(scene.bodies, tuple(own), len(copies))
+    return replace(scene, assembled=closed, bodies=(*scene.bodies, *bodies), marks=(*scene.marks, *marks), units=units)
+
+
+def _units(first: tuple[SceneBody, ...], copy: tuple[SceneBody, ...], count: int) -> dict[str, tuple[SceneBody, ...]]:
+    """The bodies of the first linkage and of its copies, which are assembled each on its own ground."""
+    if {part.name for body in first for part in body.parts} == {part.name for body in copy for part in body.parts}:
+        return {f"each of {1 + count} copies": first}
+    last = f"copies 2 to {1 + count}" if count > 1 else "copy 2"
+    return {"copy 1": first, last: copy}
 
 
 # Largest number of copies.
@@ -115,22 +131,24 @@ def check_copies(copies: tuple[Copy, ...], linkage: AbstractLinkage, input_range
         raise DesignError("copies", f"found {len(copies)}", f"give at most {MOST}", "out-of-range")
     if linkage.linkage.driver_pivot is None:
         raise DesignError("copies", "the driver turns on no fixed shaft that they could share", "omit them", "conflict")
-    turn = input_range.turn_deg if isinstance(input_range, Turn) else 0.0
-    if abs(turn - 360) > 360 * WHOLE:
+    if not is_whole_turn(input_range):
         raise DesignError(
             "copies", "the driver makes no whole turn", "let it turn by 360 deg, or omit copies", "conflict"
         )
 
 
-def copied(
-    copies: tuple[Copy, ...], first: Motion, linkage: AbstractLinkage, signs: Branch, input_range: Turn
-) -> Iterator[Copied]:
-    """The motion of each copy at the frames of the first linkage.
+def is_whole_turn(input_range: Turn | Stroke) -> bool:
+    """Whether the driver turns by 360 deg in either direction."""
+    return isinstance(input_range, Turn) and abs(input_range.turn_deg - 360) <= 360 * WHOLE
+
+
+def copied(copies: tuple[Copy, ...], first: Motion, linkage: AbstractLinkage, signs: Branch) -> Iterator[Copied]:
+    """The motion of each copy at the frames of the first linkage, over one turn of its driver.
 
     Each is followed from the first linkage's start, through its phase angle, so that it moves on the same branch.
     Derived here.
     """
-    frames, k, driver = input_range.frames, int(np.argmax(first.assembled)), linkage.linkage.driver
+    frames, k, driver = first.drive, int(np.argmax(first.assembled)), linkage.linkage.driver
     pivot = linkage.linkage.driver_pivot
     assert pivot is not None
     shaft = complex(first.point(pivot).position[k])
@@ -145,7 +163,7 @@ def copied(
         wanted = np.pi - 2 * zero_angle - phase - frames[::-1] if copy.mirrored else frames + phase
         # Seen from its front, a mirrored copy turns the other way.
         side = -1 if copy.mirrored else 1
-        speed, acceleration = side * input_range.speed, side * input_range.acceleration
+        speed, acceleration = side * first.timing.speed, side * first.timing.acceleration
         motion = move(linkage, _led(wanted, frames), signs, speed, acceleration)
         rows = np.arange(len(motion.drive) - len(frames), len(motion.drive))
         yield Copied(motion, rows[::-1] if copy.mirrored else rows, shaft.real if copy.mirrored else None)
@@ -153,7 +171,8 @@ def copied(
 
 def _led(wanted: Real, frames: Real) -> Real:
     """A drive that continues from the first frame and ends with `wanted`, or whole turns later."""
-    step = float(frames[1] - frames[0])
+    steps = np.diff(frames)
+    step = float(steps[np.argmax(np.abs(steps))])
     turn = float(np.copysign(2 * np.pi, step))
     later = wanted + turn * np.ceil((frames[0] - wanted[0]) / turn - WHOLE)
     before = np.arange(frames[0], later[0] - 1e-6 * step, step)
@@ -165,13 +184,14 @@ class Shared:
     """A rod that two neighbouring copies share, glued into the cranks of both instead of a screw in each.
 
     pin: of the linkage; length: of the rod, mm; room: between the copies, mm; words: the arrangement of the copies, and
-    the purpose of the rod.
+    the purpose of the rod; apart: between the grounds, mm.
     """
 
     pin: str
     length: float
     room: float
     words: str
+    apart: float = np.nan
 
 
 def without_motor(stack: Stack, driven: Stack) -> Stack:
@@ -223,15 +243,18 @@ def shared_rods(
         if one.mirrored and not two.mirrored and shaft.first == other_shaft.first == 0:
             room = sum(_beyond(stack, thickness, 0, shaft.name) for stack in (lower, upper))
             length = shaft.length + other_shaft.length + room
-            rod = f"one rod {lower.letters[shaft.name]}, {length:g} mm long for both screws, glued into both cranks"
-            words = f"{pair} back to back, {room:g} mm between their grounds: {rod} {apart:g} deg apart"
-            yield Shared(shaft.name, length, room, words)
+            rod = f"rod {lower.letters[shaft.name]}, {length:g} mm long, is glued into both cranks"
+            angle = "so that their pins point in opposite directions" if apart == 180 else f"{apart:g} deg apart"
+            words = f"{pair} back to back, {room:g} mm between their grounds: {rod}, {angle}"
+            yield Shared(shaft.name, length, room, words, room)
         elif two.mirrored and not one.mirrored and apart == 0 and (names := [n for n in common if n in other_common]):
             pin = names[0]
             room = sum(_beyond(stack, thickness, max(stack.layers.values()), pin) for stack in (lower, upper))
             length = common[pin].length + other_common[pin].length + room
-            rod = f"one rod {lower.letters[pin]}, {length:g} mm long for both screws, glued into both cranks"
-            yield Shared(pin, length, room, f"{pair} face to face, {room:g} mm between them: {rod}")
+            rod = f"rod {lower.letters[pin]}, {length:g} mm long, is glued into both cranks"
+            height = room + thickness * sum(max(stack.layers.values()) for stack in (lower, upper))
+            words = f"{pair} face to face, {room:g} mm between them, the upper one turned over: {rod}"
+            yield Shared(pin, length, room, words, height)
         else:
             yield Shared("", 0.0, np.nan, f"{pair}: no rod joins their cranks; add a shaft that turns both")
 
@@ -258,10 +281,16 @@ def _beyond(stack: Stack, thickness: float, layer: int, excluded: str) -> float:
     return float(thickness * np.ceil(height / thickness - 1e-9))
 
 
-def joining(stacks: Sequence[Stack], shared: Sequence[Shared]) -> tuple[Bought, ...]:
+def frame_length(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: float) -> float:
+    """Distance of the outer faces of the first and last ground, mm."""
+    return thickness * len(stacks) + sum(rod.apart for rod in shared)
+
+
+def joining(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: float) -> tuple[Bought, ...]:
     """Bought items for several copies of a linkage: a screw for each joint, except those that share a rod.
 
-    stacks: of the first linkage and of each copy.
+    Also the rods of the frame, and the tubes on them between the grounds. stacks: of the first linkage and of each
+    copy; thickness: of the sheet, mm.
     """
     lines = []
     for name in dict.fromkeys(pin.name for stack in stacks for pin in stack.pins):
@@ -273,20 +302,67 @@ def joining(stacks: Sequence[Stack], shared: Sequence[Shared]) -> tuple[Bought, 
             for stack, rod in zip(stacks, shared)
             if rod.pin == name
         ]
+    first = stacks[0]
+    for name in first.frame:
+        lines.append((first.letters[name], first.fastener.bill(frame_length(stacks, shared, thickness))))
+        tubes = (tube_bill(first.fastener.diameter, rod.apart) for rod in shared if rod.apart)
+        lines += [(first.letters[name], tube) for tube in tubes]
     return gathered(lines)
 
 
-def copying(copies: Sequence[Copy], shared: Sequence[Shared], without: Sequence[str] = ()) -> tuple[str, ...]:
-    """Assembly steps of a linkage with its copies; none without copies.
+def _rod_steps(
+    stacks: Sequence[Stack], shared: Sequence[Shared], copies: Sequence[Copy], k: int
+) -> dict[str, tuple[int, str]]:
+    """By the pins of the linkage k, from 0, that are rods: the layer in which the rod is put in, and the step."""
+    pins, letters, steps = {pin.name: pin for pin in stacks[k].pins}, stacks[k].letters, dict[str, tuple[int, str]]()
+    is_mirrored = k > 0 and copies[k - 1].mirrored
+    if k > 0 and (rod := shared[k - 1].pin):
+        empty = f"leave {letters[rod]} empty, and glue the spacers on {letters[rod]} to the plates below them"
+        glued = f"glue the crank on rod {letters[rod]} of the copy below"
+        steps[rod] = (pins[rod].first, empty) if is_mirrored else (pins[rod].last, glued)
+    if k < len(shared) and (rod := shared[k].pin):
+        side = "above" if is_mirrored else "below"
+        step = f"put rod {letters[rod]} through from {side} and glue it into the crank"
+        steps[rod] = pins[rod].last if is_mirrored else pins[rod].first, step
+    return steps
 
-    without: steps of a copy without a motor, if the first linkage is on one.
+
+def _listed(numbers: Sequence[int]) -> str:
+    return " and ".join(filter(None, [", ".join(map(str, numbers[:-1])), str(numbers[-1])]))
+
+
+def copying(
+    copies: Sequence[Copy], shared: Sequence[Shared], stacks: Sequence[Stack], thickness: float
+) -> tuple[str, ...]:
+    """Assembly steps of a linkage with its copies.
+
+    stacks: of the first linkage and of each copy; thickness: of the sheet, mm.
     """
-    if not copies:
-        return ()
+    by_steps: dict[tuple[str, ...], list[int]] = {}
+    for k, stack in enumerate(stacks):
+        by_steps.setdefault(tuple(stack.steps_with(_rod_steps(stacks, shared, copies, k))), []).append(k + 1)
+    units = [
+        step if len(by_steps) == 1 else f"{'copy' if len(numbers) == 1 else 'copies'} {_listed(numbers)}, {step}"
+        for steps, numbers in by_steps.items()
+        for step in steps
+    ]
     phases = "; ".join(f"copy {k}: {copy}" for k, copy in enumerate(copies, 2))
-    frame = f"hold all {1 + len(copies)} grounds in a frame of yours, square to the shaft"
-    plain = (f"each copy without motor, {step}" for step in without)
-    return (*plain, f"{1 + len(copies)} of these on one shaft, {phases}", *(rod.words for rod in shared), frame)
+    arranged = f"{len(stacks)} of these on one shaft, {phases}"
+    return (*units, arranged, *(rod.words for rod in shared), _frame_step(shared, stacks, thickness))
+
+
+def _frame_step(shared: Sequence[Shared], stacks: Sequence[Stack], thickness: float) -> str:
+    first = stacks[0]
+    if not first.frame:
+        return f"hold all {len(stacks)} grounds in a frame of yours, square to the shaft"
+    letters = [first.letters[name] for name in first.frame]
+    tubes = ", ".join(f"{rod.apart:g}" for rod in shared)
+    return (
+        f"frame: the rods {', '.join(letters)} go through all grounds, "
+        f"{frame_length(stacks, shared, thickness):g} mm from the first to the last; on each rod, between the grounds, "
+        f"tubes of {tubes} mm in this order; a washer and a nut at each end; where a copy is turned over, {letters[0]} "
+        f"and {letters[1]} change places"
+    )
 
 
 def driven_check(shared: Sequence[Shared]) -> Check:

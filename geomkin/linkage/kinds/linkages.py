@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from functools import cached_property
-from typing import ClassVar, Literal
+from functools import cached_property, partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,31 +18,23 @@ from ...model.check import Check
 from ...model.mass import Mass
 from ...model.motor import Motor
 from ...model.part import Bought, Part
+from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
+from ...plane.vec import Real
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
-from ..dynamics.inverse import ForceAnalysis
 from ..linkage import AbstractLinkage
-from ..measures import grashof, least_transmission_angle
+from ..measures import least_transmission_angle, steady_bodies
 from ..motion import Motion, motion_table
-from ..named_linkages import (
-    EllipticTrammel,
-    FourBar,
-    InvertedSliderCrank,
-    OldhamCoupling,
-    ScotchYoke,
-    Shaper,
-    SliderCrank,
-)
-from ..parts.stack import Stack, fastener_masses, link_parts, stack_links
+from ..parts.frame import frame_places, with_frame
+from ..parts.stack import MOTOR_PLATE, Stack, fastener_masses, link_parts
 from ..parts.stock import LinkStock
 from ..parts.strength import linkage_strength_checks
 from ..scene import linkage_scene, motion_plots
 from ..scene_sizes import size_columns, size_plot
-from ..six_bars import StephensonSixBar, WattSixBar
 from ..solve.branch import Branch
 from .copies import (
     Copied,
@@ -54,18 +46,18 @@ from .copies import (
     copying,
     counted,
     driven_check,
+    is_whole_turn,
     joining,
     shared_rods,
     with_copies,
     without_motor,
 )
+from .counterweights import BalancedPlates, balanced_plates, stack_with_ends
 from .dwell_bands import DwellBand
 from .loaded import LoadedLinkage
 from .loads import LoadsTable, loads_entry, number_of_columns
 from .moved import (
-    WITH_SLIDER,
     AbstractMovedRecipe,
-    BodyList,
     Branches,
     SideOrFollow,
     both_modes_entry,
@@ -73,7 +65,7 @@ from .moved import (
     branches_entry,
     coefficients_entry,
 )
-from .stance import UNKNOWN_STANCE, Stance, check_foot, foot_entry, stance_of
+from .stance import UNKNOWN_STANCE, Stance, check_foot, stance_of
 from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
 
 
@@ -110,6 +102,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             raise DesignError("both_modes", problem, "omit it", "conflict")
         if self.loads:
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
+            if self.loads.counterweights:
+                self.loads.counterweights.check(linkage, self.stock, self.loads.masses)
         if self.tolerances:
             self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
 
@@ -127,12 +121,20 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             return None
         masses = self.body_masses if self.stock.material else {}
         motor = self.loads.motor or MOTORS.get(str(self.stock.motor))
-        return LoadedLinkage(self.loads, self.motion, masses, self.moving_copies if self.copies else (), motor)
+        copies = self.moving_copies if self.copies else ()
+        return LoadedLinkage(self.loads, self.motion, masses, copies, motor, self.balanced)
 
-    @property
-    def force_analysis(self) -> ForceAnalysis | None:
-        """Driver effort and joint forces of one linkage under the loads; None without loads."""
-        return self.loaded.analysis if self.loaded else None
+    @cached_property
+    def balanced(self) -> BalancedPlates | None:
+        """Plates with counterweights; None if none are requested."""
+        if self.loads is None or self.loads.counterweights is None:
+            return None
+        forces_of = partial(self.loads.forces_of, self.motion)
+        return balanced_plates(self.loads.counterweights, forces_of, self.fine_motion, self.stock)
+
+    def _stacked(self, stock: LinkStock) -> Stack:
+        """The plates with their counterweights in layers."""
+        return stack_with_ends(self.fine_motion, stock, self.balanced.ends if self.balanced else {})
 
     @property
     def further_handles(self) -> Iterator[SceneHandle]:
@@ -152,16 +154,29 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         return self.moved(self.input_range.collision_samples, self.signs)
 
     @cached_property
+    def _unframed(self) -> tuple[Stack, Stack]:
+        """The stacks of the first linkage and of a copy, without the frame of a walker."""
+        own = self._stacked(self.stock)
+        return own, own if self.stock.motor is None else self._stacked(self.copy_stock)
+
+    @cached_property
+    def frame(self) -> tuple[complex, ...]:
+        """Places of the rods that join the grounds of a walker, mm; empty without a foot, or if they are not known."""
+        if self.foot is None or any(not rod.pin for rod in self.shared):
+            return ()
+        return frame_places(self.fine_motion, self.stock, self._unframed[0].plates)
+
+    @cached_property
     def stack(self) -> Stack:
         """The plates in layers."""
-        return stack_links(self.fine_motion, self.stock)
+        return with_frame(self._unframed[0], self.linkage.linkage.ground, self.frame)
 
     @cached_property
     def copy_stack(self) -> Stack:
         """The plates of a copy in layers; the motor is in the first linkage only."""
         if self.stock.motor is None:
             return self.stack
-        return without_motor(stack_links(self.fine_motion, self.copy_stock), self.stack)
+        return without_motor(with_frame(self._unframed[1], self.linkage.linkage.ground, self.frame), self.stack)
 
     @property
     def copy_stock(self) -> LinkStock:
@@ -178,31 +193,30 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def shared(self) -> tuple[Shared, ...]:
         """The rods by which neighbouring copies drive each other."""
-        return tuple(shared_rods(self.copies, self.linkage, self._stacks, self.stock.thickness))
+        stacks = (self._unframed[0], *(self._unframed[1] for _ in self.copies))
+        return tuple(shared_rods(self.copies, self.linkage, stacks, self.stock.thickness))
 
     @cached_property
     def moving_copies(self) -> tuple[Copied, ...]:
         """The motion of each copy."""
-        return tuple(copied(self.copies, self.motion, self.linkage, self.signs, self.drive))
+        return tuple(copied(self.copies, self.motion, self.linkage, self.signs))
 
     @cached_property
     def stance(self) -> Stance | None:
         """How a walker stands on its feet; None without feet, or if the distances of the copies are unknown."""
         if self.foot is None:
             return None
-        sheet = self.stock.thickness
-        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, sheet)
+        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, self.stock.thickness)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return joining(self._stacks, self.shared)
+        return joining(self._stacks, self.shared, self.stock.thickness)
 
     @property
     def steps(self) -> tuple[str, ...]:
         if not self.copies:
             return self.stack.steps
-        without = self.copy_stack.steps if self.stock.motor else ()
-        return (*self.stack.steps, *copying(self.copies, self.shared, without))
+        return copying(self.copies, self.shared, self._stacks, self.stock.thickness)
 
     @cached_property
     def table(self) -> Table:
@@ -232,7 +246,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         # Only the page shows them, no file of numbers.
         effects = size_columns(self.motion)
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
-        scene = linkage_scene(self.motion, table, self.own_parts, self.stack.layers, plots, self._others())
+        layers = {MOTOR_PLATE: -1, **self.stack.layers}
+        scene = linkage_scene(self.motion, table, self.own_parts, layers, plots, self._others())
         if self.loaded:
             marks = (*scene.marks, *self.loaded.marks)
             scene = dataclasses.replace(scene, marks=marks, hodographs=self.loaded.hodographs)
@@ -240,8 +255,23 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             scene = dataclasses.replace(scene, regions=self.output_deviation.regions())
         if not self.copies:
             return scene
+        return self._with_copies(scene, self.moving_copies)
+
+    def _with_copies(self, scene: Scene, copies: tuple[Copied, ...]) -> Scene:
         lowest = 1 + max(self.stack.layers.values())
-        return with_copies(scene, self.moving_copies, self.copy_parts, self.copy_stack.layers, lowest)
+        return with_copies(scene, copies, self.copy_parts, self.copy_stack.layers, lowest)
+
+    @cached_property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        pivot = self.linkage.linkage.driver_pivot if is_whole_turn(self.input_range) else None
+        return steady_bodies(self.motion) if pivot and self.motion.assembled.all() else {}
+
+    def scene_at(self, turn: Real) -> Scene:
+        motion, rows = self.moved_at(turn)
+        scene = linkage_scene(motion, motion_table(motion), self.own_parts, self.stack.layers, rates=False)
+        if self.copies:
+            scene = self._with_copies(scene, tuple(copied(self.copies, motion, self.linkage, self.signs)))
+        return scene.at_frames(rows)
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
@@ -290,7 +320,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         """The parts of a copy."""
         if self.stock.motor is None:
             return self.own_parts
-        return link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+        own = {part.name: part for part in self.own_parts}
+        parts = link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+        return tuple(dataclasses.replace(own.get(part.name, part), count=part.count) for part in parts)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -307,8 +339,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        unknown = (UNKNOWN_STANCE,) if self.foot and not self.stance else ()
-        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *unknown)
+        stance = tuple(self.stance.remarks) if self.stance else (UNKNOWN_STANCE,) if self.foot else ()
+        return (*((self.output_deviation.remark,) if self.output_deviation else ()), *stance)
 
     @property
     def forces_missing(self) -> str:
@@ -413,167 +445,3 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
         none = {"copies": ()} if "copies" in tables else {}
         values = super().example_values(tables)
         return {**values, **none, **cls.sliding} if "stroke" in tables else values
-
-
-@record(kw_only=True)
-class FourBarRecipe(TurningLinkageRecipe):
-    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point.
-
-    Parameters
-    ----------
-    linkage : FourBar
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["four-bar"] = "four-bar"
-    linkage: FourBar
-
-    @property
-    def turning(self) -> Mapping[str, object]:
-        result = grashof(self.linkage)
-        links = {"shortest": result.shortest, "longest": result.longest}
-        sums = {"shortest_and_longest_mm": result.shortest_and_longest, "other_two_mm": result.other_two}
-        return {
-            "grashof_type": result.type,
-            "grashof": links | {name: to_digits(length, 10) for name, length in sums.items()},
-        }
-
-
-@record(kw_only=True)
-class SliderCrankRecipe(SlidingLinkageRecipe):
-    """A slider-crank, driven by crank, connecting rod or slider.
-
-    Parameters
-    ----------
-    linkage : SliderCrank
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["slider-crank"] = "slider-crank"
-    linkage: SliderCrank
-    copies: tuple[Copy, ...] = copies_entry()
-    sliding: ClassVar = {"linkage.driver": "slider", "stroke": Stroke(start=70, end=110)}
-
-
-@record(kw_only=True)
-class InvertedSliderCrankRecipe(TurningLinkageRecipe):
-    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block.
-
-    Parameters
-    ----------
-    linkage : InvertedSliderCrank
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
-    linkage: InvertedSliderCrank
-
-
-@record(kw_only=True)
-class StephensonSixBarRecipe(TurningLinkageRecipe):
-    """A four-bar whose coupler point drives an output, which can dwell.
-
-    Parameters
-    ----------
-    linkage : StephensonSixBar
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
-    linkage: StephensonSixBar
-
-
-@record(kw_only=True)
-class WattSixBarRecipe(TurningLinkageRecipe):
-    """Two four-bars in series: the first one's rocker drives the second.
-
-    Parameters
-    ----------
-    linkage : WattSixBar
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["watt-six-bar"] = "watt-six-bar"
-    linkage: WattSixBar
-
-
-@record(kw_only=True)
-class ShaperRecipe(TurningLinkageRecipe):
-    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return.
-
-    Parameters
-    ----------
-    linkage : Shaper
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["shaper"] = "shaper"
-    linkage: Shaper
-
-
-@record(kw_only=True)
-class EllipticTrammelRecipe(SlidingLinkageRecipe):
-    """A rod whose pins run in two crossing slots: its points draw ellipses.
-
-    Parameters
-    ----------
-    linkage : EllipticTrammel
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["elliptic-trammel"] = "elliptic-trammel"
-    linkage: EllipticTrammel
-    sliding: ClassVar = {"linkage.driver": "shuttle", "stroke": Stroke(start=-45, end=45)}
-
-
-@record(kw_only=True)
-class ScotchYokeRecipe(TurningLinkageRecipe):
-    """A crank pin in a slotted yoke: exactly harmonic motion along a line.
-
-    Parameters
-    ----------
-    linkage : ScotchYoke
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["scotch-yoke"] = "scotch-yoke"
-    linkage: ScotchYoke
-
-
-@record(kw_only=True)
-class OldhamCouplingRecipe(TurningLinkageRecipe):
-    """Two slotted hubs and a disc between them: equal rotation of two offset shafts.
-
-    Parameters
-    ----------
-    linkage : OldhamCoupling
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["oldham-coupling"] = "oldham-coupling"
-    linkage: OldhamCoupling
-
-
-@record(kw_only=True)
-class LinkageRecipe(SlidingLinkageRecipe):
-    """Any linkage, as a list of bodies: where two name the same point, a pin joins them.
-
-    Parameters
-    ----------
-    linkage : BodyList
-        Sizes and driver of the linkage.
-    """
-
-    kind: Literal["linkage"] = "linkage"
-    linkage: BodyList
-    copies: tuple[Copy, ...] = copies_entry()
-    foot: str | None = foot_entry()
-    sliding: ClassVar = {
-        "linkage": dataclasses.replace(WITH_SLIDER, driver="block"),
-        "stroke": Stroke(start=70, end=110),
-    }
-
-    @classmethod
-    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        values = super().example_values(tables)
-        return {"linkage": WITH_SLIDER, **values} if set(tables) - {"copies", "loads"} else values

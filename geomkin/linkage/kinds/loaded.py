@@ -23,6 +23,7 @@ from ..linkage import Linkage
 from ..motion import Motion
 from ..scene import vector_marks
 from .copies import Copied
+from .counterweights import UNBALANCED, BalancedPlates
 from .loads import LoadsTable
 
 
@@ -31,6 +32,7 @@ class LoadedLinkage:
     """The forces of a linkage in motion, and the torque of the shaft that it shares with its copies.
 
     table: the loads. masses: of the parts by body. copies: on the same shaft. given_motor: on that shaft, or None.
+    balanced: plates with counterweights, or None.
     """
 
     table: LoadsTable
@@ -38,6 +40,7 @@ class LoadedLinkage:
     masses: Mapping[str, Mass]
     copies: tuple[Copied, ...]
     given_motor: Motor | None
+    balanced: BalancedPlates | None = None
 
     @property
     def linkage(self) -> Linkage:
@@ -98,6 +101,8 @@ class LoadedLinkage:
         at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
         moment = f"shaking moment of the masses about {at}"
         yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
+        if self.balanced:
+            yield from self.balanced.columns
 
     @property
     def plots(self) -> tuple[Plot, ...]:
@@ -116,7 +121,8 @@ class LoadedLinkage:
     @property
     def hodographs(self) -> tuple[Hodograph, ...]:
         """Polar diagrams of the shaking force and of the pin forces."""
-        shaking = Hodograph("polar diagram of the shaking force", ("shaking_force",))
+        ids = ("shaking_force", *((UNBALANCED,) if self.balanced else ()))
+        shaking = Hodograph("polar diagram of the shaking force", ids)
         pins = Hodograph("polar diagram of the pin forces", _pin_forces(self.linkage))
         return (shaking, pins) if pins.columns else (shaking,)
 
@@ -133,12 +139,14 @@ class LoadedLinkage:
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Check of the motor, if there is one."""
+        """Checks of the motor and of the counterweights, if there are any."""
+        balance = (self.balanced.check(self.analysis),) if self.balanced else ()
         if self.motor is None:
-            return ()
+            return balance
         known = np.isfinite(self.effort).any()
         at = driver_at(self.motion, first_largest(np.abs(self.effort))) if known else None
-        return (motor_check(self.motor, self.duty, "shaft_torque" if self.copies else "driver_torque", at),)
+        column = "shaft_torque" if self.copies else "driver_torque"
+        return (motor_check(self.motor, self.duty, column, at), *balance)
 
     @property
     def summary(self) -> Mapping[str, object]:
@@ -164,6 +172,8 @@ class LoadedLinkage:
         }
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
+        if self.balanced:
+            result |= self.balanced.summary(analysis)
         return {**result, "undetermined": list(analysis.undetermined)}
 
 

@@ -23,6 +23,7 @@ from ..dynamics.wrenches import Wrenches, known_body
 from ..linkage import Linkage
 from ..motion import Motion
 from ..scene_handles import body_point
+from .counterweights import CounterweightsTable
 
 
 @record(checked=True)
@@ -112,6 +113,9 @@ class LoadsTable:
         "friction of slides, each with slide, coefficient, length and viscous", default=()
     )
     motor: MotorKey | None = motor_entry("the driver")
+    counterweights: CounterweightsTable | None = entry(
+        "round ends of bars that reduce the shaking force, with bodies, distance and largest_radius", default=None
+    )
 
     @property
     def by_key(self) -> dict[str, tuple[Any, ...]]:
@@ -192,4 +196,4 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 6 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
+    return 9 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)

@@ -15,7 +15,7 @@ from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, che
 from ...core.names import check_names
 from ...core.records import record
 from ...model.scene import SceneHandle
-from ...plane.vec import Complex, Real
+from ...plane.vec import Complex, Real, Whole
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
@@ -67,6 +67,10 @@ def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | com
 
 # Largest number of dyads of a linkage whose other assembly mode is shown.
 MOST_DYADS = 2
+
+
+# Decimals of rad to which angles of the driver count as one.
+SAME_ANGLE = 12
 
 
 class AbstractMovedRecipe(AbstractRecipe):
@@ -123,6 +127,17 @@ class AbstractMovedRecipe(AbstractRecipe):
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
         return self.moved(self.input_range.frames, self.signs)
+
+    def moved_at(self, turn: Real) -> tuple[Motion, Whole]:
+        """The motion over one turn of the driver, and its frames at rotations from the first position, rad, (frames,).
+
+        The motion has the recipe's own steps too, so that it stays on its branch.
+        """
+        first, steps = self.drive.frames[0], self.drive.frames - self.drive.frames[0]
+        angles, rows = np.unique(
+            np.round(np.abs(np.concatenate([steps, np.remainder(turn, steps[-1])])), SAME_ANGLE), return_inverse=True
+        )
+        return self.moved(first + np.sign(steps[-1]) * angles, self.signs), rows[len(steps) :]
 
     @property
     def further_values(self) -> dict[str, Real]:

@@ -25,6 +25,10 @@ FEWEST_FEET = 3
 # Largest tilt of the frame over a turn, deg, along the path or across it. A walker that rocks more stumbles; chosen
 # here.
 MOST_ROCKING_DEG = 10.0
+FOUR_LEGS = (
+    "four legs stand on two feet at times, whatever their phases, and the frame then tips from one pair of feet to "
+    "another: give six legs of alternating phase, or feet as wide as the body"
+)
 UNKNOWN_STANCE = "how it stands is unknown: no rod joins two of the copies, so their distance is not given"
 
 
@@ -91,6 +95,17 @@ class Stance:
         for direction, value in self.rocking_deg.items():
             name = f"tilt {direction} the path, largest minus least"
             yield Check(f"tilt_{direction}", name, value, "at most", MOST_ROCKING_DEG, "deg", advice)
+
+    @property
+    def remarks(self) -> Iterator[str]:
+        """That four legs tip, and the place of the weight for which the checks hold."""
+        if len(self.feet) == 4:
+            yield FOUR_LEGS
+        if (margin := float(self.margin.min())) > 0:
+            yield (
+                f"it stands if its weight is in the middle, {self.centre.imag:.4g} mm from the outer face of the first "
+                f"ground: fix the battery so that it balances there, within {margin:.2g} mm"
+            )
 
     @property
     def summary(self) -> Mapping[str, object]:

@@ -248,7 +248,10 @@ def _on_steps(pair: Whole, pairs: int, start: Complex, end: Complex, corners: Co
 
 def _rows(values: Real) -> Real:
     """Steps (pairs, steps) grouped by frame of the first scan, (pairs, rows, `EVERY`), filled with zeros."""
-    return np.pad(values, ((0, 0), (0, -values.shape[1] % EVERY))).reshape(len(values), -1, EVERY)
+    pairs, count = values.shape
+    rows = np.zeros((pairs, -(-count // EVERY), EVERY))
+    rows.reshape(pairs, -1)[:, :count] = values
+    return rows
 
 
 def distance(one: Complex, two: Complex) -> Real:

@@ -166,18 +166,26 @@ EQUAL = 8 * np.finfo(float).eps
 class LinkPlate:
     """A plate in the frame of a body.
 
-    openings: by pin or point, one point, mm, for a hole, two for a slot's ends. seat: a motor's holes in it.
+    openings: by pin or point, one point, mm, for a hole, two for a slot's ends. seat: a motor's holes in it. rim:
+    points of a counterweight that the outline encloses, complex mm.
     """
 
     body: str
     openings: dict[str, tuple[complex, ...]] = field(default_factory=dict)
     seat: Seat | None = None
+    rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
 
     @property
     def centres(self) -> Complex:
         """Points that the outline encloses at a constant distance, complex mm."""
         places = [place for places in self.openings.values() for place in places]
-        return np.array([*places, *(self.seat.rim if self.seat else ())])
+        return np.array([*places, *(self.seat.rim if self.seat else ()), *self.rim])
+
+    @property
+    def section_points(self) -> Complex:
+        """Points between which the plate is loaded, complex mm: the same, with the middle of a counterweight."""
+        holes = self.centres[: len(self.centres) - len(self.rim)]
+        return np.unique(np.append(holes, self.rim.mean()) if self.rim.size else holes)
 
     @property
     def hull(self) -> Complex:

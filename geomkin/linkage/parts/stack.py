@@ -21,7 +21,7 @@ from ...making.materials import STEEL_DENSITY
 from ...making.motor_faces import fixed_under
 from ...model.mass import Mass
 from ...model.part import Bought, Part
-from ...plane.primitives import Circle
+from ...plane.primitives import Circle, rounded_hull
 from ...plane.vec import Complex, direction_deg, dot
 from ..motion import Motion
 from .collisions import relative_paths
@@ -31,6 +31,8 @@ from .stock import LinkStock
 
 # Number of directions tried, within half a turn, for the two piles that support a bridge.
 DIRECTIONS = 36
+# Name of the plates between a motor and the ground.
+MOTOR_PLATE = "motor_plate"
 # Joints that the bridge carries.
 Carried = tuple[str, ...]
 
@@ -143,6 +145,10 @@ class Stack:
         The plates as cut, ground and bridge separately.
     fastener : Fastener
         Fastener of the pins. Layers stay empty where its heads would meet plates.
+    frame : tuple of str
+        Holes of the ground for the rods of a frame that joins copies.
+    motor_plates : int
+        Number of plates between the motor and the ground, for a boss that is higher than the ground is thick.
     """
 
     layers: Mapping[str, int]
@@ -150,6 +156,8 @@ class Stack:
     collisions: tuple[Collision, ...]
     plates: Mapping[str, LinkPlate]
     fastener: Fastener
+    frame: tuple[str, ...] = ()
+    motor_plates: int = 0
 
     @property
     def spacers(self) -> int:
@@ -158,9 +166,9 @@ class Stack:
 
     @cached_property
     def letters(self) -> Mapping[str, str]:
-        """Letter of each pin, engraved at its holes: A to Z, then AA and so on."""
+        """Letter of each pin and of each rod of a frame, engraved at its holes: A to Z, then AA and so on."""
         signs = [*ascii_uppercase, *("".join(two) for two in product(ascii_uppercase, repeat=2))]
-        return dict(zip((pin.name for pin in self.pins), signs))
+        return dict(zip((*(pin.name for pin in self.pins), *self.frame), signs))
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -184,11 +192,19 @@ class Stack:
     @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line for each layer."""
-        return tuple(self._steps())
+        return tuple(self.steps_with({}))
 
-    def _steps(self) -> Iterator[str]:
+    def steps_with(self, rods: Mapping[str, tuple[int, str]]) -> Iterator[str]:
+        """The same if some pins are rods that another copy shares.
+
+        Parameters
+        ----------
+        rods : mapping
+            By the pin's name, the layer in which its rod is put in, and the step.
+        """
         letters = self.letters
-        motors, pins = ([pin for pin in self.pins if bool(pin.motor) == turns] for turns in (True, False))
+        motors = [pin for pin in self.pins if pin.motor]
+        pins = [pin for pin in self.pins if not pin.motor and pin.name not in rods]
         from_above = [pin for pin in pins if pin.first == 0 and self.fastener.length(pin.length)]
         for layer in range(1 + max(self.layers.values())):
             plates = [name for name, own_layer in self.layers.items() if own_layer == layer]
@@ -201,7 +217,7 @@ class Stack:
                 (
                     "{}",
                     [
-                        fixed_under(plates[0], letters[pin.name], pin.motor[1][1])
+                        fixed_under(plates[0], letters[pin.name], pin.motor[1][1], self.motor_plates)
                         for pin in motors
                         if pin.first == layer
                     ],
@@ -218,6 +234,7 @@ class Stack:
                     [letters[pin.name] for pin in from_above if pin.last == layer],
                 ),
                 ("fix {}", [self._on_motor(pin) for pin in motors if pin.last == layer]),
+                ("{}", [step for at, step in rods.values() if at == layer]),
             ]
             yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in steps if names)}"
 
@@ -287,7 +304,12 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
     -----
     Exact for the motion's frames, and between them to second order. Derived here.
     """
-    meetings = Meetings(motion, stock, assemble(motion, stock))
+    return stack_assembly(motion, stock, assemble(motion, stock))
+
+
+def stack_assembly(motion: Motion, stock: LinkStock, assembly: LinkAssembly) -> Stack:
+    """Arrange given plates as `stack_links` does."""
+    meetings = Meetings(motion, stock, assembly)
     if len(meetings.moving) > LARGEST:
         raise DesignError(
             "bodies",
@@ -367,7 +389,27 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
         parts.append(
             Part(name, disc, (hole,), stock.thickness, count=stack.spacers, fits=fits, material=stock.material)
         )
+    if stack and stack.motor_plates:
+        parts.append(motor_packing(stack, stock))
     return tuple(parts)
+
+
+def motor_packing(stack: Stack, stock: LinkStock) -> Part:
+    """The plates under the ground that take up the rest of the motor's boss, in the ground's frame."""
+    ground = next(plate for plate in stack.plates.values() if plate.seat and plate.seat.rim.size)
+    assert ground.seat is not None
+    outline = rounded_hull(ground.seat.rim, stock.bar_width / 2)
+    name = unused(MOTOR_PLATE, stack.plates)
+    return Part(
+        name,
+        outline,
+        ground.seat.holes,
+        stock.thickness,
+        body=ground.body,
+        count=stack.motor_plates,
+        fits=ground.seat.fits,
+        material=stock.material,
+    )
 
 
 def _fits(meetings: Meetings, carried: Carried) -> bool:
@@ -415,7 +457,8 @@ def _stack(meetings: Meetings, carried_joints: Carried, best: Order) -> Stack:
         holes, slots = (tuple(fixed if n == ground else n for n in names) for names in (pin.holes, pin.slots))
         ends = [layers[name] for name in holes + slots]
         spans.append(PinSpan(pin.name, min(ends), max(ends), 0.0, holes, slots))
-    return _spread(meetings, Stack(layers, tuple(spans), (), plates, stock.fastener_used), pins)
+    stack = Stack(layers, tuple(spans), (), plates, stock.fastener_used, motor_plates=stock.motor_plates)
+    return _spread(meetings, stack, pins)
 
 
 def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
@@ -455,7 +498,8 @@ def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
 def _motor_bill(stock: LinkStock, length: float, is_open: bool) -> Bill:
     """The motor, with its shaft through plates of a total length, mm; cut to length if anything passes over it."""
     assert stock.shaft is not None
-    return shaft_bill(stock.shaft, length, base=stock.thickness, is_cut=not is_open)
+    packing = stock.motor_plates * stock.thickness
+    return shaft_bill(stock.shaft, length + packing, base=stock.thickness + packing, is_cut=not is_open)
 
 
 def _collisions(meetings: Meetings, stack: Stack, others: Iterable[tuple[str, str, Run]]) -> Iterator[Collision]:

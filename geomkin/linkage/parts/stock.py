@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from math import ceil
 from typing import Literal
 
 from ...core.errors import DesignError
@@ -12,6 +14,9 @@ from ...making.fasteners import Fastener, fastener_of
 from ...making.fits import AbstractBored, Fit, fit_entry, interference
 from ...making.materials import MaterialKey, material_entry
 from ...making.motor_faces import MountedMotorKey, face_of, mounted_motor_entry
+
+# Largest number of plates between a motor and the ground. More would use up the length of most shafts.
+MOST_MOTOR_PLATES = 3
 
 
 @record(checked=True)
@@ -82,7 +87,7 @@ class LinkStock:
                 "give wider bars or thinner pins",
             )
 
-    @property
+    @cached_property
     def fastener_used(self) -> Fastener:
         """The fastener that holds the pins."""
         return fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
@@ -109,12 +114,20 @@ class LinkStock:
             motor=self.motor,
         )
 
+    @property
+    def motor_plates(self) -> int:
+        """Number of plates between the motor and the ground, which take up a boss higher than the sheet."""
+        if self.motor is None:
+            return 0
+        missing = ceil(face_of(self.motor).boss_height / self.thickness) - 1
+        return missing if 0 < missing <= MOST_MOTOR_PLATES else 0
+
     def _check_motor(self) -> None:
         if (shaft := self.shaft) is None or self.motor is None:
             if self.fit == "press":
                 raise DesignError("fit", "found press, but no motor", "give motor, or omit fit", "conflict")
             return
-        face_of(self.motor).check_plate(self.thickness, "motor")
+        face_of(self.motor).check_plate(self.thickness, "motor", 1 + MOST_MOTOR_PLATES)
         if self.bar_width <= (widest := shaft.bore + shaft.play):
             raise DesignError(
                 "bar_width",

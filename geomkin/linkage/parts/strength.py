@@ -257,7 +257,7 @@ def linkage_strength_checks(
     if material and material.carried_stress:
         loads, tolerance = plate_loads(analysis), FINE * stock.bar_width
         stresses = (
-            (part.name, plate_stress(loads, part, plate.centres, tolerance))
+            (part.name, plate_stress(loads, part, plate.section_points, tolerance))
             for part in link_parts(motion, stock, stack)
             if (plate := stack.plates.get(part.name)) and plate.body != motion.linkage.ground
         )

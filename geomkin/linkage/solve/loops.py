@@ -179,7 +179,7 @@ class Loops(Placement):
     def reached(self, p0: Poses) -> Complex | None:
         return p0.origin[self.waiting[0]]
 
-    def transmission_angle(self, p0: Poses) -> Real | None:
+    def transmission_angle(self, p0: Poses) -> Real:
         return self.equations.transmission_angle(self.equations.gathered(p0, len(p0.origin[self.waiting[0]])))
 
     def _derivative(self, poses: Poses, orders: tuple[Coefficients, ...]) -> None:

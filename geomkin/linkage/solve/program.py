@@ -69,7 +69,7 @@ class LinkageProgram:
 
     inputs: numbers of the sizes that vary; times: of drive, speed and acceleration. joints: inner joints of the dyads,
     whose signs can be given. functions: cache, by the groups that were computed one after the other, each with the
-    numbers of all values known after it. requested: the groups requested of the last motion and of this one.
+    numbers of all values known after it. requested: only item, the groups requested of the motion evaluated last.
     """
 
     recording: Recording
@@ -78,7 +78,7 @@ class LinkageProgram:
     groups: Mapping[Group, Mapping[str, Any]]
     joints: tuple[str, ...]
     functions: dict[tuple[Groups, ...], tuple[Function, set[int]]] = field(init=False, repr=False, default_factory=dict)
-    requested: list[set[Group]] = field(init=False, repr=False, default_factory=lambda: [set(), set()])
+    requested: list[set[Group]] = field(init=False, repr=False, default_factory=lambda: [set()])
 
     def at(self, sizes: Iterable[Any]) -> dict[int, Any] | None:
         """Values that depend on sizes alone, by number; None if the conditions of the recording do not hold."""
@@ -159,22 +159,21 @@ class ProgramRun:
     def __init__(self, program: LinkageProgram, values: dict[int, Any], frames: int, linkages: int):
         self.program, self.values, self.frames = program, values, frames
         self._rows = max(1, BLOCK // max(1, linkages))
-        _, before = program.requested
+        self._prefetches = frames * linkages <= PREFETCHED
         self._requested: set[Group] = set()
-        program.requested[:] = before, self._requested
-        self._prefetched: Groups = frozenset(before if frames * linkages <= PREFETCHED else ())
         self._done: tuple[Groups, ...] = ()
 
     def value(self, group: Group, body: str) -> Array:
         """A result of a group."""
         if group not in self._requested:
-            self._requested.add(group)
             if not any(group in groups for groups in self._done):
-                self._done += (
-                    (self._prefetched if group in self._prefetched and not self._done else frozenset((group,))),
-                )
+                before: set[Group] = set()
+                if not self._done:
+                    before, self.program.requested[0] = self.program.requested[0], self._requested
+                self._done += (frozenset(before if self._prefetches and group in before else (group,)),)
                 with np.errstate(all="ignore"):
                     self._run(self.program.function(self._done)[0])
+            self._requested.add(group)
         result = self.program.groups[group][body]
         values: Array = self.values[result.number] if isinstance(result, Symbol) else result
         return values

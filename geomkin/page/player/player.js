@@ -8,8 +8,8 @@ import { abs, floor, make, max, min, spaced } from "./shapes.js";
 // Seconds of one pass at the first speed, approximately: a faster motion cannot be followed.
 const FIRST_PASS = 5;
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
-// Rotation of the driver, deg, between two dashes of a trail; number of steps over the stroke of a sliding driver.
-const DASH_DEG = 5, STROKE_DASHES = 72;
+// Rotation of the driver, deg, of a dash of a trail, and the most dashes of a whole motion.
+const DASH_DEG = 5, MOST_DASHES = 72;
 // Milliseconds between updates of the values while it plays; faster ones cannot be read.
 const READING = 120;
 // Zoom of one press of a key or button, and movement of the view by an arrow key, px.
@@ -66,7 +66,7 @@ class Player {
     const drive = data.columns[0], { row } = drive;
     Object.assign(this, { data, drive, time: data.rows[data.time] });
     const span = abs(row[data.frames - 1] - row[0]), several = data.scenes.length > 1;
-    const every = drive.unit === "deg" ? DASH_DEG : span / STROKE_DASHES || 1;
+    const every = max(drive.unit === "deg" ? DASH_DEG : 0, span / MOST_DASHES) || 1;
     data.scenes.forEach((scene, k) => {
       const drawing = this.drawings[k] ?? this.addDrawing();
       drawing.caption.textContent = k ? spaced(scene.label) : "as asked for";

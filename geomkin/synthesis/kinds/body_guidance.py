@@ -12,6 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import ComplexPoint, RowsOf, entry, quantity, to_digits
 from ...core.records import record
+from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.motion import Motion, unwrapped_deg
 from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes, skeleton
@@ -19,7 +20,7 @@ from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
 from ...model.handles import list_handles, pose_handles
 from ...model.part import Part
-from ...model.scene import Scene, SceneCurve, SceneHandle, SceneRegion
+from ...model.scene import Choice, Limit, Plot, Scene, SceneCurve, SceneHandle, SceneRegion
 from ...model.table import Column, Table
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
@@ -29,7 +30,7 @@ from ..guidance.filemon_waldron import Rectification, rectification
 from ..guidance.guidance import BodyGuide, body_guides
 from ..guidance.guide_groups import KINDS, LARGEST_RATIO, Kind
 from ..guidance.poses import circle_of_sliders, poles
-from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
+from .linkage_goals import LISTED, AbstractLinkageGoal, Search, choose_entry
 
 # Largest error of a pose, mm and deg, below manufacturing accuracy. Rounding is a billion times smaller, so only
 # least-squares fits can fail. Derived here.
@@ -168,6 +169,27 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         handles += list_handles("wanted.moving_points", at_first, "moving point")
         handles += list_handles("wanted.fixed_points", wanted.fixed_points or (), "fixed point")
         return (*handles, *list_handles("wanted.region", wanted.region or (), "corner of the region"))
+
+    @property
+    def choice(self) -> Choice | None:
+        """Transmission angle and ratio of links of the linkages found, by their rank."""
+        ranked = self.ranked[: max(LISTED, self.choose)]
+        if len(ranked) < 2:
+            return None
+        least, largest = LEAST_TRANSMISSION_ANGLE_DEG, self.search_limits[1]
+        angles = np.array([guide.transmission_angle_deg for guide in ranked])
+        columns = (
+            Column("rank", "", "rank of the linkage", np.arange(1.0, 1 + len(ranked))),
+            Column("least_angle", "deg", "least transmission angle; none if the linkage cannot pass the poses", angles),
+            Column("link_ratio", "", "longest link over the shortest", np.array([guide.ratio for guide in ranked])),
+        )
+        plots = (
+            Plot(
+                "least transmission angle", ("least_angle",), (Limit("least_angle", least, f"at least {least:g} deg"),)
+            ),
+            Plot("ratio of links", ("link_ratio",), (Limit("link_ratio", largest, f"at most {largest:g}"),)),
+        )
+        return Choice(Table(columns), self.choose - 1, plots, "choose")
 
     @property
     def search_limits(self) -> tuple[float, float]:

@@ -14,7 +14,8 @@ from ...core.errors import DesignError
 from ...core.fields import quantity, rounded_up, to_digits
 from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
-from ...linkage.kinds.linkages import AbstractLinkageRecipe, EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
+from ...linkage.kinds.linkage_kinds import EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
+from ...linkage.kinds.linkages import AbstractLinkageRecipe
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.measures import grashof_type
 from ...linkage.moving import move

@@ -1,0 +1,5 @@
+"""Machines: several mechanisms on common shafts, in one recipe."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

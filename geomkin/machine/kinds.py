@@ -1,0 +1,405 @@
+"""The recipe of a machine: mechanisms of any kinds on common shafts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import fields, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Annotated, Any, Literal, NoReturn
+
+import numpy as np
+
+from ..core.arguments import ArgumentType
+from ..core.errors import DesignError, RecipeError, shown
+from ..core.fields import entry, quantity
+from ..core.names import check_names, read_text_file
+from ..core.records import record
+from ..model.check import Check
+from ..model.mass import Mass
+from ..model.part import Bought, Part
+from ..model.scene import Scene
+from ..model.table import Table
+from ..plane.vec import Pose, Real
+from ..recipe.load import from_table, short_table, to_toml
+from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.settings import SLOWEST_RPM, Files
+from ..recipe.toml import LARGEST, parsed
+from .placed import PlacedMechanism, joined_scene, joined_table
+from .shaft_fits import ShaftFit, shaft_fits
+from .shafts import ShaftGraph
+
+# Most mechanisms of a machine: what a page shows and a person tells apart. Twelve legs and their train are 13.
+MOST_MECHANISMS = 16
+# The name of a recipe's file: no folder.
+FILE_NAME = re.compile(r"[^/\\]+\.toml")
+
+
+class RecipeOrFile(ArgumentType):
+    """Marks a recipe that a table gives inline, or by the name of a file next to the file of the table."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda value: isinstance(value, AbstractRecipe), "a recipe")
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.with_info_plain_validator_function(
+            lambda value, info: _read(value, (info.context or {}).get("folder", ".")),
+            serialization=core_schema.plain_serializer_function_ser_schema(_written),
+        )
+
+    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
+        return {"format": "recipe"}
+
+
+def _read(given: object, folder: Any) -> AbstractRecipe:
+    """The recipe of an inline table or of a file in the folder."""
+    if isinstance(given, AbstractRecipe):
+        return given
+    try:
+        file, table = "recipe", given
+        if isinstance(given, str):
+            if not FILE_NAME.fullmatch(given):
+                remedy = 'give the name of a file next to this one, such as "leg.toml"'
+                raise DesignError("", f"found {shown(given)}", remedy, "out-of-range")
+            file = given
+            text = read_text_file(given, folder, "the file of a recipe")
+            if len(text) > LARGEST:
+                problem = f"{given} is larger than {LARGEST:,} bytes"
+                raise DesignError("", problem, "give a recipe, a short TOML file", "too-much-work")
+            table = parsed(text, given)
+        if not isinstance(table, Mapping):
+            remedy = 'give a file next to this one, such as "leg.toml", or a table with kind'
+            raise DesignError("", f"found {shown(given)}", remedy, "wrong-type")
+        # A machine is refused before its own mechanisms are read, for files may name each other in a circle.
+        if table.get("kind") == "machine":
+            _refuse_machine()
+        recipe = from_table(table, file, folder)
+        return recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe
+    except RecipeError as error:
+        first = error.problems[0]
+        raise DesignError(first.key, first.problem, first.remedy, first.id) from None
+
+
+def _refuse_machine(key: str = "kind") -> NoReturn:
+    remedy = "give its mechanisms in this recipe, or a recipe of another kind"
+    raise DesignError(key, "found a machine in a machine", remedy, "conflict")
+
+
+def _written(recipe: AbstractRecipe) -> str | dict[str, Any]:
+    """The name of its file, or its keys as an inline table."""
+    return f"{recipe.name}.toml" if recipe.name else short_table(recipe)
+
+
+@record(checked=True, kw_only=True)
+class Mechanism:
+    """A mechanism of a machine.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe
+        Its recipe, of a linkage, a disk cam, a gear pair, a gear train or a planetary set.
+    turned_by : str, optional
+        The body that turns its driver, as `mechanism.body`; None for the one that a motor or a hand drives.
+    phase_deg : float, optional
+        Rotation of its driver from its own first position when the machine is at its first, deg.
+    angle_deg : float, optional
+        Rotation of the whole mechanism about the axis of its driver, deg.
+    upside_down : bool, optional
+        Whether its layers are in the reverse order, its ground on top.
+    """
+
+    recipe: Annotated[AbstractRecipe, RecipeOrFile()] = entry(
+        'its recipe: a file next to this one, such as "leg.toml", or a table with kind',
+        example="leg.toml",
+    )
+    turned_by: str | None = entry(
+        'the body that turns its driver, such as "pair.second"; omitted for the one that a motor or a hand drives',
+        default=None,
+    )
+    phase_deg: float = quantity(
+        "rotation of its driver from its own first position when the machine is at its first",
+        "deg",
+        default=0.0,
+        at_least=-360,
+        at_most=360,
+    )
+    angle_deg: float = quantity(
+        "rotation of the whole mechanism about the axis of its driver", "deg", default=0.0, at_least=-360, at_most=360
+    )
+    upside_down: bool = entry("whether its layers are in the reverse order, its ground on top", default=False)
+
+
+@record(checked=True)
+class MachineDrive:
+    """How the machine is driven."""
+
+    speed_rpm: float = quantity(
+        "speed of the driver of the first mechanism; negative if clockwise",
+        "rpm",
+        default=60.0,
+        at_least=-1e6,
+        at_most=1e6,
+    )
+
+    def __post_init__(self) -> None:
+        if abs(self.speed_rpm) < SLOWEST_RPM:
+            remedy = f"give at least {SLOWEST_RPM:g}, or at most {-SLOWEST_RPM:g} to go the other way"
+            raise DesignError("speed_rpm", f"found {self.speed_rpm:g}", remedy, "out-of-range")
+
+
+@record(kw_only=True)
+class MachineRecipe(AbstractRecipe):
+    """Several mechanisms on common shafts, such as a gear train that turns two cranks: one motion, one bill.
+
+    The mechanisms lie above one another in the order of the recipe. The axis of each driver is on the axis of the body
+    that turns it.
+
+    Parameters
+    ----------
+    mechanisms : dict of str to Mechanism
+        The mechanisms by name, the lowest first.
+    drive : MachineDrive, optional
+        Speed of the driver.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
+
+    kind: Literal["machine"] = "machine"
+    mechanisms: dict[str, Mechanism] = entry("the mechanisms by name, the lowest first", example={})
+    drive: MachineDrive = entry("how the machine is driven", default=MachineDrive())
+    files: Files = entry("formats and tolerance of the files", default=Files())
+
+    def __post_init__(self) -> None:
+        names = list(self.mechanisms)
+        if not 1 < len(names) <= MOST_MECHANISMS:
+            raise DesignError("mechanisms", f"found {len(names)}", f"give 2 to {MOST_MECHANISMS}", "out-of-range")
+        check_names("mechanisms", names, "a mechanism")
+        for name in names:
+            # Parts are named `mechanism_part`.
+            if twin := next((other for other in names if other.startswith(f"{name}_")), None):
+                problem = f"found {shown(name)} and {shown(twin)}, whose parts might have the same name"
+                raise DesignError("mechanisms", problem, f"name one of them without {name}_", "conflict")
+        for name, mechanism in self.mechanisms.items():
+            if isinstance(mechanism.recipe, MachineRecipe):
+                _refuse_machine(f"mechanisms.{name}.recipe")
+            if mechanism.turned_by and (key := _motor_key(mechanism.recipe)):
+                problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
+                raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
+        if not any(isinstance(recipe, AbstractGoal) for recipe in self.recipes.values()):
+            # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
+            self.graph.period  # noqa: B018
+
+    @cached_property
+    def recipes(self) -> Mapping[str, AbstractRecipe]:
+        """The recipe of each mechanism; equal ones are the same object, so that their parts are computed once."""
+        recipes: dict[str, AbstractRecipe] = {}
+        for name, mechanism in self.mechanisms.items():
+            equal = (r for r in recipes.values() if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
+            recipes[name] = next(equal, mechanism.recipe)
+        return recipes
+
+    @cached_property
+    def graph(self) -> ShaftGraph:
+        """Which mechanism turns which."""
+        bodies = {}
+        for name, recipe in self.recipes.items():
+            with errors_of(name):
+                bodies[name] = recipe.rotating_bodies
+            if not bodies[name]:
+                problem = f"this {recipe.kind} has no driver that makes whole turns on a fixed shaft and moves others"
+                remedy = "give a linkage whose crank turns by 360 deg, a disk cam, or two or more gears in mesh"
+                raise DesignError(f"mechanisms.{name}.recipe", problem, remedy, "conflict")
+        return ShaftGraph(bodies, {name: mechanism.turned_by for name, mechanism in self.mechanisms.items()})
+
+    @property
+    def design(self) -> Mapping[str, AbstractRecipe]:
+        """The recipe of each mechanism."""
+        return self.recipes
+
+    @cached_property
+    def poses(self) -> Mapping[str, Pose]:
+        """Pose of each mechanism: the axis of its driver is that of the body that turns it."""
+        poses, bodies = dict[str, Pose](), self.graph.bodies
+        for name in self.graph.order:
+            place = axis = next(iter(bodies[name].values())).axis
+            if name in self.graph.sources:
+                mechanism, body = self.graph.sources[name]
+                place = complex(poses[mechanism].place(bodies[mechanism][body].axis))
+            direction = np.exp(1j * np.radians(self.mechanisms[name].angle_deg))
+            poses[name] = Pose(complex(place - direction * axis), complex(direction))
+        return poses
+
+    @cached_property
+    def placed(self) -> tuple[PlacedMechanism, ...]:
+        """All mechanisms in their places, the lowest first."""
+        graph, layer, placed = self.graph, 0, []
+        for name, mechanism in self.mechanisms.items():
+            turn = 2 * np.pi * float(graph.speeds[name]) * self.turns + np.radians(mechanism.phase_deg)
+            pose, upside_down = self.poses[name], mechanism.upside_down
+            with errors_of(name):
+                placed.append(PlacedMechanism(name, self.recipes[name], pose, turn, upside_down, layer))
+                layer += placed[-1].layers
+        return tuple(placed)
+
+    @property
+    def turns(self) -> Real:
+        """Rotations of the driver at the frames, (frames,); negative if clockwise."""
+        return self.graph.turns if self.drive.speed_rpm > 0 else -self.graph.turns
+
+    @cached_property
+    def table(self) -> Table:
+        """Positions and angles of all mechanisms over the period."""
+        return joined_table(self.turns, 60 * self.graph.turns / abs(self.drive.speed_rpm), self.placed)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """All mechanisms over the period."""
+        return joined_scene(self.table, self.placed, self.graph.is_cyclic)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        parts: list[Part] = []
+        for mechanism in self.placed:
+            with errors_of(mechanism.name):
+                parts += mechanism.parts
+        return tuple(parts)
+
+    @cached_property
+    def shafts(self) -> tuple[ShaftFit, ...]:
+        """The shafts that join mechanisms, in the layers of the machine."""
+        return tuple(shaft_fits(self.graph, self.placed))
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Items of all mechanisms, equal ones in one line, and the shafts that join them."""
+        lines: dict[str, Bought] = {}
+        own = (
+            replace(item, joints=tuple(f"{name} {joint}" for joint in item.joints))
+            for name, recipe in self.recipes.items()
+            for item in recipe.bought
+        )
+        for item in (*own, *(item for shaft in self.shafts for item in shaft.bought)):
+            before = lines.get(item.name, Bought(item.name, 0, ()))
+            lines[item.name] = Bought(item.name, before.count + item.count, (*before.joints, *item.joints))
+        return tuple(lines.values())
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """Steps of each mechanism, then the shafts that join them."""
+        own = (f"{name}: {step}" for name, recipe in self.recipes.items() for step in recipe.steps)
+        phases = (
+            f"turn the driver of {name} by {mechanism.phase_deg:g} deg before it is fixed to its shaft"
+            for name, mechanism in self.mechanisms.items()
+            if mechanism.phase_deg
+        )
+        neighbours = (
+            f"set {upper} above {lower} on tubes as high as the nuts and collars between them"
+            for lower, upper in pairwise(self.mechanisms)
+        )
+        return (*own, *neighbours, *(shaft.step for shaft in self.shafts), *phases)
+
+    @property
+    def design_checks(self) -> tuple[Check, ...]:
+        own = self._checks_of("design_checks")
+        return (*own, *(check for shaft in self.shafts for check in shaft.checks(self.placed)))
+
+    @property
+    def motion_checks(self) -> tuple[Check, ...]:
+        return tuple(self._checks_of("motion_checks"))
+
+    def _checks_of(self, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
+        """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
+        for name, recipe in self.recipes.items():
+            with errors_of(name):
+                checks: tuple[Check, ...] = getattr(recipe, kind)
+            for check in checks:
+                id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
+                yield replace(check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason)
+
+    @cached_property
+    def body_masses(self) -> Mapping[str, Mass]:
+        """Mass of each body of all mechanisms whose stock names a material."""
+        masses = {name: recipe.body_masses for name, recipe in self.recipes.items()}
+        return {f"{name}/{body}": mass for name, bodies in masses.items() for body, mass in bodies.items()}
+
+    @property
+    def sources(self) -> Mapping[str, str]:
+        """The recipes that are files, and the files that these read."""
+        own = {f"{recipe.name}.toml": to_toml(recipe) for recipe in self.recipes.values() if recipe.name}
+        return own | {name: text for recipe in self.recipes.values() for name, text in recipe.sources.items()}
+
+    @property
+    def assumed_fits(self) -> Mapping[str, float]:
+        """Those of each mechanism, whose kerf is that of the machine."""
+        return dict(super().assumed_fits) | {
+            f"mechanisms.{name}.recipe.{key}": value
+            for name, recipe in self.recipes.items()
+            for key, value in recipe.assumed_fits.items()
+            if key != "files.kerf"
+        }
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        graph = self.graph
+        turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
+        return {"period_turns": {"driver": str(graph.period), **turns}, **self.assembly_summary}
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """The speed of each mechanism and the period."""
+        speeds = (f"{name} {speed}" for name, speed in self.graph.speeds.items())
+        return (
+            f"rotations for one of the driver: {', '.join(speeds)}",
+            f"the motion repeats after {self.graph.period} turns of the driver",
+        )
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """The period and the speed of each mechanism."""
+        speeds = {f"speed of {name}": f"{speed} of the driver's" for name, speed in self.graph.speeds.items()}
+        return {"period": f"{self.graph.period} turns of the driver", **speeds}
+
+    @classmethod
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        """A gear pair that turns a crank."""
+        pair = from_table({"kind": "gear-pair", **EXAMPLE_PAIR})
+        crank = from_table({"kind": "slider-crank", **EXAMPLE_CRANK})
+        return {
+            "mechanisms": {
+                "pair": Mechanism(recipe=pair),
+                "pump": Mechanism(recipe=crank, turned_by="pair.second"),
+            }
+        }
+
+
+EXAMPLE_PAIR: dict[str, object] = {
+    "first": {"teeth": 12, "module": 2, "profile_shift": 0.3},
+    "second": {"teeth": 36, "module": 2},
+    "first_stock": {"thickness": 4, "bore": 4},
+    "second_stock": {"thickness": 4, "bore": 4},
+    "base": {},
+}
+EXAMPLE_CRANK: dict[str, object] = {
+    "linkage": {"crank": 20, "coupler": 70},
+    "stock": {"thickness": 4, "pin_diameter": 4},
+}
+
+
+def _motor_key(recipe: AbstractRecipe) -> str:
+    """The key of the motor on the driver of a recipe; empty without one."""
+    keys = (field.name for field in fields(recipe) if field.name.endswith("stock"))
+    return next((f"{key}.motor" for key in keys if getattr(getattr(recipe, key), "motor", None) is not None), "")
+
+
+@contextmanager
+def errors_of(name: str) -> Iterator[None]:
+    """Name the mechanism in a DesignError of its recipe."""
+    try:
+        yield
+    except DesignError as error:
+        field = error.field if error.field.startswith("mechanisms") else f"mechanisms.{name}.recipe.{error.field}"
+        raise DesignError(field, error.problem, error.remedy, error.id) from None

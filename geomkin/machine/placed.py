@@ -1,0 +1,195 @@
+"""Mechanisms in their places in a machine: their parts, and their scenes joined to one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from ..core.errors import DesignError
+from ..core.names import LONGEST
+from ..core.records import record
+from ..model.part import Part
+from ..model.scene import Plot, Scene, SceneBody
+from ..model.table import Column, Table
+from ..plane.curve import AbstractCurve, Moved
+from ..plane.vec import Complex, Pose, Real
+from ..recipe.recipe import AbstractRecipe
+
+# Units of the columns that a machine's table takes from those of its mechanisms. Rates are those of another speed.
+UNITS = ("mm", "deg")
+
+
+@record(eq=False)
+class PlacedMechanism:
+    """A mechanism in a machine.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the machine.
+    recipe : AbstractRecipe
+        Its recipe.
+    pose : Pose
+        Pose of its frame in that of the machine, mm.
+    turn : array, shape (frames,)
+        Rotation of its driver from its first position, rad.
+    upside_down : bool
+        Whether its layers are in the reverse order.
+    first_layer : int
+        Its lowest layer in the machine.
+    """
+
+    name: str
+    recipe: AbstractRecipe
+    pose: Pose
+    turn: Real
+    upside_down: bool
+    first_layer: int
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Its parts under the names of the machine."""
+        return tuple(map(self._part, self.recipe.parts))
+
+    def _part(self, part: Part) -> Part:
+        name = f"{self.name}_{part.name}"
+        if len(name) > LONGEST:
+            remedy = f"give {self.name} a shorter name, so that there are at most {LONGEST}"
+            problem = f"the name {name} of its part has {len(name)} letters"
+            raise DesignError(f"mechanisms.{self.name}", problem, remedy, "out-of-range")
+        return replace(part, name=name, body=self._of_body(part.body))
+
+    def _of_body(self, body: str) -> str:
+        return f"{self.name}/{body}" if body else ""
+
+    @cached_property
+    def _own_scene(self) -> Scene:
+        return self.recipe.scene_at(self.turn)
+
+    @property
+    def layers(self) -> int:
+        """The number of its layers."""
+        layers = [body.layer for body in self._own_scene.bodies]
+        return 1 + max(layers) - min(layers)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Its scene in the frame and the layers of the machine, under the names of the machine."""
+        own, direction = self._own_scene, complex(np.asarray(self.pose.direction))
+        lowest = min(body.layer for body in own.bodies)
+        known = {id(part): own_part for part, own_part in zip(self.recipe.parts, self.parts)}
+
+        def body_in_place(body: SceneBody) -> SceneBody:
+            layer = body.layer - lowest
+            layer = self.first_layer + (self.layers - 1 - layer if self.upside_down else layer)
+            parts = tuple(known.get(id(part)) or self._part(part) for part in body.parts)
+            place = self.pose.place(body.origin)
+            return replace(
+                body,
+                name=self._of_body(body.name),
+                parts=parts,
+                origin=place,
+                direction=body.direction * direction,
+                layer=layer,
+            )
+
+        def moved(curve: AbstractCurve, body: str = "") -> AbstractCurve:
+            return curve if body else Moved(curve, self.pose)
+
+        def turned(vector: Complex | None) -> Complex | None:
+            return None if vector is None else vector * direction
+
+        curves = (
+            replace(curve, curve=moved(curve.curve, curve.body), body=self._of_body(curve.body))
+            for curve in own.curves
+            if curve.role != "dimension"
+        )
+        marks = (
+            replace(
+                mark,
+                place=self.pose.place(mark.place),
+                vector=turned(mark.vector),
+                direction=turned(mark.direction),
+                label=f"{self.name} {mark.label}" if mark.label else "",
+            )
+            for mark in own.marks
+        )
+        regions = (replace(region, curves=tuple(map(moved, region.curves))) for region in own.regions)
+        return replace(
+            own,
+            bodies=tuple(map(body_in_place, own.bodies)),
+            curves=tuple(curves),
+            marks=tuple(marks),
+            regions=tuple(regions),
+        )
+
+    @property
+    def heights(self) -> dict[int, float]:
+        """Thickness of each layer in the machine, mm; a layer of spacers is as thick as the thickest."""
+        heights: dict[int, float] = {}
+        for body in self.scene.bodies:
+            for part in body.parts:
+                heights[body.layer] = max(part.thickness, heights.get(body.layer, 0.0))
+        most = max(heights.values(), default=0.0)
+        return {k: heights.get(k, most) for k in range(self.first_layer, self.first_layer + self.layers)}
+
+    @property
+    def columns(self) -> Iterator[Column]:
+        """Rotation of the driver, then positions and angles, under the names of the machine."""
+        meaning = f"rotation of the driver of {self.name} from its first position"
+        yield Column(f"{self.name}_driver_angle", "deg", meaning, np.degrees(self.turn))
+        for column in self._own_scene.table.columns[1:]:
+            if column.unit in UNITS:
+                yield replace(column, id=f"{self.name}_{column.id}", meaning=f"{self.name}: {column.meaning}")
+
+    @property
+    def main_columns(self) -> dict[str, list[str]]:
+        """Unit -> ids of the columns of the first plot of that unit, under the names of the machine."""
+        units = {column.id: column.unit for column in self._own_scene.table.columns}
+        found: dict[str, list[str]] = {}
+        for plot in self._own_scene.plots:
+            found.setdefault(units[plot.columns[0]], [f"{self.name}_{id}" for id in plot.columns])
+        return {unit: ids for unit, ids in found.items() if unit in UNITS}
+
+
+def joined_table(driver_turns: Real, time: Real, mechanisms: Sequence[PlacedMechanism]) -> Table:
+    """Driver, time, and the columns of all mechanisms."""
+    driver = Column("driver_angle", "deg", "rotation of the machine's driver", 360 * driver_turns)
+    columns = (column for mechanism in mechanisms for column in mechanism.columns)
+    return Table((driver, Column("time", "s", "time", time), *columns))
+
+
+def joined_scene(table: Table, mechanisms: Sequence[PlacedMechanism], is_cyclic: bool) -> Scene:
+    """The scenes of all mechanisms as one, with the timing diagrams."""
+    scenes = [mechanism.scene for mechanism in mechanisms]
+    # Equal mechanisms in one place leave the same trails, and only the first one's are drawn.
+    places = [(id(m.recipe), complex(m.pose.origin), complex(m.pose.direction)) for m in mechanisms]
+    first = [places.index(place) == k for k, place in enumerate(places)]
+    return Scene(
+        table,
+        table["time"],
+        np.logical_and.reduce([scene.assembled for scene in scenes]),
+        tuple(body for scene in scenes for body in scene.bodies),
+        tuple(curve for scene in scenes for curve in scene.curves),
+        tuple(replace(mark, trail=mark.trail and own) for own, scene in zip(first, scenes) for mark in scene.marks),
+        tuple(timing_diagrams(mechanisms, table)),
+        is_cyclic,
+        regions=tuple(region for scene in scenes for region in scene.regions),
+    )
+
+
+def timing_diagrams(mechanisms: Sequence[PlacedMechanism], table: Table) -> Iterator[Plot]:
+    """The main columns of all mechanisms over one driver, a plot for each unit; the positions first."""
+    main: Mapping[str, list[str]] = {unit: [] for unit in UNITS}
+    for mechanism in mechanisms:
+        for unit, ids in mechanism.main_columns.items():
+            main[unit].extend(id for id in ids if id in table.ids)
+    turns = tuple(id for id in table.ids[2:] if id.endswith("_turn"))
+    for unit, ids in main.items():
+        if ids:
+            yield Plot(f"timing diagram, {'positions' if unit == 'mm' else 'angles'}", tuple(ids))
+    if turns:
+        yield Plot("rotations of gears", turns)
