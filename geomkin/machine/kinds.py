@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Any, Literal, NoReturn
@@ -28,7 +28,7 @@ from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
 from ..recipe.toml import LARGEST, parsed
 from .placed import PlacedMechanism, joined_scene, joined_table
-from .shaft_fits import ShaftFit, shaft_fits
+from .shaft_fits import ShaftFit, motor_key, shaft_fits
 from .shafts import ShaftGraph
 
 # Most mechanisms of a machine: what a page shows and a person tells apart. Twelve legs and their train are 13.
@@ -186,7 +186,7 @@ class MachineRecipe(AbstractRecipe):
         for name, mechanism in self.mechanisms.items():
             if isinstance(mechanism.recipe, MachineRecipe):
                 _refuse_machine(f"mechanisms.{name}.recipe")
-            if mechanism.turned_by and (key := _motor_key(mechanism.recipe)):
+            if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
         if not any(isinstance(recipe, AbstractGoal) for recipe in self.recipes.values()):
@@ -275,17 +275,24 @@ class MachineRecipe(AbstractRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """Items of all mechanisms, equal ones in one line, and the shafts that join them."""
+        """Items of all mechanisms, equal ones in one line, and the shafts that join them instead of their own."""
         lines: dict[str, Bought] = {}
-        own = (
-            replace(item, joints=tuple(f"{name} {joint}" for joint in item.joints))
-            for name, recipe in self.recipes.items()
-            for item in recipe.bought
-        )
-        for item in (*own, *(item for shaft in self.shafts for item in shaft.bought)):
-            before = lines.get(item.name, Bought(item.name, 0, ()))
-            lines[item.name] = Bought(item.name, before.count + item.count, (*before.joints, *item.joints))
+        for name, recipe in self.recipes.items():
+            replaced = [item for item in recipe.shaft_items if {(name, j) for j in item.joints} & self._replaced]
+            for item in recipe.bought:
+                own = [other for other in replaced if other.name == item.name]
+                joints = set(item.joints).difference(*(other.joints for other in own))
+                kept = tuple(f"{name} {joint}" for joint in item.joints if joint in joints)
+                add(lines, replace(item, count=item.count - sum(other.count for other in own), joints=kept))
+        for shaft in self.shafts:
+            for item in shaft.bought:
+                add(lines, item)
         return tuple(lines.values())
+
+    @property
+    def _replaced(self) -> set[tuple[str, str]]:
+        """Mechanism and joint of each shaft that a shaft of the machine replaces."""
+        return {joint for shaft in self.shafts for joint in shaft.joints.items()}
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -389,10 +396,11 @@ EXAMPLE_CRANK: dict[str, object] = {
 }
 
 
-def _motor_key(recipe: AbstractRecipe) -> str:
-    """The key of the motor on the driver of a recipe; empty without one."""
-    keys = (field.name for field in fields(recipe) if field.name.endswith("stock"))
-    return next((f"{key}.motor" for key in keys if getattr(getattr(recipe, key), "motor", None) is not None), "")
+def add(lines: dict[str, Bought], item: Bought) -> None:
+    """Add an item to the lines of a bill."""
+    if item.count:
+        before = lines.get(item.name, Bought(item.name, 0, ()))
+        lines[item.name] = Bought(item.name, before.count + item.count, (*before.joints, *item.joints))
 
 
 @contextmanager

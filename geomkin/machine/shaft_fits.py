@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
+from itertools import zip_longest
 
 import numpy as np
 
 from ..core.records import record
+from ..making.assembly import collar_bill, collar_width
 from ..model.check import Check
 from ..model.part import Bought, HoleFit, Part
+from ..model.rotating import RotatingBody
 from ..model.scene import SceneBody
 from ..plane.flatten import flatten
 from ..plane.region import distances
 from ..plane.vec import Complex
+from ..recipe.recipe import AbstractRecipe
 from .placed import PlacedMechanism
 from .shafts import Shaft, ShaftGraph
 
@@ -22,6 +27,8 @@ FINE = 0.01
 OFF_AXIS = 0.3
 # Decimals of mm to which positions count as one.
 PLACES = 6
+# Distance of axes that count as one, as a share of their distance from the origin.
+SAME_AXIS = 1e-9
 
 
 @record(eq=False)
@@ -38,8 +45,12 @@ class ShaftFit:
         The joined bodies by their names, the turning one first.
     bores : dict of str to HoleFit or None
         Bore of each joined body on the axis; None without a bore.
+    joints : dict of str to str
+        By mechanism, the joint in its bill whose own shaft this one replaces.
     layers : tuple of int
-        Lowest and highest layer of the joined bodies.
+        Lowest and highest layer of the joined mechanisms' bodies with a bore on the axis.
+    is_motor : bool
+        Whether a motor's own shaft turns the first body.
     length : float
         Thickness of all these layers, mm.
     """
@@ -48,7 +59,9 @@ class ShaftFit:
     axis: complex
     bodies: Mapping[str, SceneBody]
     bores: Mapping[str, HoleFit | None]
+    joints: Mapping[str, str]
     layers: tuple[int, int]
+    is_motor: bool
     length: float
 
     @property
@@ -58,17 +71,25 @@ class ShaftFit:
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """The shaft itself; none without bores."""
-        if not self.diameter > 0:
+        """The shaft and a collar at each end; none without bores, or if it is that of a motor."""
+        if self.is_motor or not self.diameter > 0:
             return ()
-        name = f"shaft {self.diameter:g} mm, at least {float(f'{self.length:.10g}'):g} mm and the gaps long"
-        return (Bought(name, 1, tuple(self.bodies)),)
+        shaft = f"shaft {self.diameter:g} mm, {self._long}"
+        items = ((shaft, 1), *collar_bill(self.diameter, 2))
+        return tuple(Bought(name, count, tuple(self.bodies)) for name, count in items)
+
+    @property
+    def _long(self) -> str:
+        length = self.length + 2 * collar_width(self.diameter)
+        return f"at least {float(f'{length:.10g}'):g} mm and the gaps long"
 
     @property
     def step(self) -> str:
         """The assembly step of the shaft."""
-        bodies = " and ".join(self.bodies)
-        return f"put one shaft through {bodies}, fixed to each, instead of the shaft or screw that each has by itself"
+        bodies, joints = " and ".join(self.bodies), " and ".join(f"{joint} of {n}" for n, joint in self.joints.items())
+        if self.is_motor:
+            return f"put the shaft of the motor, {self._long}, through {bodies}, fixed to each, instead of {joints}"
+        return f"put one shaft through {bodies}, fixed to each, with a collar at each end, instead of that of {joints}"
 
     def checks(self, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
@@ -103,7 +124,7 @@ class ShaftFit:
                 places = places_on(body, self.axis)
                 for part in body.parts:
                     if (bore := bore_at(part, places)) is not None:
-                        yield bore.diameter / 2, body.name
+                        yield bore[0].diameter / 2, body.name
                     else:
                         loops = [flatten(curve, FINE) for curve in (part.outline, *part.holes)]
                         yield float(distances(loops, places).min()), body.name
@@ -115,13 +136,13 @@ def places_on(body: SceneBody, axis: complex) -> Complex:
     return np.unique(np.round(places[np.isfinite(places)], PLACES))
 
 
-def bore_at(part: Part, places: Complex) -> HoleFit | None:
-    """The fit of the hole of a part that has its middle at these places, mm."""
-    for hole, fit in zip(part.holes, part.fits):
+def bore_at(part: Part, places: Complex) -> tuple[HoleFit, str] | None:
+    """The fit of the hole of a part that has its middle at these places, mm, and the letter next to it."""
+    for hole, fit, letter in zip_longest(part.holes, part.fits, part.hole_names[: len(part.holes)]):
         points = hole.point(np.linspace(hole.breaks[0], hole.breaks[-1], 65))
         middle = complex(np.ptp(points.real) / 2 + points.real.min(), np.ptp(points.imag) / 2 + points.imag.min())
         if fit is not None and np.abs(places - middle).max() <= OFF_AXIS * fit.diameter:
-            return fit
+            return fit, letter or ""
     return None
 
 
@@ -130,15 +151,35 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     heights = {layer: height for mechanism in mechanisms for layer, height in mechanism.heights.items()}
     by_name = {mechanism.name: mechanism for mechanism in mechanisms}
     for shaft in graph.shafts:
-        bodies = {}
-        for name, of in ((shaft.mechanism, shaft.body), *((n, next(iter(graph.bodies[n]))) for n in shaft.turned)):
-            full = f"{name}/{of}"
-            bodies[full] = next(b for b in by_name[name].scene.bodies if b.name == full)
+        joined = {shaft.mechanism: shaft.body} | {name: next(iter(graph.bodies[name])) for name in shaft.turned}
         axis = complex(by_name[shaft.mechanism].pose.place(graph.bodies[shaft.mechanism][shaft.body].axis))
-        bores = {}
-        for full, body in bodies.items():
-            found = (bore_at(part, places_on(body, axis)) for part in body.parts)
-            bores[full] = next((bore for bore in found if bore is not None), None)
-        layers = [body.layer for body in bodies.values()]
+        bodies, bores, joints, layers = {}, {}, {}, []
+        for name, joined_body in joined.items():
+            full = f"{name}/{joined_body}"
+            for body in by_name[name].scene.bodies:
+                found = [(part, bore) for part in body.parts if (bore := bore_at(part, places_on(body, axis)))]
+                if found or body.name == full:
+                    layers.append(body.layer)
+                if body.name == full:
+                    bodies[full], bores[full] = body, found[0][1][0] if found else None
+                    if found and turns_alone(graph.bodies[name], joined_body):
+                        joints[name] = found[0][1][1] or found[0][0].name.removeprefix(f"{name}_")
         low, high = min(layers), max(layers)
-        yield ShaftFit(shaft, axis, bodies, bores, (low, high), sum(heights[k] for k in range(low, high + 1)))
+        length = sum(heights[k] for k in range(low, high + 1))
+        is_driver = shaft.body == next(iter(graph.bodies[shaft.mechanism]))
+        is_motor = is_driver and bool(motor_key(by_name[shaft.mechanism].recipe))
+        if is_motor:
+            joints.pop(shaft.mechanism, None)
+        yield ShaftFit(shaft, axis, bodies, bores, joints, (low, high), is_motor, length)
+
+
+def turns_alone(bodies: Mapping[str, RotatingBody], name: str) -> bool:
+    """Whether no body of the mechanism on the same axis turns at another speed, on the same shaft."""
+    body, size = bodies[name], max(abs(other.axis) for other in bodies.values())
+    return all(o.speed == body.speed for o in bodies.values() if abs(o.axis - body.axis) <= SAME_AXIS * size)
+
+
+def motor_key(recipe: AbstractRecipe) -> str:
+    """The key of the motor on the driver of a recipe; empty without one."""
+    keys = (field.name for field in fields(recipe) if field.name.endswith("stock"))
+    return next((f"{key}.motor" for key in keys if getattr(getattr(recipe, key), "motor", None) is not None), "")

@@ -111,10 +111,13 @@ class Assembly:
         Items to buy or to cut besides the parts.
     steps : tuple of str
         Instructions, one line for each layer from bottom to top.
+    shaft_items : tuple of Bought, optional
+        Shafts without motors, and their collars, which are in `bought` too; each for one joint only.
     """
 
     bought: tuple[Bought, ...]
     steps: tuple[str, ...]
+    shaft_items: tuple[Bought, ...] = ()
 
 
 class AssemblyBuilder:
@@ -144,6 +147,7 @@ class AssemblyBuilder:
     ):
         self.plate, self.thickness, self.base, self.lettered = plate, thickness, base, lettered
         self._bills: list[tuple[str, Bill]] = []
+        self._shaft_items: list[Bought] = []
         self._layers: dict[int, list[str]] = {}
         self._upper_collars: list[tuple[int, str]] = []
         self._last: list[str] = []
@@ -198,8 +202,9 @@ class AssemblyBuilder:
         if not stock.bore:
             return
         width = collar_width(stock.bore)
-        self.buy(joint, shaft_bill(stock, grip + 2 * width, keys=keys))
-        self.buy(joint, collar_bill(stock.bore, 2))
+        (shaft, *key), pair = shaft_bill(stock, grip + 2 * width, keys=keys), collar_bill(stock.bore, 2)
+        self.buy(joint, (shaft, *key, *pair))
+        self._shaft_items += (Bought(name, count, (joint,)) for name, count in (shaft, *pair))
         if self.plate:
             self.add_step(0, f"put {shaft_name} through from above; fit a collar on {shaft_name} below {self.plate}")
             self.keep_free_below(width)
@@ -258,7 +263,7 @@ class AssemblyBuilder:
         for layer, step in self._upper_collars:
             self.add_step(layer, step)
         layers = (f"layer {layer}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
-        return Assembly(gathered(self._bills), (*layers, *self._last))
+        return Assembly(gathered(self._bills), (*layers, *self._last), tuple(self._shaft_items))
 
     def _add_motor_feet(self, motor: MotorFace, free: float, feet: int) -> None:
         """Feet for a base over a motor, which is sold in several lengths. free: least height under the base, mm."""

@@ -228,6 +228,11 @@ class AbstractRecipe(_Shared, ABC):
         return {}
 
     @property
+    def shaft_items(self) -> tuple[Bought, ...]:
+        """Items of `bought` that a machine's shaft replaces if it is at their joint, each for one joint only."""
+        return ()
+
+    @property
     def sources(self) -> Mapping[str, str]:
         """Texts of the files that the recipe reads, by name; summary.json keeps them."""
         return {}
@@ -395,6 +400,10 @@ class AbstractGoal(AbstractRecipe):
         return self.design.quantities
 
     @property
+    def shaft_items(self) -> tuple[Bought, ...]:
+        return self.design.shaft_items
+
+    @property
     def forces_missing(self) -> str:
         return "The search computes no driver effort and no joint forces; add the table loads to the found recipe."
 
@@ -424,6 +433,10 @@ class AssemblyLike(Protocol):
         """Shafts, screws and keys."""
 
     @property
+    def shaft_items(self) -> tuple[Bought, ...]:
+        """Shafts and their collars, each for one joint only."""
+
+    @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line each."""
 
@@ -439,6 +452,10 @@ class AbstractAssembledRecipe(AbstractRecipe):
     @property
     def bought(self) -> tuple[Bought, ...]:
         return self.assembly.bought
+
+    @property
+    def shaft_items(self) -> tuple[Bought, ...]:
+        return self.assembly.shaft_items
 
     @property
     def steps(self) -> tuple[str, ...]:

@@ -11,10 +11,9 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
-from ...making.assembly import tube_bill
-from ...making.fasteners import gathered
+from ...making.assembly import Bill, tube_bill
 from ...model.check import Check
-from ...model.part import Bought, Part
+from ...model.part import Part
 from ...model.scene import Scene, SceneBody, SceneMark
 from ...plane.curve import Mirrored
 from ...plane.vec import Complex, Real, Whole
@@ -286,13 +285,13 @@ def frame_length(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: f
     return thickness * len(stacks) + sum(rod.apart for rod in shared)
 
 
-def joining(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: float) -> tuple[Bought, ...]:
-    """Bought items for several copies of a linkage: a screw for each joint, except those that share a rod.
+def joint_bills(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: float) -> list[tuple[str, Bill]]:
+    """Bought items of each joint of several copies of a linkage: a screw, except for joints that share a rod.
 
     Also the rods of the frame, and the tubes on them between the grounds. stacks: of the first linkage and of each
     copy; thickness: of the sheet, mm.
     """
-    lines = []
+    lines: list[tuple[str, Bill]] = []
     for name in dict.fromkeys(pin.name for stack in stacks for pin in stack.pins):
         for k, stack in enumerate(stacks):
             has_rod = any(rod.pin == name for rod in shared[max(0, k - 1) : k + 1])
@@ -307,7 +306,7 @@ def joining(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: float)
         lines.append((first.letters[name], first.fastener.bill(frame_length(stacks, shared, thickness))))
         tubes = (tube_bill(first.fastener.diameter, rod.apart) for rod in shared if rod.apart)
         lines += [(first.letters[name], tube) for tube in tubes]
-    return gathered(lines)
+    return lines
 
 
 def _rod_steps(

@@ -12,6 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.records import record
+from ...making.fasteners import gathered
 from ...making.materials import MATERIALS
 from ...making.motors import MOTORS
 from ...model.check import Check
@@ -47,7 +48,7 @@ from .copies import (
     counted,
     driven_check,
     is_whole_turn,
-    joining,
+    joint_bills,
     shared_rods,
     with_copies,
     without_motor,
@@ -210,7 +211,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return joining(self._stacks, self.shared, self.stock.thickness)
+        return gathered(joint_bills(self._stacks, self.shared, self.stock.thickness))
+
+    @property
+    def shaft_items(self) -> tuple[Bought, ...]:
+        motors = {stack.letters[pin.name] for stack in self._stacks for pin in stack.pins if pin.motor}
+        bills = joint_bills(self._stacks, self.shared, self.stock.thickness)
+        return tuple(Bought(name, n, (joint,)) for joint, bill in bills if joint not in motors for name, n in bill)
 
     @property
     def steps(self) -> tuple[str, ...]:
