@@ -233,6 +233,10 @@ def _holes(cut: Cut) -> list[_Hole]:
     return holes
 
 
+# Forms of holes by their number of flats.
+FORMS = {1: "D dia", 2: "double D dia", 4: "square over corners", 6: "hexagonal over corners"}
+
+
 def _size_of(fit: HoleFit | None, diameter: float | None) -> str:
     """Width and purpose of a hole; `diameter` is that of a round one as drawn, mm."""
     if fit is None:
@@ -242,8 +246,8 @@ def _size_of(fit: HoleFit | None, diameter: float | None) -> str:
     if fit.travel:
         sizes = [f"slot {width} wide", f"{length_text(fit.travel + fit.diameter + fit.play)} long"]
     if fit.flat:
-        form, across = ("D", "across flat") if fit.flats == 1 else ("double D", "between flats")
-        sizes = [f"{form} dia {width}", f"{across} {length_text(fit.flat)}"]
+        across = "across flat" if fit.flats == 1 else "between flats"
+        sizes = [f"{FORMS[fit.flats]} {width}", f"{across} {length_text(fit.flat)}"]
     if any(fit.keyway):
         sizes.append("keyway {} wide {} deep".format(*map(length_text, fit.keyway)))
     if not fit.play:

@@ -37,6 +37,8 @@ def shaft_bill(
     form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
     if stock.bore_form == "double-D":
         form = f"shaft {stock.bore:g} mm with two flats {across:g} mm apart"
+    elif across is not None and stock.bore_form != "D":
+        form = f"{stock.bore_form} shaft, {across:.4g} mm between flats, {stock.bore:g} mm over its corners"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
         motor = face_of(stock.motor)

@@ -128,21 +128,43 @@ def flattened_bore(
     return (Polyline(np.array([corner, np.conj(corner)]) * towards, np.array([np.tan(sweep / 4), 0])),)
 
 
-def double_flattened_bore(
-    diameter: float, clearance: float, flat: float, towards: complex, widest: float, key: str
-) -> tuple[Circle | Polyline, ...]:
-    """The hole for a shaft with two parallel flats about a part's axis; none for diameter 0.
+# Largest difference from sharp corners, as a share of the shaft's width, at which they are drawn sharp. A smaller value
+# draws arcs too short to cut where `bore` is rounded.
+SHARP = 0.01
 
-    flat: distance of the flats, mm, less than the diameter. towards: unit direction that one of them faces. Otherwise
-    as `flattened_bore`.
+
+def corners_are_sharp(diameter: float, flat: float, flats: int) -> bool:
+    """Whether the flats of a shaft meet in corners, not in parts of its round side. Sizes as for `many_sided_bore`."""
+    return bool(flat <= diameter * np.cos(np.pi / flats) * (1 + SHARP))
+
+
+def corner_radius(diameter: float, clearance: float, flat: float, flats: int) -> float:
+    """Greatest radius of the hole for a shaft with flats, mm. Sizes as for `many_sided_bore`."""
+    if corners_are_sharp(diameter, flat, flats):
+        return float((flat + clearance) / 2 / np.cos(np.pi / flats))
+    return (diameter + clearance) / 2
+
+
+def many_sided_bore(
+    diameter: float, clearance: float, flat: float, flats: int, towards: complex, widest: float, key: str
+) -> tuple[Circle | Polyline, ...]:
+    """The hole for a shaft with 2, 4 or 6 equal flats about a part's axis; none for diameter 0.
+
+    diameter: of the shaft over its corners, mm. flat: distance of opposite flats, mm, less than the diameter. Where the
+    flats do not meet, the sides between them are round. towards: unit direction that a flat faces. Otherwise as
+    `flattened_bore`.
     """
-    if not (circles := bore(diameter, clearance, widest, f"{key}.bore")):
+    reach = corner_radius(diameter, clearance, flat, flats)
+    if not (circles := bore(diameter, clearance, widest - 2 * reach + diameter + clearance, f"{key}.bore")):
         return ()
     radius, height = circles[0].radius, (flat + clearance) / 2
-    corner = height + 1j * np.sqrt(radius**2 - height**2)
-    bulge = np.tan((np.pi - 2 * float(np.angle(corner))) / 4)
-    corners = np.array([corner, -np.conj(corner), -corner, np.conj(corner)])
-    return (Polyline(corners * towards, np.array([bulge, 0.0, bulge, 0.0])),)
+    middles = np.exp(2j * np.pi / flats * np.arange(flats))
+    if corners_are_sharp(diameter, flat, flats):
+        return (Polyline(reach * middles * np.exp(1j * np.pi / flats) * towards),)
+    half = float(np.arccos(height / radius))
+    corners = radius * np.column_stack([middles * np.exp(-1j * half), middles * np.exp(1j * half)]).ravel()
+    bulge = np.tan((np.pi / flats - half) / 2)
+    return (Polyline(corners * towards, np.tile([0.0, bulge], flats)),)
 
 
 @record

@@ -1,7 +1,8 @@
-"""Bores of parts on shafts: running or press fit, round, with a flat or with a keyway."""
+"""Bores of parts on shafts: running or press fit, round, with flats or with a keyway."""
 
 from __future__ import annotations
 
+from math import cos, pi
 from typing import Any, Literal
 
 from ..core.errors import DesignError
@@ -11,15 +12,17 @@ from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .bores import (
     PARALLEL_KEYS,
+    SHARP,
     SMALLEST,
     THINNEST,
     bore,
     clearance,
-    double_flattened_bore,
+    corner_radius,
     fits_of,
     flattened_bore,
     key_of,
     keyed_bore,
+    many_sided_bore,
     shaft,
     widened,
 )
@@ -35,15 +38,18 @@ MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
 
 
 SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
-BoreForm = Literal["round", "D", "double-D", "keyed"]
-# Forms with one and with two flats.
-FLATTENED = ("D", "double-D")
+BoreForm = Literal["round", "D", "double-D", "square", "hexagonal", "keyed"]
+# Number of flats of forms with flats.
+FLATS: dict[str, Literal[1, 2, 4, 6]] = {"D": 1, "double-D": 2, "square": 4, "hexagonal": 6}
 Fit = Literal["running", "press"]
 
 
 def bore_form_entry(bore: str = "the bore") -> Any:
     """The field for the form of a bore; bore: its name in the meaning."""
-    meaning = f"form of {bore}: for a round shaft, a shaft with one or two flats, or with the keyway of DIN 6885-1"
+    meaning = (
+        f"form of {bore}: for a round shaft, a shaft with one or two flats, a square or hexagonal one, or with the "
+        "keyway of DIN 6885-1"
+    )
     return entry(meaning, default="round")
 
 
@@ -51,7 +57,7 @@ def flat_across() -> Any:
     """The field for the flat side of a D-shaft."""
     meaning = (
         f"of a D-shaft, from its flat side across to the round side; if omitted, a motor's: {SHAFTS}; "
-        "of a shaft with two flats, their distance"
+        "of a shaft with two flats, a square or hexagonal one, the distance of opposite flats"
     )
     return quantity(meaning, "mm", default=None, above=0, at_most=FARTHEST)
 
@@ -88,11 +94,13 @@ class AbstractBored:
     thickness : float, optional
         Thickness of the sheet, mm.
     bore : float, optional
-        Diameter of the shaft, mm; 0 for no hole.
-    bore_form : {"round", "D", "double-D", "keyed"}, optional
-        Form of the bore: for a round shaft, a motor's shaft with one or two flats, or with the keyway of DIN 6885-1.
+        Diameter of the shaft, of a square or hexagonal one over its corners, mm; 0 for no hole.
+    bore_form : {"round", "D", "double-D", "square", "hexagonal", "keyed"}, optional
+        Form of the bore: for a round shaft, a motor's shaft with one or two flats, a square or hexagonal shaft, or with
+        the keyway of DIN 6885-1.
     flat : float, optional
         Of a D-shaft, from its flat side across to the round side, mm; if omitted, that of the motor or of a usual one.
+        Of the others, the distance of opposite flats; of a square or hexagonal one, with sharp corners if omitted.
     keyway_width, keyway_depth : float, optional
         Width of the keyway, and its depth beyond the bore along its centre line, mm. In a keyed bore 0 stands for the
         sizes of the standard, otherwise for no keyway.
@@ -156,12 +164,14 @@ class AbstractBored:
         if not self.bore:
             return ()
         flat = 0.0 if self.across_flat is None else self.across_flat + self.play
-        flats: Literal[1, 2] = 2 if self.bore_form == "double-D" else 1
+        flats = FLATS.get(self.bore_form, 1)
         return (HoleFit(self.bore, self.play, flat, self.keyway, flats=flats, is_press=self.fit == "press"),)
 
     @property
     def hole_reach(self) -> float:
         """Radius of the circle that contains bore and keyway, mm."""
+        if self.across_flat is not None and (flats := FLATS[self.bore_form]) > 1:
+            return corner_radius(self.bore, self.play, self.across_flat, flats)
         width, depth = self.keyway
         return float(abs(widened(self.bore, self.play) / 2 + depth + 0.5j * width))
 
@@ -175,15 +185,17 @@ class AbstractBored:
 
     @property
     def across_flat(self) -> float | None:
-        """Distance from the flat of a D-shaft to its round side, or of two flats, mm; None for other shafts."""
-        if self.bore_form not in FLATTENED:
+        """Distance from the flat of a D-shaft to its round side, or of opposite flats, mm; None for other shafts."""
+        if self.bore_form not in FLATS:
             return None
         if self.flat is not None:
             return self.flat
         face = None if self.motor is None else face_of(self.motor)
         if face is not None and face.shaft == self.bore and face.bore_form == self.bore_form:
             return face.flat
-        return MOTOR_FLATS.get(self.bore) if self.bore_form == "D" else None
+        if (flats := FLATS[self.bore_form]) > 2:
+            return self.bore * cos(pi / flats)
+        return MOTOR_FLATS.get(self.bore) if flats == 1 else None
 
     def hole(self, towards: complex, widest: float, key: str) -> tuple[Circle | Polyline, ...]:
         """The bore about the part's axis; empty for diameter 0.
@@ -198,8 +210,9 @@ class AbstractBored:
             Key of the stock in the recipe, for messages.
         """
         if (across := self.across_flat) is not None:
-            shape = flattened_bore if self.bore_form == "D" else double_flattened_bore
-            return shape(self.bore, self.play, across, towards, widest, key)
+            if (flats := FLATS[self.bore_form]) > 1:
+                return many_sided_bore(self.bore, self.play, across, flats, towards, widest, key)
+            return flattened_bore(self.bore, self.play, across, towards, widest, key)
         if any(keyway := self.keyway):
             return keyed_bore(self.bore, self.play, *keyway, towards, widest, key)
         return bore(self.bore, self.play, widest, f"{key}.bore")
@@ -209,13 +222,13 @@ class AbstractBored:
         if self.bore_form != "round" and not self.bore:
             problem = f'found 0 mm, which means no hole, and bore_form = "{self.bore_form}"'
             raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"', "conflict")
-        if self.flat is not None and self.bore_form not in FLATTENED:
+        if self.flat is not None and self.bore_form not in FLATS:
             problem = f"found {self.flat:g} mm for a bore without a flat"
             raise DesignError("flat", problem, 'omit it, or give bore_form = "D"', "conflict")
         if self.motor is not None and self.bore >= (boss := face_of(self.motor).boss_diameter):
             problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
             raise DesignError("bore", problem, f"give less than {boss:g} mm, or omit motor")
-        if self.bore_form in FLATTENED:
+        if self.bore_form in FLATS:
             self._check_flat()
         if self.fit == "press":
             self._check_interference()
@@ -250,13 +263,17 @@ class AbstractBored:
                 f"give one of {shafts}, or give flat, more than {half:g} and less than {self.bore:g} mm",
                 "out-of-range",
             )
+        if (flats := FLATS[self.bore_form]) > 2:
+            half = (1 - SHARP) * self.bore * cos(pi / flats)
         if not half < across < self.bore:
             raise DesignError(
                 "flat",
                 f"found {across:g} mm across a shaft of {self.bore:g} mm",
-                f"give more than {half:g} and less than {self.bore:g} mm",
+                f"give more than {half:.6g} and less than {self.bore:g} mm",
                 "out-of-range",
             )
         for name, size in (("keyway_width", self.keyway_width), ("keyway_depth", self.keyway_depth)):
             if size:
-                raise DesignError(name, f"found {size:g} mm in a D bore", 'give 0, or bore_form = "keyed"', "conflict")
+                raise DesignError(
+                    name, f"found {size:g} mm in a bore with a flat", 'give 0, or bore_form = "keyed"', "conflict"
+                )

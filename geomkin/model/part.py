@@ -72,8 +72,8 @@ class HoleFit:
         How much wider the hole is drawn, mm; negative for a press fit, unless holes come out narrower than drawn.
     flat : float, optional
         Of a hole for a D-shaft, from its flat side across to the round side, mm; 0 for none.
-    flats : {1, 2}, optional
-        Number of flats; of two, `flat` is their distance.
+    flats : {1, 2, 4, 6}, optional
+        Number of flats; of several, `flat` is the distance of opposite ones.
     keyway : tuple of float, optional
         Width of the keyway, and its depth beyond the bore along the centre line, mm; 0 for none.
     travel : float, optional
@@ -87,7 +87,7 @@ class HoleFit:
     flat: Length = 0.0
     keyway: tuple[Length, Length] = (0.0, 0.0)
     travel: Length = 0.0
-    flats: Literal[1, 2] = 1
+    flats: Literal[1, 2, 4, 6] = 1
     is_press: bool = False
 
 

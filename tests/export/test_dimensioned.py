@@ -107,6 +107,7 @@ BORED = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n[files]\ncurves = "
         ('bore = 8\nfit = "press"\ninterference = 0.02', "1 x dia 7.98 (8, press -0.02)", (7.98, 7.98)),
         ('bore = 8\nfit = "press"\ninterference = -0.05', "1 x dia 8.05 (8, press +0.05)", (8.05, 8.05)),
         ('bore = 5\nbore_form = "D"', "1 x D dia 5, across flat 4.5", (4.5, 5.0)),
+        ('bore = 10\nbore_form = "square"\nflat = 8', "1 x square over corners 10, between flats 8", (8.0, 8.0)),
         (
             'bore = 5\nbore_form = "D"\nflat = 4.2\nfit = "press"',
             "1 x D dia 4.9, across flat 4.1 (5, press -0.1)",

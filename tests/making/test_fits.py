@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 import shapely.affinity
+import trimesh
 
 import geomkin as gk
 from geomkin.making.bores import PARALLEL_KEYS, key_of
@@ -47,6 +48,35 @@ def test_a_d_bore_is_the_shaft_and_its_fit_all_round(tmp_path, bore, fit):
     assert across(hole) == pytest.approx((bore + play, bore - 0.5 + play), abs=1e-3)
     shaft = shapely.Point(0, 0).buffer(bore / 2, 2000).intersection(shapely.box(-9, -9, 9, bore / 2 - 0.5))
     assert hole.area == pytest.approx(shaft.buffer(play / 2, join_style="mitre").area, rel=1e-3)
+
+
+@pytest.mark.parametrize(("form", "flats"), [("square", 4), ("hexagonal", 6)])
+@pytest.mark.parametrize("fit", [{"clearance": 0.2}, {"fit": "press", "interference": 0.08}])
+@pytest.mark.parametrize("flat", [None, 9.3])
+def test_a_bore_with_four_or_six_flats_is_the_shaft_and_its_fit_all_round(tmp_path, form, flats, fit, flat):
+    """With sharp corners it has the area n h^2 tan(pi/n); else it is the polygon of the flats within a circle."""
+    play = fit.get("clearance", -fit.get("interference", 0.0))
+    recipe = gear(gk.gear.GearStock(bore=10, bore_form=form, flat=flat, **fit))
+    contour, hole = written_hole(tmp_path, recipe)
+    height = ((10 * np.cos(np.pi / flats) if flat is None else flat) + play) / 2
+    area = flats * height**2 * np.tan(np.pi / flats)
+    corners = height / np.cos(np.pi / flats) * np.exp(1j * np.pi / flats * np.arange(1, 2 * flats, 2))
+    # One of the flats is above or below the axis.
+    shape = shapely.Polygon(np.c_[(1j * corners).real, (1j * corners).imag])
+    if flat is not None:
+        radius = (10 + play) / 2
+        shape = shape & shapely.Point(0, 0).buffer(radius, 2000)
+        half = np.arccos(height / radius)
+        area = flats * (height * radius * np.sin(half) + radius**2 * (np.pi / flats - half))
+    assert hole.area == pytest.approx(area, rel=1e-5) and hole.symmetric_difference(shape).area < 1e-4 * area
+    assert len(contour.get_points()) == flats * (1 if flat is None else 2)
+    # What is printed has the same hole.
+    gk.write(recipe, tmp_path / "gear.stl")
+    solid = trimesh.load(tmp_path / "gear.stl")
+    (part,) = recipe.parts
+    outline = gk.flatten(part.outline, 1e-4)
+    gross = shapely.Polygon(np.c_[outline.real, outline.imag]).area
+    assert solid.is_watertight and solid.volume / part.thickness == pytest.approx(gross - area, abs=0.02 * area)
 
 
 @pytest.mark.parametrize("kerf", [0.0, 0.2])
@@ -114,6 +144,8 @@ REFUSED = [
     ({"bore": 5, "bore_form": "D", "flat": 5}, "flat", "2.5"),
     ({"bore": 5, "bore_form": "D", "flat": 2.5}, "flat", "2.5"),
     ({"bore": 5, "flat": 4.5}, "flat", "bore_form"),
+    ({"bore": 10, "bore_form": "hexagonal", "flat": 8}, "flat", "8.5736"),
+    ({"bore": 10, "bore_form": "square", "flat": 10}, "flat", "less than 10"),
     ({"bore": 5, "bore_form": "D", "keyway_depth": 1}, "keyway_depth", "0"),
     ({"bore": 0.1, "fit": "press"}, "interference", "0.09 mm"),
     ({"bore": 5, "bore_form": "D", "fit": "press", "interference": 4.9}, "interference", "4.49 mm"),
@@ -129,7 +161,7 @@ def test_invalid_bores_are_refused_with_what_works():
             assert caught.value.field == field and remedy in caught.value.remedy
 
 
-@pytest.mark.parametrize("form", ["round", "D", "keyed"])
+@pytest.mark.parametrize("form", ["round", "D", "square", "keyed"])
 def test_a_bore_as_wide_as_the_root_is_refused_and_the_one_that_is_named_works(form):
     """Of a pressed bore, too: the rest is reported of the hole, not of the shaft."""
     flat = {"flat": 40} if form == "D" else {}
@@ -137,8 +169,9 @@ def test_a_bore_as_wide_as_the_root_is_refused_and_the_one_that_is_named_works(f
     with pytest.raises(gk.DesignError, match="stock.bore") as caught:
         gear(gk.gear.GearStock(bore=60, **stock)).parts
     most = float(caught.value.remedy.split("less than ")[1].split()[0])
-    assert most == pytest.approx(2 * gk.SpurGear(24, 2).root_radius + 0.5, abs=1e-3)
+    interference = 0.5 / (np.cos(np.pi / 4) if form == "square" else 1.0)
+    assert most == pytest.approx(2 * gk.SpurGear(24, 2).root_radius + interference, abs=1e-3)
     if form != "keyed":
         assert gear(gk.gear.GearStock(bore=most - 0.01, **stock)).parts
     with pytest.raises(gk.DesignError, match="stock.bore"):
-        gear(gk.gear.GearStock(bore=most, **stock)).parts
+        gear(gk.gear.GearStock(bore=most + 1e-4, **stock)).parts

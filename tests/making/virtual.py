@@ -100,7 +100,8 @@ def read(folder):
     cut = {row["item"]: row for row in rows if row["thickness_mm"]}
     bought = [(row["item"], int(row["count"]), row["joints"].split()) for row in rows if not row["thickness_mm"]]
     steps = summary.get("steps") or summary.get("stack", {}).get("steps", [])
-    pieces = drawing(folder / f"{name}.dxf")
+    sheets = [folder / f"{name}.dxf", *sorted(folder.glob(f"{name}-[0-9]*.dxf"))]
+    pieces = [piece for sheet in sheets for piece in drawing(sheet)]
     for piece in pieces:
         piece.name = identity(piece, cut, summary)
     return Folder(pieces, cut, bought, steps, summary)

@@ -105,6 +105,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             self.loads.check(self.moved(self.input_range.frames[:1], self.signs))
             if self.loads.counterweights:
                 self.loads.counterweights.check(linkage, self.stock, self.loads.masses)
+            if self.loads.run:
+                self.loads.run.check(linkage, self.given_motor, self.loads.has_dry_friction, bool(self.copies))
         if self.tolerances:
             self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
 
@@ -121,9 +123,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.loads is None:
             return None
         masses = self.body_masses if self.stock.material else {}
-        motor = self.loads.motor or MOTORS.get(str(self.stock.motor))
         copies = self.moving_copies if self.copies else ()
-        return LoadedLinkage(self.loads, self.motion, masses, copies, motor, self.balanced)
+        return LoadedLinkage(self.loads, self.motion, masses, copies, self.given_motor, self.balanced)
+
+    @property
+    def given_motor(self) -> Motor | None:
+        """The motor of the loads, or the mounted one."""
+        return (self.loads and self.loads.motor) or MOTORS.get(str(self.stock.motor))
 
     @cached_property
     def balanced(self) -> BalancedPlates | None:

@@ -25,6 +25,7 @@ from ..scene import vector_marks
 from .copies import Copied
 from .counterweights import UNBALANCED, BalancedPlates
 from .loads import LoadsTable
+from .runs import LinkageRun, linkage_run
 
 
 @record(eq=False)
@@ -73,6 +74,13 @@ class LoadedLinkage:
         turns = self.linkage.driver_pivot is not None and np.isfinite(self.effort).any()
         return self.given_motor or (smallest_motor(self.duty) if turns else None)
 
+    @cached_property
+    def run(self) -> LinkageRun | None:
+        """The motion that follows from a torque or the given motor; None if none is requested."""
+        if self.table.run is None:
+            return None
+        return linkage_run(self.table.run, self.motion, self.analysis.loads, self.given_motor)
+
     @property
     def columns(self) -> Iterator[Column]:
         """Driver effort, joint forces, and the force and moment by which the masses shake the ground."""
@@ -103,6 +111,8 @@ class LoadedLinkage:
         yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
         if self.balanced:
             yield from self.balanced.columns
+        if self.run:
+            yield from self.run.columns
 
     @property
     def plots(self) -> tuple[Plot, ...]:
@@ -116,7 +126,8 @@ class LoadedLinkage:
             Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
             Plot("shaking force", ("shaking_force",)),
         ]
-        return tuple(plot for plot in plots if plot.columns)
+        runs = self.run.plots if self.run else ()
+        return (*runs, *(plot for plot in plots if plot.columns))
 
     @property
     def hodographs(self) -> tuple[Hodograph, ...]:
@@ -139,14 +150,15 @@ class LoadedLinkage:
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Checks of the motor and of the counterweights, if there are any."""
-        balance = (self.balanced.check(self.analysis),) if self.balanced else ()
+        """Checks of the motor, the counterweights and the run, if there are any."""
+        others: tuple[Check, ...] = (self.balanced.check(self.analysis),) if self.balanced else ()
+        others += self.run.checks if self.run else ()
         if self.motor is None:
-            return balance
+            return others
         known = np.isfinite(self.effort).any()
         at = driver_at(self.motion, first_largest(np.abs(self.effort))) if known else None
         column = "shaft_torque" if self.copies else "driver_torque"
-        return (motor_check(self.motor, self.duty, column, at), *balance)
+        return (motor_check(self.motor, self.duty, column, at), *others)
 
     @property
     def summary(self) -> Mapping[str, object]:
@@ -174,6 +186,8 @@ class LoadedLinkage:
             result["motor"] = motor_summary(self.motor, self.duty)
         if self.balanced:
             result |= self.balanced.summary(analysis)
+        if self.run:
+            result["run"] = self.run.summary
         return {**result, "undetermined": list(analysis.undetermined)}
 
 

@@ -24,6 +24,7 @@ from ..linkage import Linkage
 from ..motion import Motion
 from ..scene_handles import body_point
 from .counterweights import CounterweightsTable
+from .runs import RunTable
 
 
 @record(checked=True)
@@ -116,6 +117,15 @@ class LoadsTable:
     counterweights: CounterweightsTable | None = entry(
         "round ends of bars that reduce the shaking force, with bodies, distance and largest_radius", default=None
     )
+    run: RunTable | None = entry(
+        "motion that follows from a torque or from the motor, with torque_n_mm, start_rpm and turns", default=None
+    )
+
+    @property
+    def has_dry_friction(self) -> bool:
+        """Whether a pin or a slide has dry friction."""
+        pins, slides = self.pin_friction, self.slide_friction
+        return any(pin.coefficient for pin in pins) or any(slide.coefficient for slide in slides)
 
     @property
     def by_key(self) -> dict[str, tuple[Any, ...]]:
@@ -171,6 +181,10 @@ class LoadsTable:
         part_masses: of the parts, for bodies without an entry in `masses`. turned_over: whether the motion is that of a
         copy seen from its front, which hangs left for right.
         """
+        return forces(motion, self.loads_of(motion, part_masses, turned_over))
+
+    def loads_of(self, motion: Motion, part_masses: Mapping[str, Mass], turned_over: bool = False) -> Loads:
+        """The loads as the library has them, as for `forces_of`."""
         self.check(motion)
         given = {body: mass.mass for body, mass in self.masses.items()}
         loads = self.by_key
@@ -183,7 +197,7 @@ class LoadsTable:
         gravity = 1000 * complex(*self.gravity_m_per_s2)
         if turned_over:
             gravity = -gravity.conjugate()
-        return forces(motion, Loads(gravity, masses, friction=friction, **loads))
+        return Loads(gravity, masses, friction=friction, **loads)
 
 
 def loads_entry() -> Any:
@@ -196,4 +210,4 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 9 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
+    return 11 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)

@@ -1,10 +1,10 @@
-// Dialogs of the editor: recipes to open, kinds to begin with, the name of a file.
+// Dialogs of the editor: the gallery of recipes and kinds, and the name under which a recipe is saved.
 import { make } from "../player/shapes.js";
 import { get } from "./server.js";
 
 const at = (id) => document.getElementById(id);
 
-// Loads the pictures in view, one after the other: drawing them keeps the server busy.
+// Returns a function that loads an image when it comes into view. Only one is loaded at a time, because the server draws it.
 function loader(root) {
   const waiting = new Set();
   let busy = false;
@@ -23,13 +23,13 @@ function loader(root) {
   const done = () => { busy = false; next(); };
   return (image) => {
     image.addEventListener("load", done);
-    // A kind that searches has no picture.
+    // The server has no picture of a kind that needs a search.
     image.addEventListener("error", () => { image.remove(); done(); });
     observer.observe(image);
   };
 }
 
-// editor: open(recipe), startNew(kind).
+// Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind)`.
 export async function showGallery(editor) {
   const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
   const card = (list, picture, name, about, act) => {
@@ -53,7 +53,7 @@ export async function showGallery(editor) {
   dialog.showModal();
 }
 
-// The name that the user gives; "" if none.
+// Asks for a name and resolves to it, without `.toml`; to "" if the user cancels.
 export function chooseName(name) {
   const dialog = at("name-dialog"), input = at("file-name");
   input.value = name;

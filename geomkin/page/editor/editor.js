@@ -1,4 +1,4 @@
-// The editor of the studio: the player with handles, the form, and what becomes of the recipe's text.
+// The editor of the studio: it connects the player with its handles, the form, and the server that edits the recipe's text.
 import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
@@ -10,15 +10,16 @@ import { Handles } from "./handles.js";
 import { History } from "./history.js";
 import { finished, get, post } from "./server.js";
 
-// Milliseconds without input after which checks are computed.
+// Time without input after which checks are requested, ms.
 const PAUSE = 150;
-// Milliseconds within which presses of arrow keys on one handle are one step of undo.
+// Largest time between presses of arrow keys on one handle that form one step of undo, ms.
 const ONE_STEP = 1000;
 const at = (id) => document.getElementById(id);
 
 class Editor {
   constructor() {
-    // text: the recipe as it is; recipe, base: name and mark of its file; savedText, saved, savedScene: as it was saved.
+    // text: the recipe's text. recipe, base: name of its file, and the mark of the file's content when it was read or written.
+    // savedText, saved, savedScene: text, values by key and scene of the saved recipe.
     Object.assign(this, { text: "", recipe: "", base: "", savedText: "", saved: {}, savedScene: null, locks: new Set() });
     Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [], checked: [] });
     this.history = new History((undo, redo) => { at("undo").disabled = !undo; at("redo").disabled = !redo; });
@@ -36,7 +37,7 @@ class Editor {
 
   async start() {
     const { first, text } = await get("start");
-    // A notebook keeps what is edited: a page that is loaded again goes on there.
+    // A notebook keeps the edited text, and a page that is loaded again continues with it.
     this.isKept = text !== "";
     if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
     if (first && text && text !== this.text) {
@@ -47,7 +48,7 @@ class Editor {
     this.watch();
   }
 
-  // --- the recipe's text -------------------------------------------------------------------------------------------
+  // --- changes of the recipe's text ---------------------------------------------------------------------------------
 
   async open(recipe) {
     const { text, base } = await post("open", { recipe });
@@ -59,16 +60,16 @@ class Editor {
     this.load(text, "", "");
   }
 
-  // Another text, which counts as saved unless it is a new recipe.
+  // Loads another text. It counts as saved if it has the name of a file.
   load(text, recipe, base, keepHistory = false) {
     if (!keepHistory) this.history.clear();
-    Object.assign(this, { text, recipe, base, savedText: recipe ? text : "", savedScene: null, kind: "", fresh: true, checked: [] });
+    Object.assign(this, { text, recipe, base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
     this.locks.clear();
     for (const id of ["conflict", "candidates"]) at(id).hidden = true;
     this.ask({});
   }
 
-  // Changes of a field while it is typed in: the first one opens a step of undo, `close` ends it.
+  // Changes values by key while the user types in a field. The first change begins a step of undo, and `close` ends it.
   set(changes, name) {
     if (this.typing !== name) { this.close(); this.history.begin(this.text); }
     this.typing = name;
@@ -81,45 +82,45 @@ class Editor {
   }
 
   reset(key, field) {
-    const was = this.saved[key];
-    const usual = was === undefined || (field.optional && JSON.stringify(was) === JSON.stringify(field.default));
-    this.set({ [key]: usual ? null : was }, key);
+    const value = this.saved[key];
+    const isDefault = value === undefined || (field.optional && JSON.stringify(value) === JSON.stringify(field.default));
+    this.set({ [key]: isDefault ? null : value }, key);
     this.close();
   }
 
-  // A drag is answered from the text at its start, so that it leaves nothing behind where it came by.
+  // Every request of a drag starts from the text before the drag, so that positions on the way have no effect on the result.
   startDrag() {
     this.close();
-    this.resume = this.player.playing;
+    this.wasPlaying = this.player.playing;
     this.player.play(false);
-    this.origin = this.text;
+    this.textBeforeDrag = this.text;
     this.history.begin(this.text);
   }
 
-  drag({ id }, change) { this.ask({ drag: { handle: id, ...change } }, this.origin); }
+  drag({ id }, change) { this.ask({ drag: { handle: id, ...change } }, this.textBeforeDrag); }
 
   endDrag({ label }) {
     this.whenIdle(() => {
-      if (this.problems.length) { this.ask({}, this.origin); }
+      if (this.problems.length) { this.ask({}, this.textBeforeDrag); }
       this.whenIdle(() => {
         if (this.history.end(this.text)) this.announceChange(label);
-        this.origin = null;
+        this.textBeforeDrag = null;
         if (!this.player.drawings.every((drawing) => drawing.isFitting)) this.player.fit(true);
-        if (this.resume) this.player.play(true);
+        if (this.wasPlaying) this.player.play(true);
       });
     });
   }
 
   nudge({ id, label }, change) {
     this.player.play(false);
-    const now = performance.now(), goesOn = this.nudged === id && now - this.nudgedAt < ONE_STEP;
-    if (!goesOn) { this.close(); this.history.begin(this.text); }
+    const now = performance.now(), isContinued = this.nudged === id && now - this.nudgedAt < ONE_STEP;
+    if (!isContinued) { this.close(); this.history.begin(this.text); }
     Object.assign(this, { nudged: id, nudgedAt: now, target: { id, to: change.to } });
     this.ask({ drag: { handle: id, ...change } });
-    this.whenIdle(() => { this.target = null; this.history.end(this.text, goesOn); this.announceChange(label); });
+    this.whenIdle(() => { this.target = null; this.history.end(this.text, isContinued); this.announceChange(label); });
   }
 
-  // Where a handle is going whose movement is not answered yet.
+  // The requested position of a handle that arrow keys move, until the answer arrives; else null.
   pending({ id }) { return this.target?.id === id ? this.target.to : null; }
 
   relock() { this.ask({}); }
@@ -135,14 +136,14 @@ class Editor {
     });
   }
 
-  // --- requests: one at a time, the newest wins --------------------------------------------------------------------
+  // --- requests: one at a time; a newer one replaces those that wait ------------------------------------------------
 
   ask(change, text) {
     const before = this.queued?.change;
-    // Nothing that was typed is lost: fields changed since the last answer are sent together.
+    // Changes of several fields that wait for the same answer are sent together, so that none is lost.
     if (before?.set && change.set) change = { set: { ...before.set, ...change.set } };
     if (!before || Object.keys(change).length) this.queued = { change, text };
-    clearTimeout(this.pause);
+    clearTimeout(this.checkTimer);
     this.pump();
   }
 
@@ -154,17 +155,17 @@ class Editor {
     document.body.classList.add("solving");
     try {
       let reply = await this.answer({ text, ...change, lane: "scene" });
-      // A search may take long; another change ends it.
+      // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
       if (reply) this.show(reply);
     } catch (error) { this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
     document.body.classList.remove("solving");
-    const waiting = this.waiting ?? [];
-    this.waiting = [];
+    const waiting = this.whenAnswered ?? [];
+    this.whenAnswered = [];
     for (const act of waiting) this.whenIdle(act);
-    if (!this.busy) this.pause = setTimeout(() => this.check(), PAUSE);
+    if (!this.busy) this.checkTimer = setTimeout(() => this.check(), PAUSE);
   }
 
   answer(body) { return post("answer", { recipe: this.recipe, locks: [...this.locks], ...body }); }
@@ -174,9 +175,9 @@ class Editor {
     return job.result;
   }
 
-  // Calls `act` when every request is answered.
+  // Calls `act` as soon as all requests are answered.
   whenIdle(act) {
-    if (this.busy) (this.waiting ??= []).push(act); else act();
+    if (this.busy) (this.whenAnswered ??= []).push(act); else act();
   }
 
   async check() {
@@ -194,7 +195,7 @@ class Editor {
     this.showProblems(error.problems);
   }
 
-  // --- what is shown -----------------------------------------------------------------------------------------------
+  // --- display of an answer -----------------------------------------------------------------------------------------
 
   async show(reply) {
     this.text = reply.text;
@@ -206,7 +207,7 @@ class Editor {
       this.form.describe(groups);
     }
     if (Object.keys(reply.values).length) this.values = reply.values;
-    if (this.text === this.savedText || this.fresh) this.saved = this.values;
+    if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
     if (reply.scene) this.showScene(reply);
     this.form.show(this.values, this.saved, this.text);
     this.showProblems(reply.problems);
@@ -217,24 +218,24 @@ class Editor {
   }
 
   showScene({ scene, handles }) {
-    const copy = this.text === this.savedText || this.fresh ? structuredClone(scene) : null;
+    const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
       this.handles = new Handles(this.player, this);
       this.ghost = new Ghost(this.player.drawings[0]);
     } else {
       this.player.replace(scene);
-      if (this.fresh) { this.player.fit(true); this.player.zoom(0); }
+      if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }
     }
     if (copy) this.savedScene = read(copy);
     this.handles.load(handles);
-    if (this.fresh) this.showHandlesOfPlots(handles);
-    this.fresh = false;
+    if (this.isJustLoaded) this.showHandlesOfPlots(handles);
+    this.isJustLoaded = false;
     this.ghost.load(this.isDirty ? this.savedScene : null);
     this.showChoice(scene.choice);
   }
 
-  // The first plot is one that can be edited, if there is one.
+  // Selects a plot that has handles as the first plot, if there is one.
   showHandlesOfPlots(handles) {
     const { plots } = this.player, ids = new Set(handles.map(({ plot }) => plot)), [card] = plots.cards;
     const k = plots.data.plots.findIndex(({ columns }) => columns.some((column) => ids.has(plots.data.columns[column].id)));
@@ -252,7 +253,7 @@ class Editor {
     else this.family = mountRows(root, read(choice), (row, data) => this.choose(row, data));
   }
 
-  // Writes the value of a row of the family into the recipe, rounded to the fewest decimals that distinguish neighbouring rows.
+  // Chooses a solution: writes the value in its row, rounded to the fewest decimals that distinguish neighbouring rows.
   choose(row, { key, instead_of, chosen, columns: [{ row: values }] }) {
     if (!key || row === chosen) return;
     const [first, last] = [values[0], values[values.length - 1]];
@@ -271,7 +272,7 @@ class Editor {
     }
   }
 
-  // One table: what is known at once, then the verdicts of the checks, which come later, in the same rows.
+  // Shows quantities and checks in one table. Quantities arrive with the scene; the checks arrive later and complete their rows.
   showQuantities(quantities) {
     if (!quantities.length && this.problems.length) return;
     const before = new Map(this.checked.map((check) => [check.id, check]));
@@ -303,7 +304,7 @@ class Editor {
     document.body.dataset.checked = this.player?.scenes ?? 0;
   }
 
-  // The linkages found, as small pictures; a click chooses one.
+  // Shows the linkages that a synthesis found as small pictures. A click on a picture chooses the linkage.
   showCandidates(candidates) {
     const [root] = at("candidates").getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
     at("candidates").hidden = candidates.length < 2;
@@ -328,14 +329,14 @@ class Editor {
 
   announce(text) { at("status").textContent = text; }
 
-  // States the keys of a handle with their new values.
+  // Announces the keys of a handle with their new values in the status line.
   announceChange(label) {
     const handle = this.reply?.handles.find((other) => other.label === label);
     const values = (handle?.keys ?? []).map((key) => `${key} ${JSON.stringify(this.values[key] ?? "")}`);
     this.announce(`${label}: ${values.join(", ")}`);
   }
 
-  // --- files -------------------------------------------------------------------------------------------------------
+  // --- files --------------------------------------------------------------------------------------------------------
 
   async save(name = this.recipe, base = this.base) {
     this.close();
@@ -360,7 +361,7 @@ class Editor {
     if (name) await this.save(name, name === this.recipe ? this.base : "");
   }
 
-  // Two versions: the user decides which one stays.
+  // Asks the user which version of a file to keep.
   showConflict(reason, name) {
     const root = at("conflict");
     root.replaceChildren();
@@ -373,7 +374,7 @@ class Editor {
     root.querySelector("button").focus();
   }
 
-  // The file's text in place of the edited one, which undo brings back.
+  // Replaces the edited text by that of the file. Undo restores the edited text.
   async loadFile(name) {
     const { text, base } = await post("open", { recipe: name }), before = this.text;
     this.history.begin(before);
@@ -382,7 +383,7 @@ class Editor {
     this.ask({});
   }
 
-  // Changes of the file from outside are shown at once; if there are unsaved changes, the user decides.
+  // Loads the file whenever another program changes it. If there are unsaved changes, it asks the user first.
   async watch() {
     for (;;) {
       const { recipe, base } = this;
@@ -421,8 +422,8 @@ class Editor {
     } catch (error) { this.fail(error); }
   }
 
-  // Shows the progress of a job until it ends, or is stopped because `isVain()`.
-  async follow(id, isVain = () => false) {
+  // Shows the progress of a job until it ends. The job is stopped as soon as `isObsolete()` is true.
+  async follow(id, isObsolete = () => false) {
     const work = at("work");
     this.job = id;
     work.hidden = false;
@@ -430,7 +431,7 @@ class Editor {
       return await finished(id, ({ share, what, state }) => {
         work.querySelector("progress").value = share ?? 0;
         work.querySelector("span").textContent = what ?? "";
-        if (state === "running" && isVain()) this.stop();
+        if (state === "running" && isObsolete()) this.stop();
       });
     } finally { work.hidden = true; this.job = ""; }
   }

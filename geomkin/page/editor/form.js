@@ -1,4 +1,4 @@
-// The form of a recipe: an input for every key, which has the key's path as its name.
+// The form of a recipe: one input for every value, named by the dotted key of the value.
 import { make, niceLength } from "../player/shapes.js";
 import { measured, unitOf } from "../player/plots.js";
 
@@ -7,20 +7,20 @@ const RESET = "M3 5a5 5 0 1 1-.6 4.500M3 1.500V5h3.500";
 let ids = 0;
 
 export class Form {
-  // editor: set(changes, key), close(), locks (a set of keys), reset(key), announce(text).
+  // editor has `locks`, a set of keys, `typing`, and the methods set(changes, name), close(), reset(key, field), relock().
   constructor(root, editor) {
     Object.assign(this, { root, editor, values: {}, saved: {}, fields: new Map(), problems: [] });
     root.addEventListener("input", (event) => this.input(event.target));
     root.addEventListener("change", () => this.editor.close());
   }
 
-  // groups: as the server describes a kind.
+  // Takes the groups of fields of a kind, as the server's `form` returns them.
   describe(groups) {
     this.groups = groups;
     this.shape = "";
   }
 
-  // Shows values by key, those of the saved recipe for comparison; `text`: the recipe.
+  // Shows values by key. `saved` holds the saved recipe's values for comparison; `text` is the recipe's text.
   show(values, saved, text) {
     Object.assign(this, { values, saved, text });
     const shape = JSON.stringify(Object.entries(values).map(([key, value]) => [key, shapeOf(value)]));
@@ -42,7 +42,7 @@ export class Form {
 
   below(path) { return Object.keys(this.values).filter((key) => key.startsWith(`${path}.`)); }
 
-  // Paths of the tables of a group that exist, with their index in a list; and the place for another one.
+  // Path and index of each table of a group. For a list of tables the last entry is for the button that adds one.
   tables(group) {
     const { key, rows } = group;
     if (!rows) return [[key, null]];
@@ -54,9 +54,9 @@ export class Form {
 
   addGroup(group, path, index, closed) {
     const isNew = group.rows && path === group.key.slice(0, -2);
-    const there = path === "" || this.below(path).length > 0;
+    const exists = path === "" || this.below(path).length > 0;
     if (group.within && this.values[`${path.replace(/\[\d+\]$/, "").split(".").slice(0, -1).join(".")}.kind`] !== group.within) return;
-    if (isNew || !there) {
+    if (isNew || !exists) {
       const add = make(this.root, "button", { type: "button", class: "add" }, `Add ${group.title}`);
       add.addEventListener("click", () => { this.editor.set({ [isNew ? `${path}[${index}]` : path]: this.example(group, index) }, path); this.editor.close(); });
       return;
@@ -78,7 +78,7 @@ export class Form {
     make(part, "p", { class: "problem", "data-of": path, role: "alert" });
   }
 
-  // A new row repeats the row before it; a new table starts empty, with the values that its fields demand.
+  // Values of a table that is added: those of the row before it, or else only those that the table must have.
   example(group, index) {
     if (group.rows && index > 0) {
       const last = `${group.key.slice(0, -2)}[${index - 1}]`;
@@ -95,8 +95,8 @@ export class Form {
     if (keys.length) {
       const box = make(part, "fieldset", {});
       make(box, "legend", {}, key.slice(part.dataset.key.length + (part.dataset.key ? 1 : 0)));
-      for (const one of keys) {
-        this.addField(box, { key: one, label: one.slice(key.length + 1), type: typeOf(this.values[one]), unit: "", help, optional: true });
+      for (const inner of keys) {
+        this.addField(box, { key: inner, label: inner.slice(key.length + 1), type: typeOf(this.values[inner]), unit: "", help, optional: true });
       }
       return;
     }
@@ -116,7 +116,7 @@ export class Form {
     this.refresh(entry);
   }
 
-  // One input for a value; for a list one for each number in it, a line for each list inside.
+  // Adds one input for a plain value, or one for each item of a list. Each list inside a list has its own line.
   addInputs(entry) {
     const value = this.values[entry.key], { key, type, slots, id } = entry;
     const add = (parent, name, held, label) => {
@@ -150,7 +150,7 @@ export class Form {
       return select;
     }
     if (type === "boolean") return make(parent, "input", { type: "checkbox" });
-    // A point may be given by its name.
+    // A point given as the name of another point is a text.
     const numeric = typeof held !== "string" && (["number", "integer", "point"].includes(type) || typeof held === "number");
     const limits = { ...(typeof least === "number" ? { min: least } : {}), ...(typeof most === "number" ? { max: most } : {}) };
     return make(parent, "input", numeric ? { type: "number", inputmode: "decimal", ...limits } : { type: "text", spellcheck: "false" });
@@ -163,7 +163,7 @@ export class Form {
     return button;
   }
 
-  // The values of a field as they now are, but for one that is being typed.
+  // Updates the inputs of a field, except for one in which the user is typing.
   refresh(entry) {
     const { key, inputs, type } = entry, value = this.values[key], flat = Array.isArray(value) ? value.flat() : [value];
     inputs.forEach((input, k) => {
@@ -207,7 +207,7 @@ export class Form {
     this.editor.set(changes, input.name);
   }
 
-  // Problems at their fields; those of a key that is not shown stay with the editor.
+  // Shows each problem at the field of its key, and returns the problems whose key has no field.
   showProblems(problems) {
     this.problems = problems;
     for (const place of this.root.querySelectorAll(".problem")) place.textContent = "";
@@ -230,7 +230,7 @@ export class Form {
   }
 }
 
-// The value of an input: null if it is empty, undefined if it is no number.
+// The value of an input: null if it is empty, undefined if it should be a number and is not.
 function valueOf(input) {
   if (input.type === "checkbox") return input.checked;
   if (input.tagName === "SELECT") return JSON.parse(input.value);
@@ -245,7 +245,7 @@ const blank = ({ type, least, default: usual, choices }) =>
   usual ?? choices?.[0] ?? ({ number: Math.max(least ?? 0, 10), integer: Math.max(least ?? 0, 10), boolean: false, point: [0, 0], list: [] }[type] ?? "");
 const shapeOf = (value) => (Array.isArray(value) ? value.map(shapeOf) : value === null ? null : 0);
 
-// Values by dotted key as nested tables.
+// Nested tables from [dotted key, value] pairs; null values are left out.
 function nested(entries) {
   const table = {};
   for (const [key, value] of entries) {

@@ -1,4 +1,4 @@
-// The saved state of the mechanism behind the edited one: outlines of its plates, its links and the paths of its points.
+// The ghost: the mechanism as it was saved, drawn behind the edited one by outlines of plates, links and paths of points.
 import { make, pointsOf, px, see } from "../player/shapes.js";
 
 const DEG = Math.PI / 180;
@@ -11,7 +11,7 @@ export class Ghost {
     drawing.overlays.push(this);
   }
 
-  // Shows a scene's data, with unpacked rows; nothing if it is null.
+  // Shows the data of a scene, with unpacked rows; hides the ghost if `data` is null.
   load(data) {
     this.root.replaceChildren();
     this.data = data;

@@ -1,14 +1,14 @@
-// Handles: marks on the drawing and its plots that edit keys of the recipe when they are dragged or moved by arrow keys.
+// Handles: marks on the drawing and on plots. Dragging a handle, or pressing an arrow key on it, edits keys of the recipe.
 import { make, niceLength, px, see } from "../player/shapes.js";
 
-// Radius of the area that takes a pointer, px, which a finger's tip needs.
+// Radius of the area that responds to the pointer, px; a fingertip needs a larger one.
 const GRAB = matchMedia("(pointer: coarse)").matches ? 22 : 14;
-// Pixels that one press of an arrow key moves a handle, rounded to a round length; with Shift ten times as much.
+// Movement by one press of an arrow key, px. The length is then rounded to a round number; Shift makes it ten times as large.
 const NUDGE = 5;
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
 export class Handles {
-  // editor: startDrag(handle), drag(handle, { to, frame, step, snap }), endDrag(handle), nudge(handle, drag).
+  // editor has the methods startDrag(handle), drag(handle, { to, frame, step, snap }), endDrag(handle), nudge(handle, drag).
   constructor(player, editor) {
     Object.assign(this, { player, editor, elements: new Map(), list: [], held: null });
     const [drawing] = player.drawings;
@@ -22,7 +22,7 @@ export class Handles {
     player.plots.drawn = () => this.show(player.frame);
   }
 
-  // Shows these handles in place of the last ones. Elements of the same id stay, with their focus and pointer.
+  // Shows these handles in place of the previous ones. An element whose id remains keeps its focus and its pointer.
   load(handles) {
     this.list = handles;
     const ids = new Set(handles.map(({ id }) => id));
@@ -42,16 +42,16 @@ export class Handles {
       Object.assign(element, { handle, surface });
       if (element.root.parentNode !== surface.root) surface.root.append(element.root);
       this.describe(element);
-      const [x, y] = surface.screen(...placeOf(handle, frame)), there = isFinite(x + y);
-      see(element.root, there);
-      if (!there) continue;
+      const [x, y] = surface.screen(...placeOf(handle, frame)), isKnown = isFinite(x + y);
+      see(element.root, isKnown);
+      if (!isKnown) continue;
       element.root.setAttribute("transform", `translate(${px(x)} ${px(y)})`);
       const r = handle.shape === "circle" ? handle.radius / surface.pixel : 0;
       for (const rim of element.rims) rim.setAttribute("r", px(r));
     }
   }
 
-  // The plot that shows a column, as a surface with handles; undefined if none does.
+  // The surface for handles on the plot that shows a column; undefined if no plot shows it.
   plotSurface(id) {
     const card = this.player.plots.cards.find(({ columns, plot }) => plot && columns.some((column) => column.id === id));
     if (!card) return undefined;
@@ -95,13 +95,13 @@ export class Handles {
 
   followPointer(element) {
     const { root } = element;
-    // Without this, Chromium pans the page under the finger, also with `touch-action: none`, and the drag ends.
+    // Otherwise Chromium pans the page under the finger, even with `touch-action: none`, and the drag ends.
     root.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
     root.addEventListener("pointerdown", (event) => this.grab(this.nearest(element, event), event));
     root.addEventListener("pointermove", (event) => {
       if (this.held !== element) return;
       const [x, y] = element.surface.plane(event);
-      this.editor.drag(element.handle, this.change(element, [x + this.off[0], y + this.off[1]], event.shiftKey));
+      this.editor.drag(element.handle, this.change(element, [x + this.offset[0], y + this.offset[1]], event.shiftKey));
     });
     for (const end of ["pointerup", "pointercancel"]) {
       root.addEventListener(end, () => {
@@ -113,7 +113,7 @@ export class Handles {
     }
   }
 
-  // The circle whose rim is nearest, where the areas of several overlap; else the element itself.
+  // The circle whose rim is nearest to the pointer, since areas of circles may overlap; for other handles the element itself.
   nearest(element, event) {
     if (element.handle.shape !== "circle") return element;
     const at = element.surface.plane(event);
@@ -131,21 +131,21 @@ export class Handles {
     this.held = element;
     root.setPointerCapture(event.pointerId);
     root.classList.add("held");
-    // A circle follows the pointer itself: its radius is the distance of the pointer.
+    // The rim of a circle goes to the pointer itself; another handle keeps its distance from the pointer.
     const at = surface.plane(event), place = placeOf(handle, this.player.frame);
-    this.off = handle.shape === "circle" ? [0, 0] : [place[0] - at[0], place[1] - at[1]];
+    this.offset = handle.shape === "circle" ? [0, 0] : [place[0] - at[0], place[1] - at[1]];
     this.editor.startDrag(handle);
   }
 
   key(element, event) {
-    const { handle, surface } = element, way = KEYS[event.key];
-    if (!way || event.ctrlKey || event.altKey || event.metaKey) return;
+    const { handle, surface } = element, direction = KEYS[event.key];
+    if (!direction || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     if (handle.locked) return;
-    // Presses add up while the answer to the last one is under way.
+    // Before the answer to the previous press arrives, the next press starts from the position that was requested.
     const place = this.editor.pending(handle) ?? placeOf(handle, this.player.frame).map((at, k) => at + (k || handle.shape !== "circle" ? 0 : handle.radius));
     const steps = [surface.pixel].flat().map((pixel) => niceLength(NUDGE * pixel) * (event.shiftKey ? 10 : 1));
-    const to = place.map((at, k) => at + way[k] * (steps[k] ?? steps[0]));
+    const to = place.map((at, k) => at + direction[k] * (steps[k] ?? steps[0]));
     this.editor.nudge(handle, { ...this.change(element, to, false), step: steps.length > 1 ? steps : steps[0] });
   }
 

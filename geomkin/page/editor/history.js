@@ -1,10 +1,10 @@
-// Undo and redo of texts: a drag, or a field typed in, is one step.
+// Undo and redo of texts. One drag is one step, and so is all typing in one field.
 
-// Steps that are remembered.
+// Largest number of steps that can be undone.
 const MOST = 200;
 
 export class History {
-  // changed(undo, redo): hears whether there are steps to undo and to redo.
+  // changed(canUndo, canRedo) is called after every change of the history.
   constructor(changed) {
     Object.assign(this, { changed, before: [], after: [], begun: null });
   }
@@ -14,21 +14,21 @@ export class History {
     this.changed(false, false);
   }
 
-  // A step begins at this text, unless one has begun.
+  // Begins a step at this text, unless a step has already begun.
   begin(text) {
     this.begun ??= text;
     this.changed(true, this.after.length > 0);
   }
 
-  // The step ends at this text: whether it changed anything. `goesOn`: it belongs to the step before it.
-  end(text, goesOn = false) {
+  // Ends the step at this text and returns whether the text changed. If `isContinued`, it is merged with the step before it.
+  end(text, isContinued = false) {
     const { begun } = this;
     this.begun = null;
     if (begun === null || begun === text) {
       this.changed(this.before.length > 0, this.after.length > 0);
       return false;
     }
-    if (!goesOn || !this.before.length) this.before.push(begun);
+    if (!isContinued || !this.before.length) this.before.push(begun);
     this.before.splice(0, this.before.length - MOST);
     this.after = [];
     this.changed(true, false);

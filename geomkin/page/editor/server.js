@@ -1,6 +1,6 @@
-// Requests to the studio's server. Addresses are relative: that of the page holds the token.
+// Requests to the studio's server. Addresses are relative to that of the page, which contains the token.
 
-// A refusal, with the problems that the server states.
+// The error of a request that the server refuses, with the problems that it states.
 export class Refused extends Error {
   constructor(status, problems) {
     super(problems.map(({ problem, remedy }) => [problem, remedy].filter(Boolean).join("; ")).join(". "));
@@ -23,7 +23,7 @@ export const get = (path, query = {}) => request(`${path}?${new URLSearchParams(
 export const post = (path, body = {}) =>
   request(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
 
-// Waits for a job; `progress(job)` hears of each step.
+// Waits for the end of a job and returns its state; `progress(job)` is called with every state on the way.
 export async function finished(id, progress) {
   for (let wait = 60; ; wait = Math.min(400, 1.5 * wait)) {
     const job = await get("job", { id });
