@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -20,7 +21,7 @@ from ..core.records import record
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
-from ..model.scene import Scene
+from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
 from ..recipe.load import from_table, short_table, to_toml
@@ -33,6 +34,8 @@ from .shafts import ShaftGraph
 
 # Most mechanisms of a machine: what a page shows and a person tells apart. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
+# The recipes of mechanisms that were read last. While a machine is edited, most of its mechanisms stay the same.
+RECENT: deque[AbstractRecipe] = deque(maxlen=MOST_MECHANISMS)
 # The name of a recipe's file: no folder.
 FILE_NAME = re.compile(r"[^/\\]+\.toml")
 
@@ -78,10 +81,24 @@ def _read(given: object, folder: Any) -> AbstractRecipe:
         if table.get("kind") == "machine":
             _refuse_machine()
         recipe = from_table(table, file, folder)
-        return recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe
+        return _recent(recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe)
     except RecipeError as error:
         first = error.problems[0]
         raise DesignError(first.key, first.problem, first.remedy, first.id) from None
+
+
+def _recent(recipe: AbstractRecipe) -> AbstractRecipe:
+    """The recipe itself, or an equal one that was read not long ago, whose results need not be computed again."""
+    equal = (
+        other
+        for other in tuple(RECENT)
+        if type(other) is type(recipe)
+        and (other.name, other.loaded_table) == (recipe.name, recipe.loaded_table)
+        and other == recipe
+    )
+    found = next(equal, recipe)
+    RECENT.append(found)
+    return found
 
 
 def _refuse_machine(key: str = "kind") -> NoReturn:
@@ -261,6 +278,11 @@ class MachineRecipe(AbstractRecipe):
         return joined_scene(self.table, self.placed, self.graph.is_cyclic)
 
     @cached_property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        """Those of all mechanisms whose recipes are in this one."""
+        return tuple(handle for mechanism in self.placed if not mechanism.recipe.name for handle in mechanism.handles)
+
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
         parts: list[Part] = []
         for mechanism in self.placed:
@@ -344,8 +366,8 @@ class MachineRecipe(AbstractRecipe):
         """Those of each mechanism, whose kerf is that of the machine."""
         return dict(super().assumed_fits) | {
             f"mechanisms.{name}.recipe.{key}": value
-            for name, recipe in self.recipes.items()
-            for key, value in recipe.assumed_fits.items()
+            for name, mechanism in self.mechanisms.items()
+            for key, value in mechanism.recipe.assumed_fits.items()
             if key != "files.kerf"
         }
 

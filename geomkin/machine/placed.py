@@ -12,7 +12,7 @@ from ..core.errors import DesignError
 from ..core.names import LONGEST
 from ..core.records import record
 from ..model.part import Part
-from ..model.scene import Plot, Scene, SceneBody
+from ..model.scene import Plot, Scene, SceneBody, SceneHandle
 from ..model.table import Column, Table
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.vec import Complex, Pose, Real
@@ -20,6 +20,8 @@ from ..recipe.recipe import AbstractRecipe
 
 # Units of the columns that a machine's table takes from those of its mechanisms. Rates are those of another speed.
 UNITS = ("mm", "deg")
+# Difference from a whole turn, rad, below which a driver turns round.
+WHOLE = 1e-6
 
 
 @record(eq=False)
@@ -125,6 +127,31 @@ class PlacedMechanism:
             marks=tuple(marks),
             regions=tuple(regions),
         )
+
+    @property
+    def handles(self) -> Iterator[SceneHandle]:
+        """Handles of its recipe that stay, or whose positions over one turn of the driver are known."""
+        scene = self.recipe.scene
+        passed = np.radians(np.abs(scene.drive.values - scene.drive.values[0])) if scene else np.zeros(1)
+        turn = np.copysign(2 * np.pi, scene.drive.values[-1] - scene.drive.values[0]) if scene else 1.0
+        goes_round = scene is not None and scene.cyclic and abs(passed[-1] - 2 * np.pi) < WHOLE
+        for handle in self.recipe.handles:
+            at = np.broadcast_to(handle.at, passed.shape)
+            if np.abs(at - at[0]).max() == 0:
+                at = at[:1]
+            elif goes_round:
+                at = np.interp(np.abs(np.remainder(self.turn, turn)), passed, at)
+            else:
+                continue
+            # The axis of the driver is where its shaft is, wherever its own recipe has it.
+            if handle.shape != "plot" and not handle.id.startswith("origin:"):
+                yield replace(
+                    handle,
+                    id=f"{self.name}/{handle.id}",
+                    label=f"{self.name}: {handle.label}",
+                    keys=tuple(f"mechanisms.{self.name}.recipe.{key}" for key in handle.keys),
+                    at=self.pose.place(at),
+                )
 
     @property
     def heights(self) -> dict[int, float]:

@@ -12,6 +12,7 @@ import shapely
 
 import geomkin as gk
 from geomkin.machine.shafts import common_period
+from geomkin.studio.edit import answer
 from tests.gallery import RECIPES, named, recipe, seen
 from tests.texts import parse
 
@@ -253,6 +254,35 @@ def test_recipe_is_written_as_read_and_read_again_from_its_sources():
     text = gk.recipe.to_toml(own)
     assert parse(text, folder=str(RECIPES)) == own == parse(text, folder=own.sources)
     assert list(own.sources) == ["walking-leg.toml"]
+
+
+def test_handles_of_mechanisms_are_on_their_pins_and_follow_the_pointer():
+    text = machine(pair=inline(PAIR), lift=inline(CAM, 'turned_by = "pair.second"'),
+                   wiper=inline(FOUR_BAR, 'turned_by = "pair.second"\nphase_deg = 30\nangle_deg = 200'))  # fmt: skip
+    own = parse(text)
+    handles = {handle.id: handle for handle in own.handles}
+    for id, body in (("wiper/point:crank_pin", "wiper/coupler"), ("lift/point:cam.follower.offset", "lift/roller")):
+        assert np.abs(handles[id].at - named(own.scene, body).origin).max() < 0.01
+    for id, frame, by in (
+        ("wiper/point:rocker_pin", 100, 1 + 2j),
+        ("pair/circle:first.module", 0, 8),
+        ("lift/circle:cam.base_radius", 0, 35),
+    ):
+        handle = handles[id]
+        to = handle.at[min(frame, len(handle.at) - 1)] + by
+        drag = {"handle": id, "to": [to.real, to.imag], "frame": frame, "step": 0.1}
+        changed = answer(text, {}, {"drag": drag})
+        assert not changed["problems"] and changed["text"] != text
+        moved = next(handle for handle in parse(changed["text"]).handles if handle.id == id)
+        away = abs(moved.at[min(frame, len(moved.at) - 1)] - to)
+        assert away == pytest.approx(moved.radius, abs=0.6 if moved.radius else 0.1)
+
+
+def test_mechanisms_that_stay_the_same_are_not_computed_again():
+    text = machine(pair=inline(PAIR), wiper=inline(FOUR_BAR, 'turned_by = "pair.second"'))
+    one, other = (parse(text.replace("rocker = 70", f"rocker = {rocker}")) for rocker in (71, 72))
+    assert one.recipes["pair"] is other.recipes["pair"]
+    assert [own.recipes["wiper"].linkage.rocker for own in (one, other)] == [71, 72]
 
 
 def test_goal_is_a_mechanism_too():
