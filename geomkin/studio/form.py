@@ -36,8 +36,8 @@ def recipe_form(kind: str) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from geomkin.studio.form import form
-    >>> [group["key"] for group in form("spur-gear")["groups"]][:2]
+    >>> from geomkin.studio.form import recipe_form
+    >>> [group["key"] for group in recipe_form("spur-gear")["groups"]][:2]
     ['', 'gear']
     """
     recipe = recipe_class(kind)
