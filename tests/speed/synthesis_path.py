@@ -31,6 +31,40 @@ PROBLEMS = {
     "FIVE": ("7.416e-7", FIVE, {"drive_deg": [30, 45, 60, 75, 90], "bounds": FIVE_BOUNDS}),
 }
 
+# Closed paths of 120 points that no four-bar draws, with the best sum of squares, mm2, of a search of twice as many
+# curves, three times as many starts and several seeds.
+FULL = np.linspace(0, 2 * np.pi, 120, endpoint=False)
+
+
+def polygon(*corners: complex) -> np.ndarray:
+    """Points at equal distances along a closed polygon."""
+    line = np.array([*corners, corners[0]])
+    length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
+    return np.interp(np.linspace(0, length[-1], len(FULL), endpoint=False), length, line)
+
+
+def harmonics(seed: int, count: int) -> np.ndarray:
+    """A circle with random further harmonics."""
+    rng, points = np.random.default_rng(seed), 30 * np.exp(1j * FULL)
+    for n in range(2, count + 1):
+        ahead, back = (complex(*rng.normal(size=2)) for _ in range(2))
+        points = points + 30 / n**1.5 * (0.4 * ahead * np.exp(1j * n * FULL) + 0.5 * back * np.exp(-1j * n * FULL))
+    return points
+
+
+CLOSED = {
+    "square": (567.064, polygon(20 + 20j, -20 + 20j, -20 - 20j, 20 - 20j)),
+    "right triangle": (5.41087, polygon(0, 40, 30j)),
+    "teardrop": (0.369707, 30 * np.cos(FULL) + 20j * np.sin(FULL) * np.sin(FULL / 2) ** 1.5),
+    "figure eight": (198.214, 40 * np.sin(FULL) + 15j * np.sin(2 * FULL)),
+    "kidney": (0.0146386, 30 * np.exp(1j * FULL) + 9 * np.exp(2j * FULL)),
+    "bean": (0.101857, 30 * np.cos(FULL) + 1j * (15 * np.sin(FULL) + 10 * np.cos(FULL) ** 2)),
+    "harmonics 1": (322.938, harmonics(1, 4)),
+    "harmonics 2": (1180.22, harmonics(2, 4)),
+    "harmonics 3": (1071.58, harmonics(3, 3)),
+    "harmonics 4": (1175.64, harmonics(4, 5)),
+}
+
 
 def figures(seeds: int) -> None:
     """The table."""
@@ -47,6 +81,15 @@ def figures(seeds: int) -> None:
                 usable.append(found.usable.square_error if found.usable else np.nan)
         row = f"{name:8}{published:>12}{max(errors):16.9g}{min(errors):16.9g}{min(usable):16.9g}{max(times):8.2f}"
         print(row, flush=True)
+    print(f"{'closed path':16}{'best known, mm2':>16}  ratio of seeds 0, 1, ... to it, and seconds")
+    for name, (best, points) in CLOSED.items():
+        start = time.process_time()
+        ratios = [
+            gk.path_generator(points, closed=True, seed=seed, time_limit=120).square_error / best
+            for seed in range(min(3, seeds))
+        ]
+        spent = (time.process_time() - start) / len(ratios)
+        print(f"{name:16}{best:16.6g}  {' '.join(f'{ratio:.4f}' for ratio in ratios)}  {spent:.1f} s", flush=True)
     for seed in range(min(3, seeds)):
         start = time.process_time()
         found = gk.path_generator(NINE, seed=seed, time_limit=120)

@@ -9,8 +9,9 @@ import geomkin as gk
 from geomkin.core.progress import Watch
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
-from geomkin.synthesis.path.fits import PathTask, polished_starts, refined_starts, squares
-from geomkin.synthesis.path.search import _cranks_for_all_points, _nearest_on_path
+from geomkin.synthesis.path.fits import PathTask, nearest_angles, nearest_from, polished_starts, refined_starts, squares
+from geomkin.synthesis.path.search import _cranks_for_all_points
+from geomkin.synthesis.path.starts import random_linkages
 
 WIDE = np.array([1e-6, 1e-6, 1e-6, 1e-6, -50, -50, -50, -50, -9, -9]), np.full(10, 50.0)
 # Its coupler point crosses its own path.
@@ -101,7 +102,7 @@ def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, mo
     path = at(CROSSING, drive)
     off = 0.01 * (rng.normal(size=61) + 1j * rng.normal(size=61))
     task, x, branch = task_of(path + off, closed=closed), CROSSING[None], np.ones(1)
-    found = _nearest_on_path(task, x, drive[None] + 0.05 * rng.normal(size=(1, 61)), branch)
+    found = nearest_from(task, x, drive[None] + 0.05 * rng.normal(size=(1, 61)), branch)
     # Brute force around each; nothing is left along the path.
     near = drive[:, None] + np.linspace(-0.15, 0.15, 3001)
     looked = np.abs(at(CROSSING, near.ravel()).reshape(near.shape) - (path + off)[:, None])
@@ -119,6 +120,22 @@ def test_cranks_of_many_points_come_to_the_nearest_places_of_the_path(closed, mo
     assert not _cranks_for_all_points(
         dataclasses.replace(task, turns=drive - 0.2), few, x, found[:, chosen], branch
     ).any()
-    monkeypatch.setattr(search, "_nearest_on_path", lambda task, x, t, branch: t)
+    monkeypatch.setattr(search, "nearest_from", lambda task, x, t, branch: t)
     t = _cranks_for_all_points(task, few, x, found[:, chosen], branch)
     assert closed or (t[:, chosen] == pytest.approx(found[:, chosen]) and (np.diff(t) > 0).all())
+
+
+def test_nearest_points_of_closed_paths_agree_with_brute_force():
+    """Random crank-rockers, whose paths have tips and crossings, and points beside their paths."""
+    rng = np.random.default_rng(5)
+    fine, misses = np.linspace(0, 2 * np.pi, 6001), []
+    task = task_of(np.ones(1), closed=True)
+    for lengths in random_linkages(task, rng, 30):
+        x = np.array([*lengths, *rng.normal(size=2) * lengths[2], 0, 0, 0, 0])
+        path = at(x, fine)
+        size = np.abs(path - path.mean()).max()
+        wanted = rng.choice(path, 60) + 0.02 * size * (rng.normal(size=60) + 1j * rng.normal(size=60))
+        few = dataclasses.replace(task, wanted=wanted)
+        t = nearest_angles(few, x[None], rng.uniform(0, 2 * np.pi, (1, 60)), np.ones(1))[0]
+        misses += list((np.abs(at(x, t) - wanted) - np.abs(path - wanted[:, None]).min(axis=1)) / size)
+    assert max(misses) < 0.02 and np.mean(np.array(misses) < 1e-4) > 0.997

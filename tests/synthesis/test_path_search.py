@@ -177,10 +177,13 @@ def test_derivatives_of_limit_violations_agree_with_differences(known, asked):
     held = fit.limits(which, whole, task.cranks(whole, t))
     for k, by in ((0, fit.at_points), (3, fit.at_ends), (5, fit.at_links)):
         inside = plain[k] != -1
-        assert inside.any() and (held[k] - plain[k])[inside] == pytest.approx(by[which][inside])
+        # A full turn passes the extremes, and no limit is needed at the points of a closed path.
+        assert bool(inside.any()) is not (asked == "closed" and k == 0) and (held[k] - plain[k])[
+            inside
+        ] == pytest.approx(by[which][inside])
         assert (held[k] == plain[k])[~inside].all()
     now = fit(which, x, t)
-    assert ((now.rest > 0).sum(axis=1) >= 2).all() and (now.blocks[..., 2] > 0).any()
+    assert ((now.rest > 0).sum(axis=1) >= 2).all() and bool((now.blocks[..., 2] > 0).any()) is not (asked == "closed")
     step = 1e-6
     for k in range(x.shape[1]):
         ahead, behind = (fit(which, x + side * step * np.eye(x.shape[1])[k], t) for side in (1, -1))

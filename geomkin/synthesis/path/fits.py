@@ -236,8 +236,9 @@ PASSED = 1e-11
 RESTORED, FAR_OUTSIDE = 8, 1e-3
 # Number of moves of a crank towards the nearest point of its path after each step.
 SETTLED = 1
-# Samples of a closed path for the nearest point; fewer may select a wrong loop.
-LOOKS = 96
+# Samples of a closed path for the nearest point, and steps from the nearest of them; fewer may miss the tip of a path
+# that turns sharply.
+LOOKS, REFINED_LOOKS = 192, 3
 
 
 @record(eq=False)
@@ -319,7 +320,8 @@ class Fit:
         task = self.task
         most = np.cos(task.least_transmission) ** 2
         value, by_size, by_crank = folding(x, cranks, task.slides)
-        points = value**2 - most + self.at_points[which]
+        # A full turn passes both extremes, whose limits imply those at the points.
+        points = np.full(value.shape, -1.0) if task.closed else value**2 - most + self.at_points[which]
         at, inside = task.extremes(cranks)
         end, end_by_size, _ = folding(x, np.broadcast_to(at, inside.shape), task.slides)
         # An extreme that the motion does not reach violates nothing.
@@ -473,8 +475,27 @@ def nearest_angles(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
     """Approximate crank angles (s, n) of the points of closed paths that are nearest to the wanted ones."""
     looks = 2 * np.pi * np.arange(LOOKS) / LOOKS
     path = points_of(x, np.broadcast_to(looks, (len(x), LOOKS)), branch, task.slides)
-    far = np.abs(path[:, None, :] - task.wanted[None, :, None])
-    at = np.argmin(np.where(np.isfinite(far), far, np.inf), axis=2)
-    distances = np.take_along_axis(far, at[..., None], axis=2)[..., 0]
-    now = np.abs(points_of(x, t, branch, task.slides) - task.wanted)
-    return np.where(distances < now, looks[at], t)
+    # Squared distances less those of the wanted points from 0, as a product, which takes a quarter of the time.
+    from_zero = np.abs(path) ** 2
+    is_open = np.isnan(from_zero)
+    path[is_open], from_zero[is_open] = 0.0, np.inf
+    wanted, places = (np.stack([z.real, z.imag], axis=-1) for z in (task.wanted, path))
+    at = np.argmin(from_zero[:, None, :] - 2 * wanted @ np.swapaxes(places, 1, 2), axis=2)
+    found = nearest_from(task, x, looks[at], branch, REFINED_LOOKS)
+    distances, now = (np.abs(points_of(x, cranks, branch, task.slides) - task.wanted) for cranks in (found, t))
+    return np.where(distances < now, found, t)
+
+
+def nearest_from(task: PathTask, x: Real, t: Real, branch: Real, steps: int = 20) -> Real:
+    """Crank angles (s, n) at which the paths are nearest to the wanted points, found by steps from t."""
+    for _ in range(steps):
+        point, by_crank = along(x, t, branch, task.slides)
+        miss = task.wanted - point
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = dot(by_crank, miss) / np.abs(by_crank) ** 2
+        new = t + np.clip(step, -0.1, 0.1)
+        nearer = np.abs(points_of(x, new, branch, task.slides) - task.wanted) < np.abs(miss)
+        if not nearer.any():
+            break
+        t = np.where(nearer, new, t)
+    return t

@@ -42,9 +42,9 @@ STARTS = 140
 FEW_TIMED, MORE = 12, 300
 # Batch size: larger batches do not fit the processor's cache, smaller ones cost Python overhead.
 SCORED_AT_ONCE = 10_000
-# For an untimed path: curves tried, batch size, curves whose points are fitted, and curves improved. Fewer curves miss
-# rare shapes such as narrow figures of eight; more take longer.
-TRIED, TRIED_AT_ONCE, FITTED, IMPROVED = 80_000, 4_000, 4_000, 400
+# For an untimed path: curves tried, batch size, curves whose points are fitted, and curves improved, of open and of
+# closed paths. Fewer curves miss rare shapes such as narrow figures of eight; more take longer.
+TRIED, TRIED_AT_ONCE, FITTED, IMPROVED, IMPROVED_CLOSED = 80_000, 4_000, 4_000, 400, 1_200
 # Number of points below which an open path has few points.
 FEW_OPEN = 6
 # Crank angles at which a curve is computed, and points at equal arc lengths that are compared.
@@ -204,16 +204,16 @@ def free_starts(task: PathTask, rng: np.random.Generator, watch: Watch) -> tuple
             good &= task.passed(x, cranks) < 0.05
         x, cranks, branch, path = x[good], cranks[good], branch[good], path[good]
         if len(x):
-            placed, score, of = _closed(task, x, path) if task.closed else _open(task, x, path, cranks)
+            placed, score, of = _closed(task, x, path, branch) if task.closed else _open(task, x, path, cranks)
             best = np.argsort(score, kind="stable")[: FITTED * TRIED_AT_ONCE // tried]
             rows.append((placed[best], of(best), branch[best], score[best]))
     if not rows:
         return np.zeros((0, 10)), np.zeros((0, len(task.wanted))), np.zeros(0)
-    x, cranks, branch, _ = (np.concatenate(column) for column in zip(*rows))
-    t = nearest_angles(task, x, cranks, branch) if task.closed else cranks
+    x, t, branch, _ = (np.concatenate(column) for column in zip(*rows))
     crank, coupler = closing(x, t, branch, task.slides)
     fitted, score = linear_fit(task, x, crank, coupler)
-    chosen = unlike(fitted, branch, score, IMPROVED if len(task.wanted) > FEW_OPEN else IMPROVED // 2)
+    improved = IMPROVED_CLOSED if task.closed else IMPROVED
+    chosen = unlike(fitted, branch, score, improved if len(task.wanted) > FEW_OPEN else improved // 2)
     return fitted[chosen], t[chosen], branch[chosen]
 
 
@@ -236,7 +236,7 @@ def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:
     return np.interp(at.ravel(), (row + share * (1 - 1e-9)).ravel(), path.ravel()).reshape(at.shape), share
 
 
-def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callable[[Whole], Real]]:
+def _closed(task: PathTask, x: Real, path: Complex, branch: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
     """The placed linkages, the difference of their closed paths, and a function for the crank angles at the points."""
     wanted = _evenly(loop(task.wanted)[None], False)[0][0]
     even = _evenly(path, False)[0]
@@ -250,7 +250,8 @@ def _closed(task: PathTask, x: Real, path: Complex) -> tuple[Real, Real, Callabl
     with np.errstate(invalid="ignore", divide="ignore"):
         score = np.nan_to_num(1 - np.abs(best) ** 2 / (power * np.sum(np.abs(target) ** 2)), nan=np.inf)
         placed = _placed(x, best / power, at, middle)
-    return placed, score, lambda rows: np.zeros((len(rows), len(task.wanted)))
+    at_zero = np.zeros((len(x), len(task.wanted)))
+    return placed, score, lambda rows: nearest_angles(task, placed[rows], at_zero[rows], branch[rows])
 
 
 def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
