@@ -320,9 +320,8 @@ def _job(name: str, source: Source, files: Files) -> Job:
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
-    about = " ".join((source.subtitle, *source.remarks, source.forces_missing)).rstrip()
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
-    return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp)
+    return dataclasses.replace(job, about=source.introduction, recipe=partial(to_toml, source), stamp=stamp)
 
 
 def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:

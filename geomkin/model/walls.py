@@ -24,7 +24,7 @@ OF_THICKNESS = 0.5
 # two such zones meet, and no unheated material is left.
 OF_KERF = 2.0
 # Accuracy of a wall as a share of the limit. A finer one takes longer without benefit.
-ACCURACY = 1e-4
+ACCURACY = 1e-3
 # Limits of that accuracy as shares of the part's size. Finer gives a million chords, coarser loses the shape.
 FINEST, COARSEST = 2e-6, 1e-4
 # Largest width of a reported neck, in limits. Wider necks take longer to find and are strong enough.
@@ -52,7 +52,7 @@ def thinnest_wall(part: Part, limit: float) -> float:
     Returns
     -------
     float
-        Width, mm; inf if the part has no wall. It is exact to 1e-4 of the limit (at least 2e-6 and at most 1e-4 of the
+        Width, mm; inf if the part has no wall. It is exact to 1e-3 of the limit (at least 2e-6 and at most 1e-4 of the
         part's size), and rounded to that.
 
     Notes

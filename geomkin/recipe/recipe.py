@@ -290,6 +290,11 @@ class AbstractRecipe(_Shared, ABC):
         """One line that introduces this mechanism; by default that of its kind."""
         return self.about()
 
+    @property
+    def introduction(self) -> str:
+        """The sentences at the head of the page: the subtitle, remarks, and why there are no forces."""
+        return " ".join(text for text in (self.subtitle, *self.remarks, self.forces_missing) if text)
+
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """Values by dotted key for a template with some optional tables; other keys take the examples of the fields.

@@ -188,7 +188,7 @@ def _(recipe: AbstractRecipe) -> Job:
     name = recipe.name or recipe.kind
     if recipe.scene is None:
         return replace(_job(recipe.parts), name=name)
-    return Job(name, recipe, recipe.files.tolerance, about=recipe.subtitle, recipe=partial(to_toml, recipe))
+    return Job(name, recipe, recipe.files.tolerance, about=recipe.introduction, recipe=partial(to_toml, recipe))
 
 
 @_job.register(str)

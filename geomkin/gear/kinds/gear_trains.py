@@ -266,10 +266,10 @@ class GearTrainRecipe(AbstractAssembledRecipe):
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         """The bore of the other gears, and materials, if loads are requested."""
-        keys = ("stock", *(key for key in ("first_stock", "last_stock") if key in tables))
-        bores = {f"{key}.bore": ArborStock().bore for key in keys}
-        materials = {f"{key}.material": MATERIALS["steel-C45"] for key in keys}
-        return bores | (materials if "loads" in tables else {})
+        material = MATERIALS["steel-C45"] if "loads" in tables else None
+        ends = [key for key in ("first_stock", "last_stock") if key in tables]
+        stocks = {key: GearStock(bore=ArborStock().bore, material=material) for key in ends}
+        return stocks | ({"stock.material": material} if material else {})
 
     @property
     def notes(self) -> Mapping[str, object]:
