@@ -31,8 +31,8 @@ from .coupler_paths import (
     ROCKER,
     TURN,
     closing,
-    folded,
     points_of,
+    signed_transmission_cosine,
 )
 from .fits import PathTask, nearest_angles, nearest_from, polished_starts, refined_starts
 from .nine_points import PathCount, cranks_and_branches, special, through_nine, with_cognates
@@ -213,7 +213,7 @@ def _largest_cosine(task: PathTask, x: Real, drive: Real) -> float:
     """Largest absolute cosine of the transmission angle from the first to the last crank angle."""
     at, inside = task.extremes(drive[None])
     cranks = np.concatenate([drive, at[inside[0]]])
-    return float(np.abs(folded(x[None], cranks[None], task.slides)).max())
+    return float(np.abs(signed_transmission_cosine(x[None], cranks[None], task.slides)).max())
 
 
 def _circuits(x: Real, cranks: Real, branch: Whole) -> int:
