@@ -160,7 +160,7 @@ def test_limits_hold_over_the_whole_turn_of_a_closed_path():
 @pytest.mark.campaign
 @pytest.mark.parametrize("name", ["figure eight", "harmonics 1", "teardrop"])
 def test_dense_closed_paths_that_no_linkage_draws_are_met_as_well_as_is_known(name):
-    """Within 1 % of the best of longer searches; tips and crossings of a path make the nearest point hard to find."""
+    """Within 1 % of the best that searches with several seeds have found; tips and crossings of a path make the nearest point hard to find."""
     best, points = CLOSED[name]
     found = gk.path_generator(points, closed=True, time_limit=100)
     assert found.square_error <= 1.01 * best
