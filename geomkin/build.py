@@ -141,7 +141,7 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
                 )
             ],
         )
-    name = name_of(file, recipe.name or recipe.kind)
+    name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
         wanted = wanted if only else _formats_of(recipe)
@@ -179,7 +179,7 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
         As for `make`.
     """
     file, recipe = _with_file(recipe)
-    name = name_of(file, recipe.name or recipe.kind)
+    name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
         checks, job = recipe.checks, _job(name, recipe, recipe.files)
         for writer in (WRITERS[name] for name in _formats_of(recipe)):
@@ -222,7 +222,7 @@ def index(out: str | Path = "out") -> dict[Path, int]:
     # Imported here, since a run of a single recipe needs no index.
     from .page import index as overview
 
-    contents = overview.index(folder)
+    contents = overview.index_page(folder)
     write_whole(folder, contents)
     return {folder / name: len(content) for name, content in contents.items()}
 
@@ -342,7 +342,7 @@ def _data(recipe: AbstractRecipe) -> dict[str, Any]:
     return {key: value for key, value in data.items() if value or key not in (*SHARED, "tolerances")}
 
 
-def name_of(file: str, name: str) -> str:
+def valid_recipe_name(file: str, name: str) -> str:
     """The name, if it is valid for a folder and files; else RecipeError."""
     if len(name.encode("utf-8", "surrogatepass")) > LONGEST_NAME:
         raise RecipeError(file, [Problem("", "its name is too long for file names", "shorten it", "out-of-range")])

@@ -16,7 +16,7 @@ from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole, first_largest
 from .cam import Cam
 from .extrema import highest_between, refine_peak, samples
-from .untrimmed_outline import UntrimmedOutline, chord_crossings, crossings, refined
+from .untrimmed_outline import UntrimmedOutline, chord_crossings, refined_parameters, self_crossings
 
 # Chords along each backward stretch of the profile; the same density is used over four times its length to either side,
 # where its loop closes. Fewer may miss a small loop, more take longer.
@@ -219,7 +219,7 @@ class _Tracing:
                 following[np.minimum(chords + count + 1, len(self.grid))],
             )
             start = self.pairs[which]
-            refined_pairs = crossings(self.raw.curve, start, low, high, self.raw.last_bit(start))
+            refined_pairs = self_crossings(self.raw.curve, start, low, high, self.raw.last_bit(start))
             settled = np.isfinite(refined_pairs[:, 0])
             settled[settled] = ~self.raw.touches(refined_pairs[settled])
             self.pairs[which[settled]] = refined_pairs[settled]
@@ -323,7 +323,7 @@ def _grid(raw: UntrimmedOutline, loops: list[Interval], points: list[Interval]) 
     for a, b in loops:
         dense = np.linspace(5 * a - 4 * b, 5 * b - 4 * a, 9 * CHORDS_PER_LOOP + 1)
         grid.append(dense[(dense >= np.floor(a)) & (dense < np.ceil(b))])
-    parameters, z = refined(raw.curve, np.unique(np.concatenate(grid)))
+    parameters, z = refined_parameters(raw.curve, np.unique(np.concatenate(grid)))
     for a, b in points:
         before, after = parameters <= a, parameters >= b
         kept = before | after if a < b else before & after

@@ -160,7 +160,7 @@ def _joint(cam: Cam, angle: float, before: complex, after: complex) -> AbstractC
     return cam.follower.surface_between(Pose(to_cam * on_ground.origin, to_cam * on_ground.direction), before, after)
 
 
-def crossings(curve: AbstractCurve, start: Real, low: Real, high: Real, bit: Real | None = None) -> Real:
+def self_crossings(curve: AbstractCurve, start: Real, low: Real, high: Real, bit: Real | None = None) -> Real:
     """Pairs of parameters (n, 2) of one point of a closed curve, near `start` (n, 2), between `low` and `high`.
 
     bit: rounding error of the parameters, (n, 2); by default their last bit. nan for no crossing: the curve need not
@@ -200,7 +200,7 @@ def _is_one_place(curve: AbstractCurve, pairs: Real, small: float) -> Mask:
     return np.asarray(np.abs(z - z[:, :1]).max(axis=1) <= small)
 
 
-def refined(curve: AbstractCurve, places: Real) -> tuple[Real, Complex]:
+def refined_parameters(curve: AbstractCurve, places: Real) -> tuple[Real, Complex]:
     """Rising parameters of a closed curve, with more between them until the chords follow the curve, and its points."""
     z = curve.point(places)
     tolerance = CHORD_ERROR * float(np.abs(z).max())

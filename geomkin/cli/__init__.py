@@ -27,7 +27,7 @@ def cli() -> None:
 
 
 for command in (
-    write.run, write.verify, show.check_command, show.columns, write.sweep, write.optimise_command,
-    show.studio, show.list_command, show.new, show.schema, write.chart_command,
+    write.run, write.verify_command, write.sweep_command, write.optimise_command, write.chart_command,
+    show.check_command, show.columns_command, show.list_command, show.new, show.schema_command, show.studio,
 ):  # fmt: skip
     cli.add_command(command)

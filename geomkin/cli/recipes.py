@@ -62,7 +62,7 @@ def outcomes_of(files: list[Path], action: Callable[[Path], R]) -> Outcomes[R]:
     """The outcome of each recipe, in the order of the files."""
     from ..core.errors import Problem, printable
     from ..core.processes import each
-    from ..core.progress import shown
+    from ..core.progress import progress_to
 
     outcomes: list[R | Refused] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
@@ -79,7 +79,7 @@ def outcomes_of(files: list[Path], action: Callable[[Path], R]) -> Outcomes[R]:
         file=sys.stderr,
         hidden=hidden,
     )
-    with counted as bar, progress_shown() if hidden else shown(show):
+    with counted as bar, progress_shown() if hidden else progress_to(show):
         bar.update(0, files[0])
         killed = Problem("", "its process was killed", LARGER, "too-much-work")
         for file, following, outcome in zip(files, [*files[1:], None], each(partial(_tried, action), files)):
@@ -155,13 +155,13 @@ def print_json(data: dict[str, object]) -> None:
 
 def progress_shown() -> AbstractContextManager[None]:
     """Within this context, progress is shown on one line of the terminal."""
-    from ..core.progress import shown
+    from ..core.progress import progress_to
 
     def show(share: float, what: str) -> None:
         if _is_terminal(sys.stderr):
             click.echo("\r\x1b[K" + (f"{what}: {share:.0%}" if share < 1 else ""), nl=False, err=True)
 
-    return shown(show)
+    return progress_to(show)
 
 
 def _is_terminal(stream: TextIO | None) -> bool:

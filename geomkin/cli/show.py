@@ -33,9 +33,9 @@ def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
     end(outcomes)
 
 
-@click.command()
+@click.command("columns")
 @one_recipe
-def columns(recipe: Path) -> None:
+def columns_command(recipe: Path) -> None:
     """List the columns of a RECIPE's table.
 
     Each line has the id, the unit and the meaning of a column.
@@ -85,10 +85,10 @@ def new(name: str, options: tuple[str, ...]) -> None:
     try:
         recipe = recipe_class(name)
     except KeyError:
-        from ..recipe.messages import nearest
+        from ..recipe.messages import did_you_mean
 
         kinds = kind_names()
-        remedy = f"{nearest(name, kinds)}choose from {', '.join(kinds)}"
+        remedy = f"{did_you_mean(name, kinds)}choose from {', '.join(kinds)}"
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
     from ..recipe.template import template
 
@@ -99,8 +99,8 @@ def new(name: str, options: tuple[str, ...]) -> None:
     click.echo(text, nl=False)
 
 
-@click.command()
-def schema() -> None:
+@click.command("schema")
+def schema_command() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 

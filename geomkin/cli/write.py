@@ -94,10 +94,10 @@ def _refuse_twins(files: list[Path]) -> None:
         raise click.UsageError(f"{named} would write the same folder; run them with another --out")
 
 
-@click.command()
+@click.command("verify")
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @json_option
-def verify(folders: tuple[Path, ...], as_json: bool) -> None:
+def verify_command(folders: tuple[Path, ...], as_json: bool) -> None:
     """Measure the files in FOLDERS against their recipes.
 
     Reads every file back and compares it with the exact curves of its recipe. A folder is that of one recipe, or
@@ -139,7 +139,7 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
     return results
 
 
-@click.command()
+@click.command("sweep")
 @one_recipe
 @click.option(
     "--set", "settings", multiple=True, required=True, metavar="KEY=VALUES",
@@ -152,7 +152,7 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
 )  # fmt: skip
 @out_folder
 @json_option
-def sweep(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
+def sweep_command(recipe: Path, settings: tuple[str, ...], results: tuple[str, ...], out: Path, as_json: bool) -> None:
     """Evaluate a RECIPE for all combinations of values.
 
     Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues with

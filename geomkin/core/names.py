@@ -18,7 +18,7 @@ NAMES = 4096
 # Bytes of a file's name in common file systems.
 LONGEST_FILE = 255
 # Names of devices in Windows, with any ending (Microsoft, "Naming Files, Paths, and Namespaces"). Superscript digits
-# are reserved too; `folded` turns them into plain ones.
+# are reserved too; `folded_name` turns them into plain ones.
 DEVICES = {"con", "prn", "aux", "nul", "conin$", "conout$"} | {f"{d}{n}" for d in ("com", "lpt") for n in range(10)}
 # Categories of Unicode: letters, digits, and combining marks.
 LETTERS = {"Lu", "Ll", "Lt", "Lm", "Lo", "Nd"}
@@ -44,7 +44,7 @@ def check_names(field: str, names: Iterable[str], what: str) -> None:
         flaw = _flaw(name)
         if flaw:
             raise DesignError(field, f"{what} is named {shown(name)}, which {flaw}", f"give {ALLOWED}", "out-of-range")
-        same = seen.setdefault(folded(name), name)
+        same = seen.setdefault(folded_name(name), name)
         if same != name:
             problem = f"{shown(same)} and {shown(name)} differ only by case or look the same"
             remedy = "give names that differ, since some file systems treat these as equal"
@@ -52,7 +52,7 @@ def check_names(field: str, names: Iterable[str], what: str) -> None:
 
 
 @lru_cache(NAMES)
-def folded(name: str) -> str:
+def folded_name(name: str) -> str:
     """The name as compared by a file system that ignores case and the composition of letters."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
@@ -78,7 +78,7 @@ def _letters_flaw(name: str) -> str:
         return f"begins with {shown(name[0])}"
     if name[-1] == " ":
         return "ends with a space"
-    if folded(name) in DEVICES:
+    if folded_name(name) in DEVICES:
         return "is the name of a device in Windows"
     return ""
 
@@ -104,7 +104,7 @@ def file_name_flaw(name: str) -> str:
         return f"it has the sign {shown(bad)}, which is not allowed in file names on all systems"
     if name[0] in ".- " or name[-1] in ". ":
         return f"it begins or ends with {shown(name[0] if name[0] in '.- ' else name[-1])}"
-    if folded(name).split(".")[0].rstrip(" ") in DEVICES:
+    if folded_name(name).split(".")[0].rstrip(" ") in DEVICES:
         return "it is the name of a device in Windows"
     return ""
 

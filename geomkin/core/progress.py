@@ -12,7 +12,7 @@ _listener: ContextVar[Callable[[float, str], None] | None] = ContextVar("listene
 
 
 @contextmanager
-def shown(listener: Callable[[float, str], None]) -> Iterator[None]:
+def progress_to(listener: Callable[[float, str], None]) -> Iterator[None]:
     """Within this context `listener` is called with the share of long work that is done, 0 to 1, and its name."""
     before = _listener.set(listener)
     try:

@@ -11,7 +11,7 @@ from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.vec import Real, Whole, rounded
 from .job import Job
-from .picture import SCALE_DIGITS, TURN_DIGITS, Item, document, items, page_box, style, transform
+from .picture import SCALE_DIGITS, TURN_DIGITS, Item, items, page_box, style, svg_document, transform
 from .still import Still, frame_at, kept_frames
 from .svg_path import decimal
 
@@ -48,7 +48,7 @@ def animation(job: Job) -> bytes:
         f".move{{animation:{SECONDS}s linear {repetition}}}{film.rules()}}}{film.keyframes()}"
     )
     body = [f'<g transform="scale(1 -1)">{drawn}</g>']
-    return document(still, page_box(still), job.name, job.about or "A mechanism, moving.", css, body)
+    return svg_document(still, page_box(still), job.name, job.about or "A mechanism, moving.", css, body)
 
 
 def _run(closed: np.ndarray, cyclic: bool) -> tuple[Whole, bool]:

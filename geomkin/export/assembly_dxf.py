@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.errors import harmless
 from ..core.fields import to_digits
-from ..core.names import folded
+from ..core.names import folded_name
 from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.flatten import flatten
 from ..plane.primitives import Circle, Polyline
@@ -33,10 +33,10 @@ Shape = tuple[str, Circle | Polyline]
 
 def write_assembly_dxf(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
-    return {f"{job.name}-assembly.dxf": assembly(job)}
+    return {f"{job.name}-assembly.dxf": assembly_drawing(job)}
 
 
-def assembly(job: Job) -> bytes:
+def assembly_drawing(job: Job) -> bytes:
     """The drawing at full size: outlines with arcs on a layer for each body; paths, pins and names on others."""
     scene = job.scene
     still = Still(scene, np.array([frame_at(scene, job.assembly_at)]))
@@ -57,7 +57,7 @@ def _layers(scene: Scene) -> dict[str, str]:
     for body in scene.bodies:
         plain = "".join("_" if c in FORBIDDEN or not c.isprintable() else c for c in body.name) or "body"
         layer, count = f"BODY {plain}", 1
-        while folded(layer) in map(folded, layers.values()):
+        while folded_name(layer) in map(folded_name, layers.values()):
             count += 1
             layer = f"BODY {plain} {count}"
         layers[body.name] = layer

@@ -11,7 +11,7 @@ from ..core.errors import harmless
 from ..plane.vec import rounded
 from .job import Job
 from .labels import LETTER, Name, half_size, place_labels
-from .picture import MARGIN, document, items, page_box, style, transform
+from .picture import MARGIN, items, page_box, style, svg_document, transform
 from .still import Still, frame_at
 from .svg_path import decimal
 from .text import number, with_unit
@@ -24,10 +24,10 @@ SCALE = 0.3
 
 def write_assembly_svg(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
-    return {f"{job.name}-assembly.svg": assembly(job)}
+    return {f"{job.name}-assembly.svg": assembly_picture(job)}
 
 
-def assembly(job: Job) -> bytes:
+def assembly_picture(job: Job) -> bytes:
     """The picture; its title names the assembly and the driver position."""
     frame = frame_at(job.scene, job.assembly_at)
     still = Still(job.scene, np.array([frame]))
@@ -43,7 +43,7 @@ def assembly(job: Job) -> bytes:
         _scale_bar(still, box, position),
     ]
     css = style(still, "".join(body))
-    return document(still, box, f"{job.name}, assembled", f"The parts in place at {position}.", css, body)
+    return svg_document(still, box, f"{job.name}, assembled", f"The parts in place at {position}.", css, body)
 
 
 def _placed(still: Still) -> Iterator[str]:

@@ -82,7 +82,7 @@ class Cut:
     @property
     def chord_area(self) -> float:
         """The same area for the chords that solids are made of."""
-        outline, *holes = (signed_area(loop.points) for loop in self.loops)
+        outline, *holes = (polygon_area(loop.points) for loop in self.loops)
         return outline - sum(holes)
 
     @property
@@ -234,7 +234,7 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
     moved = parallel(curve, grow * sense)
     points = flatten(moved, tolerance) if moved else np.empty(0, dtype=complex)
     # A slot narrower than the beam leaves a loop of the opposite sense.
-    is_reversed = signed_area(points) * sense <= 0
+    is_reversed = polygon_area(points) * sense <= 0
     points = _rounded_loop(points, digits)
     if grow and (is_reversed or not region.is_simple(points)):
         # The parallel curve crosses itself or does not exist. It is trimmed as a polygon.
@@ -264,11 +264,11 @@ def _rounded_arcs(exact: Polyline, tolerance: float) -> Polyline:
 
 def _grown(points: Complex, grow: float, tolerance: float, name: str) -> Complex:
     """The polygon grown by half the kerf; DesignError if a beam of this width would change the part."""
-    points = points if signed_area(points) > 0 else points[::-1]
+    points = points if polygon_area(points) > 0 else points[::-1]
     regions = region.offset([points], grow, tolerance)
     whole = len(regions) == 1 and len(regions[0]) == 1
     restored = region.offset(regions[0], -grow, tolerance) if whole else []
-    changed = abs(sum(signed_area(r[0]) for r in restored) - signed_area(points))
+    changed = abs(sum(polygon_area(r[0]) for r in restored) - polygon_area(points))
     # The unavoidable rounding of sharp inner corners is far smaller than this.
     if not whole or changed > 8 * tolerance * np.abs(np.diff(points)).sum():
         raise DesignError(
@@ -285,10 +285,10 @@ def _rounded_loop(z: Complex, digits: int) -> Complex:
         return z
     z = rounded(z, digits)
     z = z[z != np.roll(z, 1)]
-    return z if signed_area(z) >= 0 else z[::-1]
+    return z if polygon_area(z) >= 0 else z[::-1]
 
 
-def signed_area(z: Complex) -> float:
+def polygon_area(z: Complex) -> float:
     """Area of a polygon, mm2, positive when counterclockwise."""
     about = z - z[:1]
     return float(0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum())

@@ -107,7 +107,7 @@ def length_text(length: float) -> str:
     return f"{length:.5g}"
 
 
-def scale_of(cuts: Sequence[Cut]) -> float:
+def drawing_scale(cuts: Sequence[Cut]) -> float:
     """The largest standard scale with which all parts fit on paper."""
     corners = np.array([cut.box for cut in cuts])
     across = corners[:, 1] - corners[:, 0]
@@ -122,9 +122,9 @@ def scale_text(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-def drawing(job: Job) -> DimensionedDrawing:
+def dimensioned_drawing(job: Job) -> DimensionedDrawing:
     """All parts with dimensions and notes, and the title block below."""
-    scale = scale_of(job.exact)
+    scale = drawing_scale(job.exact)
     # Outlines are drawn as chords, which are equal on every processor; sizes are those of the exact shapes.
     exact = [high - low for low, high in (cut.box for cut in job.exact)]
     cells = [_cell(cut, size, scale, _measures(job, cut.part)) for cut, size in zip(job.solids, exact)]

@@ -17,7 +17,7 @@ from ezdxf.layouts.layout import Modelspace
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
 from .cut import decimals
-from .dimensioned import COLOURS, drawing
+from .dimensioned import COLOURS, dimensioned_drawing
 from .drawing_layers import LAYERS
 from .job import Job
 from .layout import Sheet
@@ -117,7 +117,7 @@ def write_sheet_dxf(job: Job) -> dict[str, bytes]:
 
 def sheet(job: Job) -> bytes:
     """The dimensioned drawing on paper; the title gives its scale."""
-    page, digits = drawing(job), decimals(job.tolerance)
+    page, digits = dimensioned_drawing(job), decimals(job.tolerance)
     shapes = [(layer, _rounded(shape, digits)) for layer, shape in page.shapes]
     # In the format two per cent signs start a code.
     texts = [

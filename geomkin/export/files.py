@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..core.errors import FileError, shown
-from ..core.names import file_name_flaw, folded
+from ..core.names import file_name_flaw, folded_name
 
 # Prefix of temporary files, which are hidden so that nobody mistakes one for a part.
 PREFIX = ".making-"
@@ -30,10 +30,10 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
         temporary: dict[str, Path] = {}
         try:
             for name, content in contents.items():
-                with naming(folder / name):
+                with system_errors_as_file_errors(folder / name):
                     temporary[name] = _write_temporary(folder / name, content)
             for name in contents:
-                with naming(folder / name):
+                with system_errors_as_file_errors(folder / name):
                     temporary[name].replace(folder / name)
                 del temporary[name]
         finally:
@@ -45,11 +45,11 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
 def _check_names(folder: Path, names: Iterable[str]) -> None:
     seen: set[str] = set()
     for name in names:
-        flaw = file_name_flaw(name) or ("another file has the same name" if folded(name) in seen else "")
+        flaw = file_name_flaw(name) or ("another file has the same name" if folded_name(name) in seen else "")
         if flaw:
             problem = f"no file can be written as {shown(name)} ({flaw})"
             raise FileError(folder, problem, "give another name", "file-unwritable")
-        seen.add(folded(name))
+        seen.add(folded_name(name))
 
 
 def _write_temporary(path: Path, content: bytes) -> Path:
@@ -79,7 +79,7 @@ def _remove_leftovers(folder: Path) -> None:
 
 
 @contextmanager
-def naming(path: Path, done: str = "written") -> Iterator[None]:
+def system_errors_as_file_errors(path: Path, done: str = "written") -> Iterator[None]:
     """Turn a system error into a FileError for a file that cannot be read, written or removed; done: which of these."""
     try:
         yield

@@ -11,7 +11,7 @@ from ..core.fields import to_digits
 from ..model.part import Part, Twist
 from ..plane import region as region
 from ..plane.vec import Complex, Mask, Real, Whole, dot, rounded, xy
-from .cut import Cut, check_scale, cut, signed_area
+from .cut import Cut, check_scale, cut, polygon_area
 
 # Most triangles of the moving loops of a part: such a file has 50 MB and is written in seconds. Programs take
 # minutes to show more; a lower limit would refuse fine gears.
@@ -51,7 +51,7 @@ def _check_apart(cut_part: Cut, twist: Twist) -> None:
         return
     outside = twist.moves == "outline"
     outer, inner = (moving, fixed) if outside else (fixed, moving)
-    room = min(float(np.abs(region.nearest(loop)).min()) for loop in outer)
+    room = min(float(np.abs(region.nearest_to_origin(loop)).min()) for loop in outer)
     if (found := max(float(np.abs(loop).max()) for loop in inner) + abs(twist.shift)) >= room:
         raise DesignError(
             cut_part.part.name,
@@ -173,7 +173,7 @@ def _mean_area(section: Complex) -> float:
     low_end, high_end = np.roll(low, -1, axis=1), np.roll(high, -1, axis=1)
     diagonal = np.where(_rises(section), low + high_end, low_end + high)
     middle = np.stack([low + high, diagonal], axis=-1).reshape(len(low), -1) / 2
-    ends, middles = ([signed_area(loop) for loop in loops] for loops in (section, middle))
+    ends, middles = ([polygon_area(loop) for loop in loops] for loops in (section, middle))
     return float((np.mean(ends[:-1]) + np.mean(ends[1:]) + 4 * np.mean(middles)) / 6)
 
 
@@ -190,7 +190,7 @@ def solid(cut: Cut) -> tuple[Real, Whole]:
     else:
         points, faces = _straight(loops, cut.part.thickness)
         # Corners left out for rounding enclose far less than the tolerance.
-        expected = sum(signed_area(loop) for loop in loops) * cut.part.thickness
+        expected = sum(polygon_area(loop) for loop in loops) * cut.part.thickness
     a, b, c = points[faces].swapaxes(0, 1)
     found = float(np.vecdot(np.cross(b - a, c - b), a).sum() / 6)
     if not _is_closed(faces, len(points)) or not np.isclose(found, expected, rtol=1e-6):
@@ -208,7 +208,7 @@ def triangles(cut: Cut) -> int:
     return walls + 2 * points
 
 
-def volume(cut: Cut) -> float:
+def solid_volume(cut: Cut) -> float:
     """Volume of the solid of a cut, mm3."""
     twist = cut.part.twist
     return twisted_volume(cut, twist, _boundaries(cut)) if twist else cut.chord_area * cut.part.thickness

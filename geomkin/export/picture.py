@@ -51,7 +51,7 @@ class Item:
     reach: float = 0.0
 
 
-def document(
+def svg_document(
     still: Still, box: tuple[complex, complex], title: str, about: str, css: str, body: Sequence[str]
 ) -> bytes:
     """An SVG file in true size, y down; `box` is the visible region, mm, y up."""

@@ -14,7 +14,7 @@ from ..model.scene import Scene, SceneBody
 from ..plane.vec import rounded
 from .job import Job
 from .labels import LETTER, NARROW, place_labels
-from .picture import MARGIN, document, items, style, transform
+from .picture import MARGIN, items, style, svg_document, transform
 from .still import PIXELS, Still, frame_at, some_points
 from .svg_path import decimal
 
@@ -57,7 +57,7 @@ def write_steps_svg(job: Job) -> dict[str, bytes]:
     box = rounded(np.array(box), digits).tolist()
     about = "Layers from the lowest up; the parts to add are coloured, and letters mark their holes."
     css = style(largest, "".join(body))
-    return {f"{job.name}-steps.svg": document(largest, tuple(box), f"{job.name}, assembly", about, css, body)}
+    return {f"{job.name}-steps.svg": svg_document(largest, tuple(box), f"{job.name}, assembly", about, css, body)}
 
 
 def _bare(scene: Scene, bodies: tuple[SceneBody, ...]) -> Scene:

@@ -17,7 +17,7 @@ from ..model.part import Part
 from ..plane.measure import area
 from .formats import WRITERS, format_of
 from .job import Job
-from .mesh import volume
+from .mesh import solid_volume
 
 NAME = "summary.json"
 # Ending of the file of the recipe that a goal found.
@@ -106,7 +106,7 @@ def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, 
         sizes = {cut.part: {"written_area_mm2": to_digits(cut.area, 10)} for cut in job.flats}
     if any(WRITERS[ending].needs == "parts" and not WRITERS[ending].flat for ending in written):
         for cut in job.solids:
-            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": to_digits(volume(cut), 10)}
+            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": to_digits(solid_volume(cut), 10)}
     return sizes
 
 

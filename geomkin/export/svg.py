@@ -9,7 +9,7 @@ import numpy as np
 from ..core.errors import harmless
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real, rounded
-from .dimensioned import COLOURS, drawing
+from .dimensioned import COLOURS, dimensioned_drawing
 from .drawing_layers import LAYERS
 from .job import Job
 from .layout import Sheet
@@ -99,7 +99,7 @@ def write_sheet_svg(job: Job) -> dict[str, bytes]:
 
 def sheet(job: Job) -> bytes:
     """The dimensioned drawing on paper; the title gives its scale."""
-    page = drawing(job)
+    page = dimensioned_drawing(job)
     colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in COLOURS.items()}
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',

@@ -81,10 +81,10 @@ TURN = 9
 
 def write_assembly_3mf(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
-    return {f"{job.name}-assembly.3mf": assembly(job)}
+    return {f"{job.name}-assembly.3mf": assembly_package(job)}
 
 
-def assembly(job: Job) -> bytes:
+def assembly_package(job: Job) -> bytes:
     """The assembled parts, mm, z up, moved as one so that no coordinate is negative, as slicers expect."""
     _, placed = in_place(job)
     meshes = [solid(solid_cut(placement.part, job.tolerance)) for placement in placed]

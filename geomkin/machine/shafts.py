@@ -14,7 +14,7 @@ from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..model.rotating import RotatingBody
 from ..plane.vec import Real
-from ..recipe.messages import nearest
+from ..recipe.messages import did_you_mean
 
 # Rows over the period: the fewest, the most, and those of a turn of the fastest crank or cam. A page shows no more rows
 # than the most; with fewer for a turn a crank jumps.
@@ -84,15 +84,14 @@ class ShaftGraph:
         mechanism, _, body = by.partition(".")
         found, key = f"found {shown(by)}", _key(name)
         if mechanism not in self.bodies:
-            remedy = (
-                f"{nearest(mechanism, self.bodies)}give a body of {' or '.join(n for n in self.bodies if n != name)}"
-            )
+            others = " or ".join(n for n in self.bodies if n != name)
+            remedy = f"{did_you_mean(mechanism, self.bodies)}give a body of {others}"
             raise DesignError(key, f"{found}, but no mechanism has this name", remedy, "unknown-key")
         bodies = self.bodies[mechanism]
         if body not in bodies:
             offered = " or ".join(f'"{mechanism}.{other}"' for other in bodies)
             problem = f"{found}, but no body of {mechanism} has this name and turns evenly about a fixed axis"
-            raise DesignError(key, problem, f"{nearest(body, bodies)}give {offered}", "unknown-key")
+            raise DesignError(key, problem, f"{did_you_mean(body, bodies)}give {offered}", "unknown-key")
         return mechanism, body
 
     def _chain(self, name: str) -> list[str]:

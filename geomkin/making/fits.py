@@ -44,7 +44,7 @@ FLATS: dict[str, Literal[1, 2, 4, 6]] = {"D": 1, "double-D": 2, "square": 4, "he
 Fit = Literal["running", "press"]
 
 
-def form(bore: str = "the bore") -> Any:
+def bore_form_entry(bore: str = "the bore") -> Any:
     """The field for the form of a bore; bore: its name in the meaning."""
     meaning = (
         f"form of {bore}: for a round shaft, a shaft with one or two flats, a square or hexagonal one, or with the "
@@ -74,7 +74,7 @@ def keyway_depth(bore: str = "the bore") -> Any:
     return quantity(meaning, "mm", default=0.0, at_least=0, at_most=FARTHEST)
 
 
-def fit(bore: str = "the bore") -> Any:
+def fit_entry(bore: str = "the bore") -> Any:
     """The field for the fit of a bore."""
     return entry(f"{bore} runs on its shaft with the clearance, or is a press fit", default="running")
 
@@ -123,11 +123,11 @@ class AbstractBored:
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     bore: float = shaft("the shaft", 0.0, fitted=True)
-    bore_form: BoreForm = form()
+    bore_form: BoreForm = bore_form_entry()
     flat: float | None = flat_across()
     keyway_width: float = keyway_width()
     keyway_depth: float = keyway_depth()
-    fit: Fit = fit()
+    fit: Fit = fit_entry()
     interference: float = interference()
     clearance: float = clearance(0.0)
     motor: MountedMotorKey | None = mounted_motor_entry(

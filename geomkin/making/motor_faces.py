@@ -193,7 +193,7 @@ class MotorFace:
         sheets: largest number of plates that the boss may pass.
         """
         if thickness < (least := max(self.boss_height / sheets, MOTOR_SCREWS[self.thread].sunk[0])):
-            name = name_of(self)
+            name = motor_face_name(self)
             raise DesignError(
                 key,
                 f"found {name}, whose boss is {self.boss_height:g} mm high, under a plate {thickness:g} mm thick",
@@ -261,7 +261,7 @@ def face_of(motor: str | MotorFace) -> MotorFace:
     return MOTOR_FACES[motor] if isinstance(motor, str) else motor
 
 
-def name_of(face: MotorFace) -> str:
+def motor_face_name(face: MotorFace) -> str:
     """The name of a face in the table, or of the product."""
     return next((name for name, known in MOTOR_FACES.items() if known == face), face.product)
 

@@ -133,7 +133,7 @@ def _sections(part: Part) -> tuple[Part, ...]:
         # Relative to the outline, which moves along x, a round hole sweeps a slot. Holes keep their distances.
         slots = [slot(c.centre, c.centre - part.twist.shift, c.radius) for c in part.holes if isinstance(c, Circle)]
         return (part, *(replace(part, holes=(hole,), hole_names=(), fits=()) for hole in slots))
-    sides = region.nearest(flatten(part.outline, FINEST * extent(part.outline)))
+    sides = region.nearest_to_origin(flatten(part.outline, FINEST * extent(part.outline)))
     inner = replace(part, outline=Circle(0j, float(np.abs(sides).min())))
     return replace(part, holes=(), hole_names=(), fits=()), inner
 

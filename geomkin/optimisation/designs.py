@@ -11,10 +11,10 @@ import numpy as np
 from ..build import errors_named_by_key
 from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.fields import to_digits
-from ..core.progress import shown as progress_shown
+from ..core.progress import progress_to
 from ..core.records import record
 from ..plane.vec import Real
-from ..recipe.messages import nearest
+from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe
 from .formulas import Condition, Formula
@@ -115,7 +115,7 @@ class Trials:
         self.count += 1
         try:
             # A search reports its own progress, not that of each design.
-            with progress_shown(lambda *_: None):
+            with progress_to(lambda *_: None):
                 recipe = self.recipe.opened(values)
                 with errors_named_by_key(self.recipe.file, recipe):
                     _ = recipe.table
@@ -166,6 +166,6 @@ class _Results:
         raise DesignError(
             self.field,
             f"found {shown(name)}",
-            f"{nearest(name, known)}give a column or a check: {printable(', '.join(known), 2000)}",
+            f"{did_you_mean(name, known)}give a column or a check: {printable(', '.join(known), 2000)}",
             "unknown-key",
         )

@@ -88,7 +88,7 @@ class Formula:
                     return CONSTANTS[name] if name in CONSTANTS else lookup(name)
                 case ast.Call(func=ast.Name(id="distance"), args=[ast.Name(id=name), points], keywords=[]):
                     path = np.asarray(lookup(f"{name}_x")) + 1j * np.asarray(lookup(f"{name}_y"))
-                    return distances(self._points(points), path)
+                    return polyline_distances(self._points(points), path)
                 case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in SUMMARIES:
                     return SUMMARIES[name](np.asarray(self._evaluated(inner, lookup, depth + 1), dtype=float))
                 case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in FUNCTIONS:
@@ -146,7 +146,7 @@ def objective(text: str) -> Formula:
     return Formula("minimise", text.strip(), _parsed("minimise", text))
 
 
-def condition(text: str) -> Condition:
+def parsed_constraint(text: str) -> Condition:
     """The constraint that a text such as `min(transmission_angle) >= 40` states."""
     match _parsed("subject_to", text):
         case ast.Compare(left=left, ops=[ast.LtE() | ast.GtE() as sign], comparators=[right]):
@@ -167,7 +167,7 @@ def _parsed(field: str, text: str) -> ast.expr:
         raise DesignError(field, f"found {shown(text)}, which is no formula", REMEDY) from None
 
 
-def distances(points: Complex, path: Complex) -> Real:
+def polyline_distances(points: Complex, path: Complex) -> Real:
     """Distance of each point from a polyline."""
     start, along = path[:-1], np.diff(path)
     from_start = points[:, None] - start

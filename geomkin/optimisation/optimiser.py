@@ -11,7 +11,7 @@ from typing import Annotated, Any, NoReturn, overload
 
 import numpy as np
 
-from ..build import Readable, name_of
+from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
 from ..core.dotted_keys import key_parts, numbers_in
 from ..core.errors import DesignError, printable, shown
@@ -23,7 +23,7 @@ from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe, varied
 from .designs import Trials, TriedDesign
-from .formulas import condition, objective
+from .formulas import objective, parsed_constraint
 from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, search, write_front
 from .search import Box
 
@@ -190,7 +190,7 @@ def optimise(
     56.6
     """
     source, stem = varied(recipe)
-    name = name_of(source.file, stem)
+    name = valid_recipe_name(source.file, stem)
     arguments: dict[str, Any] = {"vary": vary, "minimise": minimise, "subject_to": subject_to}
     omitted = [argument for argument, value in arguments.items() if value is None]
     table = source.opened({}).optimise if omitted else None
@@ -236,7 +236,7 @@ def _optimised(
         problem = f"found {len(objectives)} formulas: {', '.join(shown(one.text) for one in objectives)}"
         remedy = f"give one as a text, or 2 to {MOST_OBJECTIVES} different ones"
         raise DesignError("minimise", printable(problem, 1000), remedy, "conflict")
-    trials = Trials(source, objectives, [condition(text) for text in constraints])
+    trials = Trials(source, objectives, [parsed_constraint(text) for text in constraints])
     watch = Watch(time_limit, "optimising")
     is_interrupted = False
     try:

@@ -9,7 +9,7 @@ from typing import TypeGuard
 from urllib.parse import quote
 
 from ..core.errors import FileError
-from ..core.names import file_name_flaw, folded
+from ..core.names import file_name_flaw, folded_name
 from ..export.formats import tail_of
 from ..export.still import colours
 from ..export.summary import listed_files, read_summary
@@ -28,7 +28,7 @@ MOST_FOLDERS, MOST_CARDS, MOST_FILES = 20_000, 2000, 300
 PLAIN = ' !"$()*+,-./:;<=>?@[]^_`{|}~'
 
 
-def index(folder: Path) -> dict[str, bytes]:
+def index_page(folder: Path) -> dict[str, bytes]:
     """The page for all folders in `folder` that hold the files of a recipe; it loads no other file.
 
     Raises FileError if there are none, or if a page that geomkin did not write has this name.
@@ -83,7 +83,7 @@ def _folders(folder: Path) -> list[Path]:
         problem = f"cannot be read ({error.strerror})"
         raise FileError(folder, problem, "give a folder", "file-unreadable") from error
     valid = [path for path in folders if not file_name_flaw(path.name)]
-    return sorted(valid, key=lambda path: (folded(path.name), path.name))
+    return sorted(valid, key=lambda path: (folded_name(path.name), path.name))
 
 
 def _card(recipe_folder: Path, summary: dict[str, object], picture: str) -> str:

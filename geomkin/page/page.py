@@ -28,10 +28,10 @@ CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice))
 
 def write_page(job: Job) -> dict[str, bytes]:
     """One file, named after the recipe."""
-    return {f"{job.name}.html": page(job)}
+    return {f"{job.name}.html": mechanism_page(job)}
 
 
-def page(job: Job) -> bytes:
+def mechanism_page(job: Job) -> bytes:
     """The page. The player shows the drawing and the plots; all else is in tables that do not need it."""
     about = f"<p>{text(job.about)}</p>" if job.about else ""
     if entries := "; ".join(job.title.lines()):
@@ -48,10 +48,12 @@ def page(job: Job) -> bytes:
     start = START
     if job.scene.choice is not None:
         scripts, start = (*SCRIPTS, "rows.js"), f"{START}{CHOICE}"
-    return document(job.name, about + verdict(job.source.checks), body, scene_json(job.scene, job.name), scripts, start)
+    return html_document(
+        job.name, about + verdict(job.source.checks), body, scene_json(job.scene, job.name), scripts, start
+    )
 
 
-def document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:
+def html_document(title: str, about: str, body: str, data: str, scripts: tuple[str, ...], start: str) -> bytes:
     """A page of one file. title: plain text; about, body: HTML; data: JSON that is safe in a script element.
 
     scripts: files of `player`, the plot library first; start: the line that calls them. The page's content security

@@ -163,13 +163,16 @@ class _Encoder:
         if mark.direction is not None:
             entry["turn"] = self._angles(mark.direction)
         if mark.radius is not None:
-            entry["radius"] = self.row(steps(mark.radius[self.frames], self.decimals))
+            entry["radius"] = self.row(second_differences(mark.radius[self.frames], self.decimals))
         return entry
 
     def _points(self, points: Complex) -> list[int]:
         points = np.asarray(points)[self.frames]
         unknown = ~np.isfinite(points)
-        return [self.row(steps(np.where(unknown, np.nan, part), self.decimals)) for part in (points.real, points.imag)]
+        return [
+            self.row(second_differences(np.where(unknown, np.nan, part), self.decimals))
+            for part in (points.real, points.imag)
+        ]
 
     def _angles(self, directions: Complex) -> int:
         angles = np.angle(directions)
@@ -207,7 +210,7 @@ def floats(row: Real) -> object:
     return to_digits(row[0], 7) if (single == single[0]).all() else b64encode(single.tobytes()).decode()
 
 
-def steps(row: Real, decimals: int) -> object:
+def second_differences(row: Real, decimals: int) -> object:
     """A smooth row, rounded: the number of decimals, then the second differences in units of the last decimal.
 
     nan becomes None. A constant row becomes one number, a row of nan None.

@@ -49,7 +49,7 @@ def checks(job: Job) -> str:
     rows = "".join(_check(check, job.scene) for check in ordered[:MOST_ROWS])
     heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "Advice"))
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
-    return section("checks", "Checks", wide("Checks", table))
+    return html_section("checks", "Checks", wide("Checks", table))
 
 
 def _check(check: Check, scene: Scene) -> str:
@@ -86,7 +86,7 @@ def choice(scene: Scene) -> str:
         return ""
     first = text(scene.choice.table.columns[0].meaning)
     lead = f"<p>All solutions, by the {first}. A dot and a line mark the one that is made.</p>"
-    return section("choice", "Solutions", lead)
+    return html_section("choice", "Solutions", lead)
 
 
 def hodograph(scene: Scene) -> str:
@@ -96,7 +96,9 @@ def hodograph(scene: Scene) -> str:
     first = scene.hodographs[0]
     picture = b64encode(hodograph_file(scene.table, first)).decode()
     title = capital(first.title)
-    return section("hodograph", text(title), f'<img src="data:image/svg+xml;base64,{picture}" alt="{text(title)}">')
+    return html_section(
+        "hodograph", text(title), f'<img src="data:image/svg+xml;base64,{picture}" alt="{text(title)}">'
+    )
 
 
 def parts(job: Job) -> str:
@@ -121,7 +123,7 @@ def parts(job: Job) -> str:
     rows = "".join(_part(part, tints.get(part.name, "t0"), walls) for part in all_parts[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     more = f"<p>And {len(all_parts) - MOST_ROWS} more.</p>" if len(all_parts) > MOST_ROWS else ""
-    return section("parts", "Parts", wide("Parts", table) + more + _sheets(job))
+    return html_section("parts", "Parts", wide("Parts", table) + more + _sheets(job))
 
 
 def _sheets(job: Job) -> str:
@@ -185,7 +187,7 @@ def stack(scene: Scene) -> str:
         f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
         f'aria-label="{text(f"From the lowest up, {order}")}">{"".join(rows)}</svg>'
     )
-    return section("stack", "Layers", drawing)
+    return html_section("stack", "Layers", drawing)
 
 
 def _short(name: str, wide: float) -> str:
@@ -194,7 +196,7 @@ def _short(name: str, wide: float) -> str:
     return name.replace("_", " ") if len(name) <= room else f"{name.replace('_', ' ')[: room - 1]}…"
 
 
-def assembly(job: Job) -> str:
+def assembly_section(job: Job) -> str:
     """Items to buy and assembly steps."""
     bought, steps = job.source.bought, job.source.steps
     if not bought:
@@ -207,7 +209,7 @@ def assembly(job: Job) -> str:
     lettered = any(any(part.hole_names) for part in job.source.parts)
     letters = "Letters mark the holes. " if lettered else ""
     steps_text = f"<p>{letters}From the bottom up:</p><ul>{order}</ul>" if steps else ""
-    return section("assembly", "Assembly" if steps else "Items to buy", f"<ul>{rows}</ul>{steps_text}")
+    return html_section("assembly", "Assembly" if steps else "Items to buy", f"<ul>{rows}</ul>{steps_text}")
 
 
 def notes(entries: Mapping[str, object]) -> str:
@@ -216,7 +218,7 @@ def notes(entries: Mapping[str, object]) -> str:
     # The sections of layers and of assembly show these.
     others = {name: value for name, value in entries.items() if name not in ("stack", "bought", "steps")}
     inside += "".join(_subsection(name, value, others.get("found", {})) for name, value in others.items())
-    return section("notes", "Further results", inside) if inside else ""
+    return html_section("notes", "Further results", inside) if inside else ""
 
 
 def _list_of(entries: Mapping[str, str]) -> str:
@@ -300,7 +302,7 @@ def recipe(job: Job) -> str:
         f'<p><button type="button" id="save-recipe">Save the recipe</button></p>'
         f'<pre tabindex="0" aria-label="The recipe"><code id="recipe-text">{_lines(lines)}</code></pre>'
     )
-    return section("recipe", "Recipe", body)
+    return html_section("recipe", "Recipe", body)
 
 
 def _quoted(name: str) -> str:
@@ -313,7 +315,7 @@ def _lines(lines: Iterable[str]) -> str:
     return "\n".join(escape(line, quote=False) for line in lines)
 
 
-def section(name: str, title: str, inside: str) -> str:
+def html_section(name: str, title: str, inside: str) -> str:
     """A section of HTML with a heading. name: its id."""
     return f'<section id="{name}"><h2>{title}</h2>{inside}</section>'
 
@@ -331,6 +333,6 @@ def all_of(job: Job) -> Iterator[str]:
     yield hodograph(scene)
     yield parts(job)
     yield stack(scene)
-    yield assembly(job)
+    yield assembly_section(job)
     yield notes(job.source.notes)
     yield recipe(job)

@@ -114,7 +114,7 @@ def gap(a: Complex, b: Complex) -> float:
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
 
 
-def nearest(loop: Complex) -> Complex:
+def nearest_to_origin(loop: Complex) -> Complex:
     """The point of each side of a polygon nearest to the origin."""
     edge = np.roll(loop, -1) - loop
     points: Complex = loop + edge * np.clip(-dot(edge, loop) / np.abs(edge) ** 2, 0, 1)

@@ -57,11 +57,11 @@ def explain(error: ValidationError, recipe: type) -> list[Problem]:
     ]
 
 
-# Renamed keys whose old and new names are too different for `nearest`.
+# Renamed keys whose old and new names are too different for `did_you_mean`.
 RENAMED = {"thinning": "tooth_thickness_allowance", "seconds": "time_limit"}
 
 
-def nearest(name: object, known: Iterable[str]) -> str:
+def did_you_mean(name: object, known: Iterable[str]) -> str:
     """The start of a remedy, `did you mean ...? `, if a known name is similar; otherwise "".
 
     Two names are similar if they are spelt alike, or if each word of one is similar to a word of the other. A single
@@ -111,13 +111,13 @@ def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
             return Problem(_join(key, cause.field), cause.problem, cause.remedy, cause.id)
         case "literal_error":
             expected = e["ctx"]["expected"]
-            near = nearest(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
+            near = did_you_mean(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
             return Problem(key, found, f"{near}give {expected}", "out-of-range")
         case "union_tag_invalid" | "union_tag_not_found":
             tags = [str(kind_of(t)) for t in tables if kind_of(t)]
             tag = e["input"].get("kind") if isinstance(e["input"], dict) else None
             problem = "is missing" if tag is None else f"found {shown(tag)}"
-            remedy = f"{nearest(tag, tags)}give {' or '.join(map(repr, tags))}"
+            remedy = f"{did_you_mean(tag, tags)}give {' or '.join(map(repr, tags))}"
             return Problem(_join(key, "kind"), problem, remedy, "missing-key" if tag is None else "unknown-kind")
         case "dataclass_type" | "model_attributes_type" | "dict_type":
             known = [f.name for t in tables for f in dataclasses.fields(t)]
@@ -141,7 +141,7 @@ def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown
     if not is_shown:
         return Problem(key, problem, remedy, "unknown-key")
     headings = [heading for heading in _headings(recipe, name) if heading.strip("[]") != key.rpartition(".")[0]]
-    near = f"did you mean {RENAMED[name]}? " if RENAMED.get(name) in known else nearest(name, known)
+    near = f"did you mean {RENAMED[name]}? " if RENAMED.get(name) in known else did_you_mean(name, known)
     is_load = bool(set(WORD.findall(name[:100].lower())) & set(SERVED_BY_LOADS.split()))
     if headings:
         near = f"it belongs under {' or '.join(headings[:3])}; "

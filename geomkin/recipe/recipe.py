@@ -160,11 +160,11 @@ class AbstractRecipe(_Shared, ABC):
     @property
     def unknown_expectations(self) -> tuple[str, ...]:
         """A sentence for each entry of `expected_failures` that is not the id of a check."""
-        from .messages import nearest
+        from .messages import did_you_mean
 
         ids = [check.id for check in self.checks]
         return tuple(
-            f"expected_failures.{id}: no check has this id; {nearest(id, ids)}the checks are {', '.join(ids)}"
+            f"expected_failures.{id}: no check has this id; {did_you_mean(id, ids)}the checks are {', '.join(ids)}"
             for id in self.expected_failures
             if id not in ids
         )

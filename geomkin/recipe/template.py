@@ -15,7 +15,7 @@ from ..core.errors import DesignError, printable
 from ..core.fields import allowed
 from .kinds import kind_names, recipe_class
 from .load import adapter, short_table, table_lines
-from .messages import kind_of, nearest, tables_in
+from .messages import did_you_mean, kind_of, tables_in
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
 
@@ -174,13 +174,18 @@ def chosen_tables(recipe: type, options: Iterable[str]) -> dict[str, str]:
             short = {key.rsplit(".", 1)[-1]: key for key in offered}
             known = f"{kind_of(recipe)} has {', '.join(short) or 'none'}"
             raise DesignError(
-                "--with", f"no such table: {printable(end)}", nearest(end, [*short, *offered]) + known, "unknown-key"
+                "--with",
+                f"no such table: {printable(end)}",
+                did_you_mean(end, [*short, *offered]) + known,
+                "unknown-key",
             )
         for key in keys:
             kinds = offered[key]
             if kind not in kinds:
                 remedy = f"give {' or '.join(f'{end}={k}' if k else end for k in kinds)}"
-                raise DesignError("--with", f"found {printable(option)}", nearest(kind, kinds) + remedy, "unknown-kind")
+                raise DesignError(
+                    "--with", f"found {printable(option)}", did_you_mean(kind, kinds) + remedy, "unknown-kind"
+                )
             chosen[key] = kind
     return chosen
 

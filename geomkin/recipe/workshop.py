@@ -12,7 +12,7 @@ from ..core.errors import DesignError, Problem, RecipeError, printable, shown
 from ..core.fields import FARTHEST, quantity
 from ..core.names import Folder, read_text_file
 from ..core.records import record
-from .messages import explain, hints_of, nearest, tables_in
+from .messages import did_you_mean, explain, hints_of, tables_in
 from .recipe import FITS, is_stock
 from .settings import kerf
 from .toml import LARGEST, parsed
@@ -110,7 +110,9 @@ def _materials(
             continue
         if not isinstance(material, str) or material not in measured:
             problem = f"found {shown(material)}, but {name} has values for {listed}"
-            remedy = f"{nearest(material, measured)}give one of these, or measure this material and add it to {name}"
+            remedy = (
+                f"{did_you_mean(material, measured)}give one of these, or measure this material and add it to {name}"
+            )
             raise DesignError(_key(key), problem, remedy, "conflict")
         stated[key] = material
     if not stated and len(measured) > 1:

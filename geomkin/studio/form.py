@@ -14,7 +14,7 @@ from ..recipe.recipe import SHARED
 from ..recipe.template import SCALE, WORKSHOP
 
 
-def form(kind: str) -> dict[str, Any]:
+def recipe_form(kind: str) -> dict[str, Any]:
     """The form of a kind of recipe, in groups, one for each table.
 
     Parameters
@@ -36,8 +36,8 @@ def form(kind: str) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from geomkin.studio.form import form
-    >>> [group["key"] for group in form("spur-gear")["groups"]][:2]
+    >>> from geomkin.studio.form import recipe_form
+    >>> [group["key"] for group in recipe_form("spur-gear")["groups"]][:2]
     ['', 'gear']
     """
     recipe = recipe_class(kind)

@@ -8,7 +8,7 @@ from contextlib import suppress
 from threading import Event, Lock, Thread
 from typing import Any
 
-from ..core.progress import shown
+from ..core.progress import progress_to
 
 # Jobs that are remembered; the oldest is forgotten.
 MOST_JOBS = 20
@@ -46,7 +46,7 @@ class BackgroundJob:
         return {"state": word, "share": self.share, "what": self.what, "result": self.result}
 
     def _run(self) -> None:
-        with shown(self._report), suppress(_Stopped):
+        with progress_to(self._report), suppress(_Stopped):
             self.result = self._work()
         self.done.set()
 

@@ -42,7 +42,7 @@ from ..model.check import Check
 from ..model.part import Part
 from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from ..model.table import Column, Table, finite, xy_columns
-from ..page.page import page
+from ..page.page import mechanism_page
 from ..plane.curve import AbstractCurve, extent
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
@@ -160,7 +160,7 @@ def show(thing: Showable) -> Shown:
     'FourBar'
     """
     job = _job(thing)
-    return Shown(job.name, page(job))
+    return Shown(job.name, mechanism_page(job))
 
 
 def inline(thing: object) -> str:

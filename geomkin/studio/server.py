@@ -22,14 +22,14 @@ from urllib.parse import parse_qsl, unquote, urlsplit
 from ..build import make
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, printable
 from ..core.names import file_name_flaw
-from ..export.assembly_svg import assembly
+from ..export.assembly_svg import assembly_picture
 from ..export.job import Job
 from ..recipe.kinds import KINDS, all_kinds, recipe_class
 from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.template import template
 from .edit import Draft, answer
-from .form import form
+from .form import recipe_form
 from .jobs import BackgroundJob, Jobs, join_all
 from .workspace import ConflictError, Workspace
 
@@ -103,7 +103,7 @@ class Studio:
                 first, text = (self.kept.name, self.kept.text) if self.kept else (self.first, "")
                 return {"first": first, "text": text, "recipes": self.workspace.recipes}
             case "form":
-                return self._known_kind(query, form)
+                return self._known_kind(query, recipe_form)
             case "gallery":
                 kinds = [
                     {"kind": kind, "group": row.group, "about": recipe_class(kind).about()}
@@ -215,7 +215,7 @@ class Studio:
         with suppress(GeomkinError):
             recipe = parse(text, "recipe", str(self.workspace.folder)).with_name(name)
             if recipe.scene is not None:
-                return assembly(Job(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
+                return assembly_picture(Job(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
         return b""
 
     def _changed(self, query: Mapping[str, str]) -> dict[str, str]:

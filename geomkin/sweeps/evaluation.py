@@ -11,11 +11,11 @@ import numpy as np
 
 from ..build import errors_named_by_key
 from ..core.errors import DesignError, GeomkinError, printable, shown
-from ..core.progress import shown as progress_shown
+from ..core.progress import progress_to
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
-from ..recipe.messages import nearest
+from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe
 
@@ -43,7 +43,7 @@ def _evaluate(task: SweepTask, changes: Mapping[str, Any]) -> dict[str, Any]:
     row: dict[str, Any] = {"refused": "", "checks": [], "results": {}}
     try:
         # A sweep reports the number of combinations, not the progress of each one.
-        with progress_shown(lambda *_: None):
+        with progress_to(lambda *_: None):
             recipe = task.opened(changes)
             with errors_named_by_key(task.file, recipe):
                 checks = [[c.id, c.name, float(c.value), c.side, float(c.limit), c.unit] for c in recipe.checks]
@@ -95,7 +95,7 @@ def check_results(task: SweepTask, recipe: AbstractRecipe) -> None:
             entries = f", or one of {', '.join(known)}" if known else ""
             remedy = f"give COLUMN:{', COLUMN:'.join(STATISTICS)}{entries}"
         if not is_known:
-            raise DesignError("results", f"found {shown(name)}", nearest(column, known) + remedy, "unknown-key")
+            raise DesignError("results", f"found {shown(name)}", did_you_mean(column, known) + remedy, "unknown-key")
 
 
 def _result(recipe: AbstractRecipe, name: str) -> Any:

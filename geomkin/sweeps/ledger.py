@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..export.files import naming
+from ..export.files import system_errors_as_file_errors
 
 # Largest file that is read back, bytes; the rows of the most combinations stay below it.
 LARGEST = 500_000_000
@@ -39,7 +39,7 @@ class Ledger:
     def __init__(self, path: Path, title: Mapping[str, Any], is_row: Callable[[Any], bool]):
         self.path = path
         self.known: dict[str, Any] = {}
-        with naming(path, "used"):
+        with system_errors_as_file_errors(path, "used"):
             content = self._content()
             # A last line without a line break was incomplete when the run was stopped.
             whole = content[: content.rfind(b"\n") + 1]
@@ -70,7 +70,7 @@ class Ledger:
 
     def add(self, rows: Mapping[str, Any]) -> None:
         """Append rows by key, in one write."""
-        with naming(self.path, "used"), self.path.open("ab") as file:
+        with system_errors_as_file_errors(self.path, "used"), self.path.open("ab") as file:
             file.write(b"".join(_line({"key": key, "row": row}) for key, row in rows.items()))
 
 

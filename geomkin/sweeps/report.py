@@ -15,8 +15,8 @@ from ..core.fields import to_digits_or_none
 from ..export.text import capital, number, text
 from ..model.check import Check
 from ..model.table import Column
-from ..page.page import document
-from ..page.sections import MOST_ROWS, section, wide
+from ..page.page import html_document
+from ..page.sections import MOST_ROWS, html_section, wide
 from ..plane.vec import Array
 
 
@@ -33,7 +33,7 @@ class Row(Protocol):
     def results(self) -> Mapping[str, Any]: ...
 
 
-def columns(keys: Sequence[str], rows: Sequence[Row]) -> tuple[Column, ...]:
+def sweep_columns(keys: Sequence[str], rows: Sequence[Row]) -> tuple[Column, ...]:
     """Columns: values of the keys, reason of a refusal, failed checks, values of checks, results."""
     failed = ["; ".join(check.id for check in row.checks if not check.passed) for row in rows]
     columns = [
@@ -99,7 +99,7 @@ MOST_LINES = 6
 MOST_PLOTS, MOST_POINTS = 40, 1001
 
 
-def report(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) -> bytes:
+def sweep_page(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) -> bytes:
     """The page of a sweep. name: of the recipe; values: by key; rows: one for each combination, in order."""
     columns = [*check_columns(rows), *result_columns(rows)]
     refused = sum(bool(row.refused) for row in rows)
@@ -111,7 +111,7 @@ def report(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) 
     unplotted = "" if data["plots"] else '<section id="plots" hidden></section>'
     body = f"{plots}{unplotted}{_table(list(values), rows, columns)}\n"
     json_text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    return document(f"{name}: a sweep", about, body, json_text, SCRIPTS, START)
+    return html_document(f"{name}: a sweep", about, body, json_text, SCRIPTS, START)
 
 
 def _plots(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], columns: Sequence[Column]) -> tuple[Any, str]:
@@ -162,7 +162,7 @@ def _table(keys: Sequence[str], rows: Sequence[Row], columns: Sequence[Column]) 
     lines = "".join(_line(keys, row, [c.values[k] for c in columns]) for k, row in enumerate(rows[:MOST_ROWS]))
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{lines}</tbody></table>"
     more = f"<p>The CSV file has {len(rows) - MOST_ROWS:,} more rows.</p>" if len(rows) > MOST_ROWS else ""
-    return section("rows", "All combinations", wide("Combinations", table) + more)
+    return html_section("rows", "All combinations", wide("Combinations", table) + more)
 
 
 def _line(keys: Sequence[str], row: Row, results: Sequence[Any]) -> str:

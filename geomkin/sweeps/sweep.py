@@ -12,7 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any
 
-from ..build import Readable, name_of
+from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, checked
 from ..core.errors import DesignError, GeomkinError, printable
 from ..core.processes import each
@@ -27,7 +27,7 @@ from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import varied
 from .evaluation import SweepTask, check_results, evaluate, file_hashes, is_row
 from .ledger import Ledger
-from .report import columns, report
+from .report import sweep_columns, sweep_page
 from .values import combinations, parsed_values
 
 # Files of a sweep are named <recipe>.sweep.csv and so on.
@@ -107,7 +107,7 @@ class Sweep:
     @property
     def table(self) -> Table:
         """The rows as a table: keys, reasons of refusals, failed checks, values of checks, results."""
-        return Table(columns(self.keys, self.rows))
+        return Table(sweep_columns(self.keys, self.rows))
 
 
 @checked
@@ -165,7 +165,7 @@ def swept(
     source, name = varied(recipe)
     task, name = (
         SweepTask(source.recipe, source.file, source.folder, tuple(dict.fromkeys(results))),
-        name_of(source.file, name),
+        valid_recipe_name(source.file, name),
     )
     keyed = {key: parsed_values(key, given) for key, given in values.items()}
     if not keyed:
@@ -199,7 +199,7 @@ def swept(
     folder = Path(out) / name
     contents = {
         f"{name}{ENDING}.csv": csv(result.table, "inf"),
-        f"{name}{ENDING}.html": report(name, keyed, rows),
+        f"{name}{ENDING}.html": sweep_page(name, keyed, rows),
     }
     write_whole(folder, contents)
     return replace(result, files={folder / file: len(content) for file, content in contents.items()})

@@ -92,7 +92,7 @@ class Digits:
         return "sizes" if self.library >= self.allowed - SLACK else "lost"
 
 
-def measured(cell: Cell, distance: float) -> Digits:
+def measured_digits(cell: Cell, distance: float) -> Digits:
     """The cell's digits at one distance, against arithmetic of 120 digits."""
     mp, fp = _contexts()
     sizes = cell.sizes(distance)

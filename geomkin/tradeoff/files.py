@@ -12,7 +12,7 @@ from ..core.fields import to_digits
 from ..export.text import text
 from ..page.page import head
 from .family import Method
-from .picture import drawing, picture
+from .picture import chart_picture, chart_svg
 from .results import Chart, FamilyChart, Measurement
 from .study import Stability
 
@@ -64,14 +64,14 @@ def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, by
         `chart.csv`, `chart.html`, and a picture `<family>.svg` of each family, or also `<family>-by-bytes.svg` if its
         results have a weight such as bytes.
     """
-    pictures = {f"{measured.family.name}.svg": picture(measured) for measured in chart.families}
+    pictures = {f"{measured.family.name}.svg": chart_picture(measured) for measured in chart.families}
     pictures |= {
-        f"{measured.family.name}-by-{measured.family.weighed}.svg": picture(measured, True)
+        f"{measured.family.name}-by-{measured.family.weighed}.svg": chart_picture(measured, True)
         for measured in chart.families
         if measured.family.weigh
     }
     broken = {} if study is None else {"stability.csv": study.csv()}
-    return {"chart.csv": _csv(chart), "chart.html": page(chart, study), **broken, **pictures}
+    return {"chart.csv": _csv(chart), "chart.html": chart_page(chart, study), **broken, **pictures}
 
 
 def _csv(chart: Chart) -> bytes:
@@ -100,7 +100,7 @@ def _n(value: float) -> str:
     return f"{value:.6g}" if np.isfinite(value) else ""
 
 
-def page(chart: Chart, study: Stability | None = None) -> bytes:
+def chart_page(chart: Chart, study: Stability | None = None) -> bytes:
     """One HTML file without scripts or references to other files."""
     hurried = " This is a quick chart with fewer settings and noisier times." if chart.quick else ""
     versions = ", ".join(f"{name} {version}" for name, version in chart.versions.items())
@@ -134,7 +134,7 @@ def _section(one: FamilyChart) -> str:
 <h2>{text(family.title)}</h2>
 <p>{text(family.about)}</p>
 {_verdict(one)}
-<div class="wide" tabindex="0" role="region" aria-label="Picture: {text(family.title)}">{drawing(one)}</div>
+<div class="wide" tabindex="0" role="region" aria-label="Picture: {text(family.title)}">{chart_svg(one)}</div>
 {_weights(one)}<p class="soft">Reference: {text(family.reference)}. Errors below
 {_number(family.floor)} {text(family.unit)} are rounding.</p>
 <details><summary>The methods</summary><dl>{"".join(_definition(method) for method in family.methods)}</dl></details>
@@ -153,7 +153,7 @@ def _weights(one: FamilyChart) -> str:
     light = [bool(on) for p, on in zip(one.points, one.on_weight_front) if p in [q for q, _ in one.defaults]]
     verdict = f"Here the default is on the front at {sum(light)} of {len(light)} settings." if light else ""
     return f"""<p>The {weighed} of the results are a further cost. {verdict}</p>
-<div class="wide" tabindex="0" role="region" aria-label="{label}">{drawing(one, True)}</div>
+<div class="wide" tabindex="0" role="region" aria-label="{label}">{chart_svg(one, True)}</div>
 """
 
 

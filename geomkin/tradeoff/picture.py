@@ -29,12 +29,12 @@ PREFIXES = {-12: "ps", -9: "ns", -6: "µs", -3: "ms", 0: "s", 3: "ks"}
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def picture(one: FamilyChart, weighed: bool = False) -> bytes:
+def chart_picture(one: FamilyChart, weighed: bool = False) -> bytes:
     """The picture as a separate file."""
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + drawing(one, weighed, alone=True) + "\n").encode("utf-8")
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + chart_svg(one, weighed, alone=True) + "\n").encode("utf-8")
 
 
-def drawing(one: FamilyChart, weighed: bool = False, alone: bool = False) -> str:
+def chart_svg(one: FamilyChart, weighed: bool = False, alone: bool = False) -> str:
     """The picture as one `svg` element; with `weighed`, the results' weight replaces the time."""
     family = one.family
     across = f"{family.weighed if weighed else 'time'} per {family.per}"

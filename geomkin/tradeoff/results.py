@@ -101,7 +101,9 @@ class _Trial:
         return sum(self.times) * self.calls
 
 
-def measured(family: MethodFamily[P, R], quick: bool, progress: Callable[[float], object]) -> tuple[Measurement, ...]:
+def measured_points(
+    family: MethodFamily[P, R], quick: bool, progress: Callable[[float], object]
+) -> tuple[Measurement, ...]:
     """Every method of a family at every setting; `progress` receives the share that is done.
 
     Batches of all points alternate, so that a temporary slowdown affects all alike. The clock is the processor time of
@@ -265,7 +267,7 @@ def chart(families: Sequence[str] = (), quick: bool = False) -> Chart:
     charts = []
     for k, family in enumerate(chosen):
         watch = Watch(np.inf, f"measuring {family.name}")
-        charts.append(FamilyChart(family, measured(family, quick, _progress_of(watch, k, len(chosen)))))
+        charts.append(FamilyChart(family, measured_points(family, quick, _progress_of(watch, k, len(chosen)))))
     versions = {"geomkin": __version__, "python": platform.python_version(), "numpy": np.__version__}
     return Chart(tuple(charts), quick, versions, processor())
 

@@ -17,7 +17,7 @@ from .breaking import cams as cams
 from .breaking import gears as gears
 from .breaking import linkages as linkages
 from .breaking import poses as poses
-from .cell import ANSWERS, Cell, Digits, answered, measured
+from .cell import ANSWERS, Cell, Digits, answered, measured_digits
 
 CELLS: tuple[Cell, ...] = (*linkages.CELLS, *linkages.INSTANT_CELLS, *poses.CELLS, *cams.CELLS, *gears.CELLS)
 # Negative powers of ten of the distance from the singular position.
@@ -113,7 +113,7 @@ def stability(distances: None | float | ArrayLike = None) -> Stability:
         raise DesignError(
             "distances", f"found {distances!r}", "give falling numbers from 0.1 down to 1e-15", "out-of-range"
         )
-    return Stability(tuple(tuple(measured(cell, x) for x in given.tolist()) for cell in CELLS))
+    return Stability(tuple(tuple(measured_digits(cell, x) for x in given.tolist()) for cell in CELLS))
 
 
 def _digits_text(one: Digits, kind: str) -> str:

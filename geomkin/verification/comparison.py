@@ -13,9 +13,9 @@ from ..core.records import record
 from ..model.part import Part
 from ..plane.region import Edges, is_simple, offset
 from .drawing import Drawing, UnreadableError
-from .matching import Shape, candidates, nested, positions
+from .matching import Shape, candidates, likely_positions, nested
 from .outline import EVEN, Outline, deviation, farthest, larger, outline_of
-from .solid import Mesh, as_plate, section, section_heights
+from .solid import Mesh, as_plate, cross_section, section_heights
 
 # Error of the measurement itself, as a share of the tolerance. A smaller one takes longer and finds the same faults.
 FINENESS = 0.04
@@ -136,7 +136,7 @@ def _with(found: Measured, problems: Sequence[str]) -> Measured:
 def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
     """A plate of a file compared with the exact one, at the first position within the tolerance, or at the best."""
     tried: list[Measured] = []
-    for turn, shift in positions(plate, exact, tolerance):
+    for turn, shift in likely_positions(plate, exact, tolerance):
         local = plate.placed(turn.conjugate(), -shift * turn.conjugate())
         tried.append(compared(local, exact, name, tolerance))
         if tried[-1].deviation <= tolerance:
@@ -211,7 +211,7 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
         problems.append("it has corners between its two faces")
     worst = Measured(name, 0.0)
     for height in section_heights(mesh, part):
-        loops = section(mesh, height)
+        loops = cross_section(mesh, height)
         plate = as_plate(loops, part, height / part.thickness) if loops else None
         if plate is None:
             problems.append(f"its section at z = {height:.4g} mm is not one plate")

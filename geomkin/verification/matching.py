@@ -80,7 +80,7 @@ def nested(cuts: Sequence[Outline], marks: Sequence[Outline]) -> list[tuple[list
     return list(plates.values())
 
 
-def positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[tuple[complex, complex]]:
+def likely_positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[tuple[complex, complex]]:
     """Rotations, unit complex, and shifts, mm, that may move an exact plate onto that of a file, the likeliest first.
 
     The shift follows from the centroids, and the rotation from the lowest moment of the area that is not zero. The

@@ -52,7 +52,7 @@ def merged(triangles: Real) -> tuple[Real, Whole]:
     return corners, index.reshape(-1, 3)
 
 
-def section(mesh: Mesh, height: float) -> list[Outline] | None:
+def cross_section(mesh: Mesh, height: float) -> list[Outline] | None:
     """The loops in which a plane of constant z cuts a mesh, material on their left; None if they are not closed.
 
     No corner may be in the plane.

@@ -16,7 +16,7 @@ from .drawing import LARGEST, UnreadableError
 CLOSE, NOISE = 2e-9, 1e-10
 
 
-def read_rows(path: Path) -> list[list[str]]:
+def read_cells(path: Path) -> list[list[str]]:
     """The cells of a CSV file, line by line; UnreadableError if it is not CSV."""
     with path.open("rb") as file:
         content = file.read(LARGEST + 1)
@@ -33,7 +33,7 @@ def read_rows(path: Path) -> list[list[str]]:
 
 def motion_problems(path: Path, table: Table) -> list[str]:
     """Differences between a CSV file and the table of its recipe, a sentence each."""
-    header, *rows = read_rows(path)
+    header, *rows = read_cells(path)
     expected = {column.header: column.written for column in table.columns}
     if header != list(expected):
         return ["its columns are not those of the recipe"]
@@ -72,7 +72,7 @@ def _is_number(cell: str) -> bool:
 
 def bill_problems(path: Path, parts: Sequence[Part], bought: Sequence[Bought]) -> list[str]:
     """Differences between a bill of materials and the parts and bought items, a sentence each."""
-    header, *rows = read_rows(path)
+    header, *rows = read_cells(path)
     try:
         item, count = header.index("item"), header.index("count")
         listed = [(row[item].lstrip("'"), int(row[count])) for row in rows]

@@ -3,7 +3,7 @@
 import pytest
 
 import geomkin as gk
-from geomkin.cam.program.given_lifts import read_rows
+from geomkin.cam.program.given_lifts import read_lifts
 from geomkin.cam.program.segments import LiftSpline, LiftTable
 
 HEAD = "cam_angle_deg,lift_mm\n"
@@ -41,15 +41,15 @@ def test_invalid_file_is_refused(tmp_path, content):
 def test_longest_file(tmp_path):
     rows = "".join(f"{360 * k / 9_999:.9g},1\n" for k in range(10_000))
     (tmp_path / "long.csv").write_text(HEAD + rows)
-    field, points, swings = read_rows(LiftTable(3, file="long.csv"), tmp_path)
+    field, points, swings = read_lifts(LiftTable(3, file="long.csv"), tmp_path)
     assert (field, points.shape, swings) == ("file", (10_000, 2), False) and points[-1].tolist() == [360, 1]
     (tmp_path / "longer.csv").write_text(HEAD + rows + "\n")
     with pytest.raises(gk.DesignError):
-        read_rows(LiftTable(3, file="longer.csv"), tmp_path)
+        read_lifts(LiftTable(3, file="longer.csv"), tmp_path)
     # Without an end of its last line, one more row is as many lines.
     (tmp_path / "one more.csv").write_text(HEAD + rows + "361,1")
     with pytest.raises(gk.DesignError):
-        read_rows(LiftTable(3, file="one more.csv"), tmp_path)
+        read_lifts(LiftTable(3, file="one more.csv"), tmp_path)
 
 
 ROWS = ((0.0, 0.0), (180.0, 5.0), (360.0, 0.0))

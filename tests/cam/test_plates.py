@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.cam.followers.follower import Bars, faced_arm, rounded, stemmed_face
+from geomkin.cam.followers.follower import Bars, faced_arm, stemmed_face, with_rounded_corners
 
 from .cams import LIFTS
 
@@ -98,11 +98,14 @@ def test_corners_are_rounded_where_they_look_out_and_no_farther_than_their_edges
     ell = gk.plane.Polyline(np.array([0, 20, 20 + 8j, 9 + 8j, 9 + 30j, 30j]))
     opened = polygon(ell).buffer(-2, quad_segs=500).buffer(2, quad_segs=500)
     assert (
-        differ(polygon(rounded(ell, 2.0)), opened.union(polygon(ell).intersection(shapely.Point(9, 8).buffer(3))))
+        differ(
+            polygon(with_rounded_corners(ell, 2.0)),
+            opened.union(polygon(ell).intersection(shapely.Point(9, 8).buffer(3))),
+        )
         < 1e-2
     )
     # An edge of 1 mm leaves its corners 0.4 mm each.
-    thin = rounded(gk.plane.Polyline(np.array([0, 20, 20 + 1j, 1j])), 3.0)
+    thin = with_rounded_corners(gk.plane.Polyline(np.array([0, 20, 20 + 1j, 1j])), 3.0)
     assert np.abs(thin.vertices.real - 10).max() == pytest.approx(10) and len(thin.vertices) == 8
     assert sorted(set(np.round(thin.vertices.imag, 9))) == pytest.approx([0, 0.4, 0.6, 1])
     assert sorted(set(np.round(thin.vertices.real, 9))) == pytest.approx([0, 0.4, 19.6, 20])

@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam.undercut import undercut
-from geomkin.cam.untrimmed_outline import chord_crossings, crossings
+from geomkin.cam.untrimmed_outline import chord_crossings, self_crossings
 from geomkin.plane.curve import AbstractCurve
 
 
@@ -40,7 +40,7 @@ LIMACON = CurveFromFunctions(
 
 def found(curve, pairs, room=0.3):
     pairs = np.atleast_2d(pairs).astype(float)
-    return crossings(curve, pairs, pairs - room, pairs + room)
+    return self_crossings(curve, pairs, pairs - room, pairs + room)
 
 
 def all_pairs(z):

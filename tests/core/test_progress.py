@@ -3,15 +3,15 @@
 import threading
 
 from geomkin.core import progress
-from geomkin.core.progress import Watch, report, shown
+from geomkin.core.progress import Watch, progress_to, report
 
 
 def test_shares_are_reported_from_0_to_1_to_the_innermost_listener():
     outer, inner = [], []
     report(0.5, "nobody listens")
-    with shown(lambda *said: outer.append(said)):
+    with progress_to(lambda *said: outer.append(said)):
         report(-0.5, "a")
-        with shown(lambda *said: inner.append(said)):
+        with progress_to(lambda *said: inner.append(said)):
             report(0.25, "b")
             report(1.5, "b")
         report(1, "c")
@@ -31,6 +31,6 @@ def test_a_watch_is_over_when_its_time_is_and_says_so_from_then_on(monkeypatch):
         now[0] = at
         # It is cut short only where it was asked and the time was over.
         assert watch.cut == (at == 103.0) and watch.over() == watch.cut == over
-    with shown(lambda *reported: said.append(reported)):
+    with progress_to(lambda *reported: said.append(reported)):
         watch.report(0.75)
     assert said == [(0.75, "looking")]

@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.cut import cut, signed_area
+from geomkin.export.cut import cut, polygon_area
 from geomkin.plane import measure
 from geomkin.plane.curve import Reversed
 from geomkin.plane.primitives import Polyline
@@ -43,7 +43,7 @@ def test_cut_does_not_depend_on_the_direction_of_curves(name, kerf, arcs):
             ring, fine = shapely.LinearRing(xy(loop.points)), shapely.get_coordinates(true)
             assert shapely.distance(ring, shapely.points(fine)).max() < 1.02 * tolerance
             assert shapely.distance(true.exterior, shapely.points(xy(loop.points))).max() < 1.02 * tolerance
-            assert signed_area(loop.points) > 0 and (kerf > 1 or not arcs or len(loop.shape.vertices) < 20)
+            assert polygon_area(loop.points) > 0 and (kerf > 1 or not arcs or len(loop.shape.vertices) < 20)
             about = tolerance * measure.length(loop.shape)
             assert measure.signed_area(loop.shape) == pytest.approx(true.area, abs=about)
         boxes.append([loop.box for loop in made.loops])

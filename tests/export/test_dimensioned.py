@@ -15,7 +15,7 @@ from ezdxf.lldxf.encoding import decode_dxf_unicode
 
 import geomkin as gk
 from geomkin.export.cut import cut
-from geomkin.export.dimensioned import drawing, scale_of, scale_text
+from geomkin.export.dimensioned import dimensioned_drawing, drawing_scale, scale_text
 from geomkin.export.job import Job, StaticSource
 from geomkin.plane.primitives import Circle
 
@@ -65,7 +65,7 @@ def test_numbers_are_the_distances_in_the_file_that_is_cut(name, tmp_path):
 
 @pytest.mark.parametrize("name", ["walking-leg", "whitworth", "lantern", "herringbone-pair"])
 def test_no_text_lies_on_another_or_on_a_line(name):
-    is_legible(drawing(job_of(name)))
+    is_legible(dimensioned_drawing(job_of(name)))
 
 
 def is_legible(made):
@@ -180,7 +180,7 @@ def test_the_scale_is_round_and_the_drawing_has_it(size, scale):
     from geomkin.export.job import StaticSource
 
     disc = gk.Part("disc", gk.plane.Circle(5 + 3j, size / 2), (), 3.0)
-    made = drawing(Job("disc", StaticSource((disc,)), 0.001 * size))
+    made = dimensioned_drawing(Job("disc", StaticSource((disc,)), 0.001 * size))
     assert any(text.text == f"sheet of 3 mm, scale {scale}" for text in made.texts)
     paper, part = map(float, scale.split(":"))
     (drawn,) = [shape for layer, shape in made.shapes if layer == "PART"]
@@ -191,7 +191,7 @@ def test_the_scale_is_round_and_the_drawing_has_it(size, scale):
         cuts = [
             cut(gk.Part(name, gk.plane.Polyline(z), (), 3.0), 1e-3) for name, z in (("a", corners), ("b", corners / 9))
         ]
-        assert scale_of(cuts) == scale_of(cuts[::-1]) == pytest.approx(paper / part)
+        assert drawing_scale(cuts) == drawing_scale(cuts[::-1]) == pytest.approx(paper / part)
 
 
 @pytest.mark.parametrize("size", [0.2, 1.0, 7.0])
@@ -199,7 +199,7 @@ def test_every_size_stands_at_a_line_as_long_as_it_says(size):
     """Lengths at the drawing's scale: larger than the part, as large, and smaller."""
     outline = gk.plane.Polyline(size * np.array([-20 - 15j, 90 - 15j, 90 + 45j, -20 + 45j]))
     holes = tuple(Circle(size * z, 3.0 * size) for z in (10 + 0j, 70 + 0j, 70 + 30j))
-    made = drawing(Job("plate", StaticSource((gk.Part("plate", outline, holes, 3.0),)), 1e-3))
+    made = dimensioned_drawing(Job("plate", StaticSource((gk.Part("plate", outline, holes, 3.0),)), 1e-3))
     (scale,) = [re.search(r"scale (.+):(.+)", t.text).groups() for t in made.texts if "scale" in t.text]
     scale = float(scale[0]) / float(scale[1])
     assert {0.2: scale > 1, 1.0: scale == 1, 7.0: scale < 1}[size]

@@ -7,7 +7,7 @@ import ezdxf
 import numpy as np
 import pytest
 
-from geomkin.export.assembly_dxf import assembly
+from geomkin.export.assembly_dxf import assembly_drawing
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import Still
 from geomkin.export.svg_path import path
@@ -72,7 +72,7 @@ PLACE = 30j + 5.0 * np.arange(FRAMES)
 
 def drawn(*marks, **more):
     scene = scene_of(*marks, **more)
-    content = assembly(Job("a", StaticSource((), scene.table, scene), 0.01, assembly_at=20.0))
+    content = assembly_drawing(Job("a", StaticSource((), scene.table, scene), 0.01, assembly_at=20.0))
     found = {}
     for entity in ezdxf.read(io.StringIO(content.decode())).modelspace().query("LWPOLYLINE"):
         points = np.array([complex(x, y) for x, y in entity.get_points("xy")])

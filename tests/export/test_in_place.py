@@ -13,7 +13,7 @@ import geomkin as gk
 from geomkin.export.glb import glb
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import in_place, palette
-from geomkin.export.threemf import assembly
+from geomkin.export.threemf import assembly_package
 from geomkin.model.scene import SceneBody
 from tests.export.test_animated_marks import FRAMES, scene_of
 from tests.export.test_assembly_3mf import CORE, matrix, read
@@ -53,7 +53,7 @@ def test_a_layer_is_as_thick_as_its_thickest_part_and_an_empty_one_as_the_thicke
 
 
 def test_parts_of_a_package_stand_where_they_are_as_near_to_the_corner_as_a_hundredth():
-    content = assembly(job())
+    content = assembly_package(job())
     found = dict(read(content))
     assert set(found) == set(LOW)
     for one in in_place(job())[1]:

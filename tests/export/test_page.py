@@ -18,7 +18,7 @@ from geomkin.export.job import StaticSource
 from geomkin.export.still import MOST_FRAMES, kept_frames
 from geomkin.export.svg_path import path
 from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
-from geomkin.page.page import page
+from geomkin.page.page import mechanism_page
 from geomkin.page.scene_json import scene_json
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -94,7 +94,7 @@ def nasty():
 
 
 def test_texts_of_a_recipe_are_escaped():
-    text = page(nasty()).decode()
+    text = mechanism_page(nasty()).decode()
     elements = Elements(text)
     tags = [tag for tag, _ in elements.found]
     assert tags.count("script") == 2 and "img" not in tags
@@ -107,7 +107,7 @@ def test_texts_of_a_recipe_are_escaped():
     assert "<" not in elements.inside["script application/json"]
 
 
-@pytest.mark.parametrize("make", [lambda: page(nasty()), lambda: page(job_of(turning()))])
+@pytest.mark.parametrize("make", [lambda: mechanism_page(nasty()), lambda: mechanism_page(job_of(turning()))])
 def test_policy_allows_only_the_scripts_of_the_page(make):
     elements = Elements(make().decode())
     policy = next(a["content"] for t, a in elements.found if a.get("http-equiv") == "Content-Security-Policy")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.assembly_dxf import assembly as assembly_dxf
-from geomkin.export.assembly_svg import assembly
+from geomkin.export.assembly_dxf import assembly_drawing
+from geomkin.export.assembly_svg import assembly_picture
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.labels import place_labels
 from geomkin.export.still import Still
@@ -32,7 +32,7 @@ def body(part, name="plate", at=0j, turn=1 + 0j, **more):
 
 def still_of(*marks, at=0.0, **more):
     scene = scene_of(*marks, **more)
-    return root_of(assembly(Job("still", StaticSource((), scene.table, scene), 0.01, assembly_at=at)))
+    return root_of(assembly_picture(Job("still", StaticSource((), scene.table, scene), 0.01, assembly_at=at)))
 
 
 def pin(place, label, sort="pin"):
@@ -157,7 +157,7 @@ def test_a_drawing_for_programs_has_circles_for_pins_and_points(k):
         for z, sort, role, radius in held
     ]
     scene = scene_of(*given, bodies=[body(part, fixed=True)])
-    content = assembly_dxf(Job("still", StaticSource((), scene.table, scene), 0.01, assembly_at=0.0))
+    content = assembly_drawing(Job("still", StaticSource((), scene.table, scene), 0.01, assembly_at=0.0))
     space = ezdxf.read(io.StringIO(content.decode())).modelspace()
     for layer, held in marks.items():
         circles = space.query(f'CIRCLE[layer=="{layer}"]')

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import geomkin as gk
 from geomkin.linkage.parts import collisions as near
-from geomkin.linkage.parts.collisions import Pair, meeting, path_in
+from geomkin.linkage.parts.collisions import Pair, meeting, relative_paths
 from geomkin.linkage.parts.layers import Meetings
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stock import LinkStock
@@ -22,7 +22,7 @@ OPEN = gk.FourBar(100, 70, 30, 90), 1
 
 
 def gaps(motion, pair):
-    return path_in(motion, pair.body, pair.other, pair.places).gap(pair.corners)
+    return relative_paths(motion, pair.body, pair.other, pair.places).gap(pair.corners)
 
 
 def pairs_at_random(motion, seed, count=40):

@@ -15,7 +15,7 @@ MASSES = {
 
 def run(run, loads=None, linkage=FOUR_BAR, **more):
     loads = {"masses": MASSES, "gravity_m_per_s2": [0, -9], "run": run, **(loads or {})}
-    return gk.load({"kind": "four-bar", "linkage": linkage, "drive": {"step_deg": 1}, "loads": loads, **more})
+    return gk.load({"kind": "four-bar", "linkage": linkage, "drive": {"step_deg": 1}, **more, "loads": loads})
 
 
 def energy(recipe):
@@ -80,6 +80,8 @@ def test_what_a_run_cannot_have_is_named_by_its_key():
         ({"torque_n_mm": 10}, dry, {}, "loads.run"),
         ({"torque_n_mm": 10}, {}, {"copies": [{"phase_deg": 180}]}, "loads.run"),
         ({"torque_n_mm": 10, "turns": 0}, {}, {}, "loads.run.turns"),
+        ({"torque_n_mm": 10}, {}, {"drive": {"end_deg": 90}}, "loads.run"),
+        ({"torque_n_mm": 10}, {}, {"drive": {"speed_rpm": -60}}, "loads.run"),
     )
     for table, loads, more, key in cases:
         with pytest.raises(gk.RecipeError) as refused:

@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent.parent))  # for the mechanis
 
 import geomkin as gk
 from geomkin.linkage.parts import layers
-from geomkin.linkage.parts.collisions import meeting, path_in
+from geomkin.linkage.parts.collisions import meeting, relative_paths
 from geomkin.linkage.parts.plates import LinkStock, assemble
 from geomkin.linkage.parts.stack import stack_links
 from tests.linkage.mechanisms import JANSEN_LEG
@@ -53,7 +53,7 @@ def searches():
         (pairs,) = seen
 
         def by_themselves(motion=motion, pairs=pairs):
-            return [(path_in(motion, p.body, p.other, p.places).gap(p.corners) < p.near).any() for p in pairs]
+            return [(relative_paths(motion, p.body, p.other, p.places).gap(p.corners) < p.near).any() for p in pairs]
 
         assert by_themselves() == meeting(motion, pairs).tolist()
         runs = 3 if len(motion.drive) > 1000 else 9

@@ -31,8 +31,8 @@ PROBLEMS = {
     "FIVE": ("7.416e-7", FIVE, {"drive_deg": [30, 45, 60, 75, 90], "bounds": FIVE_BOUNDS}),
 }
 
-# Closed paths of 120 points that no four-bar draws, with the best sum of squares, mm2, of a search of twice as many
-# curves, three times as many starts and several seeds.
+# Closed paths of 120 points that no four-bar draws, with the least sum of squares, mm2, that this search has found with
+# several seeds; for some of them also with twice as many curves and three times as many starts.
 FULL = np.linspace(0, 2 * np.pi, 120, endpoint=False)
 
 

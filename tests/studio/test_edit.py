@@ -15,7 +15,7 @@ from geomkin.page.scene_json import scene_data
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.template import template
 from geomkin.studio.edit import _values, answer
-from geomkin.studio.form import form
+from geomkin.studio.form import recipe_form
 
 FOUR_BAR = """# A comment at the top.
 kind = "four-bar"
@@ -180,7 +180,7 @@ def test_it_opens_no_file_socket_or_thread():
 
 @pytest.mark.parametrize("kind", kind_names())
 def test_the_form_of_a_kind_has_every_key_that_a_recipe_can_have(kind):
-    groups = form(kind)["groups"]
+    groups = recipe_form(kind)["groups"]
     json.dumps(groups, allow_nan=False)
     fields = [f for group in groups for some in (group["fields"], *group.get("kinds", {}).values()) for f in some]
     known = {field["key"] for field in fields} | {group["key"] for group in groups} | {"kind"}

@@ -10,7 +10,7 @@ from geomkin.core.processes import each
 from geomkin.sweeps import evaluation
 from geomkin.sweeps import sweep as sweeping
 from geomkin.sweeps.evaluation import SweepTask, evaluate, file_hashes
-from geomkin.sweeps.report import columns
+from geomkin.sweeps.report import sweep_columns
 from geomkin.sweeps.sweep import SweepRow
 from tests.sweeps.test_sweep import BAR
 
@@ -20,7 +20,7 @@ def test_numbers_stay_numbers_and_all_else_is_text():
         {"whole": 1, "some": 1.5, "mixed": 2, "yes": True, "row": [0, 1.5], "huge": 2**63, "a:b": None},
         {"whole": -3, "some": None, "mixed": "x", "yes": False, "row": ["a", True], "huge": 0, "a:b": None},
     ]
-    made = columns(["key"], [SweepRow({"key": k}, "", (), one) for k, one in enumerate(results)])
+    made = sweep_columns(["key"], [SweepRow({"key": k}, "", (), one) for k, one in enumerate(results)])
     found = {column.header: column.values.tolist() for column in made}
     assert found["whole"] == [1, -3] and found["huge"] == [2**63, 0] and found["key"] == [0, 1]
     assert found["some"][0] == 1.5 and math.isnan(found["some"][1]) and np.isnan(found["a_b"]).all()

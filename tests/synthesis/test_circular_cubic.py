@@ -5,7 +5,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance.circular_cubic import Cubic, crossings
+from geomkin.synthesis.guidance.circular_cubic import Cubic, intervals_inside
 
 
 def cubic_of(terms):
@@ -145,7 +145,7 @@ def test_stretches_that_are_inside_are_found_round_the_start():
     ):
         # Wherever the looks begin, and beyond one turn.
         for begin in (0.01, 0.12, 1.0, 7.0):
-            found = crossings(inside, grid + begin)
+            found = intervals_inside(inside, grid + begin)
             # One in the first cell of the samples may be reported a turn later.
             reported = sorted((low % (2 * np.pi), low % (2 * np.pi) + high - low) for low, high in found)
             assert np.array(reported) == pytest.approx(np.array(wanted), abs=1e-9)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance.dyads import distances, fitted_circles, fitted_dyads
+from geomkin.synthesis.guidance.dyads import curve_distances, fitted_circles, fitted_dyads
 
 
 def places(rng, *shape):
@@ -18,13 +18,13 @@ def test_distances_from_circles_and_lines_have_their_sign():
         rng.uniform(0.2, 2, (6, 1)),
         rng.uniform(-3, 3, (6, 1)),
     )
-    away, _ = distances(p, scale, -2 * scale * centre, scale * (np.abs(centre) ** 2 - radius**2))
+    away, _ = curve_distances(p, scale, -2 * scale * centre, scale * (np.abs(centre) ** 2 - radius**2))
     assert away == pytest.approx(np.sign(scale) * (np.abs(p - centre) - radius))
     way, off = np.exp(1j * rng.uniform(-3, 3, (6, 1))), rng.normal(size=(6, 1))
-    away, _ = distances(p, np.zeros((6, 1)), np.abs(scale) * way, np.abs(scale) * off)
+    away, _ = curve_distances(p, np.zeros((6, 1)), np.abs(scale) * way, np.abs(scale) * off)
     assert away == pytest.approx((p * np.conj(way)).real + off)
     # A circle without a radius, which no point is inside of.
-    away, _ = distances(p, np.ones((6, 1)), -2 * centre, np.abs(centre) ** 2)
+    away, _ = curve_distances(p, np.ones((6, 1)), -2 * centre, np.abs(centre) ** 2)
     assert away == pytest.approx(np.abs(p - centre), rel=1e-5)
 
 
@@ -34,13 +34,14 @@ def test_slopes_of_distances_are_those_of_differences():
     # Circles that have a radius.
     level = np.where(np.abs(slope) ** 2 - 4 * bend * level > 0.1, level, -level)
     assert (np.abs(slope) ** 2 - 4 * bend * level > 0.1).all()
-    _, reported = distances(p, bend, slope, level)
+    _, reported = curve_distances(p, bend, slope, level)
     h = 1e-6
     for k, step in enumerate(
         [(0, h, 0, 0), (0, 0, h, 0), (0, 0, 1j * h, 0), (0, 0, 0, h), (h, 0, 0, 0), (1j * h, 0, 0, 0)]
     ):
         ahead, behind = (
-            distances(p + s * step[0], bend + s * step[1], slope + s * step[2], level + s * step[3])[0] for s in (1, -1)
+            curve_distances(p + s * step[0], bend + s * step[1], slope + s * step[2], level + s * step[3])[0]
+            for s in (1, -1)
         )
         assert reported[k] == pytest.approx((ahead - behind) / (2 * h), abs=1e-6), k
 

@@ -9,7 +9,7 @@ import geomkin as gk
 from geomkin.synthesis import chebyshev_points, slider_function_generator
 from geomkin.synthesis.function import search
 from geomkin.synthesis.function.minimax import AbstractTask
-from geomkin.synthesis.function.search import fit
+from geomkin.synthesis.function.search import fitted_candidates
 
 WISH = {"function": "log10(x)", "span": (1, 2)}
 S = np.linspace(0, 1, 2001)[None]
@@ -69,7 +69,7 @@ def test_the_least_mean_square_is_that_of_a_grid(exact, most):
     wanted, root = least_by_grid(most)
     starts = np.array([[0.5, 1.0, 0.3, 7.0], [2.0, 5.0, -1.0, 7.0], [0.1, 0.5, 0.0, 7.0], [0.5, 3.0, 0.2, -1.0]])
     task = Decay(most)
-    p, found, step = fit(task, starts, exact)
+    p, found, step = fitted_candidates(task, starts, exact)
     assert p[:3, :3] == pytest.approx(np.tile(wanted, (3, 1)), abs=2e-5) and (p[:3, 3] == 7).all()
     assert found[:3] == pytest.approx(root, rel=1e-5) and found[3] == np.inf
     assert (task.limits(p[:3])[0] < 1e-8).all() and (step[:3] < 1e-6).all()

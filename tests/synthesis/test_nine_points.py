@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import Watch, shown
+from geomkin.core.progress import Watch, progress_to
 from geomkin.linkage.cognate_linkages import cognates
 from geomkin.synthesis.path.double_double import ComplexDoubleDouble
 from geomkin.synthesis.path.homotopy import follow, refine
@@ -209,7 +209,7 @@ def test_points_in_special_positions_are_recognised():
 def test_all_real_linkages_of_the_published_problem_are_found():
     """64 of 1442: Wampler, Morgan and Sommese 1992, problem 3."""
     reports = []
-    with shown(lambda share, what: reports.append((share, what))):
+    with progress_to(lambda share, what: reports.append((share, what))):
         rows, count = through_nine(NINE, Watch(600, "of nine"))
     assert (count.real, count.not_real, count.repeated, count.lost) == (64, 1378, 0, 0) and count.is_complete
     assert len(rows) == 64 and all(is_through(row, NINE) for row in rows)

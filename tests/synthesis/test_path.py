@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import shown
+from geomkin.core.progress import progress_to
 from geomkin.synthesis.path.coupler_paths import paths
 from tests.speed.synthesis_path import CLOSED, FIVE, FIVE_BOUNDS, K18, K18_BOUNDS, LINE6, LINE6_BOUNDS, NINE
 
@@ -160,7 +160,7 @@ def test_limits_hold_over_the_whole_turn_of_a_closed_path():
 @pytest.mark.campaign
 @pytest.mark.parametrize("name", ["figure eight", "harmonics 1", "teardrop"])
 def test_dense_closed_paths_that_no_linkage_draws_are_met_as_well_as_is_known(name):
-    """Within 1 % of the best of longer searches; tips and crossings of a path make the nearest point hard to find."""
+    """Within 1 % of the best that searches with several seeds have found; tips and crossings of a path make the nearest point hard to find."""
     best, points = CLOSED[name]
     found = gk.path_generator(points, closed=True, time_limit=100)
     assert found.square_error <= 1.01 * best
@@ -189,7 +189,7 @@ def test_size_and_place_do_not_matter():
 
 def test_same_seed_gives_the_same_result_and_progress_is_reported():
     reported = []
-    with shown(lambda share, what: reported.append((share, what))):
+    with progress_to(lambda share, what: reported.append((share, what))):
         one = gk.path_generator(K18, 20.0 * np.arange(18), seed=4)
     other = gk.path_generator(K18, 20.0 * np.arange(18), seed=4, time_limit=60)
     assert one.linkage == other.linkage and not one.cut_short

@@ -9,7 +9,7 @@ import geomkin as gk
 from geomkin.core.progress import Watch
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
-from geomkin.synthesis.path.fits import PathTask, nearest, nearest_from, polished, refined, squares
+from geomkin.synthesis.path.fits import PathTask, nearest_angles, nearest_from, polished_starts, refined_starts, squares
 from geomkin.synthesis.path.search import _cranks_for_all_points
 from geomkin.synthesis.path.starts import random_linkages
 
@@ -68,7 +68,7 @@ def test_limit_violation_agrees_with_the_motion(slides, asked):
         assert task.passed(lost, np.zeros((1, 3))) == np.inf
 
 
-@pytest.mark.parametrize("brought", [polished, refined])
+@pytest.mark.parametrize("brought", [polished_starts, refined_starts])
 def test_cranks_of_an_open_path_stay_on_their_part_of_it_where_it_crosses_itself(brought):
     turn = np.linspace(0, 2 * np.pi, 721)[:-1]
     path = at(CROSSING, turn)
@@ -85,7 +85,7 @@ def test_cranks_of_an_open_path_stay_on_their_part_of_it_where_it_crosses_itself
     assert squares(task, x, t, np.ones(1)) <= squares(task, CROSSING[None], drive[None], np.ones(1))
 
 
-@pytest.mark.parametrize("brought", [polished, refined])
+@pytest.mark.parametrize("brought", [polished_starts, refined_starts])
 def test_points_of_a_closed_path_find_their_places_on_it(brought):
     drive = np.random.default_rng(4).uniform(0, 2 * np.pi, 40)
     task = task_of(at(CROSSING, drive), closed=True)
@@ -136,6 +136,6 @@ def test_nearest_points_of_closed_paths_agree_with_brute_force():
         size = np.abs(path - path.mean()).max()
         wanted = rng.choice(path, 60) + 0.02 * size * (rng.normal(size=60) + 1j * rng.normal(size=60))
         few = dataclasses.replace(task, wanted=wanted)
-        t = nearest(few, x[None], rng.uniform(0, 2 * np.pi, (1, 60)), np.ones(1))[0]
+        t = nearest_angles(few, x[None], rng.uniform(0, 2 * np.pi, (1, 60)), np.ones(1))[0]
         misses += list((np.abs(at(x, t) - wanted) - np.abs(path - wanted[:, None]).min(axis=1)) / size)
     assert max(misses) < 0.02 and np.mean(np.array(misses) < 1e-4) > 0.997

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.cli import cli
-from geomkin.core.progress import shown
+from geomkin.core.progress import progress_to
 from geomkin.tradeoff import results as measurement
 from geomkin.tradeoff.families import FAMILIES
 from tests.tradeoff.toy import CHART, FAMILY, POINTS
@@ -149,7 +149,7 @@ def test_quick_measurement(monkeypatch):
     monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
     monkeypatch.setattr("geomkin.tradeoff.results.QUICK", 0.02)
     reported = []
-    with shown(lambda share, what: reported.append((share, what))):
+    with progress_to(lambda share, what: reported.append((share, what))):
         (one,) = gk.tradeoff.chart(["toy-sum"], quick=True).families
     assert reported[-1] == (1.0, "measuring toy-sum") and sorted(reported) == reported
     # In a hurry the first, the middle and the last setting, and nothing slow.
@@ -189,7 +189,7 @@ def test_time_is_least_of_batches_and_spread_the_median(monkeypatch):
 
     method = gk.tradeoff.Method("moves", "Takes its time.", lambda problem, setting: call)
     family = replace(FAMILY, methods=(method,), count=lambda problem, found: 10)
-    (one,) = measurement.measured(family, False, lambda share: None)
+    (one,) = measurement.measured_points(family, False, lambda share: None)
     # 0.31, 0.2, 0.5, 0.25, 0.8: as many as take 1.5 s together.
     assert one.batches == 5 and one.calls == 1 and len(calls) == 6
     assert one.seconds == pytest.approx(0.02) and one.spread == pytest.approx(0.55)

@@ -211,7 +211,7 @@ def test_path_errors_are_those_of_the_moving_linkage():
     drive = one.start + np.radians(20) * np.arange(18)
     at = gk.move(bar, drive, int(one.branch)).point("coupler_point").position
     rms = np.sqrt(np.mean(np.abs(at - path.points) ** 2))
-    assert paths.root_mean_square(path, [one, None]) == pytest.approx([rms, np.nan], abs=1e-12, nan_ok=True)
+    assert paths.coupler_path_error(path, [one, None]) == pytest.approx([rms, np.nan], abs=1e-12, nan_ok=True)
 
 
 def test_drawings_are_read_as_another_reader_does(tmp_path):
@@ -220,7 +220,7 @@ def test_drawings_are_read_as_another_reader_does(tmp_path):
     space = ezdxf.readfile(tmp_path / "gear.dxf").modelspace()
     (line,), (circle,) = space.query("LWPOLYLINE"), space.query("CIRCLE")
     rows = np.array(line.get_points("xyb"))
-    ours = files.outline_of(content)
+    ours = files.outline_in_file(content)
     assert np.abs(ours.vertices + complex(*circle.dxf.center.vec2) - rows[:, 0] - 1j * rows[:, 1]).max() < 1e-12
     assert np.array_equal(ours.bulges, rows[:, 2]) and ours.bulges.any()
 
@@ -228,7 +228,7 @@ def test_drawings_are_read_as_another_reader_does(tmp_path):
 def test_volumes_of_solids_and_areas_of_plates():
     square = np.array([0, 2, 2 + 3j, 3j])
     solid = files.bare_solid(square, np.array([[0, 1, 2], [0, 2, 3]]), [square], 5.0)
-    assert files.volume(solid) == pytest.approx(30, rel=1e-6) and len(solid) == 84 + 50 * 12
+    assert files.stl_volume(solid) == pytest.approx(30, rel=1e-6) and len(solid) == 84 + 50 * 12
     assert problem("dxf-writing").area == pytest.approx(gk.area(gk.SpurGear(12, 2).outline) - np.pi * 2.5**2, rel=1e-7)
 
 
@@ -266,7 +266,7 @@ def test_errors_of_a_file_are_those_of_its_worst_place():
         (error,) = stl.error(problem("stl-writing"), solid[:84] + grown.tobytes())
         assert error == pytest.approx(off, abs=2e-5)
     drawing = found("dxf-writing", "chords", 1e-3)
-    outline = files.outline_of(drawing)
+    outline = files.outline_in_file(drawing)
     moved = [f"10\n{z.real:.9f}\n20\n{z.imag:.9f}\n" for z in 1.002 * outline.vertices]
     head = b"0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\nCUT\n10\n0\n20\n0\n40\n2.5\n0\nLWPOLYLINE\n8\nCUT\n70\n1\n"
     errors = files.dxf_error(problem("dxf-writing"), head + "".join(moved).encode() + b"0\nENDSEC\n0\nEOF\n")

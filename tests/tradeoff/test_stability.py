@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.tradeoff.cell import ANSWERS, answered, measured
+from geomkin.tradeoff.cell import ANSWERS, answered, measured_digits
 from geomkin.tradeoff.study import CELLS
 from tests.tradeoff import kept
 
@@ -14,7 +14,7 @@ every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
 
 
 def design_checks(cell, distances):
-    found = [measured(cell, x) for x in distances]
+    found = [measured_digits(cell, x) for x in distances]
     reported = [(one.distance, one.outcome, round(one.library, 1), round(one.allowed, 1)) for one in found]
     assert cell.answer in ANSWERS and answered(found) == cell.answer, reported
     for one in found:
@@ -43,7 +43,7 @@ def test_beside_the_place_formula_and_library_are_one_for_any_sizes(cell):
     # Numbers of teeth stay whole.
     whole = [("gear" in cell.family and size == round(size)) for size in given]
     sizes = tuple(size if keep else size * by for size, keep, by in zip(given, whole, change.tolist()))
-    one = measured(dataclasses.replace(cell, sizes=lambda _: sizes), 1e-1)
+    one = measured_digits(dataclasses.replace(cell, sizes=lambda _: sizes), 1e-1)
     assert one.library > 10, (sizes, one.library)
 
 
@@ -57,7 +57,7 @@ def test_the_textbook_s_formula_breaks_where_the_library_s_does_not():
     """Without which the study would look at places that are easy."""
     for place in ("toggle gap", "near-miss of a change point", "offset to the prime radius"):
         for cell in (c for c in CELLS if c.place == place):
-            one = measured(cell, 1e-11)
+            one = measured_digits(cell, 1e-11)
             assert one.library > 14 and one.textbook < 13, cell.name
 
 
@@ -70,7 +70,7 @@ def test_a_loss_without_a_word_is_found():
         return cell.formula(fp, *sizes)
 
     def outcome(**other):
-        return answered([measured(dataclasses.replace(cell, **other), x) for x in (1e-1, 1e-9)])
+        return answered([measured_digits(dataclasses.replace(cell, **other), x) for x in (1e-1, 1e-9)])
 
     far = {"sizes": lambda x: (*cell.sizes(x)[:4], 1.0)}
     assert outcome() == outcome(**far) == outcome(library=textbook, **far) == "all"

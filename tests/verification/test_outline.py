@@ -6,7 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.plane.primitives import Circle, Polyline
 from geomkin.plane.region import Edges
-from geomkin.verification.matching import Shape, positions
+from geomkin.verification.matching import Shape, likely_positions
 from geomkin.verification.outline import Outline, arc_points, deviation, farthest, outline_of
 
 
@@ -64,6 +64,6 @@ def test_position_of_a_plate_is_found(turn_deg):
     turn, shift = np.exp(1j * np.radians(turn_deg)), 31.4 - 7.7j
     curves = [gk.flatten(curve, 0.005) * turn + shift for curve in (gear.outline, *holes)]
     plate = Shape(Outline(curves[0]), tuple(map(Outline, curves[1:])))
-    found_turn, found_shift = next(positions(plate, exact, 0.005))
+    found_turn, found_shift = next(likely_positions(plate, exact, 0.005))
     assert abs(found_turn - turn) < 1e-5
     assert abs(found_shift - shift) < 2e-4

@@ -27,9 +27,9 @@ from .follower import (
     arm_direction,
     faced_arm,
     guide_holes,
-    rounded,
     side_sign,
     stemmed_face,
+    with_rounded_corners,
 )
 
 
@@ -176,7 +176,7 @@ class TranslatingFlat(AbstractFace):
         outline, end = stemmed_face(face, self.tilt, width, bars.stem_length)
         hole = Hole("pivot_bore", bars.pivot_bore, width, end)
         # The corners of a face lie outside its contact range.
-        return (FollowerPlate("follower", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
+        return (FollowerPlate("follower", with_rounded_corners(outline, min(CORNER, bars.overhang)), (hole,)),)
 
     def guided_plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """The same plate with a second hole in the stem."""
@@ -311,4 +311,4 @@ class OscillatingFlat(AbstractFace):
         outline = faced_arm(face, self.face_offset, width, side_sign(self.side))
         hole = Hole("pivot_bore", bars.pivot_bore, width)
         # The corners of a face lie outside its contact range.
-        return (FollowerPlate("arm", rounded(outline, min(CORNER, bars.overhang)), (hole,)),)
+        return (FollowerPlate("arm", with_rounded_corners(outline, min(CORNER, bars.overhang)), (hole,)),)

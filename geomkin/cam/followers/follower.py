@@ -94,7 +94,7 @@ def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:
     return inner, outer
 
 
-def rounded(outline: Polyline, radius: float) -> Polyline:
+def with_rounded_corners(outline: Polyline, radius: float) -> Polyline:
     """A counterclockwise outline whose convex corners between straight edges are rounded, with at most `radius`, mm.
 
     The radius is smaller at short edges.

@@ -34,7 +34,7 @@ MOTION = 3.0
 SAMPLES = 8
 
 
-def read_rows(segment: Pointed, folder: Folder) -> tuple[str, Real, bool]:
+def read_lifts(segment: Pointed, folder: Folder) -> tuple[str, Real, bool]:
     """The name of the field with rows, the rows (n, 2) of angles in deg and lifts, and whether lifts are in degrees."""
     offered = (
         {"rows": segment.rows, "rows_deg": segment.rows_deg, "file": segment.file}

@@ -13,7 +13,7 @@ from ...core.fields import check_quantities
 from ...core.names import Folder
 from ...core.records import record
 from ...plane.vec import Real
-from .given_lifts import MOST_ROWS, checked_rows, read_rows
+from .given_lifts import MOST_ROWS, checked_rows, read_lifts
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
 
 # Tolerance of sums of given angles, deg, and lifts, mm or deg. A smaller value refuses thirds of a turn written with
@@ -50,7 +50,7 @@ class PlacedSegment:
 
 
 @contextmanager
-def naming(place: str) -> Iterator[None]:
+def errors_named_by_segment(place: str) -> Iterator[None]:
     """Put the segment's name before the field of a DesignError."""
     try:
         yield
@@ -69,7 +69,7 @@ def place_segments(segments: Sequence[Segment], folder: Folder) -> list[PlacedSe
         )
     for k, segment in enumerate(segments):
         place = f"program[{k}]"
-        with naming(place):
+        with errors_named_by_segment(place):
             if not isinstance(segment, Segment):
                 raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise", "wrong-type")
             check_quantities(segment)
@@ -194,7 +194,7 @@ def _given(
     place: str, segment: Pointed, before: float, lift: float | None, folder: Folder, alone: bool
 ) -> PlacedSegment:
     """A segment with its own points. lift: of the segment before, None for the first."""
-    field, points, oscillates = read_rows(segment, folder)
+    field, points, oscillates = read_lifts(segment, folder)
     # Rows of a file have no index in the recipe; messages name their angle.
     row = "" if field == "file" else "[{}]"
     unit = "deg" if oscillates else "mm"

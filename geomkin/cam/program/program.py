@@ -17,11 +17,11 @@ from ...core.records import record
 from ...core.scaling import with_lengths
 from ...plane.vec import Real, Whole
 from ..extrema import highest
-from .given_lifts import TableFit, read_rows, spline_through
+from .given_lifts import TableFit, read_lifts, spline_through
 from .laws import Ends, Law, breaks_of, law_of, polynomial_from
 from .optimise import OptimalLaw, optimal_polynomial, optimal_spline
 from .peaks import SegmentPeaks
-from .placed_segments import SLIP, PlacedSegment, band, naming, place_segments
+from .placed_segments import SLIP, PlacedSegment, band, errors_named_by_segment, place_segments
 from .segments import (
     Dwell,
     LiftPolynomial,
@@ -64,7 +64,7 @@ def solve_segments(placed: Sequence[PlacedSegment]) -> list[SolvedSegment]:
     """The segments of a programme with their laws. Segments that match their neighbours are solved after the others."""
     alone: list[SolvedSegment | None] = []
     for segment in placed:
-        with naming(segment.place):
+        with errors_named_by_segment(segment.place):
             alone.append(_independent(segment))
     n = len(placed)
     solved = list(alone)
@@ -72,7 +72,7 @@ def solve_segments(placed: Sequence[PlacedSegment]) -> list[SolvedSegment]:
         if solved[k] is None:
             before, after = alone[k - 1], alone[(k + 1) % n]
             start, end = before.state(1.0) if before else REST, after.state(0.0) if after else REST
-            with naming(segment.place):
+            with errors_named_by_segment(segment.place):
                 solved[k] = _matched(segment, start, end, n)
     return [segment for segment in solved if segment]
 
@@ -260,7 +260,7 @@ class Program:
         """A table with its rows instead of a file, and its band as a length."""
         if not isinstance(segment, LiftTable):
             return segment
-        rows, within = tuple((x, lift) for x, lift in read_rows(segment, self.folder)[1].tolist()), band(segment)
+        rows, within = tuple((x, lift) for x, lift in read_lifts(segment, self.folder)[1].tolist()), band(segment)
         if not within:
             return replace(segment, rows=rows, file=None)
         return replace(segment, rows=rows, file=None, within=within, decimals=None)

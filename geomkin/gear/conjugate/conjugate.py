@@ -19,7 +19,7 @@ from ...plane.primitives import Arc
 from ...plane.vec import Pose, Real
 from ..contract import AbstractGear
 from .conjugate_curve import ConjugateCurve, ToothContact, ToothRun
-from .envelope import GRID, BoundaryPiece, Swept, sweep
+from .envelope import GRID, BoundaryPiece, Swept, swept_region
 
 Teeth = Annotated[int, whole_between(2, 10_000)]
 # No contact: angle, place, tooth, mate, sliding, pressure angle.
@@ -209,7 +209,7 @@ def conjugate(
     turn = (1 if internal else -1) * np.exp(1j * np.pi / mate_teeth)
     if not closed:
         _check_depth(tooth, pitch_radius, addendum, ring_gear)
-    swept = sweep(material_left, step, pitch_radius, signed, turn)
+    swept = swept_region(material_left, step, pitch_radius, signed, turn)
     tip = radius - addendum if ring_mate else radius + addendum
     steps = swept.boundary(tip, not ring_mate)
     piece, root = _piece(steps, mate_teeth, ring_mate, radius)

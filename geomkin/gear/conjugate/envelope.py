@@ -180,7 +180,7 @@ class Swept:
         return near
 
 
-def sweep(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius: float, turn: complex) -> Swept:
+def swept_region(tooth: AbstractCurve, step: complex, pitch_radius: float, mate_radius: float, turn: complex) -> Swept:
     """The region that one tooth sweeps. step: rotation to the next tooth; 1 for a closed curve."""
     curves = [c for side in _sides(tooth, step) for c in _valid_curves(side, pitch_radius, mate_radius, turn)]
     if not curves:

@@ -12,7 +12,16 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, quantity
 from ...core.records import record
 from ...making.bores import clearance, fits_of, shaft
-from ...making.fits import AbstractBored, BoreForm, Fit, fit, flat_across, form, keyway_depth, keyway_width
+from ...making.fits import (
+    AbstractBored,
+    BoreForm,
+    Fit,
+    bore_form_entry,
+    fit_entry,
+    flat_across,
+    keyway_depth,
+    keyway_width,
+)
 from ...model.part import Part
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
@@ -34,11 +43,11 @@ class AbstractMated(AbstractBored):
 
     bore: float = shaft("the gear's shaft", 8.0, fitted=True)
     mate_bore: float = shaft("the mate's shaft", 8.0, fitted=True)
-    mate_bore_form: BoreForm = form("the mate's bore")
+    mate_bore_form: BoreForm = bore_form_entry("the mate's bore")
     mate_flat: float | None = flat_across()
     mate_keyway_width: float = keyway_width("the mate's bore")
     mate_keyway_depth: float = keyway_depth("the mate's bore")
-    mate_fit: Fit = fit("the mate's bore")
+    mate_fit: Fit = fit_entry("the mate's bore")
     rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
 
     def __post_init__(self) -> None:

@@ -109,7 +109,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
                 rotation = 1j * two.second - two.first**2
                 arm_rate = 1j * (one.origin.second - two.origin.second - rotation * apart)
                 arm, weight = np.where(rest, arm_rate, arm), np.where(rest, one.second - two.second, weight)
-            weight = settled(weight, abs(arm), motion.linkage.size)
+            weight = zero_at_infinity(weight, abs(arm), motion.linkage.size)
     return InstantCentre(*(known(motion.assembled, v) for v in (reference, arm, weight)))
 
 
@@ -130,7 +130,7 @@ def instant_centres(motion: Motion) -> Mapping[tuple[str, str], InstantCentre]:
     return {(body, other): instant_centre(motion, body, other) for body, other in combinations(motion.bodies, 2)}
 
 
-def settled(weight: Real, arm: Real, size: Real) -> Real:
+def zero_at_infinity(weight: Real, arm: Real, size: Real) -> Real:
     """`weight`, but 0 where a point `arm` / `weight` away, mm, counts as at infinity; arm is a length."""
     far = np.isfinite(arm) & (abs(weight) * size * FAR <= arm)
     return np.where(far, 0.0, weight)

@@ -15,7 +15,7 @@ from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..linkage import Linkage, Slider
 from ..motion import Motion
 from ..moving import move
-from .centres import pin_between, settled, slider_between
+from .centres import pin_between, slider_between, zero_at_infinity
 
 # Share of its terms below which a sum counts as rounding. With a smaller value a slider's pin gets a centre of
 # curvature and a cusp a radius; with a larger one flat paths and sharp bends are lost.
@@ -147,7 +147,7 @@ def path_curvature(motion: Motion, body: str, local: ComplexOrArray) -> PathCurv
         along = motion.bodies[rail.along].direction * rail.direction
         backwards = np.where(dot(along, moved.origin.first) < 0, -1, 1)
         return PathCurvature(position, known(motion.assembled, along * backwards), 0 * position.real)
-    return path_in(position, position - moved.origin.position, *second_order(motion, carrier, settle=False))
+    return point_path(position, position - moved.origin.position, *second_order(motion, carrier, settle=False))
 
 
 def _guided(motion: Motion, body: str, local: complex | Complex) -> tuple[str, complex | Complex]:
@@ -179,13 +179,13 @@ def second_order(motion: Motion, body: str, settle: bool = True) -> tuple[Comple
         speed_rate = abs(acceleration) + abs(theta_second) * extent
         lost = (speed**2 <= TURNING_BACK * speed_rate * extent) | ~np.isfinite(speed_rate)
         if settle:
-            theta_prime = settled(theta_prime, abs(velocity), extent)
-            theta_second = settled(theta_second, abs(acceleration), extent)
+            theta_prime = zero_at_infinity(theta_prime, abs(velocity), extent)
+            theta_second = zero_at_infinity(theta_second, abs(acceleration), extent)
     parts = [known(~lost, part) for part in (velocity, acceleration, theta_prime, theta_second)]
     return parts[0], parts[1], parts[2], parts[3]
 
 
-def path_in(
+def point_path(
     position: Complex, arm: Complex, velocity: Complex, acceleration: Complex, theta_prime: Real, theta_second: Real
 ) -> PathCurvature:
     """The path of a body's point, at `arm` from a point with this velocity and acceleration."""

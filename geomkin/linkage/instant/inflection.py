@@ -23,8 +23,8 @@ from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
 from ..motion import Motion
-from .centres import InstantCentre, settled
-from .curvature import PathCurvature, path_in, second_order
+from .centres import InstantCentre, zero_at_infinity
+from .curvature import PathCurvature, point_path, second_order
 
 # Share of its terms below which a sum counts as rounding, so that a body that only translates has no inflection circle.
 ROUNDING = 1e-13
@@ -152,7 +152,7 @@ class InflectionCircle:
         """
         place = np.asarray(position)
         state = self.velocity, self.acceleration, self.angular_velocity, self.angular_acceleration
-        return path_in(place, place - self.reference, *state)
+        return point_path(place, place - self.reference, *state)
 
 
 @checked
@@ -224,8 +224,8 @@ def inflection_circle_of_cranks(one: PathCurvature, two: PathCurvature) -> Infle
         one.position,
         velocity[0],
         first,
-        settled(angular_velocity, np.maximum(abs(velocity[0]), abs(velocity[1])), extent),
-        settled(angular_acceleration, np.maximum(abs(first), abs(second)), extent),
+        zero_at_infinity(angular_velocity, np.maximum(abs(velocity[0]), abs(velocity[1])), extent),
+        zero_at_infinity(angular_acceleration, np.maximum(abs(first), abs(second)), extent),
     )
 
 
@@ -356,7 +356,7 @@ def _crossing(one: Real, two: Real, extent: Real) -> Real:
 
 
 def _settled(point: Real, extent: Real) -> Real:
-    weight = settled(point[..., 2], np.hypot(point[..., 0], point[..., 1]), extent)
+    weight = zero_at_infinity(point[..., 2], np.hypot(point[..., 0], point[..., 1]), extent)
     return np.concatenate([point[..., :2], weight[..., None]], axis=-1)
 
 

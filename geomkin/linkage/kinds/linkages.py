@@ -106,7 +106,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             if self.loads.counterweights:
                 self.loads.counterweights.check(linkage, self.stock, self.loads.masses)
             if self.loads.run:
-                self.loads.run.check(linkage, self.given_motor, self.loads.has_dry_friction, bool(self.copies))
+                friction, copies = self.loads.has_dry_friction, bool(self.copies)
+                self.loads.run.check(linkage, self.input_range, self.given_motor, friction, copies)
         if self.tolerances:
             self.tolerances.analysis(self.moved(self.input_range.frames[:1], self.signs), self.stock.clearance)
 

@@ -14,11 +14,13 @@ from ...model.motor import RPM, Motor
 from ...model.scene import Plot
 from ...model.table import Column
 from ...plane.vec import Real
+from ...recipe.settings import Stroke, Turn
 from ..dynamics.forward import ForwardMotion, forward_dynamics
 from ..dynamics.loads import Loads
 from ..linkage import Linkage
 from ..motion import Motion
 from ..moving import move
+from .copies import is_whole_turn
 
 # Frames of a turn between which inertia and loads are interpolated.
 FRAMES = 721
@@ -46,11 +48,16 @@ class RunTable:
         if not 1 <= self.turns <= 50:
             raise DesignError("turns", f"found {self.turns}", "give 1 to 50", "out-of-range")
 
-    def check(self, linkage: Linkage, motor: Motor | None, has_friction: bool, has_copies: bool) -> None:
+    def check(
+        self, linkage: Linkage, input_range: Turn | Stroke, motor: Motor | None, has_friction: bool, has_copies: bool
+    ) -> None:
         """DesignError with the key of what a run cannot have. motor: given or mounted."""
         if linkage.driver_pivot is None:
             problem = "is given, but the driver turns on no fixed shaft"
             raise DesignError("loads.run", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
+        if not (isinstance(input_range, Turn) and is_whole_turn(input_range) and input_range.speed_rpm > 0):
+            problem = "is given, but the range of the drive is no whole turn forwards"
+            raise DesignError("loads.run", problem, "let the driver turn from 0 to 360 deg, or omit run", "conflict")
         if has_friction:
             problem = "is given with dry friction, which a run does not consider"
             raise DesignError("loads.run", problem, "give viscous friction only", "conflict")

@@ -36,7 +36,7 @@ class PointPaths:
 
     @cached_property
     def _steps(self) -> tuple[Complex, Complex, Real]:
-        start, end, bulge = steps(with_unknown(self.drive), with_unknown(self.points.T))
+        start, end, bulge = path_steps(with_unknown(self.drive), with_unknown(self.points.T))
         return start[:, self.frames].T, end[:, self.frames].T, bulge[:, self.frames].T
 
     @property
@@ -71,7 +71,7 @@ class PointPaths:
         return gaps
 
 
-def steps(drive: Real, points: Complex) -> tuple[Complex, Complex, Real]:
+def path_steps(drive: Real, points: Complex) -> tuple[Complex, Complex, Real]:
     """Start and end of the steps from each frame to the next, and the largest distance of the path from its chord.
 
     Results are (..., steps). points: (..., steps + 3), at a frame before the first step, at its start and so on, and at
@@ -96,7 +96,7 @@ def with_unknown(values: Array) -> Array:
     return np.concatenate([unknown, values, unknown, unknown], axis=-1)
 
 
-def path_in(motion: Motion, frame: str, body: str, places: complex | Complex) -> PointPaths:
+def relative_paths(motion: Motion, frame: str, body: str, places: complex | Complex) -> PointPaths:
     """Paths of points of one body in the frame of another."""
     reference, moving = motion.bodies[frame], motion.bodies[body]
     local = np.atleast_1d(np.asarray(places, dtype=complex))
@@ -207,7 +207,7 @@ def _meet(poses: PosesOverFrames, pairs: Sequence[Pair], first: int, last: int) 
         hair[undecided],
         apart[undecided],
     )
-    start, end, bulges = steps(poses.drive[around], places)
+    start, end, bulges = path_steps(poses.drive[around], places)
     bulge, chord = bulges.max(axis=0), np.abs(end - start).max(axis=0)
     closed = np.isfinite(bulge)
     # Around such a frame nothing comes nearer by more than its path length, unless the path is interrupted.

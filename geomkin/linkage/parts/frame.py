@@ -10,7 +10,7 @@ import numpy as np
 from ...plane.measure import separation
 from ...plane.vec import Complex
 from ..motion import Motion
-from .collisions import Pair, meeting, path_in
+from .collisions import Pair, meeting, relative_paths
 from .layers import PLAY
 from .plates import LinkPlate, opened, unused
 from .stack import Stack
@@ -37,7 +37,7 @@ def frame_places(motion: Motion, stock: LinkStock, plates: Mapping[str, LinkPlat
     width = max(stock.bar_width, stock.fastener_used.across)
     near = width + PLAY * stock.clearance
     moving = [plate for plate in plates.values() if plate.body != linkage.ground]
-    paths = [path_in(motion, linkage.ground, plate.body, plate.centres) for plate in moving]
+    paths = [relative_paths(motion, linkage.ground, plate.body, plate.centres) for plate in moving]
     # Beyond this distance from the shaft nothing moves.
     corners = [path.extent(complex(u)) - (u.conjugate() * shaft).real for path in paths for u in (1, 1j, -1, -1j)]
     free = float(np.hypot(1, 1) * max(corners) + near)

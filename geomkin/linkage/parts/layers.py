@@ -12,7 +12,7 @@ import numpy as np
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Whole
 from ..motion import Motion
-from .collisions import Pair, meeting, path_in
+from .collisions import Pair, meeting, relative_paths
 from .plates import LinkAssembly, LinkPlate, Pin
 from .stock import LinkStock
 
@@ -93,7 +93,7 @@ class Meetings:
 
 def runs(motion: Motion, pair: Pair) -> list[Run]:
     """Ranges of the drive in which a pair is nearer than permitted, each from its least to its greatest drive."""
-    path = path_in(motion, pair.body, pair.other, pair.places)
+    path = relative_paths(motion, pair.body, pair.other, pair.places)
     numbers = np.flatnonzero(path.gap(pair.corners) < pair.near)
     if not len(numbers):
         return []
@@ -229,7 +229,7 @@ class Heads:
         """Number of empty layers above each layer except the highest, the fewest for which heads meet no plate."""
         gaps = [0] * max(self.layers.values())
         for _ in range(ROUNDS):
-            needed, places = list(gaps), placed(gaps)
+            needed, places = list(gaps), with_empty_layers(gaps)
             requests = list(self._requests(places))
             self._test(key for _, _, keys in requests for key in keys)
             for gap, high, keys in requests:
@@ -327,7 +327,7 @@ class Heads:
         A motor's shaft needs none, since its crank is fixed on it, but occupies the layer itself. Piles are omitted:
         they are clear of all that moves.
         """
-        places, ground = placed(gaps), self.meetings.ground
+        places, ground = with_empty_layers(gaps), self.meetings.ground
         for layered in self.layered_pins:
             if all(self.plates[name].body == ground for name in layered.pin.plates):
                 continue
@@ -344,7 +344,11 @@ class Heads:
         # Plates are given by their centres, from which they extend by half a bar.
         obstacles = [(plate.body, self._hulls[n], half) for n, plate in self.plates.items() if self.layers[n] == layer]
         obstacles += [(other.body, np.array([other.place]), half) for other in others]
-        heads = [head_pin for head_pin in self._heads_in(placed(gaps), placed(gaps)[layer]) if head_pin is not pin]
+        heads = [
+            head_pin
+            for head_pin in self._heads_in(with_empty_layers(gaps), with_empty_layers(gaps)[layer])
+            if head_pin is not pin
+        ]
         obstacles += [(head.body, np.array([head.place]), stock.fastener_used.across / 2) for head in heads]
         place = np.array([pin.place])
         pairs = [Pair(body, corners, pin.body, place, half + radius + play) for body, corners, radius in obstacles]
@@ -360,7 +364,7 @@ class Heads:
 
     def collisions(self, gaps: list[int]) -> Iterator[tuple[str, str, Run]]:
         """Remaining collisions: name of the pin, text that says what its head or ring meets, range of the drive."""
-        places = placed(gaps)
+        places = with_empty_layers(gaps)
         discs = [Disc(p, "shaft" if p.shaft else "ring", layer, layer + 1) for p, layer in self.rings(gaps)]
         for layered in self.layered_pins:
             below, above = self._ends(layered, places)
@@ -392,6 +396,6 @@ class Heads:
         return runs(self.meetings.motion, self._pairs[key]) if self._met[key] else []
 
 
-def placed(gaps: list[int]) -> list[int]:
+def with_empty_layers(gaps: list[int]) -> list[int]:
     """Layer numbers counted with the empty layers."""
     return [k + sum(gaps[:k]) for k in range(len(gaps) + 1)]

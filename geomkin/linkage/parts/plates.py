@@ -19,7 +19,7 @@ from ...plane.vec import Complex, Mask, cross, direction_deg
 from ..assembly_failures import assembly_error
 from ..linkage import Linkage, Slider
 from ..motion import Motion
-from .collisions import PointPaths, path_in
+from .collisions import PointPaths, relative_paths
 from .stock import LinkStock
 
 # Smallest distance of the two guide pins in widths of the bar. With a smaller one the play of the pins in their slot
@@ -332,7 +332,7 @@ def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
             block = blocks[slider.name]
             name = next(name for name, places in axes.items() if block in places)
             guide = slider.along if block == slider.body else slider.body
-            path = path_in(motion, guide, block, axes[name][block])
+            path = relative_paths(motion, guide, block, axes[name][block])
             plates[guide].openings[name] = _travel(path, _line(slider, guide))
             guides[name].append(guide)
     pins = []
@@ -424,7 +424,7 @@ def unused(name: str, taken: Container[str]) -> str:
 def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, LinkPlate], stock: LinkStock) -> list[Pin]:
     """The two guide pins of a sliding plate; their holes and slots are added to the plates."""
     plate, guide = plates[slider.body], plates[slider.along]
-    path = path_in(motion, slider.along, slider.body, slider.point)
+    path = relative_paths(motion, slider.along, slider.body, slider.point)
     guide_direction, direction = _line(slider, slider.along), _line(slider, slider.body)
     guide_pins = guide_places(
         stock.bar_width,

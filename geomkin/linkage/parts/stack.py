@@ -24,8 +24,8 @@ from ...model.part import Bought, Part
 from ...plane.primitives import Circle, rounded_hull
 from ...plane.vec import Complex, direction_deg, dot
 from ..motion import Motion
-from .collisions import path_in
-from .layers import Heads, LayeredPin, Meetings, Order, Passing, Run, order, placed, runs
+from .collisions import relative_paths
+from .layers import Heads, LayeredPin, Meetings, Order, Passing, Run, order, runs, with_empty_layers
 from .plates import LinkAssembly, LinkPlate, Pin, assemble, opened, unused
 from .stock import LinkStock
 
@@ -62,7 +62,9 @@ def pile_places(motion: Motion, assembly: LinkAssembly, near: float) -> tuple[co
     """
     ground = motion.linkage.ground
     fixed = assembly.plates[ground].centres
-    moving = [path_in(motion, ground, p.body, p.centres) for name, p in assembly.plates.items() if name != ground]
+    moving = [
+        relative_paths(motion, ground, p.body, p.centres) for name, p in assembly.plates.items() if name != ground
+    ]
     middle = complex(fixed.mean())
 
     def out(direction: Complex) -> float:
@@ -464,7 +466,7 @@ def _spread(meetings: Meetings, stack: Stack, pins: Sequence[Pin]) -> Stack:
     layered_pins = tuple(LayeredPin(pin, span.first, span.last) for pin, span in zip(pins, stack.pins))
     heads = Heads(meetings, layered_pins, stack.layers, stack.plates)
     gaps = heads.gaps()
-    places = placed(gaps)
+    places = with_empty_layers(gaps)
     layers = {name: places[layer] for name, layer in stack.layers.items()}
     joints = {pin.name for pin in meetings.assembly.pins}
     spans: list[PinSpan] = []

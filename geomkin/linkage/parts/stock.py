@@ -11,7 +11,7 @@ from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, fastener_of
-from ...making.fits import AbstractBored, Fit, fit, interference
+from ...making.fits import AbstractBored, Fit, fit_entry, interference
 from ...making.materials import MaterialKey, material_entry
 from ...making.motor_faces import MountedMotorKey, face_of, mounted_motor_entry
 
@@ -72,7 +72,7 @@ class LinkStock:
     motor: MountedMotorKey | None = mounted_motor_entry(
         "motor that turns the crank; its holes are in the ground, its shaft's in the crank"
     )
-    fit: Fit = fit("the crank's bore on a motor")
+    fit: Fit = fit_entry("the crank's bore on a motor")
     interference: float = interference()
     material: MaterialKey | None = material_entry("the sheet")
 

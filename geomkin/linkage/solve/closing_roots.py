@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Mask, Real, Whole
-from .recording import exact_sum
+from .recording import compensated_sum
 
 
 class ClosingRoot(Protocol):
@@ -171,7 +171,7 @@ def half_limits(gaps: Gaps) -> list[float]:
 
 def gap_of(follow: bool, *terms: Real) -> Real:
     """An exact sum of lengths; if followed, a sum that is only rounding is zero."""
-    gap = exact_sum(*terms)
+    gap = compensated_sum(*terms)
     if not follow:
         return gap
     # 8 units in the last place, so that lengths such as 0.1 + 0.2 and 0.3 count as equal.

@@ -162,7 +162,7 @@ def solved(matrices: Real, right: Real) -> Real:
     return solution
 
 
-def polished(equations: Equations, points: Real, known: tuple[Real, Real] | None = None) -> Real:
+def polished_points(equations: Equations, points: Real, known: tuple[Real, Real] | None = None) -> Real:
     """Unknowns, (k, n), at the drives of points near a path, (k, n + 1), to rounding; nan where the iteration fails.
 
     known: values and slopes of the equations at the points, if available.
@@ -206,7 +206,7 @@ def approached(equations: Equations, point: Real) -> Real:
         else:
             break
         point, known = trial, (value, slopes)
-    return polished(equations, point, known)
+    return polished_points(equations, point, known)
 
 
 class Trace:
@@ -234,7 +234,7 @@ class Trace:
         directions = np.array([*(-t for t in back.directions[:0:-1]), *forth.directions])
         inside = (points[0, -1] <= drive) & (drive <= points[-1, -1])
         unknowns = np.full((len(drive), points.shape[1] - 1), np.nan)
-        unknowns[inside] = polished(self._equations, _between(points, directions, drive[inside]))
+        unknowns[inside] = polished_points(self._equations, _between(points, directions, drive[inside]))
         return unknowns
 
 

@@ -11,7 +11,7 @@ from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, direction_deg
 from ..linkage import Linkage
-from .continuation import Equations, Trace, approached, polished, solved
+from .continuation import Equations, Trace, approached, polished_points, solved
 from .loop_equations import LoopEquations, State
 from .placement import Coefficients, Placement, Poses
 
@@ -111,11 +111,11 @@ class Loops(Placement):
         start = approached(equations, estimate)
         if not np.isfinite(start).all():
             # A minimum of the error that is not a pose; whole steps may pass it.
-            start = polished(equations, estimate)
+            start = polished_points(equations, estimate)
         # Angles may have grown by whole turns during the iteration.
         turns = np.array([axis == "angle" for _, axis in self.equations.columns]) * np.round(start / (2 * np.pi))
         if np.any(turns):
-            start = polished(equations, np.append(start - 2 * np.pi * turns, drive)[None])
+            start = polished_points(equations, np.append(start - 2 * np.pi * turns, drive)[None])
         trace = Trace(equations, np.append(start, drive)) if np.isfinite(start).all() else None
         self._last_trace.clear()
         self._last_trace[key] = trace

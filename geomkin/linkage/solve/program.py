@@ -22,7 +22,7 @@ from .branch import BranchSpec
 from .dyads import Dyad
 from .loops import Loops
 from .placement import Coefficients, Placement, Poses
-from .recording import Recording, Symbol, exact_sum, imag_part, paired, real_part
+from .recording import Recording, Symbol, compensated_sum, imag_part, paired, real_part
 
 # Frames times linkages that go through a program at once. With more, intermediate values leave the processor's cache;
 # with fewer, calling the operations takes longer than the operations.
@@ -43,7 +43,7 @@ Function = Callable[[dict[int, Any]], None]
 QUANTITIES = "position", "first", "second", "velocity", "acceleration"
 
 NAMES = {name: value for name, value in vars(np).items() if not name.startswith("_")}
-NAMES |= {"paired": paired, "exact_sum": exact_sum}
+NAMES |= {"paired": paired, "compensated_sum": compensated_sum}
 # Python text of operations; of all others it is a call.
 TEXTS: dict[Any, str] = {
     np.add: "{} + {}",

@@ -32,14 +32,14 @@ def paired(real: Real, imag: Real) -> Complex:
     return z
 
 
-def exact_sum(*terms: Real) -> Real:
+def compensated_sum(*terms: Real) -> Real:
     """The sum of numbers as if added exactly and rounded about once, by adding the rounding errors back."""
     if all(isinstance(term, float) for term in terms):
         rounded: Real = np.asarray(fsum(terms))[()]
         return rounded
     for term in terms:
         if isinstance(term, Symbol):
-            recorded: Real = term.recording.record(exact_sum, terms)
+            recorded: Real = term.recording.record(compensated_sum, terms)
             return recorded
     total: Real = np.asarray(terms[0], dtype=float)
     lost: Real = np.zeros(())

@@ -15,7 +15,7 @@ from ...core.fields import FARTHEST, SMALLEST, Size, rounded_down
 from ...plane.vec import Real
 from .generators import DECIMALS, AbstractGenerator, FourBarGenerator, SliderGenerator
 from .results import DEGREE, AbstractFunctionGenerator, FunctionGenerator, SliderFunctionGenerator, common_fields
-from .search import KEPT, LocalOptimum, searched
+from .search import KEPT, LocalOptimum, best_candidates
 from .wanted import Function, WantedFunction, wanted_function
 
 G = TypeVar("G", bound=AbstractFunctionGenerator)
@@ -266,7 +266,7 @@ def _through(
 def _best(task: AbstractGenerator, method: str, to_result: Callable[[LocalOptimum], G]) -> G:
     """The best optimum as a linkage, with the others."""
     squares = method == "least-squares"
-    optima = searched(task, squares)
+    optima = best_candidates(task, squares)
     if not optima:
         raise DesignError(
             "input_start_deg",
@@ -279,7 +279,7 @@ def _best(task: AbstractGenerator, method: str, to_result: Callable[[LocalOptimu
         # A search with the smallest allowed angle shows whether this limit is the reason.
         looser = [
             candidate
-            for candidate in searched(replace(task, least_transmission=np.radians(5)), squares)
+            for candidate in best_candidates(replace(task, least_transmission=np.radians(5)), squares)
             if candidate.broken <= KEPT
         ]
         if looser:

@@ -155,7 +155,7 @@ def descend(
     return p, value, ~busy
 
 
-def settled(task: AbstractTask, p: Real, s: Real) -> Real:
+def settled_candidates(task: AbstractTask, p: Real, s: Real) -> Real:
     """Candidates p (many, unknowns) after the last Newton steps, whatever rounding does to their merit.
 
     With fewer active peaks than unknowns the merit is flat and determines only half of the digits that its derivatives

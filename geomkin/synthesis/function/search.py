@@ -7,7 +7,7 @@ import numpy as np
 from ...core.records import record
 from ...plane.vec import Mask, Real
 from .generators import AbstractGenerator
-from .minimax import DIFFERENCE, AbstractTask, descend, settled
+from .minimax import DIFFERENCE, AbstractTask, descend, settled_candidates
 
 # Nodes of the mean over the range, exact for polynomials of twice the degree. Fewer miss the error of a table's spline.
 NODES = 48
@@ -18,7 +18,7 @@ STIFF, MEAN_SQUARE_ROUNDS, MEAN_SQUARE_STEPS = 10.0, 12, 8
 LONGEST_STEP = 0.5
 
 
-def fit(task: AbstractTask, p: Real, exact: bool) -> tuple[Real, Real, Real]:
+def fitted_candidates(task: AbstractTask, p: Real, exact: bool) -> tuple[Real, Real, Real]:
     """Candidates p (many, unknowns) improved to the least mean square error: p, its root, the last step (many,).
 
     Levenberg-Marquardt for the errors and violated limits, whose prices are raised round by round (augmented
@@ -187,7 +187,7 @@ class LocalOptimum:
     broken: float
 
 
-def searched(task: AbstractGenerator, squares: bool) -> tuple[LocalOptimum, ...]:
+def best_candidates(task: AbstractGenerator, squares: bool) -> tuple[LocalOptimum, ...]:
     """The optima, the best first; if no limit can be kept, the one with the least violation.
 
     `squares` selects the mean square error instead of the largest.
@@ -263,7 +263,7 @@ def _distinct(task: AbstractGenerator, p: Real, value: Real, count: int, apart: 
 def _fitted(task: AbstractGenerator, p: Real) -> Real:
     """Fits by the mean square error, the least first; those that have not converged are left out, except the first."""
     for exact in (False, True):
-        p, value, step = fit(task, p, exact)
+        p, value, step = fitted_candidates(task, p, exact)
         value = value + 1e3 * np.maximum(task.limits(p)[0].max(axis=1) - KEPT, 0)
         order = _distinct(task, p, value, MOST_REPORTED, SAME)
         p, step = p[order], step[order]
@@ -289,5 +289,5 @@ def _finished(task: AbstractGenerator, p: Real) -> Real:
             AtPeaks(task, even.shape[1]), p[go], places, LAST_STEPS, LAST_FIRST_STEP * 0.3**k
         )
     fine = np.isfinite(task.merit(p, even))
-    p[fine] = settled(AtPeaks(task, even.shape[1]), p[fine], np.concatenate([even, last], axis=1)[fine])
+    p[fine] = settled_candidates(AtPeaks(task, even.shape[1]), p[fine], np.concatenate([even, last], axis=1)[fine])
     return p

@@ -13,9 +13,9 @@ from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Mask, Real
-from .circular_cubic import Cubic, CubicBranch, crossings
+from .circular_cubic import Cubic, CubicBranch, intervals_inside
 from .constraint import FAR, Pairs, missed, normalised
-from .poses import Poses, inverse, placed
+from .poses import Poses, distinct_poses, inverse
 
 # Default extent of the curves, in sizes of the poses.
 DEFAULT_EXTENT = 10.0
@@ -243,7 +243,7 @@ def burmester_curves(poses: Poses, reach: PositiveFloat | None = None) -> Burmes
     >>> all(curve.closed or curve.end > curve.start for curve in curves.fixed)
     True
     """
-    z, u = placed(poses, 4, 4)
+    z, u = distinct_poses(poses, 4, 4)
     ground, body = as_seen_by_ground_and_body(z, u)
     return Burmester(_pieces(ground, reach), _pieces(body, reach), slides_of(ground, body))
 
@@ -267,7 +267,7 @@ def _pieces(poses: FourPoses, reach: float | None) -> tuple[BurmesterCurve, ...]
         near = np.geomspace(1e-12, 0.1, 60)
         for t in loop.at(cubic.infinity):
             grid = np.concatenate([grid, [t], t - near, t + near])
-        for start, end in crossings(inside, grid):
+        for start, end in intervals_inside(inside, grid):
             # A piece of zero length is a point at which the curve touches the limit.
             if end - start > 1e-9:
                 pieces.append(BurmesterCurve(poses, loop, start, end))

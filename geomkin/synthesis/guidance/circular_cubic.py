@@ -263,7 +263,7 @@ def _sinc_rate(x: Real) -> Real:
     return np.where(small, -x / 3 + x**3 / 30 - x**5 / 840, (np.cos(safe) - np.sin(safe) / safe) / safe)
 
 
-def crossings(inside: Callable[[Real], Real], grid: Real) -> list[tuple[float, float]]:
+def intervals_inside(inside: Callable[[Real], Real], grid: Real) -> list[tuple[float, float]]:
     """Intervals of a loop over one turn, (start, end), in which `inside` is positive, found on a grid and by bisection.
 
     An interval across the loop's start ends beyond 2 pi. The whole turn is (0, 2 pi).

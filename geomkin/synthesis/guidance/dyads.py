@@ -26,7 +26,7 @@ from .constraint import (
     sharpened,
     square_slides,
 )
-from .poses import PARALLEL, Poses, inverse, placed
+from .poses import PARALLEL, Poses, distinct_poses, inverse
 
 # Number of sets of five poses that give starts of a fit. Fewer may miss the best fit of poses that no dyad nearly
 # meets; more cost time.
@@ -86,12 +86,12 @@ def _polished(z: Complex, u: Complex, starts: Pairs) -> tuple[Pairs, Mask]:
 
     def cost(x: Real, _: Whole) -> tuple[Real, Real]:
         pins = z + u * (x[:, :1] + 1j * x[:, 1:2])
-        distance, by = distances(pins, x[:, 2:3], x[:, 3:4] + 1j * x[:, 4:5], x[:, 5:])
+        distance, by = curve_distances(pins, x[:, 2:3], x[:, 3:4] + 1j * x[:, 4:5], x[:, 5:])
         by_x, by_y = by[4] * u.real + by[5] * u.imag, by[5] * u.real - by[4] * u.imag
         return distance, np.stack([by_x, by_y, *by[:4]], axis=-1)
 
     start = np.concatenate([m.real, m.imag, curvature, slope.real, slope.imag, level], axis=-1)
-    x, converged = least_squares(cost, start)
+    x, converged = separate_least_squares(cost, start)
     curvature, slope = x[:, 2], x[:, 3] + 1j * x[:, 4]
     is_far = 2 * np.abs(curvature) * FAR <= np.abs(slope)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -143,7 +143,7 @@ def fitted_circles(points: Complex) -> tuple[Complex, Mask]:
     return np.where(is_single, middle[:, 0], centre), is_line & ~are_two & ~is_single
 
 
-def distances(
+def curve_distances(
     p: Complex, curvature: Real, slope: Complex, level: Real
 ) -> tuple[Real, tuple[Real, Real, Real, Real, Real, Real]]:
     """Signed distances (..., n) of points from curvature |p|^2 + Re(conj(slope) p) + level = 0, with their derivatives.
@@ -181,14 +181,14 @@ def _refined(p: Complex, curvature: Real, slope: Complex, level: Real) -> tuple[
     """Coefficients of the circles with the least distances from the points, by damped steps (Levenberg-Marquardt)."""
 
     def cost(x: Real, rows: Whole) -> tuple[Real, Real]:
-        distance, by = distances(p[rows], x[:, :1], x[:, 1:2] + 1j * x[:, 2:3], x[:, 3:])
+        distance, by = curve_distances(p[rows], x[:, :1], x[:, 1:2] + 1j * x[:, 2:3], x[:, 3:])
         return distance, np.stack(by[:4], axis=-1)
 
-    best, _ = least_squares(cost, np.stack([curvature, slope.real, slope.imag, level], axis=-1))
+    best, _ = separate_least_squares(cost, np.stack([curvature, slope.real, slope.imag, level], axis=-1))
     return best[:, 0], best[:, 1] + 1j * best[:, 2], best[:, 3]
 
 
-def least_squares(cost: Callable[[Real, Whole], tuple[Real, Real]], start: Real) -> tuple[Real, Mask]:
+def separate_least_squares(cost: Callable[[Real, Whole], tuple[Real, Real]], start: Real) -> tuple[Real, Mask]:
     """Unknowns (k, q) with the least sum of squared residuals, each from its own start, and which (k,) have converged.
 
     `cost` maps unknowns (k, q) and the indices of their starts to residuals (k, n) and derivatives (k, n, q). Unknowns
@@ -325,7 +325,7 @@ def dyads_through(
     >>> gk.dyads_through(poses, moving=[0, 20]).exact.tolist()
     [True, True]
     """
-    z, u = placed(poses, 3)
+    z, u = distinct_poses(poses, 3)
     if fixed is not None and moving is not None:
         raise DesignError("moving", "found both fixed and moving", "give one of them", "conflict")
     if moving is not None:

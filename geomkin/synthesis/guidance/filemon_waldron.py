@@ -18,7 +18,7 @@ from ...plane.flatten import flatten
 from ...plane.primitives import Circle, Polyline, Segment
 from ...plane.vec import Complex, Mask, cross, dot, unit
 from .guide_search import Displacements, rail_of
-from .poses import Poses, image_poles, placed
+from .poses import Poses, distinct_poses, image_poles
 
 # Sine of the angle between the ends of three positions, seen from the middle one, below which they are collinear.
 STRAIGHT = 1e-9
@@ -184,7 +184,7 @@ def rectification(
     Filemon, Useful ranges of centerpoint curves, Mechanism and Machine Theory 7, 1972; Waldron, Elimination of the
     branch problem in graphical Burmester mechanism synthesis, Journal of Engineering for Industry 98, 1976.
     """
-    origins, directions = placed(poses, 3, 3)
+    origins, directions = distinct_poses(poses, 3, 3)
     images = tuple(image_poles(poses).values())
     size = np.abs(origins - origins.mean()).max()
     places = np.array([complex(image.position) for image in images])

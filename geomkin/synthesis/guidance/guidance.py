@@ -20,10 +20,20 @@ from ...plane.vec import Complex, Mask, Real, Whole, direction_deg, rounded
 from ..found import Found, ten_digits
 from ..rounding import Rounding
 from .dyads import dyads_through
-from .guide_groups import KINDS, LARGEST_RATIO, Group, GuideRequest, Kind, along_curves, of_chosen, of_dyads, searched
+from .guide_groups import (
+    KINDS,
+    LARGEST_RATIO,
+    Group,
+    GuideRequest,
+    Kind,
+    along_curves,
+    guided_linkages,
+    of_chosen,
+    of_dyads,
+)
 from .guide_search import Displacements
 from .guides import AbstractGuides
-from .poses import Poses, placed
+from .poses import Poses, distinct_poses
 
 # Largest error of an exact linkage, as a share of the size of the poses: rounding of dyads that lie close together.
 EXACT = 1e-8
@@ -191,7 +201,7 @@ def body_guides(
     >>> best.defects, best.pose_error < 1e-9
     ((), True)
     """
-    origins, directions = placed(poses, 3)
+    origins, directions = distinct_poses(poses, 3)
     watch = Watch(time_limit, "looking for linkages through the poses")
     body = Displacements(origins, directions)
     has_points = moving_points is not None or fixed_points is not None
@@ -215,7 +225,7 @@ def body_guides(
         if any_point:
             # Any point of the body is a solution. More than three parallel poses have solutions only with cranks, if
             # the origins are on a circle.
-            return _ranked(request, searched(request) if len(origins) == 3 or kinds == KINDS[:1] else [])
+            return _ranked(request, guided_linkages(request) if len(origins) == 3 or kinds == KINDS[:1] else [])
         return _ranked(
             request, along_curves(request, poses) if len(origins) == 4 else of_dyads(request, dyads_through(poses))
         )

@@ -224,7 +224,7 @@ class GuideRequest:
 Group = tuple[Kind, AbstractGuides]
 
 
-def searched(request: GuideRequest) -> list[Group]:
+def guided_linkages(request: GuideRequest) -> list[Group]:
     """Linkages through three poses with pins anywhere in the region."""
     groups: list[Group] = []
     for kind in request.kinds:

@@ -46,7 +46,7 @@ Poses = Annotated[
 ]
 
 
-def placed(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, Complex]:
+def distinct_poses(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Complex, Complex]:
     """Origins, mm, and directions, unit complex, (n,) each, of `least` to `most` distinct poses; else DesignError."""
     count = len(poses)
     if not least <= count <= most:
@@ -117,7 +117,7 @@ def poles(poses: Poses) -> Mapping[tuple[int, int], InstantCentre]:
     >>> pole = complex(poles([(0j, 0.0), (2 + 2j, 3.141592653589793 / 2)])[0, 1].position)
 
     """
-    return _poles(placed(poses, 2)[0], angles(poses))
+    return _poles(distinct_poses(poses, 2)[0], angles(poses))
 
 
 @checked
@@ -146,7 +146,7 @@ def image_poles(poses: Poses, reference: int = 0) -> Mapping[tuple[int, int], In
     -----
     Bottema and Roth, Theoretical Kinematics, 1979, chapter III.
     """
-    origins, directions = placed(poses, 2)
+    origins, directions = distinct_poses(poses, 2)
     if not 0 <= reference < len(origins):
         raise DesignError("reference", f"found {reference}", f"give 0 to {len(origins) - 1}", "out-of-range")
     on_body = _poles(inverse(origins, directions)[0], -angles(poses))
@@ -276,7 +276,7 @@ def circle_of_sliders(poses: Poses) -> SliderCircle:
     DesignError
         If all three poses are parallel: then either every point of the body slides, or none.
     """
-    origins, given_angles = placed(poses, 3, 3)[0], angles(poses)
+    origins, given_angles = distinct_poses(poses, 3, 3)[0], angles(poses)
     # (M2 - M1) x (M3 - M1), with M1, M2, M3 the positions of a point, written in its position at the first pose.
     half = 0.5 * (given_angles[1:] - given_angles[0])
     rotations = 2j * np.sin(half) * np.exp(1j * half)

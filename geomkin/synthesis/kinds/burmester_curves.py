@@ -24,7 +24,7 @@ from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Files
 from ..found import ten_digits
 from ..guidance.burmester import Burmester, BurmesterCurve, burmester_curves
-from ..guidance.poses import placed, poles
+from ..guidance.poses import distinct_poses, poles
 
 # Default extent of the drawing, in sizes of the poses. With a larger one the poses are a dot on the plate.
 REACH = 3.0
@@ -69,7 +69,7 @@ class FourWanted:
     @cached_property
     def size(self) -> float:
         """Distance of the farthest origin from the middle, mm."""
-        origins = placed(self.pairs, 4, 4)[0]
+        origins = distinct_poses(self.pairs, 4, 4)[0]
         return float(np.abs(origins - origins.mean()).max())
 
     @property
@@ -150,7 +150,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
     @cached_property
     def pins(self) -> Complex:
         """Positions of the pins at each pose, (4, rows), mm."""
-        origins, directions = placed(self.wanted.pairs, 4, 4)
+        origins, directions = distinct_poses(self.wanted.pairs, 4, 4)
         return origins[:, None] + directions[:, None] * self.dyads[2]
 
     @cached_property
@@ -194,7 +194,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         Pins beyond the extent of the circle-point curve are not shown.
         """
         fixed, count = self.dyads[1], len(self.dyads[1])
-        origins, directions = placed(self.wanted.pairs, 4, 4)
+        origins, directions = distinct_poses(self.wanted.pairs, 4, 4)
         # The circle-point curve is limited about the middle of the poses' origins as seen from the body.
         middle = ((origins.mean() - origins) / directions).mean()
         shown = np.where(np.abs(self.dyads[2] - middle) <= self.reach * (1 + 1e-9), self.pins, np.nan)

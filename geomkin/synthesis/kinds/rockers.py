@@ -26,7 +26,7 @@ from ...plane.vec import Real, rounded
 from ...recipe.settings import Drive, Files
 from ..found import ten_digits
 from ..rockers import strokes as strokes
-from ..rockers.crank_rockers import CrankRocker, check_turn, crank_rocker
+from ..rockers.crank_rockers import CrankRocker, check_swing_rotation, crank_rocker
 from ..rockers.double_rockers import DoubleRocker, double_rocker
 from ..rockers.families import LINKS, AbstractMember, turn_of
 from ..rockers.strokes import StrokeCrank, slider_crank_stroke
@@ -318,7 +318,7 @@ class WantedSwing(AbstractTimed):
     largest_ratio: float | None = ratio_entry("6 if left out, more for swings below 39 deg")
 
     def __post_init__(self) -> None:
-        check_turn(self.swing_deg, self.turn_deg, self.sense, self.turn_key)
+        check_swing_rotation(self.swing_deg, self.turn_deg, self.sense, self.turn_key)
         if all(length is None for length in (self.ground, self.crank, self.coupler, self.rocker)):
             raise DesignError(
                 "ground", "no length is given", "give one of ground, crank, coupler, rocker, in mm", "missing-key"
@@ -513,7 +513,7 @@ class WantedStroke(AbstractTimed):
     largest_ratio: float | None = ratio_entry()
 
     def __post_init__(self) -> None:
-        strokes.check_turn(self.turn_deg, self.turn_key)
+        strokes.check_stroke_rotation(self.turn_deg, self.turn_key)
 
     @property
     def is_free(self) -> bool:

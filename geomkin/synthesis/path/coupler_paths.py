@@ -100,7 +100,7 @@ def paths(x: Real, cranks: Real, branch: Real, slides: bool) -> Paths:
     return Paths(origin + placed, by_size, by_crank, *folding(x, cranks, slides))
 
 
-def folded(x: Real, cranks: Real, slides: bool) -> Real:
+def signed_transmission_cosine(x: Real, cranks: Real, slides: bool) -> Real:
     """Signed cosine of the transmission angle (s, n); the linkage does not close if its magnitude exceeds 1."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
     if slides:
@@ -111,10 +111,10 @@ def folded(x: Real, cranks: Real, slides: bool) -> Real:
 
 
 def folding(x: Real, cranks: Real, slides: bool) -> tuple[Real, Real, Real]:
-    """`folded` with its derivatives by sizes (s, n, 9) and by crank (s, n)."""
+    """`signed_transmission_cosine` with its derivatives by sizes (s, n, 9) and by crank (s, n)."""
     d, a, b, c = (x[:, k, None] for k in (GROUND, CRANK, COUPLER, ROCKER))
     cos, sin = np.cos(cranks), np.sin(cranks)
-    value = folded(x, cranks, slides)
+    value = signed_transmission_cosine(x, cranks, slides)
     by_size = np.zeros((*cranks.shape, 9))
     if slides:
         by_size[..., GROUND], by_size[..., CRANK], by_size[..., COUPLER] = 1 / b, -sin / b, -value / b

@@ -25,7 +25,7 @@ class DoubleDouble:
         self.high, self.low = high, low
 
     def __add__(self, other: DoubleDouble) -> DoubleDouble:
-        total, rest = exact_sum(self.high, other.high)
+        total, rest = two_sum(self.high, other.high)
         return DoubleDouble(*_short_sum(total, rest + (self.low + other.low)))
 
     def __neg__(self) -> DoubleDouble:
@@ -78,7 +78,7 @@ class ComplexDoubleDouble:
         return _joined(self.real.high, self.imag.high), _joined(self.real.low, self.imag.low)
 
 
-def exact_sum(a: Array, b: Array) -> tuple[Array, Array]:
+def two_sum(a: Array, b: Array) -> tuple[Array, Array]:
     """The rounded sum and its rounding error, for real or complex arrays."""
     total = a + b
     part = total - a
@@ -91,7 +91,7 @@ def _joined(real: Real | float, imag: Real | float) -> Complex:
 
 
 def _short_sum(a: Real, b: Real) -> tuple[Real, Real]:
-    """`exact_sum` if |a| >= |b|."""
+    """`two_sum` if |a| >= |b|."""
     total = a + b
     return total, b - (total - a)
 

@@ -11,7 +11,18 @@ import numpy as np
 from ...core.progress import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole, dot
-from .coupler_paths import COUPLER, CRANK, GROUND, ROCKER, START, along, folded, folding, paths, points_of
+from .coupler_paths import (
+    COUPLER,
+    CRANK,
+    GROUND,
+    ROCKER,
+    START,
+    along,
+    folding,
+    paths,
+    points_of,
+    signed_transmission_cosine,
+)
 
 # First damping, the one beyond which a start is given up, and the least. A first value that is too small lets the first
 # steps diverge; one that is too large costs steps.
@@ -57,7 +68,7 @@ class Residuals(Protocol):
         ...
 
 
-def least_squares(
+def shared_least_squares(
     residuals: Residuals, x: Real, t: Real, low: Real, high: Real, steps: int, watch: Watch | None = None
 ) -> tuple[Real, Real, Real]:
     """Shared unknowns (s, p), local ones (s, n) and sums of squares (s,) after at most so many steps.
@@ -104,8 +115,8 @@ def least_squares(
     return best_x, best_t, best
 
 
-def settled(residuals: Residuals, x: Real, t: Real, low: Real, high: Real) -> tuple[Real, Real]:
-    """Solutions of `least_squares` improved by undamped steps as long as each is shorter than the one before.
+def settled_solutions(residuals: Residuals, x: Real, t: Real, low: Real, high: Real) -> tuple[Real, Real]:
+    """Solutions of `shared_least_squares` improved by undamped steps as long as each is shorter than the one before.
 
     Sums of squares stop falling when half of all digits of the unknowns are still open; rounding would decide the rest.
     """
@@ -281,8 +292,10 @@ class PathTask:
         """Largest violation of the limits by each of s linkages; infinite if one does not close."""
         at, inside = self.extremes(cranks)
         most = np.cos(self.least_transmission)
-        ends = np.where(inside, np.abs(folded(x, np.broadcast_to(at, inside.shape), self.slides)), 0.0)
-        here = np.abs(folded(x, cranks, self.slides))
+        ends = np.where(
+            inside, np.abs(signed_transmission_cosine(x, np.broadcast_to(at, inside.shape), self.slides)), 0.0
+        )
+        here = np.abs(signed_transmission_cosine(x, cranks, self.slides))
         lengths = np.log(x[:, self.links])
         ratio = lengths.max(axis=1) - lengths.min(axis=1) - np.log(self.largest_ratio)
         worst = np.maximum(np.maximum(ends.max(axis=1), here.max(axis=1)) - most, ratio)
@@ -384,13 +397,13 @@ def squares(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
     return np.where(np.isfinite(total), total, np.inf)
 
 
-def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
+def polished_starts(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
     """Starts x (s, 10), t (s, n) improved to their least squares within the limits: x, t and branch, the best first."""
     shared = 9 if task.free else 10
     low, high = task.low[:shared], task.high[:shared]
     fit, x = Fit(task, branch), x[:, :shared]
     for k in range(ROUNDS):
-        x, t, sums = least_squares(fit, x, t, low, high, STEPS if k < ROUNDS - 1 else LAST, watch)
+        x, t, sums = shared_least_squares(fit, x, t, low, high, STEPS if k < ROUNDS - 1 else LAST, watch)
         watch.report(0.3 + 0.7 * (k + 1) / ROUNDS)
         if watch.over():
             break
@@ -398,26 +411,26 @@ def polished(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tu
             best = np.argsort(sums, kind="stable")[: KEPT[k]]
             fit, x, t, sums = fit.some(best), x[best], t[best], sums[best]
         if task.free and task.closed:
-            t = nearest(task, _whole(x), t, fit.branch)
+            t = nearest_angles(task, _whole(x), t, fit.branch)
         if k < ROUNDS - 2:
             fit.update(x, t)
-    x, t = settled(fit, x, t, low, high)
+    x, t = settled_solutions(fit, x, t, low, high)
     return sorted_out(task, _whole(x), t, fit.branch)
 
 
-def refined(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
-    """`polished` for a few starts that have nearly converged, such as results for fewer points."""
+def refined_starts(task: PathTask, x: Real, t: Real, branch: Real, watch: Watch) -> tuple[Real, Real, Real]:
+    """`polished_starts` for a few starts that have nearly converged, such as results for fewer points."""
     shared = 9 if task.free else 10
     fit, x = Fit(task, branch), x[:, :shared]
     for k in range(REFINED):
-        x, t, _ = least_squares(fit, x, t, task.low[:shared], task.high[:shared], STEPS, watch)
+        x, t, _ = shared_least_squares(fit, x, t, task.low[:shared], task.high[:shared], STEPS, watch)
         if watch.over():
             break
         if task.free and task.closed:
-            t = nearest(task, _whole(x), t, fit.branch)
+            t = nearest_angles(task, _whole(x), t, fit.branch)
         if k < REFINED - 2:
             fit.update(x, t)
-    x, t = settled(fit, x, t, task.low[:shared], task.high[:shared])
+    x, t = settled_solutions(fit, x, t, task.low[:shared], task.high[:shared])
     return sorted_out(task, _whole(x), t, fit.branch)
 
 
@@ -458,7 +471,7 @@ def _within(task: PathTask, x: Real, t: Real, branch: float) -> Real:
     return x
 
 
-def nearest(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
+def nearest_angles(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
     """Approximate crank angles (s, n) of the points of closed paths that are nearest to the wanted ones."""
     looks = 2 * np.pi * np.arange(LOOKS) / LOOKS
     path = points_of(x, np.broadcast_to(looks, (len(x), LOOKS)), branch, task.slides)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Real
-from .double_double import ComplexDoubleDouble, DoubleDouble, exact_sum
+from .double_double import ComplexDoubleDouble, DoubleDouble, two_sum
 from .nine_point_equations import precise_residuals, residuals, slopes, solve
 
 # First and shortest step, as shares of the line. A path that needs shorter ones is given up.
@@ -108,7 +108,7 @@ def _off(x: Complex, low: Complex, p: Complex, p_low: Complex, precise: bool) ->
 
 def _moved(x: Complex, low: Complex, change: Complex) -> tuple[Complex, Complex]:
     """x + low + change as a double-double."""
-    return exact_sum(x, low + change)
+    return two_sum(x, low + change)
 
 
 def _parameters(base: Complex, target: Complex, t: Real, precise: bool) -> tuple[Complex, Complex]:

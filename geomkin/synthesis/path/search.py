@@ -31,10 +31,10 @@ from .coupler_paths import (
     ROCKER,
     TURN,
     closing,
-    folded,
     points_of,
+    signed_transmission_cosine,
 )
-from .fits import PathTask, nearest, nearest_from, polished, refined
+from .fits import PathTask, nearest_angles, nearest_from, polished_starts, refined_starts
 from .nine_points import PathCount, cranks_and_branches, special, through_nine, with_cognates
 from .starts import free_starts, timed_starts
 
@@ -213,7 +213,7 @@ def _largest_cosine(task: PathTask, x: Real, drive: Real) -> float:
     """Largest absolute cosine of the transmission angle from the first to the last crank angle."""
     at, inside = task.extremes(drive[None])
     cranks = np.concatenate([drive, at[inside[0]]])
-    return float(np.abs(folded(x[None], cranks[None], task.slides)).max())
+    return float(np.abs(signed_transmission_cosine(x[None], cranks[None], task.slides)).max())
 
 
 def _circuits(x: Real, cranks: Real, branch: Whole) -> int:
@@ -320,12 +320,12 @@ class PathSearch:
             x, branch = timed_starts(few, rng, watch)
             t = np.zeros((len(x), len(few.wanted)))
         if len(x):
-            x, t, branch = polished(few, x, t, branch, watch)
+            x, t, branch = polished_starts(few, x, t, branch, watch)
         if few is not task and len(x):
             t = _cranks_for_all_points(task, few, x, t, branch)
-            x, t, branch = refined(task, x, t, branch, watch)
+            x, t, branch = refined_starts(task, x, t, branch, watch)
         if task.free and task.closed and len(x):
-            t = nearest_from(task, x, nearest(task, x, t, branch), branch)
+            t = nearest_from(task, x, nearest_angles(task, x, t, branch), branch)
         return x, t, branch
 
     def through_nine(self, watch: Watch) -> tuple[list[PathFound], PathCount]:
@@ -427,7 +427,7 @@ def _cranks_for_all_points(task: PathTask, few: PathTask, x: Real, t: Real, bran
     if not task.free:
         return np.zeros((len(x), len(task.wanted)))
     if task.closed:
-        return nearest_from(task, x, nearest(task, x, np.zeros((len(x), len(task.wanted))), branch), branch)
+        return nearest_from(task, x, nearest_angles(task, x, np.zeros((len(x), len(task.wanted))), branch), branch)
     path_length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(task.wanted)))])
     chosen = np.unique(np.linspace(0, len(path_length) - 1, len(few.wanted)).round().astype(int))
     return nearest_from(task, x, np.stack([np.interp(path_length, path_length[chosen], row) for row in t]), branch)

@@ -22,7 +22,7 @@ from .coupler_paths import (
     closing,
     points_of,
 )
-from .fits import PathTask, nearest
+from .fits import PathTask, nearest_angles
 
 # Share of random linkages whose crank turns fully, if a full turn is not required.
 TURNING = 0.6
@@ -251,7 +251,7 @@ def _closed(task: PathTask, x: Real, path: Complex, branch: Real) -> tuple[Real,
         score = np.nan_to_num(1 - np.abs(best) ** 2 / (power * np.sum(np.abs(target) ** 2)), nan=np.inf)
         placed = _placed(x, best / power, at, middle)
     at_zero = np.zeros((len(x), len(task.wanted)))
-    return placed, score, lambda rows: nearest(task, placed[rows], at_zero[rows], branch[rows])
+    return placed, score, lambda rows: nearest_angles(task, placed[rows], at_zero[rows], branch[rows])
 
 
 def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:

@@ -24,7 +24,7 @@ from .families import (
     given_choice,
     maximise,
     member_angles,
-    scale_of,
+    scale_for_link,
     turn_of,
     within_size_limits,
 )
@@ -159,7 +159,7 @@ def crank_rocker(
     (50.0, 200.0, ())
     """
     turn_deg = turn_of(crank_turn_deg, time_ratio)
-    check_turn(swing_deg, turn_deg, sense, "crank_turn_deg" if time_ratio is None else "time_ratio")
+    check_swing_rotation(swing_deg, turn_deg, sense, "crank_turn_deg" if time_ratio is None else "time_ratio")
     lengths_given = {"ground": ground, "crank": crank, "coupler": coupler, "rocker": rocker}
     name, length = given_choice(lengths_given) or ("ground", 1.0)
     swing, turn = np.radians(swing_deg), np.radians(turn_deg if sense == "same" else 360 - turn_deg)
@@ -181,7 +181,7 @@ def crank_rocker(
             ends = f"more than {rounded_up(family.range_deg[0])} deg and less than 45"
             raise DesignError("free_angle_deg", f"found {free_angle_deg:g}", f"give {ends}", "out-of-range")
     sizes = {k: float(size) for k, size in _sizes(float(swing), float(turn), np.array(free)).items()}
-    scale = scale_of(sizes, name, length)
+    scale = scale_for_link(sizes, name, length)
     lengths = {k: length if k == name else scale * size for k, size in sizes.items()}
     linkage = FourBar(lengths["ground"], lengths["crank"], lengths["coupler"], lengths["rocker"])
     moved = full_turn(linkage)
@@ -232,7 +232,7 @@ def crank_turns(swing_deg: float, sense: Sense) -> tuple[float, float]:
     return 90 + half + CLEAR_DEG, 270 + half - CLEAR_DEG
 
 
-def check_turn(swing_deg: float, crank_turn_deg: float, sense: Sense, field: str = "crank_turn_deg") -> None:
+def check_swing_rotation(swing_deg: float, crank_turn_deg: float, sense: Sense, field: str = "crank_turn_deg") -> None:
     """Raise DesignError, under the name `field`, for a crank rotation that no crank-rocker of this swing has."""
     ends = crank_turns(swing_deg, sense)
     if ends[0] <= crank_turn_deg <= ends[1]:

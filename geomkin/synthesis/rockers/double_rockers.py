@@ -24,7 +24,7 @@ from .families import (
     given_choice,
     maximise,
     member_angles,
-    scale_of,
+    scale_for_link,
     within_size_limits,
 )
 
@@ -303,7 +303,7 @@ def double_rocker(
         free = float(np.arctan2(weights[1], weights[0]))
     inverse = weights[0] * ends[0] + weights[1] * ends[1]
     sizes = {k: float(size[0]) for k, size in _lengths(wanted, inverse[:, None]).items()}
-    scale = scale_of(sizes, "ground", ground)
+    scale = scale_for_link(sizes, "ground", ground)
     between = motion_between(wanted, {k: np.array([size]) for k, size in sizes.items()})
     # A given size keeps all its digits.
     lengths = crank or scale * sizes["crank"], scale * sizes["coupler"], rocker or scale * sizes["rocker"]

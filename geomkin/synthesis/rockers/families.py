@@ -147,7 +147,7 @@ def turn_of(crank_turn_deg: float | None, time_ratio: float | None) -> float:
     return 360 * time_ratio / (1 + time_ratio)
 
 
-def scale_of(sizes: Mapping[str, float], name: str, length: float) -> float:
+def scale_for_link(sizes: Mapping[str, float], name: str, length: float) -> float:
     """Factor that makes the link `name` as long as given; DesignError if another link becomes too long or too short."""
     scale = length / sizes[name]
     longest, shortest = max(sizes.values()), min(sizes.values())

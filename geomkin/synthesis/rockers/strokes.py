@@ -132,7 +132,7 @@ def slider_crank_stroke(
     >>> round(best.stroke, 6), round(best.crank_turn_deg, 6)
     (80.0, 190.0)
     """
-    check_turn(crank_turn_deg)
+    check_stroke_rotation(crank_turn_deg)
     turn = float(np.radians(crank_turn_deg))
     low, high = free_range(0.0, turn)
     family = _family(stroke, turn, (low, high))
@@ -176,7 +176,7 @@ def _measured(moved: FullTurn) -> dict[str, Any]:
     }
 
 
-def check_turn(crank_turn_deg: float, field: str = "crank_turn_deg") -> None:
+def check_stroke_rotation(crank_turn_deg: float, field: str = "crank_turn_deg") -> None:
     """Raise DesignError, under the name `field`, for a crank rotation that no slider-crank has."""
     ends = 90 + CLEAR_DEG, 270 - CLEAR_DEG
     if not ends[0] <= crank_turn_deg <= ends[1]:

@@ -21,7 +21,7 @@ POINT = 40 + 25j
 RESULTS = ("direction", "rate", "second rate")
 
 
-def scaled(lengths: Sizes, power: int, *others: float) -> Callable[[float], Sizes]:
+def scaled_lengths(lengths: Sizes, power: int, *others: float) -> Callable[[float], Sizes]:
     """Lengths times the distance or over it, and what is no length."""
     return lambda x: (*(length * x**power for length in lengths), *others)
 
@@ -57,7 +57,7 @@ def rates(ctx: Any, pin: Any, one: Any, two: Any) -> tuple[Any, Any, Any, Any]:
     return h, k, *two_unknowns(i * one, -i * two, pin + h * h * one - k * k * two)
 
 
-def four_bar(result: str, branch: int = 1) -> Callable[..., Any]:
+def four_bar_rates(result: str, branch: int = 1) -> Callable[..., Any]:
     """The textbook's direction of the coupler, and rates of the rocker."""
 
     def formula(ctx: Any, ground: Any, crank: Any, coupler: Any, rocker: Any, angle: Any) -> Any:
@@ -91,7 +91,7 @@ def _moved(linkage: Any, drive: list[float], branch: Any = 1) -> Motion:
     return move(linkage, np.array(drive), chosen)
 
 
-def condition(motion: Callable[..., Motion], result: str) -> Callable[..., Any]:
+def rate_condition(motion: Callable[..., Motion], result: str) -> Callable[..., Any]:
     """What the condition says of a result: of rates, which go by the inverse of the angle's sine, its square."""
     return lambda *sizes: motion(*sizes).error_amplification ** (1 if result == "direction" else 2)
 
@@ -207,7 +207,7 @@ CELLS = (
                 result,
                 "what the links are short of a toggle",
                 lambda x: (3.0, 1.0, 4 - x, 2.0, x**0.5),
-                four_bar(result),
+                four_bar_rates(result),
                 moved_four_bar(result),
                 "all",
             ),
@@ -217,7 +217,7 @@ CELLS = (
                 result,
                 "what the links are longer than at a change point",
                 lambda x: (4.0, 1.0, 3 + x, 2.0, np.pi - x**0.5),
-                four_bar(result),
+                four_bar_rates(result),
                 moved_four_bar(result),
                 "all",
             ),
@@ -227,7 +227,7 @@ CELLS = (
                 result,
                 "crank angle beyond the change point, rad",
                 lambda x: (4.0, 1.0, 3.0, 2.0, np.pi + x),
-                four_bar(result, -1),
+                four_bar_rates(result, -1),
                 moved_four_bar(result, 1.0),
                 "all",
             ),
@@ -237,7 +237,7 @@ CELLS = (
                 result,
                 "what ground and crank, and coupler and rocker, differ by",
                 lambda x: (1.0, 1 - x, 2.0, 2 - 0.7 * x, x),
-                four_bar(result),
+                four_bar_rates(result),
                 moved_four_bar(result),
                 "all",
             ),
@@ -247,11 +247,11 @@ CELLS = (
                 result,
                 "crank angle before the limit, of itself",
                 lambda x: (4.0, 3.0, 2.0, 2.5, LIMIT * (1 - x)),
-                four_bar(result),
+                four_bar_rates(result),
                 moved_four_bar(result),
                 "sizes",
                 BY_CONDITION,
-                condition(of_four_bar, result),
+                rate_condition(of_four_bar, result),
             ),
             Cell(
                 "slider-crank",
@@ -273,7 +273,7 @@ CELLS = (
                 moved_by_slider(result),
                 "sizes",
                 BY_CONDITION,
-                condition(_driven, result),
+                rate_condition(_driven, result),
             ),
         )
     ),
@@ -288,7 +288,7 @@ CELLS = (
             moved_six_bar(result),
             "sizes",
             BY_CONDITION,
-            condition(_moved_six_bar, result),
+            rate_condition(_moved_six_bar, result),
         )
         for result in RESULTS[:2]
     ),
@@ -309,7 +309,7 @@ CELLS = (
         "direction",
         "one over the turns",
         lambda x: (100.0, 30.0, 90.0, 70.0, 1 + 2 * np.pi * round(1 / x)),
-        four_bar("direction"),
+        four_bar_rates("direction"),
         moved_four_bar("direction"),
         "all",
     ),
@@ -319,7 +319,7 @@ CELLS = (
             place,
             "rocker pin",
             distance,
-            scaled((100.0, 30.0, 90.0, 70.0), power, 1.0),
+            scaled_lengths((100.0, 30.0, 90.0, 70.0), power, 1.0),
             lambda ctx, *sizes: sum(bars(ctx, *sizes)[:2]),
             lambda *sizes: of_four_bar(*sizes).point("rocker_pin").position,
             "all, refused",

@@ -160,7 +160,7 @@ def _bare_dxf(given: GearPlate, tolerance: float) -> Callable[[], bytes]:
     return text
 
 
-def outline_of(dxf: bytes) -> Polyline:
+def outline_in_file(dxf: bytes) -> Polyline:
     """The polyline of a file with one circle, relative to the circle's centre."""
     lines = dxf.decode().split("\n")
     codes, values = [int(code) for code in lines[:-1:2]], [value.strip() for value in lines[1::2]]
@@ -182,7 +182,7 @@ def outline_of(dxf: bytes) -> Polyline:
 
 def dxf_error(given: GearPlate, found: bytes) -> Real:
     """How far places along the outline are from what the rack and the blank leave, mm."""
-    line = outline_of(found)
+    line = outline_in_file(found)
     z = line.point((line.breaks[:-1, None] + np.array([0.0, 0.25, 0.5, 0.75])).ravel())
     # Each place in the one space that the rack's tooth goes through.
     pitch = 2 * np.pi / given.gear.teeth
@@ -289,7 +289,7 @@ def bare_solid(points: Complex, faces: Whole, loops: list[Complex], height: floa
     return bytes(80) + np.uint32(len(triangles)).tobytes() + written.tobytes()
 
 
-def volume(stl: bytes) -> float:
+def stl_volume(stl: bytes) -> float:
     """Of a binary STL, mm3: the tetrahedra from the origin to its triangles."""
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
     a, b, c = np.frombuffer(stl, record, offset=84)["corners"].astype(float).transpose(1, 0, 2)
@@ -307,7 +307,7 @@ STL_WRITING: MethodFamily[GearPlate, bytes] = MethodFamily(
     floor=1e-7,
     problem=plate,
     count=lambda _, found: 1,
-    error=lambda given, found: np.array([abs(volume(found) / (given.area * THICKNESS) - 1)]),
+    error=lambda given, found: np.array([abs(stl_volume(found) / (given.area * THICKNESS) - 1)]),
     methods=(
         Method(
             "chords",

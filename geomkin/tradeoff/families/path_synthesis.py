@@ -11,7 +11,7 @@ from ...core.progress import Watch
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Real
 from ...synthesis.path.coupler_paths import START, bounds_of, closing
-from ...synthesis.path.fits import PathTask, polished
+from ...synthesis.path.fits import PathTask, polished_starts
 from ...synthesis.path.path import LONGEST_RATIO, TOGGLE_DEG, path_generator
 from ...synthesis.path.starts import linear_fit, random_linkages
 from ..family import Method, MethodFamily
@@ -71,7 +71,7 @@ def problem() -> TimedPath:
     return TimedPath(points, task, middle, size)
 
 
-def root_mean_square(path: TimedPath, found: list[PlacedFourBar | None]) -> Real:
+def coupler_path_error(path: TimedPath, found: list[PlacedFourBar | None]) -> Real:
     """Of the coupler points' distances from the points, mm, (found,); nan where nothing was found, or is open.
 
     The rocker's pin is where two circles meet, about the crank's pin and about the rocker's pivot.
@@ -127,7 +127,7 @@ def _fitted(path: TimedPath, count: int, seed: int) -> PlacedFourBar | None:
 def _improved(path: TimedPath, count: int, seed: int) -> PlacedFourBar | None:
     x, branch, _ = _fits(path, count, seed)
     watch = Watch(PATIENCE, "linkages for the path")
-    x, _, branch = polished(path.task, x, np.zeros((len(x), len(path.points))), branch, watch)
+    x, _, branch = polished_starts(path.task, x, np.zeros((len(x), len(path.points))), branch, watch)
     return _drawn(path, x[0], float(branch[0])) if len(x) else None
 
 
@@ -154,7 +154,7 @@ PATH_SYNTHESIS: MethodFamily[TimedPath, list[PlacedFourBar | None]] = MethodFami
     floor=1e-9,
     problem=problem,
     count=lambda _, found: len(found),
-    error=root_mean_square,
+    error=coupler_path_error,
     methods=(
         Method(
             "search",

@@ -22,7 +22,7 @@ Call = Callable[[], Sampled]
 PLOT, READ = 200.0, 0.2
 
 
-def positions(problem: FourBarProblem, step: float, shift: float = 0.0) -> Real:
+def rocker_angles(problem: FourBarProblem, step: float, shift: float = 0.0) -> Real:
     """The rocker's angle, rad, at so many even steps, the first one `shift` steps from 0."""
     drive = np.radians((np.arange(SAMPLES) % round(360 / step) + shift) * step)
     # The rocker swings without passing the cut of the angle.
@@ -45,7 +45,7 @@ def _velocity_difference(problem: FourBarProblem, step: float, derivative: int) 
 
     def call() -> Sampled:
         # From half a step before, so that the middles of the intervals are at whole steps; of those, the middles are.
-        found = velocity_difference(positions(problem, step, -0.5 * derivative), h)
+        found = velocity_difference(rocker_angles(problem, step, -0.5 * derivative), h)
         return (found if derivative == 1 else velocity_difference(found.values, h)).values, step
 
     return call
@@ -53,7 +53,7 @@ def _velocity_difference(problem: FourBarProblem, step: float, derivative: int) 
 
 def _central(problem: FourBarProblem, step: float, derivative: int, order: int) -> Call:
     h = float(np.radians(step))
-    return lambda: (central_difference(positions(problem, step), h, derivative, order, True).values, step)  # type: ignore[arg-type]
+    return lambda: (central_difference(rocker_angles(problem, step), h, derivative, order, True).values, step)  # type: ignore[arg-type]
 
 
 def _spline(problem: FourBarProblem, step: float, derivative: int) -> Call:
@@ -63,7 +63,7 @@ def _spline(problem: FourBarProblem, step: float, derivative: int) -> Call:
     turn = 2 * np.pi * np.arange(SAMPLES // 2 + 1) / SAMPLES
     right = 6j * np.sin(turn) / h if derivative == 1 else 12 * (np.cos(turn) - 1) / h**2
     share = right / (4 + 2 * np.cos(turn))
-    return lambda: (np.fft.irfft(np.fft.rfft(positions(problem, step)) * share, SAMPLES), step)
+    return lambda: (np.fft.irfft(np.fft.rfft(rocker_angles(problem, step)) * share, SAMPLES), step)
 
 
 def _fourier(problem: FourBarProblem, step: float, derivative: int) -> Call:
@@ -72,7 +72,7 @@ def _fourier(problem: FourBarProblem, step: float, derivative: int) -> Call:
 
     def call() -> Sampled:
         # Each turn by itself: its harmonics are those of the motion.
-        turns = positions(problem, step).reshape(-1, count)
+        turns = rocker_angles(problem, step).reshape(-1, count)
         return np.fft.irfft(np.fft.rfft(turns) * share, count).ravel(), step
 
     return call
@@ -82,7 +82,7 @@ def _graphical(problem: FourBarProblem, step: float, derivative: int) -> Call:
     h = np.radians(step)
 
     def call() -> Sampled:
-        read = _drawn(positions(problem, step))
+        read = _drawn(rocker_angles(problem, step))
         for _ in range(derivative):
             # The chord between the neighbouring ordinates for the tangent between them; its slope is drawn again.
             read = _drawn((np.roll(read, -1) - np.roll(read, 1)) / (2 * h))
@@ -95,7 +95,7 @@ def _mid_ordinate(problem: FourBarProblem, step: float, derivative: int) -> Call
     h = np.radians(step)
 
     def call() -> Sampled:
-        read = _drawn(positions(problem, step, -0.5 * derivative))
+        read = _drawn(rocker_angles(problem, step, -0.5 * derivative))
         for _ in range(derivative):
             read = _drawn(np.diff(read) / h)
         return read, step
