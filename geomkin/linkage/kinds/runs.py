@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, to_digits
+from ...core.fields import FARTHEST, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.motor import RPM, Motor
@@ -42,11 +42,9 @@ class RunTable:
         default=None, at_least=-FARTHEST, at_most=FARTHEST, example=300,
     )  # fmt: skip
     start_rpm: float = quantity("speed of the driver at the start", "rpm", default=0.0, at_least=0, at_most=1e6)
-    turns: int = entry("number of turns; table and plots have the last one", default=1)
-
-    def __post_init__(self) -> None:
-        if not 1 <= self.turns <= 50:
-            raise DesignError("turns", f"found {self.turns}", "give 1 to 50", "out-of-range")
+    turns: int = quantity(
+        "number of turns; table and plots have the last one", default=1, at_least=1, at_most=50, whole=True
+    )
 
     def check(
         self, linkage: Linkage, input_range: Turn | Stroke, motor: Motor | None, has_friction: bool, has_copies: bool

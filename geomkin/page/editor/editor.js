@@ -157,7 +157,7 @@ class Editor {
       let reply = await this.answer({ text, ...change, lane: "scene" });
       // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
-      if (reply) this.show(reply);
+      if (reply) await this.show(reply);
     } catch (error) { this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
@@ -202,9 +202,9 @@ class Editor {
     this.reply = reply;
     document.body.classList.toggle("unchecked", this.text !== this.checkedText);
     if (reply.kind && reply.kind !== this.kind) {
-      this.kind = reply.kind;
       const { groups } = await get("form", { kind: reply.kind });
       this.form.describe(groups);
+      this.kind = reply.kind;
     }
     if (Object.keys(reply.values).length) this.values = reply.values;
     if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
