@@ -111,7 +111,7 @@ class ForwardMotion:
     Parameters
     ----------
     time : array
-        s; it ends earlier than was asked for if the driver leaves the range of the given motion.
+        s; it ends before `duration` if the driver leaves the range of the given motion.
     drive, speed, acceleration : array
         Of the driver: rad, rad/s and rad/s2, or mm, mm/s and mm/s2 if a slider drives.
     kinetic_energy : array

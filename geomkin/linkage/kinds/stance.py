@@ -26,10 +26,10 @@ FEWEST_FEET = 3
 # here.
 MOST_ROCKING_DEG = 10.0
 FOUR_LEGS = (
-    "four legs stand on two feet at times, whatever their phases, and the frame then tips from one pair of feet to "
-    "another: give six legs of alternating phase, or feet as wide as the body"
+    "Four legs stand on two feet at times, whatever their phases, and the frame then tips from one pair of feet to "
+    "another: give six legs of alternating phase, or feet as wide as the body."
 )
-UNKNOWN_STANCE = "how it stands is unknown: no rod joins two of the copies, so their distance is not given"
+UNKNOWN_STANCE = "How it stands is unknown: no rod joins two of the copies, so their distance is not given."
 
 
 def foot_entry() -> Any:
@@ -103,8 +103,8 @@ class Stance:
             yield FOUR_LEGS
         if (margin := float(self.margin.min())) > 0:
             yield (
-                f"it stands if its weight is in the middle, {self.centre.imag:.4g} mm from the outer face of the first "
-                f"ground: fix the battery so that it balances there, within {margin:.2g} mm"
+                f"It stands if its weight is in the middle, {self.centre.imag:.4g} mm from the outer face of the first "
+                f"ground: fix the battery so that it balances there, within {margin:.2g} mm."
             )
 
     @property

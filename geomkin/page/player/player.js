@@ -14,8 +14,8 @@ const DASH_DEG = 5, MOST_DASHES = 72;
 const READING = 120;
 // Zoom of one press of a key or button, and movement of the view by an arrow key, px.
 const CLOSER = 1.4, MOVE = 40;
-const DRAG = "Drag a link and the rest follows. ";
-const HINT = "+ and − look closer, or the wheel once it is clicked; 0 shows all.";
+const DRAG = "Drag a link to move the mechanism. ";
+const HINT = "Zoom with + and −, or with the wheel after a click on the drawing; 0 shows the whole mechanism.";
 // Pixels between two drawings, as the style has it.
 const GAP = 12;
 
@@ -69,7 +69,7 @@ class Player {
     const every = max(drive.unit === "deg" ? DASH_DEG : 0, span / MOST_DASHES) || 1;
     data.scenes.forEach((scene, k) => {
       const drawing = this.drawings[k] ?? this.addDrawing();
-      drawing.caption.textContent = k ? spaced(scene.label) : "as asked for";
+      drawing.caption.textContent = k ? spaced(scene.label) : "as designed";
       drawing.caption.hidden = !several;
       drawing.load(scene, data, row, every);
     });
@@ -161,7 +161,7 @@ class Player {
       act(box.checked);
     };
     for (const { id, label, shown } of roles) add(label, id, shown, (on) => { for (const drawing of drawings) drawing.toggle(id, on); });
-    if (drawings.length > 1) add("others beside", "others", true, (on) => this.stages.classList.toggle("alone", !on));
+    if (drawings.length > 1) add("other assembly mode", "others", true, (on) => this.stages.classList.toggle("alone", !on));
   }
 
   // The content of the plots as a table: the current, least and largest value of each quantity, and their positions.
