@@ -11,7 +11,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError, shown
 from ..core.fields import FARTHEST, entry, quantity
 from ..core.records import record
-from ..core.reprs import moving
+from ..core.reprs import moving_picture
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array, Complex, Pose, Real
 from .followers.follower import AbstractFollower, Contact, Follower
@@ -81,7 +81,7 @@ class Cam:
             )
         self.follower.check(self.program, self.base_radius, self.sense)
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     @property
     def prime_radius(self) -> float:

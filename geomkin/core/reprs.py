@@ -61,13 +61,13 @@ def short(value: object) -> str:
     return value.__name__ if callable(value) and hasattr(value, "__name__") else f"{type(value).__name__}(...)"
 
 
-def moving(self: Any) -> str:
-    """HTML for `_repr_html_`, by `_repr_html_ = moving` in a class: the moving drawing, or why there is none."""
+def moving_picture(self: Any) -> str:
+    """The moving drawing as HTML, or why there is none; a class has it by `_repr_html_ = moving_picture`."""
     html: str = import_module("geomkin.studio.notebook").inline(self)
     return html
 
 
-def still(self: Any, curves: Sequence[Any], marks: Sequence[Any] = ()) -> str | None:
-    """SVG for `_repr_svg_`: curves and engraved marks of an object; None if they cannot be drawn."""
+def still_picture(self: Any, curves: Sequence[Any], marks: Sequence[Any] = ()) -> str | None:
+    """Curves and engraved marks of an object as SVG, for `_repr_svg_`; None if they cannot be drawn."""
     svg: str | None = import_module("geomkin.export.svg_path").picture(repr(self), curves, marks)
     return svg

@@ -11,7 +11,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import Length
-from ..core.reprs import still
+from ..core.reprs import still_picture
 from ..plane.curve import AbstractCurve, Reversed
 from ..plane.primitives import Arc, Segment
 from ..plane.vec import Pose, Real
@@ -75,7 +75,7 @@ class AbstractGear(_AbstractToothed):
             """The gear as one closed counterclockwise curve of exact pieces; of a ring, the hole of its plate."""
 
     def _repr_svg_(self) -> str | None:
-        return still(self, (self.outline,))
+        return still_picture(self, (self.outline,))
 
     @property
     def hole_room(self) -> float:

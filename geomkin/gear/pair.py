@@ -12,7 +12,7 @@ from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
 from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
 from ..core.records import record
-from ..core.reprs import moving
+from ..core.reprs import moving_picture
 from ..model.table import Column, Table
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
@@ -64,7 +64,7 @@ class GearPair:
     second: SpurGear | RingGear = entry("the driven gear", example=SpurGear(40, 2))
     centre_distance: Settled = quantity("distance of the axes", "mm", default=None, above=0, at_most=1e9)
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     def __post_init__(self) -> None:
         first, second = self.first, self.second

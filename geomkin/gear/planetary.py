@@ -11,7 +11,7 @@ from ..core.arguments import NUMBER, FloatOrNan, checked, refused
 from ..core.errors import DesignError
 from ..core.fields import entry, quantity
 from ..core.records import record
-from ..core.reprs import moving
+from ..core.reprs import moving_picture
 from ..plane.vec import Pose, Real
 from .cutters import HelixAngle
 from .pair import GearPair
@@ -56,7 +56,7 @@ class PlanetarySet:
     ring: RingGear = entry("the ring round the planets", example=RingGear(60, 2, addendum=0.8))
     planets: int = quantity("number of planets", whole=True, default=3, at_least=1, at_most=100)
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     def __post_init__(self) -> None:
         inner, outer = self.inner.centre_distance, self._outer_distance

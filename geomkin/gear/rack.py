@@ -8,7 +8,7 @@ from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
 from ..core.fields import entry, quantity, rounded_down, rounded_up
 from ..core.records import record
-from ..core.reprs import moving
+from ..core.reprs import moving_picture
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from .contract import AbstractGear, check_alike
@@ -224,7 +224,7 @@ class RackPair:
         "distance of the gear's axis from the rack's reference line", "mm", default=None, above=0, at_most=1e9
     )
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     def __post_init__(self) -> None:
         pinion = self.pinion

@@ -15,7 +15,7 @@ from ..core.arguments import FloatOrNan, between, checked
 from ..core.errors import DesignError
 from ..core.fields import AsWritten, entry, quantity
 from ..core.records import record
-from ..core.reprs import moving
+from ..core.reprs import moving_picture
 from ..model.table import Column, Table
 from ..plane.vec import Complex, Pose, Real
 from .cutters import RackCutter
@@ -74,7 +74,7 @@ class GearTrain:
     )
     friction: float = quantity("mean coefficient of friction of the flanks", default=0.1, at_least=0, at_most=1)
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.stages) <= MOST_STAGES:

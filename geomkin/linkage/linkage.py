@@ -15,7 +15,7 @@ from ..core.errors import DesignError, shown
 from ..core.fields import ComplexOrArray, KindTable
 from ..core.names import check_names
 from ..core.records import record
-from ..core.reprs import LONGEST, moving, one_line
+from ..core.reprs import LONGEST, moving_picture, one_line
 from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
 
@@ -53,7 +53,7 @@ class AbstractLinkage(ABC):
 
     KINDS: ClassVar[KindTable[AbstractLinkage]] = LINKAGES
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
     can_be_scaled: ClassVar[bool] = True
 
     @property

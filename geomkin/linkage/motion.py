@@ -11,7 +11,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError, shown
 from ..core.records import record
-from ..core.reprs import clipped, moving, short
+from ..core.reprs import clipped, moving_picture, short
 from ..model.table import Column, Table, finite, xy_columns
 from ..plane.vec import Array, Complex, Mask, Real, Whole, cross, dot
 from .body_motion import Body, PointMotion, SlideMotion
@@ -68,7 +68,7 @@ class Motion:
     # Cache of named points: a table, a scene and checks use the same ones.
     _points: dict[str, PointMotion] = field(init=False, repr=False, default_factory=dict)
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     def __repr__(self) -> str:
         driver, bodies = short(self.linkage.driver), short(self.linkage.bodies)

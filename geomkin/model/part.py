@@ -12,7 +12,7 @@ from ..core.errors import DesignError
 from ..core.fields import Length
 from ..core.names import check_names
 from ..core.records import record
-from ..core.reprs import still
+from ..core.reprs import still_picture
 from ..plane.curve import AbstractCurve
 from ..plane.measure import AreaMoments, area_moments
 from ..plane.vec import Pose, dot
@@ -155,7 +155,7 @@ class Part:
             )
 
     def _repr_svg_(self) -> str | None:
-        return still(self, (self.outline, *self.holes), self.marks)
+        return still_picture(self, (self.outline, *self.holes), self.marks)
 
     @cached_property
     def mass(self) -> Mass | None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..core.records import record
-from ..core.reprs import one_line, still
+from ..core.reprs import one_line, still_picture
 from .vec import Complex, Pose, Real, cross, unit
 
 
@@ -72,7 +72,7 @@ class AbstractCurve(ABC):
         """Whether the curve ends at its start and is an outline, in either direction."""
 
     def _repr_svg_(self) -> str | None:
-        return still(self, (self,))
+        return still_picture(self, (self,))
 
     def curvature(self, t: ArrayLike) -> Real:
         """Signed curvature, positive if the curve turns left along rising t.

@@ -14,7 +14,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import entry, to_digits
 from ..core.records import record
-from ..core.reprs import moving
+from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..model.check import Check
 from ..model.mass import Mass
@@ -81,7 +81,7 @@ class AbstractRecipe(_Shared, ABC):
     # Every subclass is a dataclass, which a type checker cannot know.
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     @property
     def is_in_own_file(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.fields import to_digits_or_none
 from ..core.records import record
-from ..core.reprs import moving
+from ..core.reprs import moving_picture
 from ..linkage.linkage import AbstractLinkage
 from ..linkage.measures import least_transmission_angle
 from ..linkage.moving import move
@@ -48,7 +48,7 @@ class Found:
     transmission_angle_deg: float
     defects: tuple[str, ...] = ()
 
-    _repr_html_ = moving
+    _repr_html_ = moving_picture
 
     @property
     def lengths(self) -> Mapping[str, float]:

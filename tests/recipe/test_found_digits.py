@@ -73,7 +73,7 @@ def test_reported_errors_are_those_of_the_rounded_linkage():
     for name, output in (("swing", "rocker"), ("swings", "rocker"), ("stroke", "slider")):
         goal = goal_of(name)
         design = gk.load(to_toml(goal.design))
-        low, high = np.radians(goal.way)
+        low, high = np.radians(goal.driver_range)
         motion = gk.move(design.linkage, np.linspace(low, high, 20_001), design.branch)
         if output == "rocker":
             swing = np.degrees(np.ptp(np.unwrap(np.angle(motion.bodies[output].direction))))

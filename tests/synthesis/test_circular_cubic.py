@@ -114,7 +114,7 @@ def test_point_of_a_loop_with_a_given_direction_is_found():
                 found = np.array(loop.at(psi))
                 if loop.half != 0:
                     # As often as the lines come past it.
-                    side = np.sin(loop.way(t)[0] - psi) > 0
+                    side = np.sin(loop.angle_and_root(t)[0] - psi) > 0
                     different = np.unique(np.round(found % (2 * np.pi), 9))
                     assert len(different) == np.count_nonzero(side[1:] != side[:-1])
                 seen.add((len(found), bool(np.isnan(loop.half)), loop.half == 0))

@@ -76,7 +76,7 @@ def test_limits_are_kept_where_the_motion_keeps_them(task, way):
         wanted = {"transmission angle"} if angle < task.least_transmission else set()
         assert passed == wanted | ({"ratio"} if ratio > task.largest_ratio else set())
         seen.add(tuple(sorted(passed)))
-        low, high = task.way(p[None])
+        low, high = task.input_range(p[None])
         assert (low[0], high[0]) == pytest.approx((drive.min(), drive.max()))
     assert len(seen) >= 3
 

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity, rounded_up
+from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity, rounded_up, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.handles import point_handle
@@ -337,7 +337,7 @@ class CognatesRecipe(AbstractMovedRecipe):
 
 def _sizes(linkage: FourBar) -> Mapping[str, object]:
     lengths = {name: getattr(linkage, name) for name in ("ground", "crank", "coupler", "rocker", "ground_angle_deg")}
-    return {name: float(f"{length:.10g}") for name, length in lengths.items()} | {
+    return {name: to_digits(length, 10) for name, length in lengths.items()} | {
         "driver": linkage.driver,
         "coupler_point": _pair(complex(linkage.coupler_point)),
         "origin": _pair(linkage.origin),
@@ -345,4 +345,4 @@ def _sizes(linkage: FourBar) -> Mapping[str, object]:
 
 
 def _pair(z: complex) -> list[float]:
-    return [float(f"{z.real:.10g}"), float(f"{z.imag:.10g}")]
+    return [to_digits(z.real, 10), to_digits(z.imag, 10)]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...core.errors import DesignError, shown
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ..dwell import longest_dwell
 from ..linkage import Linkage
@@ -64,5 +64,5 @@ class DwellBand:
             f"least_{unit}": dwell.low * factor,
             f"greatest_{unit}": dwell.high * factor,
         }
-        rounded = {name: float(f"{value:.10g}") for name, value in values.items()}
+        rounded = {name: to_digits(value, 10) for name, value in values.items()}
         return {"output": output, f"band_{unit}": band, **rounded}

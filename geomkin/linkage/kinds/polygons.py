@@ -10,7 +10,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.part import Part
@@ -184,7 +184,7 @@ class PolygonsRecipe(AbstractRecipe):
         centres: dict[str, object] = {}
         for pair, centre in instant_centres(self.motion).items():
             z = complex(centre.position[0])
-            far = {"at_infinity_deg": float(f"{np.degrees(np.angle(centre.direction[0])):.9g}")}
+            far = {"at_infinity_deg": to_digits(np.degrees(np.angle(centre.direction[0])), 9)}
             centres[" and ".join(pair)] = _nine_digits(z, float(self.motion.linkage.size)) if np.isfinite(z) else far
         return {"scale": scale, "instant_centres_mm": centres}
 

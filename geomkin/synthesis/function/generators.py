@@ -48,7 +48,7 @@ class AbstractGenerator(AbstractTask):
             values, slopes = np.concatenate([values, e, -e], axis=1), np.concatenate([slopes, de, -de], axis=1)
         return values, slopes
 
-    def way(self, p: Real) -> tuple[Real, Real]:
+    def input_range(self, p: Real) -> tuple[Real, Real]:
         """(many,) first and last angle of the input, in rising order."""
         return p[:, 3] + min(0.0, self.swing), p[:, 3] + max(0.0, self.swing)
 
@@ -174,7 +174,7 @@ class SliderGenerator(AbstractGenerator):
 
     def _sine(self, p: Real) -> tuple[Real, Real, Real, Real]:
         """Sine of the rod's angle to the slide line at its extremes, the crank angles there, crank, rod."""
-        low, high = self.way(p)
+        low, high = self.input_range(p)
         half = np.ceil(low / np.pi - 0.5)
         inner = [np.minimum((half + k + 0.5) * np.pi, high) for k in (0, 1)]
         angle = np.stack([low, high, *inner], axis=1)
@@ -315,7 +315,7 @@ class FourBarGenerator(AbstractGenerator):
         """(many, 4) crank angles between which the transmission angle is monotonic: the ends, and crank in line with
         ground.
         """
-        low, high = self.way(p)
+        low, high = self.input_range(p)
         half = np.ceil(low / np.pi)
         return np.stack([low, high, np.minimum(half * np.pi, high), np.minimum((half + 1) * np.pi, high)], axis=1)
 

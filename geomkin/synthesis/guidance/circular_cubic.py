@@ -47,7 +47,7 @@ class CubicBranch:
     sign: float = 1.0
     turning: float = 0.5
 
-    def way(self, t: Real) -> tuple[Real, Real, Real, Real]:
+    def angle_and_root(self, t: Real) -> tuple[Real, Real, Real, Real]:
         """psi, its rate, the square root, and its rate, by t."""
         if np.isnan(self.half):
             psi, rate = self.turning * t, np.full_like(t, self.turning)
@@ -188,7 +188,7 @@ class Cubic:
                 0.5 * self.axis * (1j * across - x * along),
                 -0.5 * w * along,
             )
-        psi, rate, root, root_rate = loop.way(t)
+        psi, rate, root, root_rate = loop.angle_and_root(t)
         x, w = np.sin(psi), np.cos(psi)
         (line, line_rate), (square, square_rate), (cube, cube_rate) = (_form(part, psi) for part in self.parts)
         line_rate, square_rate, cube_rate, x_rate, w_rate = (

@@ -141,7 +141,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         return len(set(types)) <= 1
 
     @property
-    def way(self) -> tuple[float, float]:
+    def driver_range(self) -> tuple[float, float]:
         """First and last driver position of the resulting recipe: deg, or mm if a slider drives."""
         low, high = self.found.drive_range
         if self.found.linkage.linkage.driven_slider is not None:
@@ -151,7 +151,7 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
     @cached_property
     def design(self) -> AbstractLinkageRecipe:
-        return recipe_of(self.found.linkage, self.found.branch, self.way, self.drive, self.stock, self.files)
+        return recipe_of(self.found.linkage, self.found.branch, self.driver_range, self.drive, self.stock, self.files)
 
     @abstractmethod
     def met_by(self, found: F) -> tuple[Check, ...]:

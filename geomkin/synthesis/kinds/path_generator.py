@@ -331,9 +331,9 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return self.best.ranked
 
     @property
-    def way(self) -> tuple[float, float]:
+    def driver_range(self) -> tuple[float, float]:
         """A full turn for a closed path, else from the first point to the last."""
-        return (0.0, 360.0) if self.wanted.closed else super().way
+        return (0.0, 360.0) if self.wanted.closed else super().driver_range
 
     @property
     def size_bounds(self) -> Mapping[str, Pair]:
@@ -375,7 +375,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
         design = self.found
         marks: list[AbstractCurve] = self.crosses
-        span = (float(np.radians(self.way[0])), float(np.radians(self.way[1])))
+        span = (float(np.radians(self.driver_range[0])), float(np.radians(self.driver_range[1])))
         if not design.defects and span[1] > span[0]:
             marks.append(CouplerCurve(design.linkage, "coupler_point", design.branch, span))
         at = move(design.linkage, np.array([design.drive[0]]), design.branch)

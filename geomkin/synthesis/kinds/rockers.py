@@ -154,7 +154,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         return (-float(member.transmission_angle_deg),)
 
     @property
-    def way(self) -> tuple[float, float]:
+    def driver_range(self) -> tuple[float, float]:
         """The full turn."""
         return 0.0, 360.0
 
@@ -462,7 +462,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
         return member.overshoot_deg > MISSED_DEG, *super().rank(member)
 
     @property
-    def way(self) -> tuple[float, float]:
+    def driver_range(self) -> tuple[float, float]:
         """The given range of the crank, deg."""
         start, end = self.wanted.crank_start_deg, self.wanted.crank_start_deg + self.wanted.crank_swing_deg
         return min(start, end), max(start, end)
