@@ -104,7 +104,12 @@ def part_of(hole, found):
 
 def drawing_and_solids_are_the_parts(own, folder):
     parts, found = json.loads((folder / "summary.json").read_text())["parts"], drawing(folder / f"{own.name}.dxf")
-    net = sorted(c.area - sum(h.area for h in found["HOLE"] if part_of(h, found) is c) for c in found["CUT"])
+    # The drawing's outlines lie half of the kerf outside those of the parts, and holes half of it inside.
+    beam = own.files.kerf / 2
+    net = sorted(
+        c.buffer(-beam).area - sum(h.buffer(beam).area for h in found["HOLE"] if part_of(h, found) is c)
+        for c in found["CUT"]
+    )
     assert net == pytest.approx(sorted(p["area_mm2"] for p in parts for _ in range(p["count"])), rel=1e-3)
     for part in parts:
         mesh = trimesh.load(folder / f"{part['name']}.stl")

@@ -19,6 +19,8 @@ from .wrenches import NEWTON, Wrenches, known_place
 
 # N mm/s in W.
 WATT = 1e-3
+# Ratio of a sum to its terms below which it is rounding noise.
+ROUNDING = 1e-13
 AboutPoint = Annotated[
     Any,
     ArgumentType(
@@ -162,14 +164,15 @@ class ForceAnalysis:
     @cached_property
     def _shaking(self) -> tuple[Complex, Real]:
         shape = self.motion.assembled.shape
-        total: tuple[Complex, Real] = np.zeros(shape, dtype=complex), np.zeros(shape)
+        total, size, moment = np.zeros(shape, dtype=complex), np.zeros(shape), np.zeros(shape)
         for name, mass in self.loads.masses.items():
             if name != self.motion.linkage.ground:
                 force = -NEWTON * mass.mass * self.wrenches.acceleration(name, mass.centre)
                 arm = self.wrenches.position(name, mass.centre) - self.about
                 couple = -NEWTON * mass.inertia * self.motion.bodies[name].alpha
-                total = total[0] + force, total[1] + cross(arm, force) + couple
-        return total
+                total, size, moment = total + force, size + np.abs(force), moment + cross(arm, force) + couple
+        # If masses balance each other, their sum is rounding noise, which differs between processors.
+        return np.where(np.abs(total) <= ROUNDING * size, 0, total), moment
 
     @cached_property
     def power(self) -> Real:
