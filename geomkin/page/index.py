@@ -15,6 +15,7 @@ from ..export.still import colours
 from ..export.summary import listed_files, read_summary
 from ..export.text import text
 from .page import head, player_file
+from .sections import picture_address
 
 NAME = "index.html"
 # The mark of pages that geomkin wrote, and the number of bytes at the start of a page in which it is searched for.
@@ -24,8 +25,6 @@ MARK, MARK_WITHIN = b'<meta name="generator" content="geomkin">', 1000
 LARGEST_PICTURE, ALL_PICTURES = 200_000, 5_000_000
 # Largest numbers of folders that are searched, of cards, and of files that a card lists. Readers have no use for more.
 MOST_FOLDERS, MOST_CARDS, MOST_FILES = 20_000, 2000, 300
-# Characters of a picture that need no escaping in an attribute in single quotes.
-PLAIN = ' !"$()*+,-./:;<=>?@[]^_`{|}~'
 
 
 def index_page(folder: Path) -> dict[str, bytes]:
@@ -134,7 +133,7 @@ def _picture(recipe_folder: Path, room: int) -> str:
     except OSError:
         return ""
     # An image shows no titles.
-    address = f"data:image/svg+xml,{quote(re.sub(rb'<title>[^<]*</title>', b'', content), safe=PLAIN)}"
+    address = picture_address(re.sub(rb"<title>[^<]*</title>", b"", content))
     return address if len(content) <= LARGEST_PICTURE and len(address) <= room else ""
 
 

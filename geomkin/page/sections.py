@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping
 from html import escape
+from urllib.parse import quote
 
 import numpy as np
 
@@ -26,6 +26,8 @@ FOUR_DIGITS = 5e-5
 MEASURED_DIGITS = 6
 # Largest number of rows of a table.
 MOST_ROWS = 200
+# Characters of a picture that need no escaping in an attribute in single quotes.
+PLAIN = ' !"$()*+,-./:;<=>?@[]^_`{|}~'
 
 
 def verdict(checks: tuple[Check, ...]) -> str:
@@ -94,11 +96,13 @@ def hodograph(scene: Scene) -> str:
     if not scene.hodographs:
         return ""
     first = scene.hodographs[0]
-    picture = b64encode(hodograph_file(scene.table, first)).decode()
-    title = capital(first.title)
-    return html_section(
-        "hodograph", text(title), f'<img src="data:image/svg+xml;base64,{picture}" alt="{text(title)}">'
-    )
+    title, picture = text(capital(first.title)), picture_address(hodograph_file(scene.table, first))
+    return html_section("hodograph", title, f"<img src='{picture}' alt=\"{title}\">")
+
+
+def picture_address(svg: bytes) -> str:
+    """A picture as a data address, for an attribute in single quotes."""
+    return f"data:image/svg+xml,{quote(svg, safe=PLAIN)}"
 
 
 def parts(job: Job) -> str:

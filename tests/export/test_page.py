@@ -19,7 +19,7 @@ from geomkin.export.still import MOST_FRAMES, kept_frames
 from geomkin.export.svg_path import path
 from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from geomkin.page.page import mechanism_page
-from geomkin.page.scene_json import scene_json
+from geomkin.page.scene_json import scene_data, scene_json
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NASTY = '</script><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'
@@ -58,6 +58,13 @@ def unpacked(row, count):
             known.append(2 * known[-1] - known[-2] + difference)
         values.append(np.nan if difference is None else float(f"{known[-1]}e{-decimals}"))
     return np.array(values)
+
+
+def test_data_never_spells_nan_which_would_look_like_an_unknown_number():
+    scene = turning("nAn nan bananan")
+    written = scene_json(scene, "NAN")
+    assert not re.search("nan", written, re.IGNORECASE)
+    assert json.loads(written) == json.loads(json.dumps(scene_data(scene, "NAN")))
 
 
 def turning(text="washer", frames=9, radius=20.0):
