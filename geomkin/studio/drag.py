@@ -14,7 +14,7 @@ from ..plane.vec import Array, Real
 from ..recipe.recipe import AbstractRecipe
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
-MOST_TRIALS = 24
+MOST_TRIALS = 40
 # Distance from the pointer, in pixels, at which a handle is under it; rounding of the values adds up to one more.
 UNDER_POINTER = 0.05
 # Movement, in pixels, below which a step of the search is not tried.

@@ -100,6 +100,19 @@ def test_poses_points_and_regions_follow_without_a_search():
     assert "ranked" not in vars(recipe) and "found" not in vars(recipe)
 
 
+def test_a_force_turns_with_its_handle_and_grows_with_its_distance():
+    recipe = gk.load("recipes/loaded-crank-rocker.toml")
+    id, pin = "point:loads.forces[0].force_n", recipe.motion.point("rocker_pin").position[20]
+    handle = next(handle for handle in recipe.handles if handle.id == id)
+    arrow = complex(handle.at[20] - pin)
+    assert np.angle(arrow, deg=True) == pytest.approx(-90)
+    # A force along x of the same size, then one twice as far away, whose logarithm is twice as large.
+    for factor, size in ((1, 25), (2, np.sinh(2 * np.arcsinh(25)))):
+        _, values, _ = after("loaded-crank-rocker", id, complex(pin + factor * abs(arrow)), frame=20, step=0.01)
+        x, y = values["loads"]["forces"][0]["force_n"]
+        assert x == pytest.approx(size, rel=0.01) and abs(y) < 0.01 * size
+
+
 def test_the_grid_of_an_atlas_moves_with_the_coupler():
     recipe, _, _ = after("coupler-atlas", "point:grid.length", 60 + 120j, frame=10)
     coupler = recipe.motion.bodies["coupler"]

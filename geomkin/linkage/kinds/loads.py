@@ -26,6 +26,9 @@ from ..scene_handles import body_point
 from .counterweights import CounterweightsTable
 from .runs import RunTable
 
+# Distance of the handle of a force of about 1 N from its point, as a share of the size of the linkage.
+ARROW = 0.05
+
 
 @record(checked=True)
 class PointForce:
@@ -142,7 +145,19 @@ class LoadsTable:
         }
 
     def handles(self, motion: Motion) -> Iterator[SceneHandle]:
-        """Handles of the centres of mass, and of the points at which forces and springs act, if given as [x, y]."""
+        """Handles of constant forces, of the centres of mass, and of the points of forces and springs given as [x, y].
+
+        The handle of a force lies in its direction from its point, at a distance that grows with the logarithm of its
+        size: forces of 1 N and of 10,000 N are both within reach.
+        """
+        unit = ARROW * float(np.max(motion.linkage.size) or 1.0)
+        for k, force in enumerate(self.forces):
+            if force.force_n is not None:
+                points, vector = motion.linkage.bodies[force.body], complex(*force.force_n)
+                start = complex(points[force.point] if isinstance(force.point, str) else force.point)
+                arrow = unit * np.arcsinh(abs(vector)) * (vector / abs(vector) if vector else 0)
+                at = body_point(motion, force.body, start) + arrow
+                yield point_handle(f"loads.forces[{k}].force_n", at=at, label=f"force {k + 1} on the {force.body}")
         for body, mass in self.masses.items():
             at = body_point(motion, body, mass.centre)
             yield point_handle(f"loads.masses.{body}.centre", at=at, label=f"centre of mass of the {body}")
