@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -34,8 +33,6 @@ from .shafts import ShaftGraph
 
 # Most mechanisms of a machine: what a page shows and a person tells apart. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
-# The recipes of mechanisms that were read last. While a machine is edited, most of its mechanisms stay the same.
-RECENT: deque[AbstractRecipe] = deque(maxlen=MOST_MECHANISMS)
 # The name of a recipe's file: no folder.
 FILE_NAME = re.compile(r"[^/\\]+\.toml")
 
@@ -81,24 +78,10 @@ def _read(given: object, folder: Any) -> AbstractRecipe:
         if table.get("kind") == "machine":
             _refuse_machine()
         recipe = from_table(table, file, folder)
-        return _recent(recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe)
+        return recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe
     except RecipeError as error:
         first = error.problems[0]
         raise DesignError(first.key, first.problem, first.remedy, first.id) from None
-
-
-def _recent(recipe: AbstractRecipe) -> AbstractRecipe:
-    """The recipe itself, or an equal one that was read not long ago, whose results need not be computed again."""
-    equal = (
-        other
-        for other in tuple(RECENT)
-        if type(other) is type(recipe)
-        and (other.name, other.loaded_table) == (recipe.name, recipe.loaded_table)
-        and other == recipe
-    )
-    found = next(equal, recipe)
-    RECENT.append(found)
-    return found
 
 
 def _refuse_machine(key: str = "kind") -> NoReturn:

@@ -8,6 +8,7 @@ from itertools import zip_longest
 
 import numpy as np
 
+from ..core.fields import to_digits
 from ..core.records import record
 from ..making.assembly import collar_bill, collar_width
 from ..model.check import Check
@@ -81,7 +82,7 @@ class ShaftFit:
     @property
     def _long(self) -> str:
         length = self.length + 2 * collar_width(self.diameter)
-        return f"at least {float(f'{length:.10g}'):g} mm and the gaps long"
+        return f"at least {to_digits(length, 10):g} mm and the gaps long"
 
     @property
     def step(self) -> str:

@@ -167,6 +167,11 @@ def xy_columns(id: str, unit: str, meaning: str, values: Complex) -> tuple[Colum
     )
 
 
+def vector_columns(id: str, unit: str, meaning: str, values: Complex) -> tuple[Column, Column, Column]:
+    """The x and y columns of a complex quantity, and the column of its absolute value."""
+    return (*xy_columns(id, unit, meaning, values), Column(id, unit, f"{meaning}, its size", np.abs(values)))
+
+
 def finite(values: NDArray[Number]) -> NDArray[Number]:
     """The values, with nan in place of infinite ones; in complex values both coordinates become nan."""
     return known(np.isfinite(values), values)

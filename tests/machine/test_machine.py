@@ -278,11 +278,16 @@ def test_handles_of_mechanisms_are_on_their_pins_and_follow_the_pointer():
         assert away == pytest.approx(moved.radius, abs=0.6 if moved.radius else 0.1)
 
 
-def test_mechanisms_that_stay_the_same_are_not_computed_again():
-    text = machine(pair=inline(PAIR), wiper=inline(FOUR_BAR, 'turned_by = "pair.second"'))
-    one, other = (parse(text.replace("rocker = 70", f"rocker = {rocker}")) for rocker in (71, 72))
-    assert one.recipes["pair"] is other.recipes["pair"]
-    assert [own.recipes["wiper"].linkage.rocker for own in (one, other)] == [71, 72]
+def test_a_file_of_lifts_that_changes_is_read_again(tmp_path):
+    program = 'program = [{ kind = "table", file = "lift.csv", decimals = 4 }]'
+    follower = 'follower = { kind = "translating-roller", roller_radius = 8 }'
+    cam = f'kind = "disk-cam", cam = {{ base_radius = 30, {follower}, {program} }}'
+    text = machine(pair=inline(PAIR), lift=inline(cam, 'turned_by = "pair.second"'))
+    for height in (5, 9):
+        lifts = (f"{a},{height / 2 * (1 - np.cos(np.radians(a))):.4f}" for a in range(0, 361, 5))
+        (tmp_path / "lift.csv").write_text("\n".join(["cam_angle_deg,lift_mm", *lifts]))
+        lift = parse(text, folder=str(tmp_path)).recipes["lift"].table["lift"]
+        assert lift.max() == pytest.approx(height, abs=0.01)
 
 
 def test_goal_is_a_mechanism_too():

@@ -44,9 +44,8 @@ def test_the_summary_and_the_table_have_the_force_without_and_with_the_counterwe
     without = recipe.table["shaking_force_without_counterweights"]
     assert without == pytest.approx(plain.table["shaking_force"], rel=1e-9)
     rms = recipe.notes["loads"]["shaking_force_rms_N"]
-    assert (
-        rms["without"] == pytest.approx(np.sqrt(np.mean(without**2)), rel=1e-6) and rms["with"] < 1e-9 * rms["without"]
-    )
+    # Rounding noise, which differs between processors, would not be 0.
+    assert rms["without"] == pytest.approx(np.sqrt(np.mean(without**2)), rel=1e-6) and rms["with"] == 0
     assert recipe.scene.hodographs[0].columns == ("shaking_force", "shaking_force_without_counterweights")
     plates = [{part.name: part.mass.mass for part in one.parts} for one in (recipe, plain)]
     heavier = {body: plates[0][body] - plates[1][body] for body in ("crank", "rocker")}

@@ -353,7 +353,7 @@ def copying(
 def _frame_step(shared: Sequence[Shared], stacks: Sequence[Stack], thickness: float) -> str:
     first = stacks[0]
     if not first.frame:
-        return f"hold all {len(stacks)} grounds in a frame of yours, square to the shaft"
+        return f"mount all {len(stacks)} grounds in a frame at right angles to the shaft"
     letters = [first.letters[name] for name in first.frame]
     tubes = ", ".join(f"{rod.apart:g}" for rod in shared)
     return (

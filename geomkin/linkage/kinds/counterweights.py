@@ -12,7 +12,7 @@ from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.mass import Mass
-from ...model.table import Column, xy_columns
+from ...model.table import Column, vector_columns
 from ...plane.vec import Complex
 from ...recipe.recipe import part_masses
 from ..dynamics.counterweights import balance, fixed_pivots
@@ -76,9 +76,7 @@ class BalancedPlates:
     @property
     def columns(self) -> Iterator[Column]:
         """The shaking force without counterweights."""
-        force, meaning = self.before.shaking_force, "shaking force without counterweights"
-        yield from xy_columns(UNBALANCED, "N", meaning, force)
-        yield Column(UNBALANCED, "N", f"{meaning}, its size", np.abs(force))
+        yield from vector_columns(UNBALANCED, "N", "shaking force without counterweights", self.before.shaking_force)
 
     def check(self, after: ForceAnalysis) -> Check:
         """Check that the counterweights reduce the shaking force; after: forces with them."""
@@ -126,16 +124,16 @@ def balanced_plates(
     stack = stack_with_ends(fine_motion, stock, {})
     plates, plain = stack.plates, part_masses(link_parts(fine_motion, stock, stack))
 
-    def bodies(stack: Stack) -> dict[str, Mass]:
-        """Masses without counterweights, with the screws of a stack."""
-        screws = fastener_masses(fine_motion, stock, stack)
-        return {body: plain.get(body, Mass(0.0)) + screws.get(body, Mass(0.0)) for body in plain | screws}
+    def bodies(screws: Mapping[str, Mass]) -> dict[str, Mass]:
+        """Masses without counterweights, with screws."""
+        return {body: plain.get(body, Mass(0.0)) + screws.get(body, Mass(0.0)) for body in {**plain, **screws}}
 
-    before = forces_of(bodies(stack))
+    screws = fastener_masses(fine_motion, stock, stack)
+    before = forces_of(bodies(screws))
     pivots, ends = fixed_pivots(before.motion.linkage, table.bodies), dict[str, RoundEnd]()
     max_mass = stock.material.density * 1e-9 * stock.thickness * np.pi * table.largest_radius**2
     for _ in range(ROUNDS):
-        analysis = forces_of(bodies(stack))
+        analysis = forces_of(bodies(screws))
         try:
             best = balance(
                 analysis.motion, analysis.loads, table.bodies, max_mass=max_mass, max_radius=table.distance
@@ -147,8 +145,7 @@ def balanced_plates(
             body: round_end(plates[body], stock, stock.material, pivots[body], moment, table.distance)
             for body, moment in moments.items()
         }
-        screws = fastener_masses(fine_motion, stock, stack)
-        stack = stack_with_ends(fine_motion, stock, ends)
-        if fastener_masses(fine_motion, stock, stack) == screws:
+        earlier, screws = screws, fastener_masses(fine_motion, stock, stack_with_ends(fine_motion, stock, ends))
+        if screws == earlier:
             break
     return BalancedPlates(ends, before)

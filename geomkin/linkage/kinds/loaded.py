@@ -15,7 +15,7 @@ from ...model.check import Check
 from ...model.mass import Mass
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Hodograph, Plot, SceneMark
-from ...model.table import Column, xy_columns
+from ...model.table import Column, vector_columns
 from ...plane.vec import Real, first_largest
 from ..checks import driver_at
 from ..dynamics.inverse import ForceAnalysis
@@ -94,18 +94,15 @@ class LoadedLinkage:
             yield Column("shaft_torque", "N mm", meaning, self.effort)
         for pin, bodies in linkage.pins.items():
             for body in bodies[1:]:
-                force, id = analysis.pin(pin, body), f"{pin}_force_on_{body}"
-                meaning = f"force at {pin} on {body}"
-                yield from xy_columns(id, "N", meaning, force)
-                yield Column(id, "N", f"{meaning}, its size", np.abs(force))
+                force, meaning = analysis.pin(pin, body), f"force at {pin} on {body}"
+                yield from vector_columns(f"{pin}_force_on_{body}", "N", meaning, force)
         for slider in linkage.sliders:
             name, slide = slider.name, analysis.slide(slider.name)
             meaning = f"on {slider.body}, along the left normal of {name}"
             yield Column(f"{name}_normal_force", "N", f"force of {slider.along} {meaning}", slide.normal)
             yield Column(f"{name}_moment", "N mm", f"moment of {slider.along} on {slider.body}", slide.moment)
         meaning = "shaking force of the masses on the ground"
-        yield from xy_columns("shaking_force", "N", meaning, analysis.shaking_force)
-        yield Column("shaking_force", "N", f"{meaning}, its size", np.abs(analysis.shaking_force))
+        yield from vector_columns("shaking_force", "N", meaning, analysis.shaking_force)
         at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
         moment = f"shaking moment of the masses about {at}"
         yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)

@@ -19,7 +19,7 @@ from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
 from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
-from ..dynamics.wrenches import Wrenches, known_body
+from ..dynamics.wrenches import Wrenches, known_body, known_place
 from ..linkage import Linkage
 from ..motion import Motion
 from ..scene_handles import body_point
@@ -153,8 +153,8 @@ class LoadsTable:
         unit = ARROW * float(np.max(motion.linkage.size) or 1.0)
         for k, force in enumerate(self.forces):
             if force.force_n is not None:
-                points, vector = motion.linkage.bodies[force.body], complex(*force.force_n)
-                start = complex(points[force.point] if isinstance(force.point, str) else force.point)
+                start = complex(known_place(motion.linkage, force.body, force.point, f"loads.forces[{k}]."))
+                vector = complex(*force.force_n)
                 arrow = unit * np.arcsinh(abs(vector)) * (vector / abs(vector) if vector else 0)
                 at = body_point(motion, force.body, start) + arrow
                 yield point_handle(f"loads.forces[{k}].force_n", at=at, label=f"force {k + 1} on the {force.body}")

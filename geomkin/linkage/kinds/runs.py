@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -152,9 +153,7 @@ def _pieces(table: RunTable, turn: Motion, loads: Loads, torque: object, end: fl
         rests = rising == speed == 0
         duration = 1.0 if rests else 2 * PIECE / (speed + np.sqrt(speed**2 + 2 * rising * PIECE))
         piece = forward_dynamics(turn, loads, torque, speed, duration, STEPS, drive)
-        yield ForwardMotion(
-            time + piece.time, piece.drive, piece.speed, piece.acceleration, piece.kinetic_energy, piece.work, turn
-        )
+        yield replace(piece, time=time + piece.time)
         drive, speed, acceleration = (float(z[-1]) for z in (piece.drive, piece.speed, piece.acceleration))
         time += float(piece.time[-1])
         if drive >= end or (piece.speed < 0).any() or len(piece.time) <= STEPS or rests:

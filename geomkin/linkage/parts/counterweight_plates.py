@@ -6,8 +6,9 @@ import numpy as np
 
 from ...core.records import record
 from ...model.material import Material
-from ...plane.primitives import convex_hull
-from ...plane.vec import Complex, cross
+from ...plane.measure import area_moments
+from ...plane.primitives import rounded_hull
+from ...plane.vec import Complex
 from .plates import LinkPlate
 from .stock import LinkStock
 
@@ -45,7 +46,7 @@ def round_end(
     half, areal_density = stock.bar_width / 2, material.density * 1e-9 * stock.thickness
     # Positions are from the pivot.
     bar, wanted = plate.centres - pivot, moment / areal_density
-    bare_area, bare_moment = hull_moments(bar, half)
+    bare = area_moments(rounded_hull(bar, half))
     circle = np.exp(2j * np.pi / CORNERS * np.arange(CORNERS))
 
     def disc(place: complex) -> tuple[complex, float]:
@@ -56,8 +57,8 @@ def round_end(
     def gained(place: complex) -> tuple[float, complex]:
         """Area that the plate gains, mm2, and its first moment, mm3."""
         centre, spread = disc(place)
-        area, first = hull_moments(np.concatenate([bar, centre + spread * circle]), half)
-        return area - bare_area, first - bare_moment
+        change = area_moments(rounded_hull([*bar, *(centre + spread * circle)], half)) + -bare
+        return change.area, change.first
 
     place = distance * moment / abs(moment)
     area, first = gained(place)
@@ -79,22 +80,3 @@ def round_end(
             step /= 2
     centre, spread = disc(place)
     return RoundEnd(pivot + centre + spread * circle, pivot + centre, half + spread, areal_density * area)
-
-
-def hull_moments(centres: Complex, radius: float) -> tuple[float, complex]:
-    """Area, mm2, and first moment about the origin, mm3, of `rounded_hull(centres, radius)`."""
-    corners = np.array(convex_hull(centres))
-    after = np.roll(corners, -1)
-    edges = after - corners
-    lengths = np.abs(edges)
-    if len(corners) == 1:
-        return np.pi * radius**2, complex(np.pi * radius**2 * corners[0])
-    # The polygon, a strip beside each edge, and a sector at each corner from one edge's normal to the next.
-    triangles, normals = cross(corners, after) / 2, -1j * edges / lengths
-    before = np.roll(normals, 1)
-    angles = np.angle(normals / before) % (2 * np.pi)
-    area = triangles.sum() + radius * lengths.sum() + np.pi * radius**2
-    first = (triangles * (corners + after) / 3).sum()
-    first += (radius * lengths * ((corners + after) / 2 + normals * radius / 2)).sum()
-    first += (radius**2 / 2 * angles * corners + radius**3 / 3 * (normals - before) / 1j).sum()
-    return float(area), complex(first)
