@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cached_property
 from html import escape
 from textwrap import wrap
 
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.records import record
 from ..model.scene import Scene, SceneBody
 from ..plane.vec import rounded
 from .job import Job
@@ -26,29 +28,71 @@ LINE, LINES = 15.0, 2
 FAINT = 0.25
 
 
-def write_steps_svg(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
+@record(eq=False)
+class LayerPicture:
+    """A picture of the parts up to a layer.
+
+    Parameters
+    ----------
+    still : Still
+        The bodies that are assembled together, one for each part.
+    layer : int
+        The layer whose parts are to be added.
+    heading : str
+        The layer and its parts.
+    """
+
+    still: Still
+    layer: int
+    heading: str
+
+    @cached_property
+    def texts(self) -> tuple[tuple[str, complex], ...]:
+        """Names of the parts of the layer and letters of their holes, each with the place of its middle, mm."""
+        k, still = self.still.frame, self.still
+        shown = tuple(
+            replace(body, named=body.layer == self.layer) for body in still.bodies if body.layer <= self.layer
+        )
+        names = place_labels(Still(replace(still.scene, bodies=shown), still.frames))
+        texts = [(name.text, name.place) for name in names]
+        for body in (body for body in still.bodies if body.layer == self.layer):
+            for part in body.parts:
+                for letter, hole in zip(part.hole_names, part.holes):
+                    corners = some_points(hole)
+                    middle = corners.real.max() + corners.real.min() + 1j * (corners.imag.max() + corners.imag.min())
+                    texts.append((letter, complex(body.origin[k] + body.direction[k] * middle / 2)))
+        return tuple(texts)
+
+
+def layer_pictures(job: Job) -> list[LayerPicture]:
+    """A picture of each layer with parts, from the lowest up, of each unit that is assembled by itself."""
     scene = job.scene
     frames = np.array([frame_at(scene, job.assembly_at)])
-    pictures = [
-        (still, heading, layer)
+    return [
+        LayerPicture(still, layer, heading)
         for title, bodies in (scene.units or {"": scene.bodies}).items()
         for still in [Still(_bare(scene, bodies), frames)]
         for layer, heading in _layers(still, title)
     ]
-    largest = max((still for still, _, _ in pictures), key=lambda still: still.pixel, default=Still(scene, frames))
+
+
+def write_steps_svg(job: Job) -> dict[str, bytes]:
+    """One file, named after the recipe."""
+    scene, pictures = job.scene, layer_pictures(job)
+    stills = [picture.still for picture in pictures] or [Still(scene, np.array([frame_at(scene, job.assembly_at)]))]
+    largest = max(stills, key=lambda still: still.pixel)
     px, digits = largest.pixel, largest.digits
-    low, high = np.array([still.bounds for still, _, _ in pictures] or [largest.bounds]).T
+    low, high = np.array([still.bounds for still in stills]).T
     low, high = complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
     size = high - low + px * complex(2 * MARGIN, 2 * MARGIN + LINES * LINE)
     body = []
-    for number, (still, heading, layer) in enumerate(pictures):
+    for number, picture in enumerate(pictures):
         row, column = divmod(number, COLUMNS)
         corner = rounded(complex(column * size.real, row * size.imag), digits).item()
         body += [
             f'<g transform="translate({decimal(corner.real, digits)} {decimal(corner.imag, digits)})">',
-            *_heading(heading, low.real, -high.imag - (MARGIN + (LINES - 1) * LINE) * px, largest),
-            *_layer(still, layer),
+            *_heading(picture.heading, low.real, -high.imag - (MARGIN + (LINES - 1) * LINE) * px, largest),
+            *_layer(picture),
             "</g>",
         ]
     columns, rows = min(COLUMNS, len(pictures) or 1), -(-len(pictures) // COLUMNS) or 1
@@ -81,24 +125,17 @@ def _heading(words: str, x: float, y: float, still: Still) -> Iterator[str]:
         yield f'<text class="scale" x="{place[0]}" y="{place[1]}">{escape(harmless(line))}</text>'
 
 
-def _layer(still: Still, layer: int) -> Iterator[str]:
+def _layer(picture: LayerPicture) -> Iterator[str]:
     """The parts up to a layer; those of the layer with their names and the letters of their holes."""
-    k, digits, tall = still.frame, still.digits, LETTER * still.pixel
+    still, layer = picture.still, picture.layer
+    digits, tall = still.digits, LETTER * still.pixel
     layers = {body.name: body.layer for body in still.bodies}
     yield '<g transform="scale(1 -1)">'
     for item in items(still):
         if layers[item.body] <= layer:
             faint = f' opacity="{FAINT}"' if layers[item.body] < layer else ""
-            yield f"<g{transform(still, item, k)}{faint}>{item.drawn}</g>"
+            yield f"<g{transform(still, item, still.frame)}{faint}>{item.drawn}</g>"
     yield "</g>"
-    shown = tuple(replace(body, named=body.layer == layer) for body in still.bodies if body.layer <= layer)
-    texts = [(name.text, name.place) for name in place_labels(Still(replace(still.scene, bodies=shown), still.frames))]
-    for body in (body for body in still.bodies if body.layer == layer):
-        for part in body.parts:
-            for letter, hole in zip(part.hole_names, part.holes):
-                corners = some_points(hole)
-                middle = complex(corners.real.max() + corners.real.min(), corners.imag.max() + corners.imag.min()) / 2
-                texts.append((letter, complex(body.origin[k] + body.direction[k] * middle)))
-    for words, place in texts:
+    for words, place in picture.texts:
         at = rounded(place - 0.35j * tall, digits).item()
         yield f'<text x="{decimal(at.real, digits)}" y="{decimal(-at.imag, digits)}">{escape(harmless(words))}</text>'

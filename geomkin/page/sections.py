@@ -19,6 +19,7 @@ from ..model.part import Part
 from ..model.scene import Scene
 from ..plane.curve import extent
 from ..plane.measure import area, length
+from .layers import layers_section
 
 # Tolerance of the chords from which the size of a part is computed, as a share of that size; four digits are shown.
 FOUR_DIGITS = 5e-5
@@ -165,41 +166,6 @@ def tints_of(scene: Scene) -> dict[str, str]:
     return tints | {part.name: f"t{k % 8}" for k, body in enumerate(moving) for part in body.parts}
 
 
-def stack(scene: Scene) -> str:
-    """The layers of plates: a row for each, the lowest at the bottom."""
-    layers: dict[int, list[Part]] = {}
-    for body in scene.bodies:
-        for part in body.parts:
-            layers.setdefault(body.layer, []).append(part)
-    if len(layers) < 2:
-        return ""
-    tints, rows, high = tints_of(scene), [], 34
-    widest = max(map(len, layers.values()))
-    for row, layer in enumerate(sorted(layers, reverse=True)):
-        y = row * high
-        rows.append(f'<text x="0" y="{y + 21}" class="layer">{layer}</text>')
-        wide = 560 / widest
-        for k, part in enumerate(layers[layer]):
-            x = 30 + k * wide
-            rows.append(
-                f'<rect class="plate {tints[part.name]}" x="{x:.4g}" y="{y + 4}" width="{wide - 6:.4g}" height="26" />'
-                f'<text x="{x + wide / 2 - 3:.4g}" y="{y + 21}" text-anchor="middle">'
-                f"{text(_short(part.name, wide))}</text>"
-            )
-    order = "; ".join(f"layer {layer}: {', '.join(part.name for part in layers[layer])}" for layer in sorted(layers))
-    drawing = (
-        f'<svg class="stack" viewBox="0 0 600 {len(layers) * high}" role="img" '
-        f'aria-label="{text(f"From the lowest up, {order}")}">{"".join(rows)}</svg>'
-    )
-    return html_section("stack", "Layers", drawing)
-
-
-def _short(name: str, wide: float) -> str:
-    """The beginning of a name that fits into a plate of the drawing."""
-    room = max(3, int(wide / 7.5) - 1)
-    return name.replace("_", " ") if len(name) <= room else f"{name.replace('_', ' ')[: room - 1]}…"
-
-
 def assembly_section(job: Job) -> str:
     """Items to buy and assembly steps."""
     bought, steps = job.source.bought, job.source.steps
@@ -336,7 +302,7 @@ def all_of(job: Job) -> Iterator[str]:
     yield checks(job)
     yield hodograph(scene)
     yield parts(job)
-    yield stack(scene)
+    yield layers_section(job, tints_of(scene))
     yield assembly_section(job)
     yield notes(job.source.notes)
     yield recipe(job)

@@ -182,3 +182,30 @@ def test_another_scene_beside_it_is_on_the_same_drive():
     data = json.loads(scene_json(dataclasses.replace(scene, others={"other": scene}), "a"))
     # The same rows and outlines, written once.
     assert data["scenes"][1] | {"label": ""} == data["scenes"][0]
+
+
+def test_pictures_of_layers_show_each_part_once_where_it_is_assembled():
+    recipe = gk.load(RECIPES / "motor-crank.toml")
+    page = mechanism_page(Job("m", recipe, 0.01)).decode()
+    section = re.search(r'<section id="layers">.*?</section>', page, re.DOTALL)[0]
+    defined = re.findall(r'<path id="(\w+)"', section)
+    uses = [
+        re.findall(r'<use href="#(\w+)" class="([^"]*)"([^>]*)>', f)
+        for f in re.findall("<figure>.*?</figure>", section)
+    ]
+    # Every outline is written once, and every part is added in exactly one picture.
+    assert len(set(defined)) == len(defined) and {name for row in uses for name, _, _ in row} == set(defined)
+    scene = recipe.scene
+    layers = sorted({body.layer for body in scene.bodies if body.parts})
+    k = int(np.argmin(np.abs(np.asarray(scene.drive.values) - 0.13 * 360)))
+    assert len(uses) == len(layers) > 2
+    for layer, row in zip(layers, uses):
+        new = [where for _, look, where in row if "below" not in look]
+        bodies = [body for body in scene.bodies if body.parts and body.layer == layer]
+        assert len(new) == sum(len(body.parts) for body in bodies)
+        assert len(row) == sum(len(body.parts) for body in scene.bodies if body.layer <= layer)
+        for body, where in zip(bodies, new):
+            turned = float((re.search(r"rotate\(([-.\d]+)\)", where) or [0, 0])[1])
+            assert np.exp(1j * np.radians(turned)) == pytest.approx(complex(body.direction[k]), abs=1e-4)
+            moved = re.search(r"translate\(([-.\d]+) ([-.\d]+)\)", where) or [0, 0, 0]
+            assert complex(float(moved[1]), float(moved[2])) == pytest.approx(complex(body.origin[k]), abs=0.1)
