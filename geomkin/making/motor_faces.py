@@ -192,11 +192,12 @@ class MotorFace:
 
         sheets: largest number of plates that the boss may pass.
         """
-        if thickness < (least := max(self.boss_height / sheets, MOTOR_SCREWS[self.thread].sunk[0])):
-            name = motor_face_name(self)
+        head = MOTOR_SCREWS[self.thread].sunk[0]
+        if thickness < (least := max(self.boss_height / sheets, head)):
+            high = f"boss is {self.boss_height:g} mm high, and the heads of its screws {head:g} mm"
             raise DesignError(
                 key,
-                f"found {name}, whose boss is {self.boss_height:g} mm high, under a plate {thickness:g} mm thick",
+                f"found {motor_face_name(self)}, whose {high}, under a plate {thickness:g} mm thick",
                 f"give a thickness of at least {least:g} mm, or omit the motor",
             )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import MISSING, fields
 from typing import TYPE_CHECKING, Any
 
 from ..core.errors import DesignError, shown
@@ -31,7 +32,9 @@ class NamedIn:
     def find(self, name: object, key: str = "name") -> Any:
         """The entry of a name; DesignError with the key if there is none."""
         if not isinstance(name, str) or name not in self.entries:
-            raise DesignError(key, f"found {shown(name)}", f"give {', '.join(self.entries)}, or a table of values")
+            needed = [f.name for f in fields(next(iter(self.entries.values()))) if f.default is MISSING]
+            values = f"a table with the values {', '.join(needed)}"
+            raise DesignError(key, f"found {shown(name)}", f"give {', '.join(self.entries)}, or {values}")
         return self.entries[name]
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

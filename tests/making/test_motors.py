@@ -1,6 +1,8 @@
 """The plate of a motor, read back from its drawing, and where it lies in scenes."""
 
 import dataclasses
+import tomllib
+from pathlib import Path
 
 import ezdxf
 import ezdxf.path
@@ -259,3 +261,18 @@ def test_motors_that_cannot_be_mounted_are_refused(changes, field, tmp_path):
     with pytest.raises(gk.RecipeError) as caught:
         list(crank(tmp_path, motor={**OWN, **changes}))
     assert caught.value.problems[0].key == field
+
+
+def test_the_error_for_an_unlisted_motor_names_the_values_that_suffice():
+    values = {"product": "TT", "face_width": 40, "screws": [[-13, 8.75], [-13, -8.75]], "boss_diameter": 7,
+              "boss_height": 0, "shaft": 5.4}  # fmt: skip
+    recipe = tomllib.loads(Path("recipes/motor-crank.toml").read_text())
+    with pytest.raises(gk.RecipeError) as error:
+        gk.load(recipe | {"stock": recipe["stock"] | {"motor": "tt"}})
+    named = str(error.value).split("values ")[-1].split(", ")
+    assert sorted(named) == sorted(values)
+    assert gk.load(recipe | {"stock": recipe["stock"] | {"motor": values}}).parts
+    for name in named:
+        lacking = {key: value for key, value in values.items() if key != name}
+        with pytest.raises(gk.RecipeError, match=name):
+            gk.load(recipe | {"stock": recipe["stock"] | {"motor": lacking}})
