@@ -17,8 +17,10 @@ from ..core.errors import DesignError, RecipeError, shown
 from ..core.fields import entry, quantity
 from ..core.names import check_names, read_text_file
 from ..core.records import record
+from ..making.motors import MOTORS, motor_check
 from ..model.check import Check
 from ..model.mass import Mass
+from ..model.motor import RPM, MotorDuty
 from ..model.part import Bought, Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
@@ -27,7 +29,7 @@ from ..recipe.load import from_table, short_table, to_toml
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
 from ..recipe.toml import LARGEST, parsed
-from .placed import PlacedMechanism, joined_scene, joined_table
+from .placed import TORQUE, PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, motor_key, shaft_fits
 from .shafts import ShaftGraph
 
@@ -253,7 +255,34 @@ class MachineRecipe(AbstractRecipe):
     @cached_property
     def table(self) -> Table:
         """Positions and angles of all mechanisms over the period."""
-        return joined_table(self.turns, 60 * self.graph.turns / abs(self.drive.speed_rpm), self.placed)
+        time = 60 * self.graph.turns / abs(self.drive.speed_rpm)
+        return joined_table(self.turns, time, self.placed, self.input_torque)
+
+    @cached_property
+    def input_torque(self) -> Real | None:
+        """Torque on the machine's driver, N mm, by the power that the drivers of its mechanisms need.
+
+        None without loads. Mechanisms without loads need none; the friction of gears is not considered.
+        """
+        torques = [
+            float(self.graph.speeds[mechanism.name]) * torque
+            for mechanism in self.placed
+            if (torque := mechanism.recipe.torque_at(mechanism.turn)) is not None
+        ]
+        return np.sum(torques, axis=0) if torques else None
+
+    @property
+    def motor_checks(self) -> Iterator[Check]:
+        """Whether the motor on the driver, if it is of the table, supplies the torque."""
+        recipe = self.recipes[self.graph.driver]
+        stock, _, key = motor_key(recipe).partition(".")
+        motor = MOTORS.get(str(getattr(getattr(recipe, stock), key))) if key else None
+        if motor is not None and self.input_torque is not None:
+            angle = 2 * np.pi * self.turns
+            duty = MotorDuty(self.input_torque, np.full(angle.shape, RPM * self.drive.speed_rpm), angle)
+            known = np.isfinite(duty.torque).any()
+            at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
+            yield motor_check(motor, duty, TORQUE, at)
 
     @cached_property
     def scene(self) -> Scene:
@@ -317,11 +346,11 @@ class MachineRecipe(AbstractRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         own = self._checks_of("design_checks")
-        return (*own, *(check for shaft in self.shafts for check in shaft.checks(self.placed)))
+        return (*own, *(check for shaft in self.shafts for check in shaft.checks(self.placed)), *self.motor_checks)
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:
-        return tuple(self._checks_of("motion_checks"))
+        return (*self._checks_of("motion_checks"), *self.motor_checks)
 
     def _checks_of(self, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
         """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
@@ -329,6 +358,8 @@ class MachineRecipe(AbstractRecipe):
             with errors_of(name):
                 checks: tuple[Check, ...] = getattr(recipe, kind)
             for check in checks:
+                if check.id == "motor_torque" and name in self.graph.sources:
+                    continue  # A motor of the recipe alone, which the machine does not have.
                 id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
                 yield replace(check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason)
 

@@ -20,6 +20,8 @@ from ..recipe.recipe import AbstractRecipe
 
 # Units of the columns that a machine's table takes from those of its mechanisms. Rates are those of another speed.
 UNITS = ("mm", "deg")
+# Id of the column of the driver's torque.
+TORQUE = "input_torque"
 # Difference from a whole turn, rad, below which a driver turns round.
 WHOLE = 1e-6
 
@@ -182,10 +184,15 @@ class PlacedMechanism:
         return {unit: ids for unit, ids in found.items() if unit in UNITS}
 
 
-def joined_table(driver_turns: Real, time: Real, mechanisms: Sequence[PlacedMechanism]) -> Table:
-    """Driver, time, and the columns of all mechanisms."""
+def joined_table(
+    driver_turns: Real, time: Real, mechanisms: Sequence[PlacedMechanism], torque: Real | None = None
+) -> Table:
+    """Driver, time, the columns of all mechanisms, and the torque of the driver, N mm, if it is known."""
     driver = Column("driver_angle", "deg", "rotation of the machine's driver", 360 * driver_turns)
-    columns = (column for mechanism in mechanisms for column in mechanism.columns)
+    columns = [column for mechanism in mechanisms for column in mechanism.columns]
+    if torque is not None:
+        meaning = "torque on the machine's driver under the loads of its mechanisms, positive with its angle"
+        columns.append(Column(TORQUE, "N mm", meaning, torque))
     return Table((driver, Column("time", "s", "time", time), *columns))
 
 
@@ -220,3 +227,5 @@ def timing_diagrams(mechanisms: Sequence[PlacedMechanism], table: Table) -> Iter
             yield Plot(f"timing diagram, {'positions' if unit == 'mm' else 'angles'}", tuple(ids))
     if turns:
         yield Plot("rotations of gears", turns)
+    if TORQUE in table.ids:
+        yield Plot("torque of the driver", (TORQUE,))

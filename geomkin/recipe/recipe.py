@@ -198,6 +198,13 @@ class AbstractRecipe(_Shared, ABC):
         """
         raise NotImplementedError
 
+    def torque_at(self, turn: Real) -> Real | None:
+        """Torque on the driver under the loads, N mm, at rotations as in `scene_at`; None without loads.
+
+        Positive in the direction in which the rotations count; inertia counts at the recipe's own speed.
+        """
+        return None
+
     @property
     def quantities(self) -> Mapping[str, str]:
         """Lengths, types and ranges that an editor shows next to the scene and the checks, by label."""
@@ -422,6 +429,9 @@ class AbstractGoal(AbstractRecipe):
 
     def scene_at(self, turn: Real) -> Scene:
         return self.design.scene_at(turn)
+
+    def torque_at(self, turn: Real) -> Real | None:
+        return self.design.torque_at(turn)
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -185,6 +185,9 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         table = cam_table(self.cam, self.drive.speed, np.remainder(turn, 2 * np.pi), self.cut)
         return cam_scene(self.cam, table, self.parts, self.cut)
 
+    def torque_at(self, turn: Real) -> Real | None:
+        return self.loaded.forces_at(np.remainder(turn, 2 * np.pi)).torque if self.loaded else None
+
     @property
     def handles(self) -> tuple[SceneHandle, ...]:
         return tuple(cam_handles(self.cam, self.drive.angles))

@@ -287,6 +287,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             scene = self._with_copies(scene, tuple(copied(self.copies, motion, self.linkage, self.signs)))
         return scene.at_frames(rows)
 
+    def torque_at(self, turn: Real) -> Real | None:
+        """Between frames by linear interpolation."""
+        if self.loaded is None:
+            return None
+        drive = self.motion.drive
+        return np.interp(drive[0] + turn, drive, self.loaded.effort, period=2 * np.pi)
+
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
         if self.other is None:
