@@ -292,7 +292,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.loaded is None:
             return None
         drive = self.motion.drive
-        return np.interp(drive[0] + turn, drive, self.loaded.effort, period=2 * np.pi)
+        torque: Real = np.interp(drive[0] + turn, drive, self.loaded.effort, period=2 * np.pi)
+        return torque
 
     def _others(self) -> dict[str, Scene]:
         """The same plates in the other assembly mode."""
