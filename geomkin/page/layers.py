@@ -16,11 +16,11 @@ ROOM = 280.0
 
 
 def layers_section(job: Job, tints: dict[str, str]) -> str:
-    """A picture of each layer, its parts over those below, which are faint; "" for a single layer.
+    """A picture of each layer, its parts over those below, which are faint; "" for a single layer, or if it is never assembled.
 
     tints: the CSS class of each part's colour.
     """
-    pictures = layer_pictures(job)
+    pictures = layer_pictures(job) if job.scene.assembled.any() else []
     if len(pictures) < 2:
         return ""
     outlines = dict[str, str]()

@@ -209,3 +209,9 @@ def test_pictures_of_layers_show_each_part_once_where_it_is_assembled():
             assert np.exp(1j * np.radians(turned)) == pytest.approx(complex(body.direction[k]), abs=1e-4)
             moved = re.search(r"translate\(([-.\d]+) ([-.\d]+)\)", where) or [0, 0, 0]
             assert complex(float(moved[1]), float(moved[2])) == pytest.approx(complex(body.origin[k]), abs=0.1)
+
+
+def test_a_scene_that_is_never_assembled_has_a_page():
+    scene = turning()
+    never = dataclasses.replace(scene, assembled=np.zeros(len(scene.time), dtype=bool))
+    assert b"</html>" in mechanism_page(job_of(never))
