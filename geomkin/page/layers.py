@@ -16,7 +16,7 @@ ROOM = 280.0
 
 
 def layers_section(job: Job, tints: dict[str, str]) -> str:
-    """A picture of each layer, its parts over those below, which are faint; "" for a single layer, or if it is never assembled.
+    """A picture of each layer, its parts over those below, which are faint; "" for one layer, or if never assembled.
 
     tints: the CSS class of each part's colour.
     """
