@@ -93,7 +93,7 @@ def test_an_advised_motor_is_accepted_by_the_stock_and_suffices():
     table["stock"]["motor"] = re.search(r'motor = "([^"]+)"', check.advice)[1]
     assert motor_torque(table).passed
     # The lightest motor of the table that suffices has no drawing of its face, and is advised for the loads alone.
-    table["loads"]["motor"] = "28byj-48"
+    table["loads"] = {"forces": [force | {"force_n": [0, -0.2]}], "motor": "28byj-48"}
     del table["stock"]["motor"], table["stock"]["fit"]
     table["loads"]["motor"] = re.search(r'motor = "([^"]+)"', motor_torque(table).advice)[1]
     assert table["loads"]["motor"] not in gk.making.MOTOR_FACES
