@@ -284,7 +284,7 @@ class MachineRecipe(AbstractRecipe):
             duty = MotorDuty(self.input_torque, np.full(angle.shape, RPM * self.drive.speed_rpm), angle)
             known = np.isfinite(duty.torque).any()
             at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
-            yield motor_check(motor, duty, TORQUE, at)
+            yield motor_check(motor, duty, TORQUE, at, on_plate=True)
 
     @cached_property
     def scene(self) -> Scene:
