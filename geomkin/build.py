@@ -13,11 +13,12 @@ from typing import Annotated, Any, Literal
 
 from .core.arguments import ArgumentType, checked
 from .core.errors import DesignError, Problem, RecipeError, printable
+from .core.fields import to_digits
 from .core.names import file_name_flaw
 from .core.records import record
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
-from .export.job import Job, Source, StaticSource
+from .export.job import Job, StaticSource
 from .export.stamp import Stamp, recipe_hash
 from .export.summary import CERTIFICATE, FOUND, NAME, listed_files, summary
 from .model.check import Check
@@ -27,6 +28,7 @@ from .recipe import load as reading
 from .recipe.load import to_toml
 from .recipe.recipe import SHARED, AbstractRecipe
 from .recipe.settings import Files, Format
+from .recipe.shown import ShownRecipe
 
 # Largest number of bytes of a recipe's name, so that a name with an ending suits every file system.
 LONGEST_NAME = 200
@@ -143,12 +145,16 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         )
     name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
-        checks, job = recipe.checks, _job(name, recipe, recipe.files)
+        results = ShownRecipe(recipe)
+        checks, job = results.checks, _job(name, recipe, recipe.files)
         wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         contents = {file: content for files in written.values() for file, content in files.items()}
         found_recipe = recipe.found_recipe
-        found_file = {} if found_recipe is None else {f"{name}{FOUND}": to_toml(found_recipe).encode()}
+        found_file = {}
+        if found_recipe is not None:
+            found_recipe = dataclasses.replace(found_recipe, units=recipe.units)
+            found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
         contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
     folder = Path(out) / name
     before = listed_files(folder) if only is None else set()
@@ -156,7 +162,7 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
     for path in (*sorted(before - set(contents)), *CERTIFICATE):
         remove(folder / path)
     files = {folder / path: len(content) for path, content in contents.items()}
-    return Made(name, recipe.kind, checks, files, (), (*recipe.remarks, *recipe.unknown_expectations))
+    return Made(name, recipe.kind, checks, files, (), _remarks(results))
 
 
 @checked
@@ -181,7 +187,8 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
     file, recipe = _with_file(recipe)
     name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
-        checks, job = recipe.checks, _job(name, recipe, recipe.files)
+        results = ShownRecipe(recipe)
+        checks, job = results.checks, _job(name, recipe, recipe.files)
         for writer in (WRITERS[name] for name in _formats_of(recipe)):
             if writer.needs == "parts":
                 _ = job.sheets if writer.flat else job.solids
@@ -189,11 +196,15 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
                 writer.write(job)
         # Notes are part of the summary and may raise too.
         _ = recipe.notes
-        facts = (*recipe.facts, *([recipe.forces_missing] if recipe.forces_missing else []))
-        if assumed := ", ".join(f"{key} {value:g} mm" for key, value in recipe.assumed_fits.items()):
+        facts = results.texts((*recipe.facts, *([recipe.forces_missing] if recipe.forces_missing else [])))
+        if assumed := ", ".join(f"{key} {value:.7g} {recipe.units}" for key, value in results.assumed_fits.items()):
             facts = (*facts, *wrap(f"assumed, not measured: {assumed}", FACT_WIDTH))
-        remarks = (*recipe.remarks, *recipe.unknown_expectations)
+        remarks = _remarks(results)
     return Made(name, recipe.kind, checks, {}, facts, remarks)
+
+
+def _remarks(results: ShownRecipe) -> tuple[str, ...]:
+    return results.texts((*results.recipe.remarks, *results.recipe.unknown_expectations))
 
 
 @checked
@@ -278,7 +289,11 @@ def write(
     given = {"tolerance": tolerance, "kerf": kerf, "curves": curves}
     changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     stem = path.name[: -len(tail_of(name))]
-    job = _job(stem, held, dataclasses.replace(files, write=(name,), **changes))
+    job = _job(
+        stem,
+        held,
+        dataclasses.replace(files, write=(name,), **changes),
+    )
     contents = WRITERS[name].write(job)
     if len(contents) == 1:
         contents = {path.name: next(iter(contents.values()))}
@@ -286,7 +301,9 @@ def write(
     return {path.parent / name: len(content) for name, content in contents.items()}
 
 
-def _as_source(source: AbstractRecipe | Table | Part | Sequence[Part]) -> tuple[Source, Collection[str]]:
+def _as_source(
+    source: AbstractRecipe | Table | Part | Sequence[Part],
+) -> tuple[AbstractRecipe | StaticSource, Collection[str]]:
     """The source as writers take it, and the kinds of data that it has."""
     if isinstance(source, AbstractRecipe):
         return source, ("parts", "table", "scene")
@@ -314,31 +331,33 @@ def _formats_of(recipe: AbstractRecipe) -> list[str]:
     return [name for name in wanted if not (bare and WRITERS[name].needs == "scene")]
 
 
-def _job(name: str, source: Source, files: Files) -> Job:
-    held = Job(name, source, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
+def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
+    results = ShownRecipe(source) if isinstance(source, AbstractRecipe) else source
+    held = Job(name, results, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
     laser, at = files.style == "laser", files.assembly_at
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
     if not isinstance(source, AbstractRecipe):
         return job
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
-    return dataclasses.replace(job, about=source.introduction, recipe=partial(to_toml, source), stamp=stamp)
+    unit, about = source.length_unit, source.length_unit.text(source.introduction)
+    return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp, unit=unit)
 
 
 def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
     """Further entries of summary.json, such as the files that the recipe reads, and why there are no forces."""
-    missing = recipe.forces_missing
+    missing, results = recipe.forces_missing, ShownRecipe(recipe)
     entries = {
         "loads": {"not_computed": missing} if missing else {},
         "workshop": (recipe.loaded_table or {}).get("workshop"),
-        "assumed_mm": dict(recipe.assumed_fits),
+        f"assumed_{recipe.units}": {key: to_digits(value) for key, value in results.assumed_fits.items()},
         "sources": dict(recipe.sources),
     }
-    return {**recipe.notes, **{name: entry for name, entry in entries.items() if entry}}
+    return {**results.notes, **{name: entry for name, entry in entries.items() if entry}}
 
 
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:
     """The keys of a recipe and their values, as JSON states them."""
-    data: dict[str, Any] = reading.adapter(type(recipe)).dump_python(recipe, mode="json")
+    data = {key: value for key, value in reading.all_keys(recipe).items() if (key, value) != ("units", "mm")}
     return {key: value for key, value in data.items() if value or key not in (*SHARED, "tolerances")}
 
 
@@ -365,7 +384,8 @@ def errors_named_by_key(file: str, recipe: AbstractRecipe) -> Iterator[None]:
             if _is_default(recipe, key)
             else error.problem
         )
-        raise RecipeError(file, [Problem(key, problem, error.remedy, error.id)]) from None
+        problems = reading.in_unit([Problem(key, problem, error.remedy, error.id)], type(recipe), recipe.length_unit)
+        raise RecipeError(file, problems) from None
 
 
 def _key(recipe: AbstractRecipe, field: str) -> str:

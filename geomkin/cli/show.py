@@ -42,11 +42,12 @@ def columns_command(recipe: Path) -> None:
     """
     from ..build import errors_named_by_key, load
     from ..core.errors import GeomkinError, printable
+    from ..recipe.shown import ShownRecipe
 
     try:
         loaded = load(recipe)
         with errors_named_by_key(str(recipe), loaded):
-            lines = [(column.id, column.unit, column.meaning) for column in loaded.table.columns]
+            lines = [(column.id, column.unit, column.meaning) for column in ShownRecipe(loaded).table.columns]
     except GeomkinError as error:
         click.secho(str(error), fg="red", err=True)
         sys.exit(1)

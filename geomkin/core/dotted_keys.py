@@ -54,7 +54,7 @@ def numbers_in(thing: Any, path: str = "") -> Iterator[Number]:
 
 def _inside(value: Any, key: str, field: str, about: Mapping[str, Any]) -> Iterator[Number]:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        yield Number(key, field, value, about.get("unit", ""))
+        yield Number(key, field, value, about.get("unit", about.get("units", ("",))[0]))
     elif isinstance(value, complex):
         yield Number(f"{key}[0]", key, value.real, "mm")
         yield Number(f"{key}[1]", key, value.imag, "mm")

@@ -11,6 +11,7 @@ import numpy as np
 
 from .arguments import between, checked
 from .errors import DesignError
+from .units import length_power
 
 T = TypeVar("T")
 # Beyond this range every mechanism leaves the range of permitted sizes.
@@ -76,24 +77,13 @@ def with_lengths(thing: Any, scale: float, but: Collection[str] = ()) -> Any:
         if value is None or field.name in but or not field.init:
             continue
         if "unit" in about:
-            power = _power(about["unit"])
+            power = length_power(about["unit"])
             changed |= {field.name: value * scale**power} if power else {}
         elif "units" in about:
-            changed[field.name] = _rows(value, [scale ** _power(unit) for unit in about["units"]])
+            changed[field.name] = _rows(value, [scale ** length_power(unit) for unit in about["units"]])
         else:
             changed[field.name] = _resized(value, hints[field.name], scale)
     return dataclasses.replace(thing, **changed)
-
-
-def _power(unit: str) -> int:
-    """Power of the length in a unit: 1 for mm, mm/s2 and kg mm, -1 for 1/mm, 0 for deg."""
-    above, _, below = unit.partition("/")
-    return sum(
-        sign * int(part[2:] or 1)
-        for sign, parts in ((1, above), (-1, below))
-        for part in parts.split()
-        if part.startswith("mm")
-    )
 
 
 def _rows(rows: Any, factors: Sequence[float]) -> Any:

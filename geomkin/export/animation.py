@@ -48,7 +48,7 @@ def animation(job: Job) -> bytes:
         f".move{{animation:{SECONDS}s linear {repetition}}}{film.rules()}}}{film.keyframes()}"
     )
     body = [f'<g transform="scale(1 -1)">{drawn}</g>']
-    return svg_document(still, page_box(still), job.name, job.about or "A mechanism, moving.", css, body)
+    return svg_document(still, page_box(still), job.name, job.about or "A mechanism, moving.", css, body, job.unit)
 
 
 def _run(closed: np.ndarray, cyclic: bool) -> tuple[Whole, bool]:

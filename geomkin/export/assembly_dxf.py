@@ -48,7 +48,7 @@ def assembly_drawing(job: Job) -> bytes:
     used = {layer for layer, _ in shapes} | {text.layer for text in texts}
     tints = {layer: still.tint(body) for body in scene.bodies for layer in [layers[body.name]]}
     colours = {layer: _colour(tints.get(layer, COLOURS.get(layer, "soft"))) for layer in sorted(used)}
-    return drawn(colours, shapes, texts, (low, high), (low, high))
+    return drawn(colours, shapes, texts, (low, high), (low, high), unit=job.unit)
 
 
 def _layers(scene: Scene) -> dict[str, str]:

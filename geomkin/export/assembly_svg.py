@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.units import LengthUnit
 from ..plane.vec import rounded
 from .job import Job
 from .labels import LETTER, Name, half_size, place_labels
@@ -40,10 +41,10 @@ def assembly_picture(job: Job) -> bytes:
         *_placed(still),
         "</g>",
         *_names(still, names),
-        _scale_bar(still, box, position),
+        _scale_bar(still, box, position, job.unit),
     ]
     css = style(still, "".join(body))
-    return svg_document(still, box, f"{job.name}, assembled", f"The parts in place at {position}.", css, body)
+    return svg_document(still, box, f"{job.name}, assembled", f"The parts in place at {position}.", css, body, job.unit)
 
 
 def _placed(still: Still) -> Iterator[str]:
@@ -72,16 +73,17 @@ def _wide_enough(box: tuple[complex, complex], words: str, still: Still) -> tupl
     return low, rounded(high + widening, still.digits).item()
 
 
-def _scale_bar(still: Still, box: tuple[complex, complex], at: str) -> str:
+def _scale_bar(still: Still, box: tuple[complex, complex], at: str, unit: LengthUnit) -> str:
     """A length for measuring, and the driver position."""
     px, digits = still.pixel, still.digits
     low, high = box
-    most = SCALE * (high - low).real
+    most = unit.of(SCALE * (high - low).real)
     power = 10.0 ** np.floor(np.log10(most))
-    length = float(next(step for step in (5, 2, 1) if step * power <= most) * power)
+    shown = float(next(step for step in (5, 2, 1) if step * power <= most) * power)
+    length = shown * unit.mm
     x, y = low.real + MARGIN * px, -low.imag - 12 * px
     left, right, middle, top, bottom = (decimal(v, digits) for v in (x, x + length, y, y - 4 * px, y + 4 * px))
-    text = f"{number(length)} mm, {at}"
+    text = f"{number(shown)} {unit.name}, {at}"
     return (
         f'<path d="M{left} {top}V{bottom}M{left} {middle}H{right}M{right} {top}V{bottom}"/>'
         f'<text class="scale" x="{decimal(x + length + 6 * px, digits)}" y="{decimal(y + 4 * px, digits)}">'

@@ -9,6 +9,7 @@ from math import inf, isnan
 import numpy as np
 
 from ..core.errors import harmless
+from ..model.in_unit import table_in
 from ..model.table import Column, Table
 from .job import Job
 
@@ -44,7 +45,7 @@ def _harmless(text: str) -> str:
 
 def write_bom(job: Job) -> dict[str, bytes]:
     """The bill of materials in one file."""
-    return {f"{job.name}-bom.csv": csv(bill(job))}
+    return {f"{job.name}-bom.csv": csv(table_in(job.unit, bill(job)))}
 
 
 def bill(job: Job) -> Table:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.errors import harmless
 from ..core.records import record
+from ..core.units import MM, LengthUnit
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .cut import Cut, Loop
@@ -64,6 +65,7 @@ class _Cell:
 
     shapes: list[Shape]
     texts: list[Text]
+    unit: LengthUnit = MM
 
     @property
     def box(self) -> tuple[complex, complex]:
@@ -75,6 +77,7 @@ class _Cell:
         return _Cell(
             [(layer, _scaled(shape, 1.0, shift)) for layer, shape in self.shapes],
             [replace(text, place=text.place + shift) for text in self.texts],
+            self.unit,
         )
 
     def line(self, *places: complex) -> None:
@@ -94,7 +97,7 @@ class _Cell:
             self.line(place + side, at + BEYOND * side)
             self.line(at - TICK * (1 + 1j), at + TICK * (1 + 1j))
         self.line(*ends)
-        words = length_text(length)
+        words = length_text(length, self.unit)
         half = complex(width_of(words, LETTER), LETTER) / 2
         middle = (ends[0] + ends[1]) / 2
         self.texts.append(
@@ -102,9 +105,9 @@ class _Cell:
         )
 
 
-def length_text(length: float) -> str:
-    """A length with five digits and no unit, as usual in drawings."""
-    return f"{length:.5g}"
+def length_text(length: float, unit: LengthUnit = MM) -> str:
+    """A length, mm, in a unit with five digits and without its name, as usual in drawings."""
+    return f"{unit.of(length):.5g}"
 
 
 def drawing_scale(cuts: Sequence[Cut]) -> float:
@@ -127,7 +130,7 @@ def dimensioned_drawing(job: Job) -> DimensionedDrawing:
     scale = drawing_scale(job.exact)
     # Outlines are drawn as chords, which are equal on every processor; sizes are those of the exact shapes.
     exact = [high - low for low, high in (cut.box for cut in job.exact)]
-    cells = [_cell(cut, size, scale, _measures(job, cut.part)) for cut, size in zip(job.solids, exact)]
+    cells = [_cell(cut, size, scale, _measures(job, cut.part), job.unit) for cut, size in zip(job.solids, exact)]
     boxes = [cell.box for cell in cells]
     sizes = [high - low for low, high in boxes]
     across = max(*(size.real for size in sizes), 1.3 * float(np.sqrt(sum(size.real * size.imag for size in sizes))))
@@ -155,12 +158,14 @@ def dimensioned_drawing(job: Job) -> DimensionedDrawing:
 def _title(job: Job, scale: float, width: float) -> _Cell:
     """The title block in a frame whose upper left corner is 0."""
     parts = job.source.parts
-    thicknesses = ", ".join(length_text(thickness) for thickness in sorted({part.thickness for part in parts}))
+    thicknesses = ", ".join(
+        length_text(thickness, job.unit) for thickness in sorted({part.thickness for part in parts})
+    )
     cell = _Cell([], [])
     pieces = sum(part.count for part in parts)
     lines = [
-        f"sheet of {thicknesses} mm, scale {scale_text(scale)}",
-        f"sizes in mm; parts: {len(parts)}, pieces: {pieces}",
+        f"sheet of {thicknesses} {job.unit.name}, scale {scale_text(scale)}",
+        f"sizes in {job.unit.plural}; parts: {len(parts)}, pieces: {pieces}",
         "each part seen from above; drawing 1 of 1",
         *job.title.lines(),
     ]
@@ -183,20 +188,22 @@ def _title(job: Job, scale: float, width: float) -> _Cell:
     return cell
 
 
-def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Cell:
+def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str], unit: LengthUnit) -> _Cell:
     """A part with its dimensions, mm: width below, height to the right, distances of holes above, notes in words."""
     cell, part = (
         _Cell(
-            [(PART, _scaled(loop.shape, scale, 0j)) for loop in (*cut.loops, *cut.marks) if loop.layer != "LABEL"], []
+            [(PART, _scaled(loop.shape, scale, 0j)) for loop in (*cut.loops, *cut.marks) if loop.layer != "LABEL"],
+            [],
+            unit,
         ),
         cut.part,
     )
     low, high = (corner * scale for corner in cut.box)
     cell.size(complex(low.real, low.imag), complex(high.real, low.imag), -1j * AWAY, size.real)
     cell.size(complex(high.real, low.imag), high, AWAY + 0j, size.imag)
-    holes = _holes(cut)
+    holes = _holes(cut, unit)
     pieces = "1 piece" if part.count == 1 else f"{part.count} pieces"
-    lines = [f"{harmless(part.name)}: {pieces}, {length_text(part.thickness)} mm thick"]
+    lines = [f"{harmless(part.name)}: {pieces}, {length_text(part.thickness, unit)} {unit.name} thick"]
     lines += _callouts(holes)
     spans: list[tuple[float, float]] = []
     for (name_1, start), (name_2, end) in _pairs(
@@ -206,7 +213,7 @@ def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Ce
         left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
         # Extension lines of a dimension that starts inside another would cross its number.
         nested = all(not (a + SAME < x < b - SAME) for a, b in spans for x in (left.real, right.real))
-        in_row = abs(displacement.imag) < SAME and width_of(length_text(abs(displacement)), LETTER) < scale * abs(
+        in_row = abs(displacement.imag) < SAME and width_of(length_text(abs(displacement), unit), LETTER) < scale * abs(
             displacement
         )
         if in_row and nested and len(spans) < 3:
@@ -214,13 +221,13 @@ def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Ce
             cell.size(left, right, top, abs(displacement))
             spans.append((left.real, right.real))
         else:
-            lines.append(f"{name_1} to {name_2}: {length_text(abs(displacement))}")
+            lines.append(f"{name_1} to {name_2}: {length_text(abs(displacement), unit)}")
     for number, line in enumerate((*lines, *measures)):
         cell.words(line, complex(low.real, low.imag - AWAY - 3 * LETTER - number * LINE))
     return cell
 
 
-def _holes(cut: Cut) -> list[_Hole]:
+def _holes(cut: Cut, unit: LengthUnit) -> list[_Hole]:
     """The holes to describe: those with a fit and all round ones, numbered if they have no letter."""
     part, loops = cut.part, cut.loops[1:]
     names, fits = [*part.hole_names, *[""] * len(loops)], [*part.fits, *[None] * len(loops)]
@@ -228,7 +235,7 @@ def _holes(cut: Cut) -> list[_Hole]:
     for k, (loop, name, fit) in enumerate(zip(loops, names, fits), 1):
         circle = loop.shape if isinstance(loop.shape, Circle) else None
         if circle or fit:
-            size = _size_of(fit, 2 * circle.radius if circle else None)
+            size = _size_of(fit, 2 * circle.radius if circle else None, unit)
             holes.append(_Hole(harmless(name) or f"{NUMBERED}{k}", size, complex(circle.centre) if circle else None))
     return holes
 
@@ -237,23 +244,23 @@ def _holes(cut: Cut) -> list[_Hole]:
 FORMS = {1: "D dia", 2: "double D dia", 4: "square over corners", 6: "hexagonal over corners"}
 
 
-def _size_of(fit: HoleFit | None, diameter: float | None) -> str:
+def _size_of(fit: HoleFit | None, diameter: float | None, unit: LengthUnit) -> str:
     """Width and purpose of a hole; `diameter` is that of a round one as drawn, mm."""
     if fit is None:
-        return f"dia {length_text(diameter or 0.0)}"
-    width = length_text(fit.diameter + fit.play if diameter is None else diameter)
+        return f"dia {length_text(diameter or 0.0, unit)}"
+    width = length_text(fit.diameter + fit.play if diameter is None else diameter, unit)
     sizes = [f"dia {width}"]
     if fit.travel:
-        sizes = [f"slot {width} wide", f"{length_text(fit.travel + fit.diameter + fit.play)} long"]
+        sizes = [f"slot {width} wide", f"{length_text(fit.travel + fit.diameter + fit.play, unit)} long"]
     if fit.flat:
         across = "across flat" if fit.flats == 1 else "between flats"
-        sizes = [f"{FORMS[fit.flats]} {width}", f"{across} {length_text(fit.flat)}"]
+        sizes = [f"{FORMS[fit.flats]} {width}", f"{across} {length_text(fit.flat, unit)}"]
     if any(fit.keyway):
-        sizes.append("keyway {} wide {} deep".format(*map(length_text, fit.keyway)))
+        sizes.append("keyway {} wide {} deep".format(*(length_text(size, unit) for size in fit.keyway)))
     if not fit.play:
         return ", ".join(sizes)
     kind = "press" if fit.is_press or fit.play < 0 else "clearance"
-    return f"{', '.join(sizes)} ({length_text(fit.diameter)}, {kind} {fit.play:+.5g})"
+    return f"{', '.join(sizes)} ({length_text(fit.diameter, unit)}, {kind} {unit.of(fit.play):+.5g})"
 
 
 def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
@@ -278,7 +285,7 @@ def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, co
 
 def _measures(job: Job, part: Part) -> Sequence[str]:
     """Data for making and measuring a gear, one line each; empty for other parts."""
-    measures, helix = _notes_of(job, part, "measures_mm"), _notes_of(job, part, "helix")
+    measures, helix = _notes_of(job, part, f"measures_{job.unit.name}"), _notes_of(job, part, "helix")
     if "teeth" not in measures:
         return ()
     lines = [

@@ -1,4 +1,4 @@
-"""DXF: polylines and true circles in mm, one layer per cutting operation. The only module that loads ezdxf."""
+"""DXF: polylines and true circles, one layer per cutting operation. The only module that loads ezdxf."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
+from ..core.units import MM, LengthUnit
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, rounded
 from .cut import decimals
@@ -26,16 +27,16 @@ from .text import Text
 
 def write_dxf(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
-    return job.sheet_files("dxf", lambda sheet: dxf(sheet, job.stamp))
+    return job.sheet_files("dxf", lambda sheet: dxf(sheet, job.stamp, job.unit))
 
 
-def dxf(sheet: Sheet, stamp: str = "") -> bytes:
+def dxf(sheet: Sheet, stamp: str = "", unit: LengthUnit = MM) -> bytes:
     """The sheet as a DXF file, AC1015 (R2000): the first version with units, readable by every program.
 
     The same sheet gives the same bytes.
     """
     shapes = [(loop.layer, loop.shape) for placed in sheet.placed for loop in placed.loops]
-    return drawn(LAYERS, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)), stamp)
+    return drawn(LAYERS, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)), stamp, unit)
 
 
 def drawn(
@@ -45,16 +46,17 @@ def drawn(
     extents: tuple[complex, complex],
     limits: tuple[complex, complex],
     stamp: str = "",
+    unit: LengthUnit = MM,
 ) -> bytes:
     """A DXF file of shapes and texts on their layers.
 
     `layers` maps names to colour index and RGB; `extents` and `limits` are the corners of the shapes and of the paper,
-    mm. The stamp is in the dictionary EZDXF_META.
+    mm. The stamp is in the dictionary EZDXF_META. unit: of the numbers in the file.
     """
     with _fixed_stamps():
         # The library's default is metres, and programs would read the file 1000 times too large.
-        document = new("R2000", units=units.MM)
-        document.header["$MEASUREMENT"] = 1
+        document = new("R2000", units=units.MM if unit is MM else units.IN)
+        document.header["$MEASUREMENT"] = int(unit is MM)
         if stamp:
             document.ezdxf_metadata()["STAMP"] = stamp
         # Without a plot scale one program prints a blank page.
@@ -63,16 +65,26 @@ def drawn(
             document.layers.add(name, color=index).rgb = rgb
         space = document.modelspace()
         for layer, shape in shapes:
-            _add(space, layer, shape)
+            _add(space, layer, _in_unit(shape, unit))
         for text in texts:
-            entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer})
+            place, height = unit.of(text.place), unit.of(text.height)
+            entity = space.add_text(text.text, height=height, dxfattribs={"layer": text.layer})
             align = TextEntityAlignment.MIDDLE_LEFT if text.starts else TextEntityAlignment.MIDDLE_CENTER
-            entity.set_placement((text.place.real, text.place.imag), align=align)
+            entity.set_placement((place.real, place.imag), align=align)
         # The library copies these from the layout to the header when it writes.
-        low, high = extents
+        low, high, *corners = (unit.of(corner) for corner in (*extents, *limits))
         space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
-        space.reset_limits((limits[0].real, limits[0].imag), (limits[1].real, limits[1].imag))
+        space.reset_limits(*((corner.real, corner.imag) for corner in corners))
         return _bytes(document)
+
+
+def _in_unit(shape: Circle | Polyline, unit: LengthUnit) -> Circle | Polyline:
+    """The shape with its lengths, mm, in this unit."""
+    if unit is MM:
+        return shape
+    if isinstance(shape, Circle):
+        return Circle(unit.of(shape.centre), unit.of(shape.radius))
+    return Polyline(unit.of(np.asarray(shape.vertices)), shape.bulges, shape.closed)
 
 
 def _add(space: Modelspace, layer: str, shape: Circle | Polyline) -> None:
@@ -125,7 +137,7 @@ def sheet(job: Job) -> bytes:
         for text in page.texts
     ]
     paper = 0j, complex(page.width, page.height)
-    return drawn(COLOURS, shapes, texts, paper, paper)
+    return drawn(COLOURS, shapes, texts, paper, paper, unit=job.unit)
 
 
 def _rounded(shape: Circle | Polyline, digits: int) -> Circle | Polyline:

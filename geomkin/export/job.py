@@ -9,6 +9,7 @@ from typing import Protocol
 
 from ..core.errors import DesignError
 from ..core.records import record
+from ..core.units import MM, LengthUnit
 from ..model.check import Check
 from ..model.part import Bought, Part
 from ..model.scene import Scene
@@ -93,6 +94,8 @@ class Job:
         Entries of the title block of the dimensioned drawing.
     stamp : str
         States the recipe and the tolerance in files that have a place for it; empty if there is no recipe.
+    unit : LengthUnit
+        Unit of the lengths in files; that of the table, the checks and the texts of the source.
     """
 
     name: str
@@ -108,6 +111,7 @@ class Job:
     sheet: tuple[float, float] | None = None
     title: Title = field(default_factory=Title)
     stamp: str = ""
+    unit: LengthUnit = MM
 
     @property
     def table(self) -> Table:

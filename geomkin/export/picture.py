@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.errors import harmless
 from ..core.records import record
+from ..core.units import MM, LengthUnit
 from ..model.scene import SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Polyline
@@ -52,18 +53,20 @@ class Item:
 
 
 def svg_document(
-    still: Still, box: tuple[complex, complex], title: str, about: str, css: str, body: Sequence[str]
-) -> bytes:
-    """An SVG file in true size, y down; `box` is the visible region, mm, y up."""
-    low, high = box
+    still: Still, box: tuple[complex, complex], title: str, about: str, css: str, body: Sequence[str],
+    unit: LengthUnit = MM,
+) -> bytes:  # fmt: skip
+    """An SVG file in true size, y down; `box` is the visible region, mm, y up; unit: that of width and height."""
+    low, upper = box
     digits = still.digits
     left, top, width, height = (
-        decimal(v, digits) for v in (low.real, -high.imag, (high - low).real, (high - low).imag)
+        decimal(v, digits) for v in (low.real, -upper.imag, (upper - low).real, (upper - low).imag)
     )
     width, height = (size if not size.startswith(".") else f"0{size}" for size in (width, height))
+    wide, high = (size if unit is MM else f"{unit.of(float(size)):.9g}" for size in (width, height))
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}{unit.name}" height="{high}{unit.name}" '
         f'viewBox="{left} {top} {width} {height}" style="background:#fff">',
         f"<title>{escape(harmless(title))}</title>",
         f"<desc>{escape(harmless(about))}</desc>",

@@ -101,7 +101,9 @@ def write_steps_svg(job: Job) -> dict[str, bytes]:
     box = rounded(np.array(box), digits).tolist()
     about = "Layers from the lowest up; the parts to add are coloured, and letters mark their holes."
     css = style(largest, "".join(body))
-    return {f"{job.name}-steps.svg": svg_document(largest, tuple(box), f"{job.name}, assembly", about, css, body)}
+    return {
+        f"{job.name}-steps.svg": svg_document(largest, tuple(box), f"{job.name}, assembly", about, css, body, job.unit)
+    }
 
 
 def _bare(scene: Scene, bodies: tuple[SceneBody, ...]) -> Scene:

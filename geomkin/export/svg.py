@@ -1,4 +1,4 @@
-"""SVG of the sheet at full size in mm, for viewing, or with the colours of laser cutting programs."""
+"""SVG of the sheet at full size, for viewing, or with the colours of laser cutting programs."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from html import escape
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.units import MM, LengthUnit
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real, rounded
 from .dimensioned import COLOURS, dimensioned_drawing
@@ -23,11 +24,13 @@ HAIRLINE = 0.01
 
 def write_svg(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
-    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser, job.stamp))
+    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser, job.stamp, job.unit))
 
 
-def svg(sheet: Sheet, title: str, laser: bool = False, stamp: str = "") -> bytes:
-    """The sheet as an SVG file with width and height in mm; y up becomes the format's y down.
+def svg(sheet: Sheet, title: str, laser: bool = False, stamp: str = "", unit: LengthUnit = MM) -> bytes:
+    """The sheet as an SVG file; y up becomes the format's y down.
+
+    Width and height are in the given unit, and coordinates in mm.
 
     The white background is a style of the page and no shape, since every shape is cut. With `laser` the file has the
     colours and strokes of laser cutting programs, and only shapes to cut or engrave.
@@ -37,7 +40,7 @@ def svg(sheet: Sheet, title: str, laser: bool = False, stamp: str = "") -> bytes
     size = f"{sheet.width:g}", f"{sheet.height:g}"
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" {svg_size(sheet.width, sheet.height, unit)} '
         f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{stroke}" style="background:#fff">',
         f"<title>{escape(_plain(title))}</title>",
         *([f"<desc>{escape(stamp)}</desc>"] if stamp else []),
@@ -50,6 +53,12 @@ def svg(sheet: Sheet, title: str, laser: bool = False, stamp: str = "") -> bytes
         lines.append("</g>")
     lines.append("</svg>\n")
     return "\n".join(lines).encode("utf-8", "replace")
+
+
+def svg_size(width: float, height: float, unit: LengthUnit) -> str:
+    """Width and height of a file of a size in mm, as attributes in the given unit."""
+    wide, high = (f"{size:g}" if unit is MM else f"{unit.of(size):.9g}" for size in (width, height))
+    return f'width="{wide}{unit.name}" height="{high}{unit.name}"'
 
 
 def shape_of(shape: Circle | Polyline, height: float, digits: int) -> str:
@@ -103,7 +112,7 @@ def sheet(job: Job) -> bytes:
     colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in COLOURS.items()}
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{page.width:g}mm" height="{page.height:g}mm" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" {svg_size(page.width, page.height, job.unit)} '
         f'viewBox="0 0 {page.width:g} {page.height:g}" fill="none" stroke-width="{STROKE}" '
         'font-family="sans-serif" style="background:#fff">',
         f"<title>{escape(harmless(job.name))}, the parts with their sizes</title>",

@@ -9,6 +9,7 @@ from html import escape
 
 import numpy as np
 
+from ..core.units import LengthUnit
 from ..plane.vec import Complex, Real, Whole, rounded
 from .cut import decimals
 from .job import Job
@@ -27,8 +28,12 @@ Target="/3D/3dmodel.model" Id="model" Type="http://schemas.microsoft.com/3dmanuf
 </Relationships>
 """
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>
-<model unit="millimeter" xml:lang="en" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
+<model unit="{unit}" xml:lang="en" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
 """
+
+
+# Names of units of length in the format.
+NAMES = {"mm": "millimeter", "in": "inch"}
 
 
 def write_3mf(job: Job) -> dict[str, bytes]:
@@ -37,32 +42,34 @@ def write_3mf(job: Job) -> dict[str, bytes]:
 
 
 def threemf(job: Job) -> bytes:
-    """The parts as a 3MF package, mm; the same parts give the same bytes."""
-    sheet, items = lay_out(job.solids), []
-    objects = [mesh_object(number, cut.part.name, solid(cut)) for number, cut in enumerate(job.solids, 1)]
+    """The parts as a 3MF package; the same parts give the same bytes."""
+    sheet, items, unit = lay_out(job.solids), [], job.unit
+    objects = [mesh_object(number, cut.part.name, solid(cut), unit) for number, cut in enumerate(job.solids, 1)]
     numbers = {id(cut): number for number, cut in enumerate(job.solids, 1)}
     for placed in sheet.placed:
-        turn, shift = placed.turn, placed.shift
+        turn, shift = placed.turn, unit.of(placed.shift)
         # Adding 0 removes the sign of a negative zero.
         rows = (turn.real, turn.imag, 0, -turn.imag, turn.real, 0, 0, 0, 1, shift.real, shift.imag, 0)
         place = " ".join(f"{0.0 + value:.9g}" for value in rows)
         items.append(f'<item objectid="{numbers[id(placed.cut)]}" transform="{place}"/>')
-    return package(objects, items, job.stamp)
+    return package(objects, items, job.stamp, unit)
 
 
-def mesh_object(number: int, name: str, mesh: tuple[Real, Whole]) -> str:
-    """An object of a model with its number, name, corners and triangles."""
-    return f'<object id="{number}" name="{escape(name)}" type="model">{_mesh(*mesh)}</object>'
+def mesh_object(number: int, name: str, mesh: tuple[Real, Whole], unit: LengthUnit) -> str:
+    """An object of a model with its number, name, corners (mm) and triangles, in this unit."""
+    points, faces = mesh
+    return f'<object id="{number}" name="{escape(name)}" type="model">{_mesh(unit.of(points), faces)}</object>'
 
 
-def package(objects: Sequence[str], items: Sequence[str], stamp: str) -> bytes:
+def package(objects: Sequence[str], items: Sequence[str], stamp: str, unit: LengthUnit) -> bytes:
     """A 3MF file of objects and the build items that refer to them; the stamp is its description."""
+    head = HEAD.format(unit=NAMES[unit.name])
     about = [f'<metadata name="Description">{escape(stamp)}</metadata>'] if stamp else []
     inside = "\n".join([*about, "<resources>", *objects, "</resources>", "<build>", *items, "</build>", "</model>", ""])
     stream = io.BytesIO()
     # Stored, not compressed, since compressed bytes depend on the library.
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as package:
-        for file, text in (("[Content_Types].xml", TYPES), ("_rels/.rels", LINKS), ("3D/3dmodel.model", HEAD + inside)):
+        for file, text in (("[Content_Types].xml", TYPES), ("_rels/.rels", LINKS), ("3D/3dmodel.model", head + inside)):
             # A fixed date, so that the same parts give the same bytes.
             package.writestr(zipfile.ZipInfo(file, (1980, 1, 1, 0, 0, 0)), text)
     return stream.getvalue()
@@ -88,18 +95,19 @@ def assembly_package(job: Job) -> bytes:
     """The assembled parts, mm, z up, moved as one so that no coordinate is negative, as slicers expect."""
     _, placed = in_place(job)
     meshes = [solid(solid_cut(placement.part, job.tolerance)) for placement in placed]
-    objects = [mesh_object(k, placement.name, mesh) for k, (placement, mesh) in enumerate(zip(placed, meshes), 1)]
+    unit = job.unit
+    objects = [mesh_object(k, one.name, mesh, unit) for k, (one, mesh) in enumerate(zip(placed, meshes), 1)]
     parts = "".join(
-        f'<component objectid="{k}" transform="{_matrix(placement, decimals(job.tolerance))}"/>'
+        f'<component objectid="{k}" transform="{_matrix(placement, decimals(job.tolerance), unit)}"/>'
         for k, placement in enumerate(placed, 1)
     )
     whole = len(placed) + 1
     objects.append(
         f'<object id="{whole}" name="{escape(job.name)}" type="model"><components>{parts}</components></object>'
     )
-    corner = _corner(placed, meshes)
+    corner = unit.of(_corner(placed, meshes))
     place = f"1 0 0 0 1 0 0 0 1 {0 - corner.real:.9g} {0 - corner.imag:.9g} 0"
-    return package(objects, [f'<item objectid="{whole}" transform="{place}"/>'], job.stamp)
+    return package(objects, [f'<item objectid="{whole}" transform="{place}"/>'], job.stamp, unit)
 
 
 def _corner(placed: tuple[InPlace, ...], meshes: list[tuple[Real, Whole]]) -> complex:
@@ -115,8 +123,9 @@ def _corner(placed: tuple[InPlace, ...], meshes: list[tuple[Real, Whole]]) -> co
     return complex(*down)
 
 
-def _matrix(placement: InPlace, digits: int) -> str:
+def _matrix(placement: InPlace, digits: int, unit: LengthUnit) -> str:
     """Transform from the part's frame to the assembly's, in the format's row order."""
     direction, origin = rounded(placement.direction, TURN).item(), rounded(placement.origin, digits).item()
     turn = f"{direction.real:.10g} {direction.imag:.10g} 0 {-direction.imag + 0.0:.10g} {direction.real:.10g} 0 0 0 1"
-    return f"{turn} {origin.real:.12g} {origin.imag:.12g} {placement.height:.9g}"
+    origin, height = unit.of(origin), unit.of(placement.height)
+    return f"{turn} {origin.real:.12g} {origin.imag:.12g} {height:.9g}"

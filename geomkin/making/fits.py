@@ -35,8 +35,8 @@ INTERFERENCE = 0.1
 # Distance from the flat to the round side of motors' D-shafts, mm, by their diameter: small gear motors (3, 4 and 6),
 # stepping motors (5) and larger ones (8), from makers' drawings; chosen here. For other shafts the user gives `flat`.
 MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
-
-
+# Largest difference of the diameters of equal shafts, mm: that of a metric one given in inches with four digits.
+SAME_SHAFT = 0.002
 SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
 BoreForm = Literal["round", "D", "double-D", "square", "hexagonal", "keyed"]
 # Number of flats of forms with flats.
@@ -191,11 +191,13 @@ class AbstractBored:
         if self.flat is not None:
             return self.flat
         face = None if self.motor is None else face_of(self.motor)
-        if face is not None and face.shaft == self.bore and face.bore_form == self.bore_form:
+        if face is not None and abs(face.shaft - self.bore) < SAME_SHAFT and face.bore_form == self.bore_form:
             return face.flat
         if (flats := FLATS[self.bore_form]) > 2:
             return self.bore * cos(pi / flats)
-        return MOTOR_FLATS.get(self.bore) if flats == 1 else None
+        if flats == 2:
+            return None
+        return next((flat for shaft, flat in MOTOR_FLATS.items() if abs(shaft - self.bore) < SAME_SHAFT), None)
 
     def hole(self, towards: complex, widest: float, key: str) -> tuple[Circle | Polyline, ...]:
         """The bore about the part's axis; empty for diameter 0.

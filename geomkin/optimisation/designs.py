@@ -16,6 +16,7 @@ from ..core.records import record
 from ..plane.vec import Real
 from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.shown import ShownRecipe
 from ..recipe.varied import VariedRecipe
 from .formulas import Condition, Formula
 
@@ -149,7 +150,7 @@ class _Results:
     """Values of a recipe's columns and checks by id, for formulas."""
 
     def __init__(self, field: str, recipe: AbstractRecipe):
-        self.field, self.recipe = field, recipe
+        self.field, self.recipe = field, ShownRecipe(recipe)
 
     def __call__(self, name: str) -> Any:
         columns = [c for c in self.recipe.table.columns if c.values.dtype.kind in "fiub"]

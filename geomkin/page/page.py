@@ -49,7 +49,7 @@ def mechanism_page(job: Job) -> bytes:
     if job.scene.choice is not None:
         scripts, start = (*SCRIPTS, "rows.js"), f"{START}{CHOICE}"
     return html_document(
-        job.name, about + verdict(job.source.checks), body, scene_json(job.scene, job.name), scripts, start
+        job.name, about + verdict(job.source.checks), body, scene_json(job.scene, job.name, job.unit), scripts, start
     )
 
 

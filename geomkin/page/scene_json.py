@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.errors import harmless
 from ..core.fields import to_digits
+from ..core.units import MM, LengthUnit
 from ..export.still import SCREEN, kept_frames
 from ..export.svg_path import path
 from ..model.roles import ROLES, Role
@@ -26,20 +27,20 @@ DIGITS = 6
 MOST_STEPS = 2**50
 
 
-def scene_json(scene: Scene, name: str) -> str:
+def scene_json(scene: Scene, name: str, unit: LengthUnit = MM) -> str:
     """The JSON text of a scene, safe within a script element."""
-    text = json.dumps(scene_data(scene, name), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    text = json.dumps(scene_data(scene, name, unit), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     # Base64 spells "nan" by chance, which whoever looks for unknown numbers in a page would take for one.
     text = re.sub("(?<=n)a(?=n)", lambda letter: f"\\u{ord(letter[0]):04x}", text, flags=re.IGNORECASE)
     return text.replace("<", "\\u003c")
 
 
-def scene_data(scene: Scene, name: str) -> dict[str, object]:
+def scene_data(scene: Scene, name: str, unit: LengthUnit = MM) -> dict[str, object]:
     """A scene as plain values, the input of the player.
 
     `series` holds rows of numbers over the frames: the table's values and angles in deg as `floats`, coordinates in mm
     as `steps`. All other entries refer to a row by its index. Equal rows, such as the angle of a body, which is also in
-    the table, are stored once.
+    the table, are stored once. unit: of the scale below the drawing.
     """
     low, high = scene.box
     encoder = _Encoder(kept_frames(len(scene.time)), abs(high - low) or 1.0)
@@ -55,6 +56,8 @@ def scene_data(scene: Scene, name: str) -> dict[str, object]:
         "paths": encoder.paths,
         "series": encoder.series,
     }
+    if unit is not MM:
+        data["unit"] = [unit.name, unit.mm]
     if scene.choice is not None:
         columns = scene.choice.table.columns
         solutions = _Encoder(np.arange(len(columns[0].values)), 1.0)

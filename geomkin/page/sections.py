@@ -9,6 +9,7 @@ from urllib.parse import quote
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.units import LengthUnit
 from ..export.job import Job
 from ..export.plots import hodograph_file
 from ..export.still import kept_frames
@@ -117,15 +118,15 @@ def parts(job: Job) -> str:
         "Outline",
         "Name",
         "Count",
-        "Size, mm",
-        "Thickness, mm",
-        "Area, mm&sup2;",
-        "Cut length, mm",
+        f"Size, {job.unit.name}",
+        f"Thickness, {job.unit.name}",
+        f"Area, {job.unit.name}&sup2;",
+        f"Cut length, {job.unit.name}",
     )
-    heads += ("Thinnest wall, mm",) if walls else ()
+    heads += (f"Thinnest wall, {job.unit.name}",) if walls else ()
     heads += ("Mass, g",) if any(part.mass for part in all_parts) else ()
     head = "".join(f'<th scope="col">{name}</th>' for name in heads)
-    rows = "".join(_part(part, tints.get(part.name, "t0"), walls) for part in all_parts[:MOST_ROWS])
+    rows = "".join(_part(part, tints.get(part.name, "t0"), walls, job.unit) for part in all_parts[:MOST_ROWS])
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     more = f"<p>And {len(all_parts) - MOST_ROWS} more.</p>" if len(all_parts) > MOST_ROWS else ""
     return html_section("parts", "Parts", wide("Parts", table) + more + _sheets(job))
@@ -135,24 +136,31 @@ def _sheets(job: Job) -> str:
     """Size of the sheets, and the share of each that its parts fill."""
     if not job.about:
         return ""
+    unit = job.unit
     sheets = [
-        f"{number(sheet.width)} \N{MULTIPLICATION SIGN} {number(sheet.height)} mm, {100 * sheet.filled:.0f} % filled"
+        f"{number(unit.of(sheet.width))} \N{MULTIPLICATION SIGN} {number(unit.of(sheet.height))} {unit.name}, "
+        f"{100 * sheet.filled:.0f} % filled"
         for sheet in job.sheets[:MOST_ROWS]
     ]
     return f"<p>{'Sheet' if len(sheets) == 1 else f'{len(job.sheets)} sheets'}: {'; '.join(sheets)}.</p>"
 
 
-def _part(part: Part, tint: str, walls: Mapping[str, float]) -> str:
+def _part(part: Part, tint: str, walls: Mapping[str, float], unit: LengthUnit) -> str:
     curves = (part.outline, *part.holes)
     low, high = bounding_box(part.outline, FOUR_DIGITS * extent(part.outline))
+    size = unit.of(high - low)
     small = thumbnail([(curves, f'class="plate {tint}"')], 60, 40, 'class="small" aria-hidden="true"')
     cells = (
         f"{part.count}",
-        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in ((high - low).real, (high - low).imag)),
-        number(part.thickness),
-        number(area(part.outline) - sum(area(hole) for hole in part.holes)),
-        number(sum(length(curve) for curve in curves)),
-        *(number(walls[name]) if np.isfinite(walls[name]) else "none" for name in [part.name] if name in walls),
+        " \N{MULTIPLICATION SIGN} ".join(number(size) for size in (size.real, size.imag)),
+        number(unit.of(part.thickness)),
+        number(unit.of(area(part.outline) - sum(area(hole) for hole in part.holes), "mm2")),
+        number(unit.of(sum(length(curve) for curve in curves))),
+        *(
+            number(unit.of(walls[name])) if np.isfinite(walls[name]) else "none"
+            for name in [part.name]
+            if name in walls
+        ),
         *([] if part.mass is None else [number(1000 * float(part.mass.mass))]),
     )
     numbers = "".join(f"<td>{cell}</td>" for cell in cells)
@@ -200,7 +208,7 @@ def _subsection(name: str, value: object, found: object) -> str:
     """Texts as lines, a mapping as a list, several as a table without columns that all equal the solution `found`."""
     if isinstance(value, list) and value and all(isinstance(line, str) for line in value):
         return f'<h3>{_head(name)}</h3><pre tabindex="0">{_lines(map(harmless, value))}</pre>'
-    digits = MEASURED_DIGITS if name == "measures_mm" else DIGITS
+    digits = MEASURED_DIGITS if name.startswith("measures_") else DIGITS
     if isinstance(value, Mapping) and all(isinstance(item, Mapping) for item in value.values()):
         rows = [{"name": key.replace("_", " "), **_flat(item, digits)} for key, item in value.items()]
     elif isinstance(value, Mapping):
@@ -235,7 +243,7 @@ def _head(name: str) -> str:
 
 def _named(name: str) -> str:
     """A name of the summary, whose last word may be a unit."""
-    for unit in ("deg", "mm", "mm2", "N", "kg"):
+    for unit in ("deg", "mm", "mm2", "in", "in2", "N", "kg"):
         if name.endswith(f"_{unit}"):
             return f"{name.removesuffix(f'_{unit}')}, {unit_sign(unit)}"
     return name

@@ -15,6 +15,7 @@ from ..core.errors import DesignError, Problem, ProblemId, RecipeError, printabl
 from ..core.fields import KindTable
 from ..core.names import Folder
 from ..core.scaling import scaled
+from ..core.units import MM, UNITS, LengthUnit
 from .kinds import kind_names, recipe_class
 from .recipe import FITS, AbstractRecipe
 from .toml import parsed, table_of, toml_key, toml_value, without_none
@@ -50,8 +51,13 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
         if data and all(isinstance(table, Mapping) and table.keys() <= {"kerf", *FITS} for table in data.values()):
             near = "keep a workshop file in a folder below the recipes that name it; of a recipe "
         raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)]) from None
-    if "workshop" in data:
+    unit = UNITS.get(str(data.get("units")), MM)
+    if unit is not MM:
         # Imported only if needed, as the messages are.
+        from .lengths import in_mm
+
+        data = in_mm(data, kind, unit)
+    if "workshop" in data:
         from .workshop import with_workshop
 
         data = with_workshop(data, kind, file, folder)
@@ -63,13 +69,23 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     except ValidationError as error:
         from .messages import explain
 
-        raise RecipeError(file, explain(error, kind)) from None
+        raise RecipeError(file, in_unit(explain(error, kind), kind, unit)) from None
     try:
         recipe = scaled(recipe, data.get("scale", 1.0)) if kind.can_be_scaled else recipe
     except DesignError as error:
-        raise RecipeError(file, [Problem(error.field, error.problem, error.remedy, error.id)]) from None
+        problem = Problem(error.field, error.problem, error.remedy, error.id)
+        raise RecipeError(file, in_unit([problem], kind, unit)) from None
     object.__setattr__(recipe, "loaded_table", data)
     return recipe
+
+
+def in_unit(problems: list[Problem], kind: type, unit: LengthUnit) -> list[Problem]:
+    """The problems with their lengths in the unit of the recipe."""
+    if unit is MM:
+        return problems
+    from .lengths import shown_problem
+
+    return [shown_problem(problem, kind, unit) for problem in problems]
 
 
 def adapter(recipe: type[AbstractRecipe]) -> TypeAdapter[AbstractRecipe]:
@@ -98,17 +114,27 @@ def to_toml(recipe: AbstractRecipe) -> str:
     Returns
     -------
     str
-        A text from which `gk.load` makes an equal recipe.
+        A text from which `gk.load` makes an equal recipe; in inches with 15 digits of each length.
     """
     return "\n".join(table_lines("", plain_table(recipe))).lstrip("\n") + "\n"
 
 
 def plain_table(recipe: AbstractRecipe) -> dict[str, Any]:
     """The keys of a recipe as TOML has them, without those that have their default value."""
+    table = _without_defaults(recipe, all_keys(recipe))
+    first = {key: table.pop(key) for key in ("kind", "units") if key in table}
+    # The mechanism comes before the task.
+    return first | table | {key: table.pop(key) for key in ("optimise",) if key in table}
+
+
+def all_keys(recipe: AbstractRecipe) -> dict[str, Any]:
+    """All keys of a recipe with their values as JSON states them, in the unit of the recipe."""
     table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json")
-    table = _without_defaults(recipe, table)
-    # The mechanism comes first.
-    return table | {key: table.pop(key) for key in ("optimise",) if key in table}
+    if recipe.length_unit is MM:
+        return table
+    from .lengths import from_mm
+
+    return from_mm(table, type(recipe), recipe.length_unit)
 
 
 def whole_table(recipe: AbstractRecipe) -> dict[str, Any]:

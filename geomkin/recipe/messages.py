@@ -12,6 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
 
+from ..core.dotted_keys import key_parts
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.fields import allowed
 
@@ -30,7 +31,6 @@ UNSUPPORTED = {
     "strength and deformation": "stress stresses strength hardness fatigue stiffness deflection",
     "forces, torques and power": "force forces torque torques load loads payload power gravity weight mass inertia",
     "springs": "spring springs",
-    "other units than mm and deg": "unit units inch inches",
 }
 # Words in unknown keys that belong in the table `loads`, if the recipe has it.
 SERVED_BY_LOADS = "friction damping force forces torque torques load gravity weight mass inertia spring springs"
@@ -58,7 +58,10 @@ def explain(error: ValidationError, recipe: type) -> list[Problem]:
 
 
 # Renamed keys whose old and new names are too different for `did_you_mean`.
-RENAMED = {"thinning": "tooth_thickness_allowance", "seconds": "time_limit"}
+RENAMED = {
+    "thinning": "tooth_thickness_allowance", "seconds": "time_limit",
+    **dict.fromkeys(("unit", "inch", "inches"), "units"),
+}  # fmt: skip
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
@@ -222,6 +225,11 @@ def _location(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dat
     return tables, field, hint, key
 
 
+def field_of(key: str, recipe: type) -> dataclasses.Field[Any] | None:
+    """The field of a dotted key of a recipe; None if there is none."""
+    return _location(tuple(key_parts(key)), recipe)[1]
+
+
 def tables_in(hint: Any) -> list[type]:
     """Dataclasses that a type hint names; of a motion program, written as a list, those of its segments.
 
@@ -287,7 +295,11 @@ def number_meant(text: str, quoted: bool = False) -> str:
     match = NUMBER.fullmatch(text)
     if not match or (not quoted and text == match[1] == _with_point(match[1])):
         return ""
-    unit = f" (lengths are in mm, angles in deg, not in {match[2]})" if match[2] not in ("", "mm", "deg", "°") else ""
+    unit = (
+        f" (lengths are in the units of the recipe, angles in deg, not in {match[2]})"
+        if match[2] not in ("", "mm", "deg", "°")
+        else ""
+    )
     return f"write {_with_point(match[1])}, a number with a point and without unit or quotes{unit}"
 
 

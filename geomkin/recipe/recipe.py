@@ -16,6 +16,7 @@ from ..core.fields import entry, to_digits
 from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
+from ..core.units import UNITS, LengthUnit, Units
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
@@ -49,6 +50,7 @@ class _Shared:
             "examples": [{}],
         },
     )
+    units: Units = entry("unit of all lengths in the recipe, its files and its messages", default="mm")
     optimise: OptimiseTable | None = entry(
         "what `geomkin optimise` varies, minimises and keeps; `geomkin run` does not use it",
         default=None,
@@ -82,6 +84,11 @@ class AbstractRecipe(_Shared, ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving_picture
+
+    @property
+    def length_unit(self) -> LengthUnit:
+        """The unit of lengths in files and messages; the fields themselves are in mm."""
+        return UNITS[self.units]
 
     @property
     def is_in_own_file(self) -> bool:

@@ -113,7 +113,9 @@ class Files:
         "engrave each part with its name, and the holes of links with the letters of their pins", default=True
     )
 
-    sheet: tuple[Side, Side] | None = entry("[width, height] in mm of the sheets that parts are cut from", default=None)
+    sheet: tuple[Side, Side] | None = entry(
+        "[width, height] in mm of the sheets that parts are cut from", default=None, units=("mm", "mm")
+    )
     title: Title = entry("further entries in the title block of dimensioned drawings", default=Title())
     assembly_at: float | None = quantity(
         "position of the driver in pictures of the assembly: deg, or mm if it slides",

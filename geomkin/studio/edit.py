@@ -20,6 +20,7 @@ from ..plane.vec import Real
 from ..recipe.keys import edited_text, with_values
 from ..recipe.load import from_table, whole_table
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.shown import ShownRecipe
 from ..recipe.toml import parsed
 from .drag import drag, is_locked
 
@@ -235,14 +236,14 @@ def _flat(value: Any, key: str) -> Iterator[tuple[str, Any]]:
 
 
 def _scene(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> None:
-    name = recipe.name or recipe.kind
-    scene = recipe.scene
+    name, results = recipe.name or recipe.kind, ShownRecipe(recipe)
+    scene = results.scene
     reply["name"] = name
     reply["handles"] = [_handle(handle, locks) for handle in recipe.handles]
     reply["quantities"] = [
-        {"id": "", "label": harmless(label), "text": harmless(text)} for label, text in recipe.quantities.items()
-    ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in recipe.motion_checks]
-    reply["scene"] = None if scene is None else scene_data(scene, name)
+        {"id": "", "label": harmless(label), "text": harmless(text)} for label, text in results.quantities.items()
+    ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in results.motion_checks]
+    reply["scene"] = None if scene is None else scene_data(scene, name, results.unit)
 
 
 def _stated(check: Check) -> str:
@@ -269,7 +270,7 @@ def _row(values: Real) -> list[float | None]:
 
 def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> None:
     _ = locks
-    reply["name"] = recipe.name or recipe.kind
+    reply["name"], results = recipe.name or recipe.kind, ShownRecipe(recipe)
     reply["checks"] = [
         {
             "id": check.id,
@@ -279,7 +280,7 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
             "state": "pass" if check.passed else "expected" if check.expected else "fail",
             "column": check.column or None,
         }
-        for check in recipe.checks
+        for check in results.checks
     ]
     reply["candidates"] = [
         {
@@ -290,6 +291,7 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
         }
         for candidate in recipe.candidates
     ]
-    parts = [{"name": p.name, "count": p.count, "thickness": p.thickness} for p in recipe.parts]
-    bought = [item.data for item in recipe.bought]
-    reply["parts"] = as_json({"parts": parts, "bought": bought, "steps": list(recipe.steps)})
+    thicknesses = [results.unit.in_digits(part.thickness, "mm") for part in recipe.parts]
+    parts = [{"name": p.name, "count": p.count, "thickness": t} for p, t in zip(recipe.parts, thicknesses)]
+    bought = [item.data for item in results.bought]
+    reply["parts"] = as_json({"parts": parts, "bought": bought, "steps": list(results.steps)})

@@ -17,6 +17,7 @@ from ..model.check import Check
 from ..plane.vec import Real
 from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.shown import ShownRecipe
 from ..recipe.varied import VariedRecipe
 
 # Values of a column that a result can report, computed from those of its numbers that are not nan.
@@ -46,7 +47,9 @@ def _evaluate(task: SweepTask, changes: Mapping[str, Any]) -> dict[str, Any]:
         with progress_to(lambda *_: None):
             recipe = task.opened(changes)
             with errors_named_by_key(task.file, recipe):
-                checks = [[c.id, c.name, float(c.value), c.side, float(c.limit), c.unit] for c in recipe.checks]
+                checks = [
+                    [c.id, c.name, float(c.value), c.side, float(c.limit), c.unit] for c in ShownRecipe(recipe).checks
+                ]
                 row |= {"checks": checks, "results": {name: _result(recipe, name) for name in task.results}}
     except GeomkinError as error:
         first = str(error).split("\n")[0]
@@ -85,12 +88,12 @@ def check_results(task: SweepTask, recipe: AbstractRecipe) -> None:
     for name in task.results:
         column, colon, statistic = name.rpartition(":")
         if colon and statistic in STATISTICS:
-            numeric = [c for c in recipe.table.columns if c.values.dtype.kind in "fiub"]
+            numeric = [c for c in ShownRecipe(recipe).table.columns if c.values.dtype.kind in "fiub"]
             known = [c.id for c in numeric]
             is_known = column in known or column in [c.header for c in numeric]
             remedy = f"give one of the columns {', '.join(known)}"
         else:
-            column, known = name, list(_entries("", recipe.notes))
+            column, known = name, list(_entries("", ShownRecipe(recipe).notes))
             is_known = name in known
             entries = f", or one of {', '.join(known)}" if known else ""
             remedy = f"give COLUMN:{', COLUMN:'.join(STATISTICS)}{entries}"
@@ -102,8 +105,8 @@ def _result(recipe: AbstractRecipe, name: str) -> Any:
     """The least, largest or last value of a column, or an entry of the notes; None if it does not exist."""
     column, colon, statistic = name.rpartition(":")
     if not (colon and statistic in STATISTICS):
-        return _entries("", recipe.notes).get(name)
-    columns = (c.values for c in recipe.table.columns if column in (c.id, c.header))
+        return _entries("", ShownRecipe(recipe).notes).get(name)
+    columns = (c.values for c in ShownRecipe(recipe).table.columns if column in (c.id, c.header))
     values = np.asarray(next(columns, np.empty(0)), dtype=float)
     known = ~np.isnan(values)
     # The last value is that of the last frame, even if it is nan.

@@ -21,6 +21,7 @@ from ..export.stamp import LAYOUT, Stamp, recipe_hash
 from ..export.summary import FOUND, NAME, read_summary
 from ..recipe.load import from_table, parse
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.shown import ShownRecipe
 from .comparison import (
     FINENESS,
     MOST_PLATES,
@@ -347,13 +348,13 @@ def _step(path: Path, expected: Expected) -> Content:
 def _csv(path: Path, expected: Expected) -> Content:
     from .tables import motion_problems
 
-    return Content([], problems=tuple(motion_problems(path, expected.recipe.table)))
+    return Content([], problems=tuple(motion_problems(path, ShownRecipe(expected.recipe).table)))
 
 
 def _bom(path: Path, expected: Expected) -> Content:
     from .tables import bill_problems
 
-    return Content([], problems=tuple(bill_problems(path, expected.recipe.parts, expected.recipe.bought)))
+    return Content([], problems=tuple(bill_problems(path, expected.recipe.parts, ShownRecipe(expected.recipe).bought)))
 
 
 # Readers by format; other formats are pictures and pages.

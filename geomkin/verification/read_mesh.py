@@ -18,6 +18,8 @@ CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MODEL = "3D/3dmodel.model"
 # Largest relative distortion of the edges of a mesh by its transform in an assembly.
 RIGID = 1e-6
+# Lengths of the units of 3MF that are written, mm.
+UNITS = {"millimeter": 1.0, "inch": 25.4}
 
 
 def read_stl(path: Path) -> tuple[list[Mesh], list[str], str]:
@@ -77,11 +79,12 @@ def read_3mf(path: Path) -> tuple[list[Mesh], dict[str, int], list[str], str]:
         if b"<!" in text:
             raise UnreadableError("its model has a declaration")
         root = ElementTree.fromstring(text)
-        meshes = {item.get("id", ""): mesh for item in root.iter(f"{CORE}object") if (mesh := _mesh(item))}
+        unit = root.get("unit", "millimeter")
+        length = UNITS.get(unit, 1.0)
+        meshes = {item.get("id", ""): mesh for item in root.iter(f"{CORE}object") if (mesh := _mesh(item, length))}
     except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile, ElementTree.ParseError) as fault:
         raise UnreadableError(f"it is not a 3MF package ({type(fault).__name__})") from None
-    unit = root.get("unit", "millimeter")
-    problems = [f"its unit is {unit}, not millimeter"] if unit != "millimeter" else []
+    problems = [] if unit in UNITS else [f"its unit is {unit}, not {' or '.join(UNITS)}"]
     counts: dict[str, int] = {}
     placed = [*root.iter(f"{CORE}component"), *root.iter(f"{CORE}item")]
     for item in (item for item in placed if item.get("objectid") in meshes):
@@ -95,12 +98,12 @@ def read_3mf(path: Path) -> tuple[list[Mesh], dict[str, int], list[str], str]:
     return list(meshes.values()), counts, problems, stamps[0] if stamps else ""
 
 
-def _mesh(item: ElementTree.Element) -> Mesh | None:
+def _mesh(item: ElementTree.Element, unit: float) -> Mesh | None:
     corners = [[float(vertex.get(axis, "nan")) for axis in "xyz"] for vertex in item.iter(f"{CORE}vertex")]
     faces = [[int(face.get(key, "-1")) for key in ("v1", "v2", "v3")] for face in item.iter(f"{CORE}triangle")]
     if not faces:
         return None
-    points, triangles = np.array(corners, dtype=float), np.array(faces, dtype=int)
+    points, triangles = unit * np.array(corners, dtype=float), np.array(faces, dtype=int)
     if not np.isfinite(points).all() or triangles.min() < 0 or triangles.max() >= len(points):
         raise ValueError("not a mesh")
     return Mesh(item.get("name", ""), *merged(points[triangles]))

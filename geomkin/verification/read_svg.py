@@ -23,7 +23,7 @@ COLOURS = {"#ff0000": "CUT", "#0000ff": "ENGRAVE"}
 LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH")
 # Chords of a cubic curve, which editors write in place of arcs.
 CHORDS = np.arange(1, 257) / 256
-UNIT = re.compile(r"[\d.]+mm")
+UNIT = re.compile(r"[\d.]+(?:mm|in)")
 
 
 def read_svg(path: Path, error: float) -> Drawing:
@@ -41,7 +41,9 @@ def read_svg(path: Path, error: float) -> Drawing:
     except DesignError as refusal:
         raise UnreadableError(refusal.problem) from None
     problems = [
-        f"its {name} is not stated in mm" for name in ("width", "height") if not UNIT.fullmatch(root.get(name, ""))
+        f"its {name} is not stated in mm or in"
+        for name in ("width", "height")
+        if not UNIT.fullmatch(root.get(name, ""))
     ]
     stamps = [element.text or "" for element in root if tag_of(element) == "desc"]
     return Drawing(lines, stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"]))

@@ -54,7 +54,7 @@ class TolerancesTable:
         at_most=FARTHEST,
     )
     lengths: dict[str, Annotated[float, AsWritten(), between(0, FARTHEST, "mm")]] = entry(
-        "tolerances of single lengths in place of that, such as crank = 0.05", default_factory=dict
+        "tolerances of single lengths in place of that, such as crank = 0.05", default_factory=dict, units=("mm",)
     )
     clearance: float | None = quantity(
         "by how much the holes are wider than their pins; by default the clearance of the stock",

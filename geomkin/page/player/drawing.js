@@ -253,7 +253,7 @@ export class Drawing {
       if (spots && !body.unnamed) this.named.add(spaced(body.name), "of-body", "names", spots);
     }
     for (const mark of marks) {
-      const { sort, role, label } = mark, text = spaced(label).replace(sort === "dimension" ? /,.*/ : /, 1 mm is.*/, "");
+      const { sort, role, label } = mark, text = spaced(label).replace(sort === "dimension" ? /,.*/ : /, 1 \w+ is.*/, "");
       if (!text || mark.always || mark.r || (sort === "vector" && ["velocity", "acceleration", "force"].includes(role))) continue;
       if (mark.u) {
         if (sort === "line" && lines.has(label)) continue;
@@ -353,10 +353,10 @@ export class Drawing {
   }
 
   fitScale(wide, tall) {
-    const length = niceLength(min(0.3 * wide, 110) / this.s), end = 12 + length * this.s, y = tall - 12;
+    const [unit, mm] = this.data.unit ?? ["mm", 1], length = niceLength(min(0.3 * wide, 110) / this.s / mm), end = 12 + length * mm * this.s, y = tall - 12;
     this.scaleBar.replaceChildren();
     make(this.scaleBar, "path", { d: `M12 ${y - 4}V${y + 4}M12 ${y}H${px(end)}M${px(end)} ${y - 4}V${y + 4}` });
-    make(this.scaleBar, "text", { x: px(end + 7), y: y + 4 }, `${+length.toPrecision(3)} mm`);
+    make(this.scaleBar, "text", { x: px(end + 7), y: y + 4 }, `${+length.toPrecision(3)} ${unit}`);
   }
 
   // Position of an event on the stage, px; of a point, mm, in pixels, and back.

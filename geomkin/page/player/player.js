@@ -139,7 +139,7 @@ class Player {
   switches() {
     const { drawings } = this, used = new Set(["names", ...drawings.flatMap((drawing) => [...drawing.roles])]);
     const scaleOf = (role) => {
-      const scales = new Set(drawings[0].marks.flatMap((mark) => (mark.role === role ? mark.label.match(/1 mm is .*/) ?? [] : [])));
+      const scales = new Set(drawings[0].marks.flatMap((mark) => (mark.role === role ? mark.label.match(/1 \w+ is .*/) ?? [] : [])));
       return scales.size === 1 ? ` (${unitOf([...scales][0])})` : "";
     };
     const roles = [{ id: "names", label: "names", shown: true }, ...this.data.roles].filter(({ id }) => used.has(id))

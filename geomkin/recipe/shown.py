@@ -1,0 +1,104 @@
+"""The results of a recipe in its own unit of length, as files, pages and editors show them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import cached_property
+
+from ..core.units import MM
+from ..model.check import Check
+from ..model.in_unit import check_in, scene_in, table_in
+from ..model.part import Bought, Part
+from ..model.scene import Scene
+from ..model.table import Table
+from ..plane.vec import Real
+from .recipe import AbstractRecipe
+
+
+class ShownRecipe:
+    """A recipe whose table, checks, scene and texts are in its own unit of length.
+
+    Parts, walls and positions of the scene stay in mm; writers convert them.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe
+        The recipe.
+    """
+
+    def __init__(self, recipe: AbstractRecipe):
+        self.recipe, self.unit = recipe, recipe.length_unit
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The parts, in mm."""
+        return self.recipe.parts
+
+    @property
+    def walls(self) -> Mapping[str, float]:
+        """The thinnest wall of each part, mm."""
+        return self.recipe.walls
+
+    @cached_property
+    def table(self) -> Table:
+        """The table."""
+        return table_in(self.unit, self.recipe.table)
+
+    @cached_property
+    def scene(self) -> Scene | None:
+        """The scene, whose positions are in mm."""
+        scene = self.recipe.scene
+        return scene and scene_in(self.unit, scene)
+
+    @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """All checks."""
+        return self._shown(self.recipe.checks)
+
+    @cached_property
+    def motion_checks(self) -> tuple[Check, ...]:
+        """Checks that an editor shows during a drag."""
+        return self._shown(self.recipe.motion_checks)
+
+    def _shown(self, checks: tuple[Check, ...]) -> tuple[Check, ...]:
+        has_positions = self.unit is not MM and any(check.at is not None for check in checks)
+        slides = has_positions and self.recipe.table.columns[0].unit == "mm"
+        return tuple(check_in(self.unit, check, slides) for check in checks)
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """Further results."""
+        notes: Mapping[str, object] = self.unit.entries(self.recipe.notes)
+        return notes
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Items to buy."""
+        if self.unit is MM:
+            return self.recipe.bought
+        return tuple(replace(item, name=self.unit.text(item.name, keeps_mm=True)) for item in self.recipe.bought)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """Assembly steps."""
+        return tuple(self.unit.text(step, keeps_mm=True) for step in self.recipe.steps)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """Lengths and other results that an editor shows, by label."""
+        return {label: self.unit.text(text) for label, text in self.recipe.quantities.items()}
+
+    @property
+    def assumed_fits(self) -> Mapping[str, float]:
+        """Kerf and fits that nobody stated."""
+        return {key: self.unit.of(value) for key, value in self.recipe.assumed_fits.items()}
+
+    @property
+    def further_values(self) -> Mapping[str, Real]:
+        """Coordinates that formulas may use besides the columns of the table."""
+        return {id: self.unit.of(values) for id, values in self.recipe.further_values.items()}
+
+    def texts(self, lines: Iterable[str]) -> tuple[str, ...]:
+        """Lines of text."""
+        return tuple(map(self.unit.text, lines))
