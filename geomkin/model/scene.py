@@ -345,6 +345,12 @@ class Scene:
         return box_of(places[np.isfinite(places)])
 
 
+def playing_time(table: Table) -> Real:
+    """Time of the frames of a table with a column `time`, s; if it is unknown, the scene lasts two seconds."""
+    time = np.asarray(table["time"], dtype=float)
+    return time if np.isfinite(time).all() else np.linspace(0, 2, len(time))
+
+
 def dimension(start: complex, end: complex, words: str, body: str = "") -> SceneCurve:
     """The dimension of a length on a body, mm in its frame; words: the number as drawn, then the name of the length."""
     return SceneCurve(Segment(start, end), "dimension", words, body)
