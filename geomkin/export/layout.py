@@ -10,7 +10,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.primitives import Circle
-from ..plane.vec import Complex, Mask, Real, direction_deg, rounded
+from ..plane.vec import Complex, Mask, Real, box_of, direction_deg, rounded
 from .cut import Cut, Loop, is_inside
 
 # Cells of a sheet's raster. More cells find narrower gaps and take proportionally longer.
@@ -96,11 +96,7 @@ def least_turn(cut: Cut) -> complex:
 
 def box(cut: Cut, turn: complex) -> tuple[complex, complex]:
     """Lower left corner and size of a part's rotated box in whole mm, so that copies keep the part's decimals."""
-    if cut.is_twisted:
-        corners = _corners(cut) * turn
-        ends = complex(corners.real.min(), corners.imag.min()), complex(corners.real.max(), corners.imag.max())
-    else:
-        ends = cut.loops[0].moved(0j, cut.digits, turn).box
+    ends = box_of(_corners(cut) * turn) if cut.is_twisted else cut.loops[0].moved(0j, cut.digits, turn).box
     low, high = (rounded(corner, DECIMALS).item() for corner in ends)
     low = complex(np.floor(low.real), np.floor(low.imag))
     return low, complex(np.ceil(high.real), np.ceil(high.imag)) - low
@@ -268,8 +264,7 @@ class Sheet:
     @property
     def extents(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of all cuts, mm."""
-        low, high = np.array([p.loops[-1].box for p in self.placed]).T
-        return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
+        return box_of(np.array([copy.loops[-1].box for copy in self.placed]))
 
     @property
     def filled(self) -> float:
