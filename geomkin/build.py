@@ -357,7 +357,11 @@ def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
 
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:
     """The keys of a recipe and their values, as JSON states them."""
-    data = {key: value for key, value in reading.all_keys(recipe).items() if (key, value) != ("units", "mm")}
+    data = {
+        key: value
+        for key, value in reading.whole_table(recipe, has_inner_defaults=False).items()
+        if (key, value) != ("units", "mm")
+    }
     return {key: value for key, value in data.items() if value or key not in (*SHARED, "tolerances")}
 
 

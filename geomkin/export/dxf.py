@@ -16,7 +16,7 @@ from ezdxf.layouts.layout import Modelspace
 
 from ..core.units import MM, LengthUnit
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Complex, rounded
+from ..plane.vec import rounded
 from .cut import decimals
 from .dimensioned import COLOURS, dimensioned_drawing
 from .drawing_layers import LAYERS
@@ -68,7 +68,9 @@ def drawn(
             _add(space, layer, _in_unit(shape, unit))
         for text in texts:
             place, height = unit.of(text.place), unit.of(text.height)
-            entity = space.add_text(text.text, height=height, dxfattribs={"layer": text.layer})
+            # In the format two per cent signs start a code.
+            words = text.text.replace("%%", "% %")
+            entity = space.add_text(words, height=height, dxfattribs={"layer": text.layer})
             align = TextEntityAlignment.MIDDLE_LEFT if text.starts else TextEntityAlignment.MIDDLE_CENTER
             entity.set_placement((place.real, place.imag), align=align)
         # The library copies these from the layout to the header when it writes.
@@ -131,11 +133,7 @@ def sheet(job: Job) -> bytes:
     """The dimensioned drawing on paper; the title gives its scale."""
     page, digits = dimensioned_drawing(job), decimals(job.tolerance)
     shapes = [(layer, _rounded(shape, digits)) for layer, shape in page.shapes]
-    # In the format two per cent signs start a code.
-    texts = [
-        replace(text, text=text.text.replace("%%", "% %"), place=rounded(text.place, digits).item())
-        for text in page.texts
-    ]
+    texts = [replace(text, place=rounded(text.place, digits).item()) for text in page.texts]
     paper = 0j, complex(page.width, page.height)
     return drawn(COLOURS, shapes, texts, paper, paper, unit=job.unit)
 
@@ -143,5 +141,4 @@ def sheet(job: Job) -> bytes:
 def _rounded(shape: Circle | Polyline, digits: int) -> Circle | Polyline:
     if isinstance(shape, Circle):
         return Circle(rounded(shape.centre, digits).item(), rounded(shape.radius, digits).item())
-    vertices: Complex = np.asarray(shape.vertices)
-    return Polyline(rounded(vertices, digits), shape.bulges, shape.closed)
+    return Polyline(rounded(shape.vertices, digits), shape.bulges, shape.closed)

@@ -190,6 +190,10 @@ class MachineRecipe(AbstractRecipe):
         for name, mechanism in self.mechanisms.items():
             if isinstance(mechanism.recipe, MachineRecipe):
                 _refuse_machine(f"mechanisms.{name}.recipe")
+            if not mechanism.recipe.name and mechanism.recipe.units != self.units:
+                problem = f'found "{mechanism.recipe.units}" in a machine with units = "{self.units}"'
+                remedy = "omit it, or give the recipe in a file of its own"
+                raise DesignError(f"mechanisms.{name}.recipe.units", problem, remedy, "conflict")
             if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")

@@ -13,12 +13,13 @@ import numpy as np
 
 from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
-from ..core.dotted_keys import key_parts, numbers_in
+from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, printable, shown
 from ..core.progress import Watch
 from ..core.records import record
 from ..export.files import write_whole
 from ..model.check import Check
+from ..recipe.lengths import shown_numbers
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe, varied
@@ -300,7 +301,7 @@ def _boxes(own: Mapping[str, float], ranges: Mapping[str, tuple[float, float]]) 
 def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]]) -> dict[str, float]:
     """The recipe's values of the keys, within their ranges; DesignError for a key that is not of a number."""
     recipe = source.opened({})
-    numbers = {number.key: number.value for number in numbers_in(recipe)}
+    numbers = {number.key: number.value for number in shown_numbers(recipe)}
     own: dict[str, float] = {}
     for key, (low, high) in ranges.items():
         given: Any = source.recipe

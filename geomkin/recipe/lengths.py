@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
+from ..core.dotted_keys import Number, key_parts, numbers_in
 from ..core.errors import Problem
-from ..core.units import LengthUnit
+from ..core.units import MM, LengthUnit
 from .messages import field_of, hints_of, kind_of, tables_in
 from .recipe import AbstractRecipe
 
@@ -24,13 +25,21 @@ def in_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, A
 
 
 def from_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, Any]:
-    """The reverse; recipes in the table are in the units that they state, or in mm."""
+    """The reverse; recipes in the table are already in this unit, which they need not state."""
 
     def inner_recipe(inner: Mapping[str, Any]) -> dict[str, Any]:
-        stated = {"units": "mm", **inner}
-        return {key: value for key, value in stated.items() if (key, value) != ("units", unit.name)}
+        return {key: value for key, value in inner.items() if key != "units"}
 
     return _table(table, kind, unit.in_digits, inner_recipe)
+
+
+def shown_numbers(recipe: AbstractRecipe) -> Iterator[Number]:
+    """All numbers of a recipe in its unit of length."""
+    unit = recipe.length_unit
+    for number in numbers_in(recipe):
+        names = [part for part in key_parts(number.field) if isinstance(part, str)]
+        is_kept = unit is MM or names_mm(names[-1])
+        yield number if is_kept else number._replace(value=unit.in_digits(number.value, number.unit))
 
 
 def shown_problem(problem: Problem, recipe: type, unit: LengthUnit) -> Problem:
@@ -45,9 +54,14 @@ def is_length(field: dataclasses.Field[Any], hint: Any = None) -> bool:
     return any("mm" in unit for unit in units) if units else "[x, y]" in field.metadata.get("description", "")
 
 
+def names_mm(key: str) -> bool:
+    """Whether a key names mm as the unit of its value."""
+    return "mm" in key.split("_")
+
+
 def _units(field: dataclasses.Field[Any]) -> Sequence[str]:
     """Units of the numbers of a field; a key that names its unit, such as `position_mm`, keeps it."""
-    if "mm" in field.name.split("_"):
+    if names_mm(field.name):
         return ("",)
     about = field.metadata
     return about.get("units") or ([about["unit"]] if "unit" in about else ())

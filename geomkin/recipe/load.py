@@ -121,26 +121,21 @@ def to_toml(recipe: AbstractRecipe) -> str:
 
 def plain_table(recipe: AbstractRecipe) -> dict[str, Any]:
     """The keys of a recipe as TOML has them, without those that have their default value."""
-    table = _without_defaults(recipe, all_keys(recipe))
+    table = _without_defaults(recipe, whole_table(recipe, has_inner_defaults=False))
     first = {key: table.pop(key) for key in ("kind", "units") if key in table}
     # The mechanism comes before the task.
     return first | table | {key: table.pop(key) for key in ("optimise",) if key in table}
 
 
-def all_keys(recipe: AbstractRecipe) -> dict[str, Any]:
-    """All keys of a recipe with their values as JSON states them, in the unit of the recipe."""
-    table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json")
+def whole_table(recipe: AbstractRecipe, has_inner_defaults: bool = True) -> dict[str, Any]:
+    """All keys of a recipe, and of recipes inside it, with their values as JSON states them, in its unit of length."""
+    context = {"has_defaults": has_inner_defaults}
+    table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json", context=context)
     if recipe.length_unit is MM:
         return table
     from .lengths import from_mm
 
     return from_mm(table, type(recipe), recipe.length_unit)
-
-
-def whole_table(recipe: AbstractRecipe) -> dict[str, Any]:
-    """All keys of a recipe, and of recipes inside it, with their values."""
-    table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json", context={"has_defaults": True})
-    return table
 
 
 def short_table(recipe: AbstractRecipe) -> dict[str, Any]:

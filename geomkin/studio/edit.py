@@ -8,9 +8,10 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from ..build import errors_named_by_key
-from ..core.dotted_keys import key_parts, numbers_in
+from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable, shown
 from ..core.fields import FARTHEST
+from ..core.units import MM
 from ..export.still import kept_frames
 from ..export.summary import as_json
 from ..model.check import Check
@@ -18,6 +19,7 @@ from ..model.scene import SceneHandle
 from ..page.scene_json import scene_data
 from ..plane.vec import Real
 from ..recipe.keys import edited_text, with_values
+from ..recipe.lengths import shown_numbers
 from ..recipe.load import from_table, whole_table
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.shown import ShownRecipe
@@ -157,15 +159,24 @@ def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply
         if handle is None:
             problem = f"found {printable(repr(wanted.get('handle')))}"
             raise DesignError("drag.handle", problem, f"give one of {', '.join(h.id for h in recipe.handles)}")
-        values = _values(written)
+        values, (x, y) = _values(written), _factors(recipe, handle)
         found = drag(
             lambda changes: draft.opened(with_values(table, _whole_points(changes, table, values))),
-            numbers_in(written), handle, _frame_of_table(handle, frame), to, steps, locks, bool(wanted.get("snap")),
+            shown_numbers(written), handle, _frame_of_table(handle, frame),
+            complex(to.real * x, to.imag * y), (steps[0] * x, steps[1] * y), locks, bool(wanted.get("snap")),
         )  # fmt: skip
     if found.changes:
         reply["text"] = edited_text(draft.text, _whole_points(found.changes, table, values))
     if found.reason:
         reply["limit"] = {"keys": list(handle.keys), "reason": harmless(found.reason)}
+
+
+def _factors(recipe: AbstractRecipe, handle: SceneHandle) -> tuple[float, float]:
+    """Factors from x and y as they are shown to those of the handle: plots are in the recipe's unit, drawings in mm."""
+    if handle.shape != "plot" or recipe.length_unit is MM:
+        return 1.0, 1.0
+    units = recipe.table.columns[0].unit, recipe.table.column(handle.column).unit
+    return recipe.length_unit.factor(units[0]), recipe.length_unit.factor(units[1])
 
 
 def _pointer(wanted: Mapping[str, Any]) -> tuple[complex, int, tuple[float, float]]:
@@ -239,7 +250,7 @@ def _scene(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> Non
     name, results = recipe.name or recipe.kind, ShownRecipe(recipe)
     scene = results.scene
     reply["name"] = name
-    reply["handles"] = [_handle(handle, locks) for handle in recipe.handles]
+    reply["handles"] = [_handle(handle, locks, *_factors(recipe, handle)) for handle in recipe.handles]
     reply["quantities"] = [
         {"id": "", "label": harmless(label), "text": harmless(text)} for label, text in results.quantities.items()
     ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in results.motion_checks]
@@ -250,10 +261,10 @@ def _stated(check: Check) -> str:
     return f"{check.value:.{check.digits(4)}g} {check.unit}".strip()
 
 
-def _handle(handle: SceneHandle, locks: Collection[str]) -> dict[str, Any]:
+def _handle(handle: SceneHandle, locks: Collection[str], x_factor: float, y_factor: float) -> dict[str, Any]:
     at = handle.at[kept_frames(len(handle.at))]
     is_fixed = bool(np.isfinite(at).all() and (at == at[0]).all())
-    x, y = (_row(part[:1] if is_fixed else part) for part in (at.real, at.imag))
+    x, y = (_row(part[:1] if is_fixed else part) for part in (at.real / x_factor, at.imag / y_factor))
     return {
         "id": handle.id, "label": harmless(handle.label), "keys": list(handle.keys), "shape": handle.shape,
         "at": [x[0], y[0]] if is_fixed else [x, y], "radius": handle.radius or None, "plot": handle.column or None,

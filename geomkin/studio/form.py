@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from ..core.units import MM, UNITS, LengthUnit
 from ..recipe.kinds import recipe_class
+from ..recipe.lengths import names_mm
 from ..recipe.messages import hints_of, kind_of, tables_in
 from ..recipe.recipe import SHARED, AbstractRecipe
 from ..recipe.template import SCALE, WORKSHOP
@@ -51,7 +54,26 @@ def recipe_form(kind: str, values: Mapping[str, Any] | None = None) -> dict[str,
     if recipe.can_be_scaled:
         scale = {"unit": "", "ge": 1e-6, "le": 1e6, "description": SCALE}
         groups[0]["fields"].append(_described("scale", float, scale, 1.0, True))
+    unit = UNITS.get((values or {}).get("units", ""), MM)
+    for fields in (fields for group in groups for fields in (group["fields"], *group.get("kinds", {}).values())):
+        fields[:] = [_in_unit(field, unit) for field in fields]
     return {"kind": kind, "groups": groups}
+
+
+def _in_unit(field: dict[str, Any], unit: LengthUnit) -> dict[str, Any]:
+    """The field with its limits and its default in the unit of the recipe."""
+    of = "mm" if field["type"] == "point" else field["unit"]
+    if unit.factor(of) == 1 or names_mm(field["key"].rpartition(".")[2]):
+        return field
+    numbers = {name: _converted(field[name], of, unit) for name in ("least", "most", "default")}
+    help = re.sub(r"\bin mm\b", f"in {unit.plural}", field["help"])
+    return field | numbers | {"unit": unit.unit(field["unit"]), "help": re.sub(r", mm\b", f", {unit.name}", help)}
+
+
+def _converted(value: Any, of: str, unit: LengthUnit) -> Any:
+    if isinstance(value, list):
+        return [_converted(item, of, unit) for item in value]
+    return unit.in_digits(value, of) if isinstance(value, int | float) else value
 
 
 def _groups(

@@ -27,6 +27,7 @@ from ..export.job import Job
 from ..recipe.kinds import KINDS, all_kinds, recipe_class
 from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.shown import ShownRecipe
 from ..recipe.template import template
 from .edit import Draft, answer
 from .form import recipe_form
@@ -216,7 +217,8 @@ class Studio:
         with suppress(GeomkinError):
             recipe = parse(text, "recipe", str(self.workspace.folder)).with_name(name)
             if recipe.scene is not None:
-                return assembly_picture(Job(recipe.name or recipe.kind, recipe, recipe.files.tolerance))
+                shown, tolerance = ShownRecipe(recipe), recipe.files.tolerance
+                return assembly_picture(Job(recipe.name or recipe.kind, shown, tolerance, unit=shown.unit))
         return b""
 
     def _changed(self, query: Mapping[str, str]) -> dict[str, str]:

@@ -215,7 +215,7 @@ class Editor {
 
   // Loads the form of the recipe's kind, and again if the recipe has other tables or kinds inside.
   async describe({ kind, values }) {
-    const tables = JSON.stringify(Object.entries(values).map(([key, value]) => (key.endsWith(".kind") ? [key, value] : key)));
+    const tables = JSON.stringify(Object.entries(values).map(([key, value]) => (key === "units" || key.endsWith(".kind") ? [key, value] : key)));
     if (!kind || (kind === this.kind && (tables === this.tables || tables === "[]"))) return;
     const { groups } = await post("form", { kind, values });
     this.form.describe(groups);
