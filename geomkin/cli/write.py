@@ -135,7 +135,7 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
         click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
         problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
         for problem in [*certificate.problems, *problems]:
-            click.secho(f"  {harmless(problem)}", fg="yellow")
+            click.secho(f"  {harmless(certificate.unit.text(problem))}", fg="yellow")
     return results
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.arguments import checked
+from ..core.units import UNITS, Units
 from ..export.lettering import HEIGHTS, MARGIN, strokes_of
 from ..model.material import Material
 from ..model.part import Part
@@ -27,7 +28,7 @@ LETTERING = HEIGHT + 2 * MARGIN
 
 
 @checked
-def fit_test_parts(fit_test: FitTest, material: Material | None = None) -> tuple[Part, Part]:
+def fit_test_parts(fit_test: FitTest, material: Material | None = None, units: Units = "mm") -> tuple[Part, Part]:
     """The coupon and the gauge of a fit test.
 
     Parameters
@@ -36,11 +37,13 @@ def fit_test_parts(fit_test: FitTest, material: Material | None = None) -> tuple
         Its sizes.
     material : Material, optional
         Material of the sheet or print.
+    units : {"mm", "in"}, optional
+        Unit of the engraved sizes.
 
     Returns
     -------
     tuple of Part
-        The coupon, with a row of slots below a row of holes, growing to the right, and the size of each in mm engraved
+        The coupon, with a row of slots below a row of holes, growing to the right, and the size of each engraved
         above it; and the gauge, a bar 10 mm wide.
 
     Raises
@@ -54,12 +57,14 @@ def fit_test_parts(fit_test: FitTest, material: Material | None = None) -> tuple
     >>> [round(2 * hole.radius, 9) for hole in coupon.holes[:5]]
     [2.8, 2.9, 3.0, 3.1, 3.2]
     """
-    centres, wall = hole_centres(fit_test), _wall(fit_test)
+    centres, wall = hole_centres(fit_test, units), _wall(fit_test)
     diameters, widths, slot_length = fit_test.hole_diameters, fit_test.slot_widths, GAUGE_WIDTH + END_PLAY
     holes = [Circle(complex(centre), float(diameter) / 2) for centre, diameter in zip(centres, diameters)]
     slots = [_rectangle(x - width / 2, width, slot_length) for x, width in zip(centres.real, widths)]
     tops = (*(centres + 0.5j * diameters), *(centres.real + 1j * slot_length))
-    marks = [stroke for name, top in zip(opening_names(fit_test), tops) for stroke in _lettering_above(top, name)]
+    marks = [
+        stroke for name, top in zip(opening_names(fit_test, units), tops) for stroke in _lettering_above(top, name)
+    ]
     margin = centres[1].real / 2 + wall
     # With room for the name of the part above the sizes of the holes.
     height = centres[0].imag + diameters[-1] / 2 + 2 * LETTERING + 2 * wall
@@ -72,20 +77,20 @@ def fit_test_parts(fit_test: FitTest, material: Material | None = None) -> tuple
     )
 
 
-def hole_centres(fit_test: FitTest) -> Complex:
+def hole_centres(fit_test: FitTest, units: Units = "mm") -> Complex:
     """Centres of the holes, mm, shape (count,), with room for each opening, its wall and its name."""
     largest_hole, widest_slot = float(fit_test.hole_diameters[-1]), float(fit_test.slot_widths[-1])
-    longest_name = max(_width(name) for name in opening_names(fit_test)) + 2 * MARGIN
+    longest_name = max(_width(name) for name in opening_names(fit_test, units)) + 2 * MARGIN
     pitch = float(np.ceil(max(largest_hole + _wall(fit_test), widest_slot + _wall(fit_test), longest_name)))
     height = GAUGE_WIDTH + END_PLAY + LETTERING + _wall(fit_test) + largest_hole / 2
     centres: Complex = pitch * np.arange(fit_test.count) + 1j * height
     return centres
 
 
-def opening_names(fit_test: FitTest) -> tuple[str, ...]:
-    """Sizes of the holes, then of the slots, in mm with up to three decimals, so that neighbours differ."""
-    sizes = (*fit_test.hole_diameters, *fit_test.slot_widths)
-    return tuple(f"{size:.3f}".rstrip("0").rstrip(".") for size in sizes)
+def opening_names(fit_test: FitTest, units: Units = "mm") -> tuple[str, ...]:
+    """Sizes of the holes, then of the slots, with up to three decimals of mm or four of inches: neighbours differ."""
+    sizes, decimals = (*fit_test.hole_diameters, *fit_test.slot_widths), 3 if units == "mm" else 4
+    return tuple(f"{UNITS[units].of(size):.{decimals}f}".rstrip("0").rstrip(".") for size in sizes)
 
 
 def _wall(fit_test: FitTest) -> float:

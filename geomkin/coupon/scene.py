@@ -8,8 +8,8 @@ from ..core.arguments import checked
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneBody, SceneMark
 from ..model.table import Column, Table
+from ..plane.primitives import Circle
 from .fit_test import FitTest
-from .parts import hole_centres
 
 # Frames from one hole to the next, and their duration, s: what the eye follows.
 FRAMES_PER_HOLE, HOLE_TIME = 20, 0.5
@@ -31,8 +31,9 @@ def fit_test_scene(fit_test: FitTest, parts: tuple[Part, ...]) -> Scene:
     Scene
     """
     along = np.linspace(0, fit_test.count - 1, FRAMES_PER_HOLE * (fit_test.count - 1) + 1)
+    circles = [hole for hole in parts[0].holes if isinstance(hole, Circle)]
     frames, nearest = len(along), np.rint(along).astype(int)
-    place = np.interp(along, np.arange(fit_test.count), hole_centres(fit_test))
+    place = np.interp(along, np.arange(fit_test.count), [circle.centre for circle in circles])
     table = Table(
         (
             Column("hole_number", "", "position of the pin, as the number of a hole", along + 1),

@@ -7,9 +7,8 @@ from typing import Annotated, Any
 from ..core.arguments import NUMBER, ArgumentType
 from ..core.errors import DesignError
 from ..core.fields import SMALLEST, quantity
+from ..core.units import INCH
 
-# An inch, mm, by definition.
-INCH = 25.4
 # Largest module, mm.
 LARGEST = 1e5
 # A number that may be omitted if it follows from another one; always set in a finished gear.

@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from ..core.errors import DesignError, shown
 from ..core.records import record
+from ..core.units import INCH
 from ..model.part import Bought
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
     from pydantic_core.core_schema import CoreSchema
-
-
-# Length of an inch, mm.
-INCH = 25.4
 
 
 @record

@@ -48,7 +48,11 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
         inner = {table: value.get("kind") for table, value in data.items() if isinstance(value, dict)}
         owner = next((table for table, kind in inner.items() if isinstance(kind, str) and kind in kinds), None)
         near = f"move it from [{printable(owner)}] above the first table; " if owner else did_you_mean(name, kinds)
-        if data and all(isinstance(table, Mapping) and table.keys() <= {"kerf", *FITS} for table in data.values()):
+        if data and all(
+            isinstance(table, Mapping) and table.keys() <= {"kerf", *FITS}
+            for key, table in data.items()
+            if key != "units"
+        ):
             near = "keep a workshop file in a folder below the recipes that name it; of a recipe "
         raise RecipeError(file, [Problem("kind", found, f"{near}give one of {', '.join(kinds)}", id)]) from None
     unit = UNITS.get(str(data.get("units")), MM)
@@ -60,7 +64,7 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     if "workshop" in data:
         from .workshop import with_workshop
 
-        data = with_workshop(data, kind, file, folder)
+        data = with_workshop(data, kind, file, folder, unit)
     # `scale` and `workshop` are no fields, since the recipe holds the scaled lengths and the values of the file.
     applied = ("workshop", "scale") if kind.can_be_scaled else ("workshop",)
     fields = {key: value for key, value in data.items() if key not in applied}

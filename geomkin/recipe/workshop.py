@@ -12,6 +12,8 @@ from ..core.errors import DesignError, Problem, RecipeError, printable, shown
 from ..core.fields import FARTHEST, quantity
 from ..core.names import Folder, read_text_file
 from ..core.records import record
+from ..core.units import MM, UNITS, LengthUnit
+from .lengths import in_mm, shown_problem
 from .messages import did_you_mean, explain, hints_of, tables_in
 from .recipe import FITS, is_stock
 from .settings import kerf
@@ -37,11 +39,13 @@ class MeasuredFits:
 ADAPTER = TypeAdapter(MeasuredFits)
 
 
-def with_workshop(data: Mapping[str, Any], recipe: type, file: str, folder: Folder) -> dict[str, Any]:
+def with_workshop(
+    data: Mapping[str, Any], recipe: type, file: str, folder: Folder, unit: LengthUnit = MM
+) -> dict[str, Any]:
     """The table of a recipe, with the values of its workshop file for keys that it omits.
 
-    recipe: its class. file: its name in messages. folder: holds the workshop file. Raises RecipeError if the workshop
-    file is wrong or lacks the recipe's material.
+    recipe: its class. file: its name in messages. folder: holds the workshop file. unit: of messages. Raises
+    RecipeError if the workshop file is wrong or lacks the recipe's material.
     """
     try:
         name, measured = data["workshop"], _read(data["workshop"], file, folder)
@@ -55,7 +59,8 @@ def with_workshop(data: Mapping[str, Any], recipe: type, file: str, folder: Fold
             merged["files"] = {**_common_kerf(printable(name), measured, material_of.values()), **files}
         return merged
     except DesignError as error:
-        raise RecipeError(file, [Problem(error.field, error.problem, error.remedy, error.id)]) from None
+        problem = Problem(error.field, error.problem, error.remedy, error.id)
+        raise RecipeError(file, [shown_problem(problem, recipe, unit)]) from None
 
 
 def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
@@ -69,11 +74,17 @@ def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
         if len(text) > LARGEST:
             problem = f"{printable(name)} is larger than {LARGEST:,} bytes"
             raise DesignError("file", problem, "give a workshop file, a short TOML file", "too-much-work")
-        for material, values in parsed(text).items():
+        table = parsed(text)
+        units = table.pop("units", "mm")
+        if units not in UNITS:
+            problem = f"{printable(name)}: units: found {shown(units)}"
+            raise DesignError("workshop", problem, 'give "mm" or "in"', "out-of-range")
+        for material, values in table.items():
             try:
-                measured[material] = ADAPTER.validate_python(values, extra="forbid")
+                lengths = in_mm(values, MeasuredFits, UNITS[units]) if isinstance(values, Mapping) else values
+                measured[material] = ADAPTER.validate_python(lengths, extra="forbid")
             except ValidationError as error:
-                found = explain(error, MeasuredFits)
+                found = [shown_problem(p, MeasuredFits, UNITS[units]) for p in explain(error, MeasuredFits)]
                 problems += (dataclasses.replace(p, key=".".join(filter(None, (material, p.key)))) for p in found)
     except DesignError as error:
         raise DesignError("workshop", error.problem, error.remedy, error.id) from None

@@ -16,6 +16,7 @@ from ..core.fields import to_digits
 from ..core.names import file_name_flaw
 from ..core.progress import report
 from ..core.records import record
+from ..core.units import MM, LengthUnit
 from ..export.formats import format_of
 from ..export.stamp import LAYOUT, Stamp, recipe_hash
 from ..export.summary import FOUND, NAME, read_summary
@@ -118,6 +119,8 @@ class Certificate:
     files : tuple of FileReport
     problems : tuple of str
         Problems of the folder itself, a sentence each.
+    unit : LengthUnit
+        Unit of lengths in the files of the certificate: that of the recipe.
     """
 
     folder: Path
@@ -128,6 +131,7 @@ class Certificate:
     kerf: float
     files: tuple[FileReport, ...]
     problems: tuple[str, ...] = ()
+    unit: LengthUnit = MM
 
     @property
     def passed(self) -> bool:
@@ -136,6 +140,11 @@ class Certificate:
 
     def to_dict(self) -> dict[str, object]:
         """As JSON files state it."""
+        data: dict[str, object] = self.unit.entries(self._data)
+        return data
+
+    @property
+    def _data(self) -> dict[str, object]:
         return {
             "name": self.name,
             "kind": self.kind,
@@ -224,7 +233,16 @@ def _certificate(folder: Path) -> Certificate:
         reports.append(_report(folder / file, expected, hashed))
     report(1.0, name)
     files = tuple(_with_counts(reports, expected))
-    return Certificate(folder, harmless(name), harmless(kind), hashed, recipe.files.tolerance, recipe.files.kerf, files)
+    return Certificate(
+        folder,
+        harmless(name),
+        harmless(kind),
+        hashed,
+        recipe.files.tolerance,
+        recipe.files.kerf,
+        files,
+        unit=recipe.length_unit,
+    )
 
 
 @dataclass

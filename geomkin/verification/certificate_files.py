@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.units import MM, LengthUnit
 from ..export.files import write_whole
 from ..export.summary import CERTIFICATE, as_json
 from ..export.text import text
@@ -47,9 +48,10 @@ def certify(folder: Path) -> Certificate:
 def certificate_page(certificate: Certificate) -> bytes:
     """The page, one HTML file that needs no other."""
     verdict = "Every file is as designed." if certificate.passed else "Some files are not as designed."
-    rows = "".join(f"<tr>{_row(file)}</tr>" for file in certificate.files)
-    figures = "".join(_figure(file) for file in _pictured(certificate.files))
-    problems = "".join(f'<p class="bad">{text(problem)}</p>' for problem in certificate.problems)
+    unit = certificate.unit
+    rows = "".join(f"<tr>{_row(file, unit)}</tr>" for file in certificate.files)
+    figures = "".join(_figure(file, unit) for file in _pictured(certificate.files))
+    problems = "".join(f'<p class="bad">{text(unit.text(problem))}</p>' for problem in certificate.problems)
     name = text(certificate.name)
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{name}: certificate</title>'
@@ -57,21 +59,23 @@ def certificate_page(certificate: Certificate) -> bytes:
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
         f"<style>{STYLE}</style></head>\n<body><h1>{name}: certificate</h1>\n<p>{verdict}</p>{problems}"
         f"<p>Each file was read back and compared with the exact curves of the recipe, both ways. The tolerance is "
-        f"{certificate.tolerance:g} mm, the kerf {certificate.kerf:g} mm. Recipe: SHA-256 "
+        f"{unit.of(certificate.tolerance):.6g} {unit.name}, the kerf {unit.of(certificate.kerf):.6g} {unit.name}. "
+        f"Recipe: SHA-256 "
         f"<code>{text(certificate.recipe_hash)}</code>.</p>\n"
         '<div class="files" role="region" aria-label="files" tabindex="0">'
-        "<table><thead><tr><th>file</th><th>largest deviation, mm</th><th>at</th><th>parts</th><th>holes</th>"
+        f"<table><thead><tr><th>file</th><th>largest deviation, {unit.name}</th><th>at</th><th>parts</th><th>holes</th>"
         f"<th>result</th></tr></thead><tbody>{rows}</tbody></table></div>\n{figures}</body></html>\n"
     ).encode("utf-8", "replace")
 
 
-def _row(file: FileReport) -> str:
+def _row(file: FileReport, unit: LengthUnit) -> str:
     measured = isfinite(file.deviation)
-    place = f"{text(file.part)} ({file.place.real:.3f}, {file.place.imag:.3f})" if measured else ""
+    at, decimals = unit.of(file.place), 3 if unit is MM else 4
+    place = f"{text(file.part)} ({at.real:.{decimals}f}, {at.imag:.{decimals}f})" if measured else ""
     result = "not measured" if not file.measured else "passed" if file.passed else ""
-    wrong = "".join(f'<div class="bad">{text(problem)}</div>' for problem in file.problems)
+    wrong = "".join(f'<div class="bad">{text(unit.text(problem))}</div>' for problem in file.problems)
     numbers = f"<td>{file.parts or ''}</td><td>{file.holes if file.parts else ''}</td>"
-    deviation = f"{file.deviation:.4f}" if measured else ""
+    deviation = f"{unit.of(file.deviation):.{decimals + 1}f}" if measured else ""
     return f"<td>{text(file.file)}</td><td>{deviation}</td><td>{place}</td>{numbers}<td>{result}{wrong}</td>"
 
 
@@ -82,7 +86,7 @@ def _pictured(files: Sequence[FileReport]) -> Iterator[FileReport]:
     yield from wrong or sorted(drawn, key=lambda file: -file.deviation)[:1]
 
 
-def _figure(file: FileReport) -> str:
+def _figure(file: FileReport, unit: LengthUnit) -> str:
     assert file.worst and file.worst.plate and file.worst.exact
     exact, plate, place = file.worst.exact, file.worst.plate, file.place
     low, high = _box(exact.outline.points)
@@ -91,10 +95,11 @@ def _figure(file: FileReport) -> str:
     whole = _svg("the part", middle, half, [("exact", exact.loops)], place, 0.03 * half)
     both = [("exact", exact.loops), ("file", plate.loops)]
     close = _svg("the place of the largest deviation", place, near, both, place, file.deviation)
+    deviation = f"{unit.of(file.deviation):.{4 if unit is MM else 5}f} {unit.name}"
     caption = (
-        f"{text(file.file)}, {text(file.part)}: the largest deviation, {file.deviation:.4f} mm. Left: the part, with "
-        f"its place ringed. Right: {2 * near:.3g} mm across, the exact curve solid, the file dashed; the ring has the "
-        "deviation as its radius."
+        f"{text(file.file)}, {text(file.part)}: the largest deviation, {deviation}. Left: the part, with "
+        f"its place ringed. Right: {unit.of(2 * near):.3g} {unit.name} across, the exact curve solid, the file "
+        "dashed; the ring has the deviation as its radius."
     )
     return f"<figure>{whole} {close}<figcaption>{caption}</figcaption></figure>"
 

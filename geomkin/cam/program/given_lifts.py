@@ -11,6 +11,7 @@ from ...core.errors import DesignError, printable, shown
 from ...core.fields import FARTHEST
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
+from ...core.units import INCH
 from ...plane.vec import Real, Whole
 from .laws import Ends, Law, PiecewisePolynomial
 from .segments import LiftTable, Pointed
@@ -19,7 +20,7 @@ from .smoothing_spline import smoothest_within
 # Largest number of rows of all tables of a programme: nearly three tables in steps of 0.1 deg. More need seconds.
 MOST_ROWS = 10_000
 # Columns of a CSV file; of those with lifts, whether these are angles.
-ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_deg": True}
+ANGLE, LIFTS = "cam_angle_deg", {"lift_mm": False, "lift_in": False, "lift_deg": True}
 # Adjacent rows compared with a polynomial of the fifth degree. Fewer count the motion as scatter, more resolve less.
 WINDOW = 7
 # Least number of rows for an estimate of their scatter.
@@ -104,7 +105,8 @@ def _from_csv(name: object, folder: Folder) -> tuple[Real, bool]:
         points.append(
             [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
         )
-    return checked_rows(points, "file"), LIFTS[lifts[0]]
+    unit = INCH if lifts[0] == "lift_in" else 1.0
+    return checked_rows([(angle, unit * lift) for angle, lift in points], "file"), LIFTS[lifts[0]]
 
 
 def _number(line: list[str], column: int, place: str) -> float:

@@ -54,7 +54,7 @@ class FitTestRecipe(AbstractRecipe):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        return fit_test_parts(self.openings, self.material)
+        return fit_test_parts(self.openings, self.material, self.units)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -77,10 +77,12 @@ class FitTestRecipe(AbstractRecipe):
         """Lines of a workshop file whose values, each a `?`, are to be filled in from the measurements."""
         known = next((name for name, material in MATERIALS.items() if material == self.material), None)
         name = known or (self.material.name if self.material else "the material of your recipes")
-        gauge, pin = f"{GAUGE_WIDTH + self.files.kerf:g}", f"{self.openings.pin:g}"
+        lengths = (GAUGE_WIDTH + self.files.kerf, self.openings.pin, self.files.kerf)
+        gauge, pin, compensated = (f"{self.length_unit.of(length):g}" for length in lengths)
         # Holes are drawn narrower by the kerf that is compensated already.
-        kerf = f"(kerf - {self.files.kerf:g})" if self.files.kerf else "kerf"
+        kerf = f"(kerf - {compensated})" if self.files.kerf else "kerf"
         return (
+            *([] if self.units == "mm" else [f'units = "{self.units}"']),
             f"[{toml_key(name)}]",
             f"kerf = ?          # {gauge} - width of the gauge",
             f"clearance = ?     # first hole in which the pin turns freely - {pin} + {kerf}",

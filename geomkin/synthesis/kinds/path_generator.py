@@ -14,6 +14,7 @@ from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
+from ...core.units import INCH
 from ...linkage.coupler_curve import CouplerCurve
 from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, skeleton
@@ -91,19 +92,20 @@ def as_field(name: str, path: str, count: int) -> Complex:
 
 
 def _rows(text: str, name: str) -> Complex:
-    """The rows of two numbers of a CSV text; the first row may be a heading."""
+    """The rows of two numbers of a CSV text; the first row may be a heading, which states inches as `x_in,y_in`."""
     count = text.count("\n")
     if count > MOST_POINTS + 1:
         raise DesignError(
             "file", f"{name} has {count:,} lines", f"give at most {MOST_POINTS:,} points", "too-much-work"
         )
     lines = [line for line in csv_cells(text, name) if "".join(line).strip()]
-    points = []
+    points, unit = [], 1.0
     for k, line in enumerate(lines, 1):
         try:
-            x, y = (float(cell) for cell in line)
+            x, y = (unit * float(cell) for cell in line)
         except ValueError:
             if k == 1:
+                unit = INCH if all(cell.strip().endswith("_in") for cell in line) else 1.0
                 continue
             problem = f"row {k} of {name} holds {printable(repr(','.join(line)), 30)}"
             raise DesignError(
