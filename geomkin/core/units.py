@@ -15,7 +15,7 @@ Units = Literal["mm", "in"]
 Number = TypeVar("Number", float, Any)
 # Length of an inch, mm.
 INCH = 25.4
-# Digits of numbers of a recipe: as many as a number has whatever its unit, so that 0.5 in stays 0.5.
+# Digits of numbers of a recipe: as many as are exact, so that 0.5 in stays 0.5.
 DIGITS = 15
 # Digits of numbers in sentences, and in those on problems, whose numbers may be close to a limit.
 DIGITS_IN_TEXT, DIGITS_IN_PROBLEM = 5, 7
@@ -85,8 +85,8 @@ class LengthUnit:
         factor = self.factor(unit)
         if factor == 1:
             return value
-        candidates = [to_digits(value / factor, digits) for digits in (DIGITS, DIGITS + 1, DIGITS + 2)]
-        return next((one for one in candidates if to_digits(one * factor, DIGITS) == value), candidates[0])
+        candidates = [to_digits(value / factor, digits) for digits in range(DIGITS - 1, DIGITS + 3)]
+        return next((one for one in candidates if to_digits(one * factor, DIGITS) == value), candidates[1])
 
     def in_mm(self, value: float, unit: str) -> float | int:
         """The reverse: a number of a recipe in this unit, in the unit with mm."""

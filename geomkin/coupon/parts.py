@@ -90,7 +90,9 @@ def hole_centres(fit_test: FitTest, units: Units = "mm") -> Complex:
 def opening_names(fit_test: FitTest, units: Units = "mm") -> tuple[str, ...]:
     """Sizes of the holes, then of the slots, with up to three decimals of mm or four of inches: neighbours differ."""
     sizes, decimals = (*fit_test.hole_diameters, *fit_test.slot_widths), 3 if units == "mm" else 4
-    return tuple(f"{UNITS[units].of(size):.{decimals}f}".rstrip("0").rstrip(".") for size in sizes)
+    texts = (f"{UNITS[units].of(size):.{decimals}f}" for size in sizes)
+    # Inches without the nought before the point, as in drawings.
+    return tuple((text if units == "mm" else text.removeprefix("0")).rstrip("0").rstrip(".") for text in texts)
 
 
 def _wall(fit_test: FitTest) -> float:

@@ -118,7 +118,7 @@ def to_toml(recipe: AbstractRecipe) -> str:
     Returns
     -------
     str
-        A text from which `gk.load` makes an equal recipe; in inches with 15 digits of each length.
+        A text from which `gk.load` makes an equal recipe; in inches with 14 digits of each length.
     """
     return "\n".join(table_lines("", plain_table(recipe))).lstrip("\n") + "\n"
 

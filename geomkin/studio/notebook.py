@@ -47,6 +47,7 @@ from ..plane.curve import AbstractCurve, extent
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.settings import Files
+from ..recipe.shown import ShownRecipe
 from ..synthesis.found import Found
 
 # Height of the frame, pixels: drawing, controls and plots are visible at once, the rest by scrolling. The user can
@@ -188,7 +189,9 @@ def _(recipe: AbstractRecipe) -> Job:
     name = recipe.name or recipe.kind
     if recipe.scene is None:
         return replace(_job(recipe.parts), name=name)
-    return Job(name, recipe, recipe.files.tolerance, about=recipe.introduction, recipe=partial(to_toml, recipe))
+    shown, text = ShownRecipe(recipe), partial(to_toml, recipe)
+    about = shown.unit.text(recipe.introduction)
+    return Job(name, shown, recipe.files.tolerance, about=about, recipe=text, unit=shown.unit)
 
 
 @_job.register(str)
