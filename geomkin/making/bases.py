@@ -157,10 +157,7 @@ def standing_plate(
     fits = tuple(fit for opening in all_openings for fit in opening.fits(stock.clearance))
     hole_names = tuple(letters) if any(letters) else ()
     marks = tuple(
-        ring
-        for opening in openings
-        if opening.motor
-        for ring in face_of(opening.motor).countersinks(opening.points[0])
+        ring for opening in openings if opening.motor for ring in face_of(opening.motor).countersinks(opening.points[0])
     )
     return Part("base", outline, holes, thickness, marks=marks, body="ground", hole_names=hole_names, fits=fits)
 

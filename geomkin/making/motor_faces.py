@@ -42,8 +42,8 @@ MOTOR_SCREWS = {
 }
 MOTOR_THREADS = ", ".join(f"{thread:g}" for thread in MOTOR_SCREWS)
 SUNK = "countersunk screw ISO 7046"
-# Distance of the engraved ring from the hole of a countersunk screw, mm. A larger one may leave the plate, or stay after
-# the countersink.
+# Distance of the engraved ring from the hole of a countersunk screw, mm. A larger one may leave the plate, or remain
+# after countersinking.
 RING = 0.5
 # Corners of a square of side 2 about 0.
 CORNERS = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
