@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import fields
 from functools import cached_property
 from itertools import pairwise
 
@@ -60,12 +59,6 @@ class LoadFactors:
     def factor(self) -> float:
         """Product of the factors."""
         return self.application_factor * self.dynamic_factor * self.face_load_factor
-
-    def of_gear(self, torque: float) -> GearLoads:
-        """The same factors with a torque on a driving gear, N mm, however small it is."""
-        loads = GearLoads(torque_n_mm=1.0, **{f.name: getattr(self, f.name) for f in fields(LoadFactors)})
-        object.__setattr__(loads, "torque_n_mm", torque)
-        return loads
 
 
 @record(checked=True, kw_only=True)
@@ -273,11 +266,10 @@ UNKNOWN = ToothStrength(np.nan, np.nan, np.nan)
 class AbstractMeshStrength(ABC):
     """Base class of the forces and stresses of two gears in mesh under a load.
 
-    A subclass has the fields `pair`, `loads`, `face_width` and `materials`, of the driving and of the driven gear.
+    A subclass has the fields `pair`, `face_width` and `materials`, of the driving and of the driven gear.
     """
 
     pair: GearPair | RackPair
-    loads: LoadFactors
     face_width: float
     materials: tuple[Material, Material]
 
@@ -285,6 +277,11 @@ class AbstractMeshStrength(ABC):
     @abstractmethod
     def torque(self) -> float:
         """Torque on the driving gear, N mm."""
+
+    @property
+    @abstractmethod
+    def factor(self) -> float:
+        """Factor on the tooth force for stresses."""
 
     @property
     @abstractmethod
@@ -330,7 +327,7 @@ class AbstractMeshStrength(ABC):
 
     def tooth_strength(self, gear: AbstractInvoluteGear, along: float, material: Material) -> ToothStrength:
         """Stresses of a gear's teeth for a load on the line of action, `along` mm from the gear's base circle."""
-        per_module = self.loads.factor * self.normal_force * np.cos(gear.pressure_angle)
+        per_module = self.factor * self.normal_force * np.cos(gear.pressure_angle)
         per_module /= self.face_width * gear.module
         tip = tooth_form(gear)
         inner, outer = gear.flank_lengths
@@ -347,12 +344,14 @@ class PairStrength(AbstractMeshStrength):
     ----------
     pair : GearPair
         The gears; the second may be a ring, whose root stress is not computed.
-    loads : GearLoads
-        Torque on the first gear, and load factors.
+    torque_n_mm : float
+        Torque on the first gear, N mm, above 0.
     face_width : float
         Width of the faces in contact, mm.
     materials : tuple of Material
         Of the first and the second gear.
+    factors : LoadFactors, optional
+        Factors on the tooth force for stresses, 1 by default.
 
     Notes
     -----
@@ -364,19 +363,24 @@ class PairStrength(AbstractMeshStrength):
     --------
     >>> steel = gk.making.material("steel-C45")
     >>> pair = gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2))
-    >>> loaded = gk.gear.PairStrength(pair, gk.gear.GearLoads(torque_n_mm=5000), 20, (steel, steel))
+    >>> loaded = gk.gear.PairStrength(pair, 5000, 20, (steel, steel))
     >>> round(loaded.tangential_force), round(loaded.contact_pressure), round(loaded.teeth[0].root_stress, 1)
     (250, 327, 18.1)
     """
 
     pair: GearPair
-    loads: GearLoads
+    torque_n_mm: PositiveFloat
     face_width: PositiveFloat
     materials: tuple[Material, Material]
+    factors: LoadFactors = LoadFactors()
 
     @property
     def torque(self) -> float:
-        return self.loads.torque_n_mm
+        return self.torque_n_mm
+
+    @property
+    def factor(self) -> float:
+        return self.factors.factor
 
     @property
     def pressure_angle(self) -> float:
@@ -420,7 +424,7 @@ class PairStrength(AbstractMeshStrength):
         s2 = -(s1 + between) if self.pair.is_internal else between - s1
         with np.errstate(divide="ignore"):
             curvature = 1 / s1 + 1 / s2
-        force = self.loads.factor * self.normal_force / pairs
+        force = self.factor * self.normal_force / pairs
         return hertz_pressure(force, self.face_width, curvature, *self.materials)
 
     @property
@@ -459,14 +463,14 @@ class PlanetaryStrength:
     @cached_property
     def inner(self) -> PairStrength:
         """Sun and one planet."""
-        loads = self.loads.of_gear(self.loads.torque_n_mm / self.gears.planets)
-        return PairStrength(self.gears.inner, loads, self.face_widths[0], (self.materials[0], self.materials[1]))
+        torque, (sun, planet, _) = self.loads.torque_n_mm / self.gears.planets, self.materials
+        return PairStrength(self.gears.inner, torque, self.face_widths[0], (sun, planet), self.loads)
 
     @cached_property
     def outer(self) -> PairStrength:
         """One planet and the ring, with the same force between the teeth."""
-        loads = self.loads.of_gear(self.inner.normal_force * self.gears.planet.base_radius)
-        return PairStrength(self.gears.outer, loads, self.face_widths[1], (self.materials[1], self.materials[2]))
+        torque, (_, planet, ring) = self.inner.normal_force * self.gears.planet.base_radius, self.materials
+        return PairStrength(self.gears.outer, torque, self.face_widths[1], (planet, ring), self.loads)
 
     @property
     def planet_bearing_load(self) -> float:

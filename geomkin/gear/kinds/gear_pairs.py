@@ -117,7 +117,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if self.helix_angle_deg:
             return None
         width = min(self.first_stock.thickness, self.second_stock.thickness)
-        return PairStrength(self.design, self.loads, width, (first, second))
+        return PairStrength(self.design, self.loads.torque_n_mm, width, (first, second), self.loads)
 
     @cached_property
     def design(self) -> GearPair:
