@@ -300,4 +300,4 @@ def test_slider_crank_whose_stroke_is_at_its_bound_everywhere():
     second = (place(angles + step) - 2 * place(angles) + place(angles - step)) / step**2
     peaks = (2 * np.pi) ** 2 * second.max(axis=1)  # at 60 rpm
     # The peak of frames 1 deg apart has shallow local minima over the rod's length.
-    assert best.objective == pytest.approx(peaks.min(), rel=1e-3)
+    assert best.objective == pytest.approx(peaks.min(), rel=3e-3)
