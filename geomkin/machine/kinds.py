@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
 import numpy as np
 
@@ -172,6 +172,8 @@ class MachineRecipe(AbstractRecipe):
         Formats and tolerance of the files.
     """
 
+    takes_workshop: ClassVar[bool] = False
+
     kind: Literal["machine"] = "machine"
     mechanisms: dict[str, Mechanism] = entry("the mechanisms by name, the lowest first", example={})
     drive: MachineDrive = entry("how the machine is driven", default=MachineDrive())
@@ -197,6 +199,9 @@ class MachineRecipe(AbstractRecipe):
             if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
+            if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
+                problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
+                raise DesignError("files.kerf", problem, f"give kerf = {kerf:g} in [files]", "conflict")
         if not any(isinstance(recipe, AbstractGoal) for recipe in self.recipes.values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
@@ -347,7 +352,12 @@ class MachineRecipe(AbstractRecipe):
             f"set {upper} above {lower} on tubes as high as the nuts and collars between them"
             for lower, upper in pairwise(self.mechanisms)
         )
-        return (*own, *neighbours, *(shaft.step for shaft in self.shafts), *phases)
+        turned = (
+            f"turn {name} upside down, its ground on top"
+            for name, mechanism in self.mechanisms.items()
+            if mechanism.upside_down
+        )
+        return (*own, *turned, *neighbours, *(shaft.step for shaft in self.shafts), *phases)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

@@ -15,7 +15,7 @@ from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit
 from .lengths import in_mm, shown_problem
 from .messages import did_you_mean, explain, hints_of, tables_in
-from .recipe import FITS, is_stock
+from .recipe import FITS, AbstractRecipe, is_stock
 from .settings import kerf
 from .toml import LARGEST, parsed
 
@@ -40,7 +40,7 @@ ADAPTER = TypeAdapter(MeasuredFits)
 
 
 def with_workshop(
-    data: Mapping[str, Any], recipe: type, file: str, folder: Folder, unit: LengthUnit = MM
+    data: Mapping[str, Any], recipe: type[AbstractRecipe], file: str, folder: Folder, unit: LengthUnit = MM
 ) -> dict[str, Any]:
     """The table of a recipe, with the values of its workshop file for keys that it omits.
 
@@ -48,6 +48,9 @@ def with_workshop(
     RecipeError if the workshop file is wrong or lacks the recipe's material.
     """
     try:
+        if not recipe.takes_workshop:
+            remedy = "give it in the recipe of each mechanism, and the kerf in [files]"
+            raise DesignError("workshop", f"found {shown(data['workshop'])} for all mechanisms", remedy, "conflict")
         name, measured = data["workshop"], _read(data["workshop"], file, folder)
         stocks = _stocks(data, recipe)
         material_of = _materials(data, stocks, printable(name), measured)

@@ -12,6 +12,7 @@ import shapely
 
 import geomkin as gk
 from geomkin.machine.shafts import common_period
+from geomkin.model.scene import layer_name
 from geomkin.studio.edit import answer
 from tests.gallery import RECIPES, named, recipe, seen
 from tests.texts import parse
@@ -296,6 +297,17 @@ def test_goal_is_a_mechanism_too():
     assert any(body.name == "wiper/rocker" for body in own.scene.bodies)
 
 
+def test_pictures_of_the_layers_have_the_parts_of_the_steps():
+    own = gk.load("recipes/geared-legs.toml")
+    parts = []
+    for name, bodies in own.scene.units.items():
+        for body in bodies:
+            (step,) = (step for step in own.steps if step.startswith(f"{name}: {layer_name(body.layer)}: "))
+            parts += [part.name for part in body.parts]
+            assert all(part.name.removeprefix(f"{name}_") in step for part in body.parts)
+    assert {*parts} == {part.name for part in own.parts if "spacer" not in part.name}
+
+
 FOUR_BAR = 'kind = "four-bar", linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }'
 REFUSED = {
     "one": (machine(a=inline(CRANK)), "mechanisms", "out-of-range"),
@@ -326,6 +338,10 @@ REFUSED = {
     "wrong key inside": (machine(a=inline(PAIR), b=inline(CRANK.replace("coupler", "cuopler"), 'turned_by = "a.second"')),
                          "mechanisms.b.recipe.linkage.coupler", "missing-key"),
     "no table": (machine(a=inline(PAIR), b='recipe = 3\nturned_by = "a.second"'), "mechanisms.b.recipe", "wrong-type"),
+    "workshop of all": ('workshop = "laser.toml"\n' + machine(a=inline(PAIR), b=inline(CRANK, 'turned_by = "a.second"')),
+                        "workshop", "conflict"),
+    "another kerf": (machine(a=inline(f"{PAIR}, files = {{ kerf = 0.2 }}"), b=inline(CRANK, 'turned_by = "a.second"')),
+                     "files.kerf", "conflict"),
     "names alike": (machine(a=inline(PAIR), a_b=inline(CRANK, 'turned_by = "a.second"')), "mechanisms", "conflict"),
     "long period": (machine(a=inline('kind = "gear-train", train = { module = 1, stages = [[13, 37], [13, 41]] }'),
                             b=inline(CRANK, 'turned_by = "a.driver_1"'), c=inline(CRANK, 'turned_by = "a.driven_2"')),
