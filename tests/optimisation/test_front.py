@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.cli import cli
-from geomkin.optimisation.front import even_shares
+from geomkin.optimisation.search import even_shares
 from tests.optimisation.test_independent_optima import STEP_DEG, four_bar
 
 FOUR_BAR = {
