@@ -14,7 +14,7 @@ from ..core.records import record
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
 from .extrema import exceeds, largest, samples
-from .followers.flat import straight_face_base_radius
+from .followers.flat import TranslatingFlat
 from .followers.follower import AbstractFollower, Follower
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
@@ -167,7 +167,7 @@ def flat_face_base_radius(program: Program, least_radius: float = 0.0, tilt_deg:
     -----
     Rothbart, Cams (1956), flat-faced follower; the tilted face is derived here.
     """
-    return straight_face_base_radius(program, least_radius, tilt_deg)
+    return TranslatingFlat(tilt_deg).least_base_radius(program, least_radius)
 
 
 # Violation of a rule at each cam angle of a motion, for a base radius in mm; above 0 if the rule is broken.

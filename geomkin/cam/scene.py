@@ -11,7 +11,18 @@ from ..core.arguments import checked
 from ..making.motor_faces import split_motor_parts, with_motor_plate
 from ..model.handles import circle_handle, plot_handle, point_handle
 from ..model.part import Part
-from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, dimension, mm
+from ..model.scene import (
+    Limit,
+    Plot,
+    Scene,
+    SceneBody,
+    SceneCurve,
+    SceneHandle,
+    SceneMark,
+    dimension,
+    mm,
+    playing_time,
+)
 from ..model.table import Table
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Pose, Real, dot, unit
@@ -86,11 +97,9 @@ def cam_scene(
     curves += follower.dimensions(parts)
     marks = (*follower.joints(parts), *follower.force(), *follower.intended())
     is_cyclic = bool(np.isclose(angle[-1] - angle[0], 2 * np.pi))
-    time = np.asarray(table["time"], dtype=float)
     return Scene(
         table,
-        # With an acceleration the time is unknown, and the scene lasts two seconds.
-        time if np.isfinite(time).all() else np.linspace(0, 2, len(time)),
+        playing_time(table),
         np.ones(len(angle), dtype=bool),
         with_motor_plate(tuple(follower.bodies(parts)), motor),
         tuple(curves),

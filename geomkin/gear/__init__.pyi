@@ -68,6 +68,7 @@ from .scene_pairs import pair_scene as pair_scene
 from .scene_pairs import planetary_scene as planetary_scene
 from .scene_train import train_scene as train_scene
 from .strength import GearLoads as GearLoads
+from .strength import LoadFactors as LoadFactors
 from .strength import PairStrength as PairStrength
 from .strength import RootSection as RootSection
 from .strength import ToothForm as ToothForm

@@ -49,7 +49,7 @@ class RackStrength(AbstractMeshStrength):
 
     Notes
     -----
-    As of `PairStrength`: nominal stresses, one pair of teeth carries all of the force, and friction is left out.
+    As of `PairStrength`: nominal stresses, one pair of teeth carries all of the force, and friction is not considered.
 
     Examples
     --------
@@ -70,6 +70,10 @@ class RackStrength(AbstractMeshStrength):
         return self.loads.force_n * self.pair.pinion.pitch_radius
 
     @property
+    def factor(self) -> float:
+        return self.loads.factor
+
+    @property
     def pressure_angle(self) -> float:
         return self.pair.pinion.pressure_angle
 
@@ -84,7 +88,7 @@ class RackStrength(AbstractMeshStrength):
     def contact_pressure(self) -> float:
         pinion = self.pair.pinion
         curvature = 1 / (pinion.pitch_radius * np.sin(pinion.pressure_angle))
-        force = self.loads.factor * self.normal_force
+        force = self.factor * self.normal_force
         return float(hertz_pressure(force, self.face_width, curvature, *self.materials))
 
     @property
@@ -166,7 +170,7 @@ class TrainStrength:
         """Forces and stresses of each stage under the torque on its driver, which includes friction."""
         materials = zip(self.materials[::2], self.materials[1::2])
         return tuple(
-            PairStrength(pair, self.loads.of_gear(torque), self.face_width, pair_materials)
+            PairStrength(pair, torque, self.face_width, pair_materials, self.loads)
             for pair, torque, pair_materials in zip(self.train.pairs, self.torques, materials)
         )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import fields
 from functools import cached_property
 from itertools import pairwise
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import quantity
+from ..core.fields import last_fit, quantity
 from ..core.records import record
 from ..model.material import Material, hertz_pressure
 from ..model.table import Column, Table
@@ -28,7 +27,7 @@ LEAST_ROOT_SAFETY = 2.0
 LEAST_CONTACT_SAFETY = 1.0
 # Slope of the tangent at the critical section to the middle of the tooth, rad (ISO 6336-3, external gears).
 SECTION_TANGENT = np.radians(30)
-# Samples of a root curve, and rounds in which they close in on a point of it by 32 times each.
+# Samples of a root curve, and rounds of sampling, each of which narrows the interval of a point to 1/32.
 SAMPLES, ROUNDS = 65, 8
 
 
@@ -61,12 +60,6 @@ class LoadFactors:
         """Product of the factors."""
         return self.application_factor * self.dynamic_factor * self.face_load_factor
 
-    def of_gear(self, torque: float) -> GearLoads:
-        """The same factors with a torque on a driving gear, N mm, however small it is."""
-        loads = GearLoads(torque_n_mm=1.0, **{f.name: getattr(self, f.name) for f in fields(LoadFactors)})
-        object.__setattr__(loads, "torque_n_mm", torque)
-        return loads
-
 
 @record(checked=True, kw_only=True)
 class GearLoads(LoadFactors):
@@ -89,7 +82,7 @@ class GearLoads(LoadFactors):
 
 @record
 class RootSection:
-    """Critical section of an external tooth, where the tangent of its root leans 30 deg from the tooth's middle.
+    """Critical section of an external tooth, where the tangent of its root is inclined by 30 deg to the tooth's middle.
 
     Parameters
     ----------
@@ -145,15 +138,11 @@ def root_section(gear: AbstractInvoluteGear) -> RootSection:
         raise DesignError(
             "gear", "its roots have no tangent at 30 deg to the tooth", "give a smaller pressure angle", "out-of-range"
         )
-    points = []
-    for k in crossings:
-        low, high = edges[k], edges[k + 1]
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            rises = cross(tangent, root.velocity(middle)) * side[k] > 0
-            low, high = (middle, high) if rises else (low, middle)
-        points.append(low)
-    t = min(points, key=lambda t: float(root.point(t).real))
+
+    def crossing(k: int) -> float:
+        return last_fit(lambda t: bool(cross(tangent, root.velocity(t)) * side[k] > 0), edges[k], edges[k + 1])
+
+    t = min(map(crossing, crossings.tolist()), key=lambda t: float(root.point(t).real))
     z = complex(root.point(t))
     return RootSection(2 * z.real, z.imag, float(1 / np.abs(root.curvature(t))))
 
@@ -273,11 +262,10 @@ UNKNOWN = ToothStrength(np.nan, np.nan, np.nan)
 class AbstractMeshStrength(ABC):
     """Base class of the forces and stresses of two gears in mesh under a load.
 
-    A subclass has the fields `pair`, `loads`, `face_width` and `materials`, of the driving and of the driven gear.
+    A subclass has the fields `pair`, `face_width` and `materials`, of the driving and of the driven gear.
     """
 
     pair: GearPair | RackPair
-    loads: LoadFactors
     face_width: float
     materials: tuple[Material, Material]
 
@@ -285,6 +273,11 @@ class AbstractMeshStrength(ABC):
     @abstractmethod
     def torque(self) -> float:
         """Torque on the driving gear, N mm."""
+
+    @property
+    @abstractmethod
+    def factor(self) -> float:
+        """Factor on the tooth force for stresses."""
 
     @property
     @abstractmethod
@@ -330,7 +323,7 @@ class AbstractMeshStrength(ABC):
 
     def tooth_strength(self, gear: AbstractInvoluteGear, along: float, material: Material) -> ToothStrength:
         """Stresses of a gear's teeth for a load on the line of action, `along` mm from the gear's base circle."""
-        per_module = self.loads.factor * self.normal_force * np.cos(gear.pressure_angle)
+        per_module = self.factor * self.normal_force * np.cos(gear.pressure_angle)
         per_module /= self.face_width * gear.module
         tip = tooth_form(gear)
         inner, outer = gear.flank_lengths
@@ -347,36 +340,43 @@ class PairStrength(AbstractMeshStrength):
     ----------
     pair : GearPair
         The gears; the second may be a ring, whose root stress is not computed.
-    loads : GearLoads
-        Torque on the first gear, and load factors.
+    torque_n_mm : float
+        Torque on the first gear, N mm, above 0.
     face_width : float
         Width of the faces in contact, mm.
     materials : tuple of Material
         Of the first and the second gear.
+    factors : LoadFactors, optional
+        Factors on the tooth force for stresses, 1 by default.
 
     Notes
     -----
     Nominal stresses by the formulas of ISO 6336 for straight teeth, with load factors 1 unless others are given; this
-    is no rating by that standard. One pair of teeth carries all of the force. Friction is left out. What needs an
-    unknown value of a material is nan.
+    is no rating by that standard. One pair of teeth carries all of the force. Friction is not considered. Results that
+    depend on an unknown value of a material are nan.
 
     Examples
     --------
     >>> steel = gk.making.material("steel-C45")
     >>> pair = gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2))
-    >>> loaded = gk.gear.PairStrength(pair, gk.gear.GearLoads(torque_n_mm=5000), 20, (steel, steel))
+    >>> loaded = gk.gear.PairStrength(pair, 5000, 20, (steel, steel))
     >>> round(loaded.tangential_force), round(loaded.contact_pressure), round(loaded.teeth[0].root_stress, 1)
     (250, 327, 18.1)
     """
 
     pair: GearPair
-    loads: GearLoads
+    torque_n_mm: PositiveFloat
     face_width: PositiveFloat
     materials: tuple[Material, Material]
+    factors: LoadFactors = LoadFactors()
 
     @property
     def torque(self) -> float:
-        return self.loads.torque_n_mm
+        return self.torque_n_mm
+
+    @property
+    def factor(self) -> float:
+        return self.factors.factor
 
     @property
     def pressure_angle(self) -> float:
@@ -420,7 +420,7 @@ class PairStrength(AbstractMeshStrength):
         s2 = -(s1 + between) if self.pair.is_internal else between - s1
         with np.errstate(divide="ignore"):
             curvature = 1 / s1 + 1 / s2
-        force = self.loads.factor * self.normal_force / pairs
+        force = self.factor * self.normal_force / pairs
         return hertz_pressure(force, self.face_width, curvature, *self.materials)
 
     @property
@@ -459,14 +459,14 @@ class PlanetaryStrength:
     @cached_property
     def inner(self) -> PairStrength:
         """Sun and one planet."""
-        loads = self.loads.of_gear(self.loads.torque_n_mm / self.gears.planets)
-        return PairStrength(self.gears.inner, loads, self.face_widths[0], (self.materials[0], self.materials[1]))
+        torque, (sun, planet, _) = self.loads.torque_n_mm / self.gears.planets, self.materials
+        return PairStrength(self.gears.inner, torque, self.face_widths[0], (sun, planet), self.loads)
 
     @cached_property
     def outer(self) -> PairStrength:
         """One planet and the ring, with the same force between the teeth."""
-        loads = self.loads.of_gear(self.inner.normal_force * self.gears.planet.base_radius)
-        return PairStrength(self.gears.outer, loads, self.face_widths[1], (self.materials[1], self.materials[2]))
+        torque, (_, planet, ring) = self.inner.normal_force * self.gears.planet.base_radius, self.materials
+        return PairStrength(self.gears.outer, torque, self.face_widths[1], (planet, ring), self.loads)
 
     @property
     def planet_bearing_load(self) -> float:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from ..model.part import Bought, Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
-from ..recipe.load import from_table, short_table, to_toml
+from ..recipe.load import from_table, short_table, to_toml, whole_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
 from ..recipe.toml import LARGEST, parsed
@@ -50,7 +50,7 @@ class RecipeOrFile(ArgumentType):
 
         return core_schema.with_info_plain_validator_function(
             lambda value, info: _read(value, (info.context or {}).get("folder", ".")),
-            serialization=core_schema.plain_serializer_function_ser_schema(_written),
+            serialization=core_schema.plain_serializer_function_ser_schema(_written, info_arg=True),
         )
 
     def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
@@ -91,9 +91,11 @@ def _refuse_machine(key: str = "kind") -> NoReturn:
     raise DesignError(key, "found a machine in a machine", remedy, "conflict")
 
 
-def _written(recipe: AbstractRecipe) -> str | dict[str, Any]:
-    """The name of its file, or its keys as an inline table."""
-    return f"{recipe.name}.toml" if recipe.name else short_table(recipe)
+def _written(recipe: AbstractRecipe, info: Any) -> str | dict[str, Any]:
+    """The name of its file, or its keys as an inline table; with `has_defaults` in the context, all of them."""
+    if recipe.name:
+        return f"{recipe.name}.toml"
+    return whole_table(recipe) if (info.context or {}).get("has_defaults") else short_table(recipe)
 
 
 @record(checked=True, kw_only=True)
@@ -170,6 +172,8 @@ class MachineRecipe(AbstractRecipe):
         Formats and tolerance of the files.
     """
 
+    takes_workshop: ClassVar[bool] = False
+
     kind: Literal["machine"] = "machine"
     mechanisms: dict[str, Mechanism] = entry("the mechanisms by name, the lowest first", example={})
     drive: MachineDrive = entry("how the machine is driven", default=MachineDrive())
@@ -191,6 +195,9 @@ class MachineRecipe(AbstractRecipe):
             if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
+            if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
+                problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
+                raise DesignError("files.kerf", problem, f"give kerf = {kerf:g} in [files]", "conflict")
         if not any(isinstance(recipe, AbstractGoal) for recipe in self.recipes.values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
@@ -282,7 +289,7 @@ class MachineRecipe(AbstractRecipe):
             duty = MotorDuty(self.input_torque, np.full(angle.shape, RPM * self.drive.speed_rpm), angle)
             known = np.isfinite(duty.torque).any()
             at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
-            yield motor_check(motor, duty, TORQUE, at)
+            yield motor_check(motor, duty, TORQUE, at, on_plate=True)
 
     @cached_property
     def scene(self) -> Scene:

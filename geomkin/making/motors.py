@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from ..core.arguments import PositiveFloat, checked
 from ..core.fields import entry, to_digits
 from ..model.check import Check
 from ..model.motor import Motor, MotorDuty
+from .motor_faces import MOTOR_FACES
 from .named import NamedIn
 
 # Least margin of a motor that `smallest_motor` chooses, for friction and loads that are not stated; chosen here.
@@ -115,8 +117,13 @@ def smallest_motor(duty: MotorDuty, margin: PositiveFloat = LEAST_MOTOR_MARGIN) 
     >>> gk.making.smallest_motor(result.duty).name
     '37 mm gear motor 19:1, 12 V'
     """
-    suitable = [motor for motor in MOTORS.values() if motor.margin(duty) >= margin]
-    return min(suitable, key=lambda motor: motor.mass_g, default=None)
+    name = _lightest(MOTORS, duty, margin)
+    return MOTORS[name] if name else None
+
+
+def _lightest(names: Iterable[str], duty: MotorDuty, margin: float) -> str | None:
+    suitable = (name for name in names if MOTORS[name].margin(duty) >= margin)
+    return min(suitable, key=lambda name: MOTORS[name].mass_g, default=None)
 
 
 def motor_entry(item: str) -> Any:
@@ -130,16 +137,35 @@ def motor_name(motor: Motor) -> str | None:
     return next((key for key, known in MOTORS.items() if known == motor), None)
 
 
-def motor_check(motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None) -> Check:
+def motor_check(
+    motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None, on_plate: bool = False
+) -> Check:
     """Check that a motor supplies the torque and speed of its duty, by the margin of `smallest_motor`.
 
-    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`.
+    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`. on_plate: whether a plate
+    has the holes for the motor, so that only motors with a known face can replace it.
     """
-    better = smallest_motor(duty)
-    advice = f'give motor = "{motor_name(better)}" ({better.name})' if better else "no motor of the table suffices"
+    names = [name for name in MOTORS if name in MOTOR_FACES or not on_plate]
+    better = _lightest(names, duty, LEAST_MOTOR_MARGIN)
+    change = "choose another motor by its torque: none of the table suffices"
+    if better:
+        shaft = f", whose shaft has {MOTOR_FACES[better].shaft:g} mm" if on_plate else ""
+        change = f'give motor = "{better}" ({MOTORS[better].name}{shaft})'
+    advice = _excess(motor, duty) + change
     name = f"torque of the {motor.name} to that required"
     limit = LEAST_MOTOR_MARGIN
     return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at)
+
+
+def _excess(motor: Motor, duty: MotorDuty) -> str:
+    """The beginning of an advice: the speed or the angle that the motor does not reach."""
+    speed, angle = duty.peak_speed_rpm, duty.angle_deg
+    if not np.all(motor.torque_at(duty.speed)):
+        limit = "its largest speed" if motor.constant_torque else "its speed without load"
+        return f"the driver turns at {speed:.4g} rpm, and {limit} is {motor.speed_rpm:g} rpm: turn it slower, or "
+    if motor.range_deg is not None and angle > motor.range_deg:
+        return f"the driver turns by {angle:.4g} deg, and the servo by {motor.range_deg:g} deg: "
+    return ""
 
 
 def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:

@@ -111,6 +111,12 @@ def plain_table(recipe: AbstractRecipe) -> dict[str, Any]:
     return table | {key: table.pop(key) for key in ("optimise",) if key in table}
 
 
+def whole_table(recipe: AbstractRecipe) -> dict[str, Any]:
+    """All keys of a recipe, and of recipes inside it, with their values."""
+    table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json", context={"has_defaults": True})
+    return table
+
+
 def short_table(recipe: AbstractRecipe) -> dict[str, Any]:
     """The same, and without the default values in its tables."""
     return _without_defaults(recipe, plain_table(recipe), is_deep=True)

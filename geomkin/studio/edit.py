@@ -18,7 +18,7 @@ from ..model.scene import SceneHandle
 from ..page.scene_json import scene_data
 from ..plane.vec import Real
 from ..recipe.keys import edited_text, with_values
-from ..recipe.load import adapter, from_table
+from ..recipe.load import from_table, whole_table
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.toml import parsed
 from .drag import drag, is_locked
@@ -220,7 +220,7 @@ def _is_there(table: Mapping[str, Any], field: str) -> bool:
 
 def _values(recipe: AbstractRecipe) -> dict[str, Any]:
     """Every key with its value as it stands, also those that the text leaves out."""
-    return dict(_flat(adapter(type(recipe)).dump_python(recipe, mode="json"), ""))
+    return dict(_flat(whole_table(recipe), ""))
 
 
 def _flat(value: Any, key: str) -> Iterator[tuple[str, Any]]:

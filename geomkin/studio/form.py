@@ -10,17 +10,20 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from ..recipe.kinds import recipe_class
 from ..recipe.messages import hints_of, kind_of, tables_in
-from ..recipe.recipe import SHARED
+from ..recipe.recipe import SHARED, AbstractRecipe
 from ..recipe.template import SCALE, WORKSHOP
 
 
-def recipe_form(kind: str) -> dict[str, Any]:
+def recipe_form(kind: str, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """The form of a kind of recipe, in groups, one for each table.
 
     Parameters
     ----------
     kind : str
         Name of the kind.
+    values : mapping, optional
+        A recipe's values by dotted key, as `answer` returns them. Tables whose names the recipe chooses have groups
+        under these names, and a recipe inside it has the groups of its own kind.
 
     Returns
     -------
@@ -42,7 +45,7 @@ def recipe_form(kind: str) -> dict[str, Any]:
     """
     recipe = recipe_class(kind)
     # The same table may be inside several kinds of table.
-    found = _groups(recipe, "", {"title": kind, "help": recipe.about()})
+    found = _groups(recipe, "", {"title": kind, "help": recipe.about()}, values or {})
     groups = list({group["key"]: group for group in found}.values())
     groups[0]["fields"].append(_described("workshop", str, {"description": WORKSHOP}, None, True))
     if recipe.can_be_scaled:
@@ -52,35 +55,67 @@ def recipe_form(kind: str) -> dict[str, Any]:
 
 
 def _groups(
-    table: type, path: str, about: Mapping[str, Any], tables: list[type] | None = None
+    table: type, path: str, about: Mapping[str, Any], values: Mapping[str, Any], tables: list[type] | None = None
 ) -> Iterator[dict[str, Any]]:
     """The group of a table and those of the tables inside it."""
     group = {"key": path, "title": path.replace("[]", ""), "help": "", "optional": False, "rows": False, "within": ""}
     group |= about
-    kinds = {kind_of(one): list(_fields(one, path)) for one in tables or () if kind_of(one)}
-    yield group | ({"fields": [], "kinds": kinds} if len(kinds) > 1 else {"fields": list(_fields(table, path))})
+    kinds = {kind_of(one): list(_fields(one, path, values)) for one in tables or () if kind_of(one)}
+    yield group | ({"fields": [], "kinds": kinds} if len(kinds) > 1 else {"fields": list(_fields(table, path, values))})
     for one in tables or [table]:
         for field in sorted(dataclasses.fields(one), key=lambda field: field.name in SHARED):
             hint = hints_of(one)[field.name]
-            # Tables under names that the recipe chooses are edited in its text.
-            if (inner := tables_in(hint)) and get_origin(hint) is not dict:
-                key = f"{path}.{field.name}" if path else field.name
+            key = f"{path}.{field.name}" if path else field.name
+            help, inner = field.metadata.get("description", ""), tables_in(hint)
+            if _is_recipe(hint) and f"{key}.kind" in values:
+                yield from _inner_recipe(key, values)
+            elif get_origin(hint) is dict and inner:
+                for name in _names(key, values):
+                    about = {"help": _file_note(inner[0], f"{key}.{name}", values), "optional": True}
+                    yield from _groups(inner[0], f"{key}.{name}", about, values)
+            elif inner:
                 is_rows = get_origin(hint) is tuple or (dataclasses.is_dataclass(hint) and hint not in inner)
                 entry = {
-                    "help": field.metadata.get("description", ""),
+                    "help": help,
                     "optional": field.default is not MISSING or field.default_factory is not MISSING,
                     "rows": is_rows,
                     "within": kind_of(one) or "" if kinds else "",
                 }
-                yield from _groups(inner[0], f"{key}[]" if is_rows else key, entry, inner)
+                yield from _groups(inner[0], f"{key}[]" if is_rows else key, entry, values, inner)
 
 
-def _fields(table: type, path: str) -> Iterator[dict[str, Any]]:
+def _inner_recipe(key: str, values: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The groups of a recipe inside another, which does not use its files."""
+    kind = values[f"{key}.kind"]
+    recipe = recipe_class(kind)
+    for group in _groups(recipe, key, {"title": f"{key}: {kind}", "help": recipe.about()}, values):
+        if not group["key"].startswith((f"{key}.files", f"{key}.optimise")):
+            yield group
+
+
+def _file_note(table: type, path: str, values: Mapping[str, Any]) -> str:
+    """Where the values of a table's recipe are edited, if it is a file."""
+    keys = [f"{path}.{field.name}" for field in dataclasses.fields(table) if _is_recipe(hints_of(table)[field.name])]
+    return "; ".join(f"to edit the values of its recipe, open {values[key]}" for key in keys if key in values)
+
+
+def _is_recipe(hint: Any) -> bool:
+    return isinstance(hint, type) and issubclass(hint, AbstractRecipe)
+
+
+def _names(key: str, values: Mapping[str, Any]) -> list[str]:
+    """The names of the tables inside a table, in the order of the recipe."""
+    return list(
+        dict.fromkeys(other[len(key) + 1 :].partition(".")[0] for other in values if other.startswith(f"{key}."))
+    )
+
+
+def _fields(table: type, path: str, values: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     for field in dataclasses.fields(table):
         hint = hints_of(table)[field.name]
-        if (tables_in(hint) and get_origin(hint) is not dict) or (field.name == "kind" and not path):
-            continue
         key = f"{path}.{field.name}" if path else field.name
+        if tables_in(hint) or f"{key}.kind" in values or (field.name == "kind" and _is_recipe(table)):
+            continue
         has_default = field.default is not MISSING or field.default_factory is not MISSING
         default = field.default_factory() if field.default_factory is not MISSING else field.default
         yield _described(key, hint, field.metadata, default, has_default)

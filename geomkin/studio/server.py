@@ -102,8 +102,6 @@ class Studio:
             case "start":
                 first, text = (self.kept.name, self.kept.text) if self.kept else (self.first, "")
                 return {"first": first, "text": text, "recipes": self.workspace.recipes}
-            case "form":
-                return self._known_kind(query, recipe_form)
             case "gallery":
                 kinds = [
                     {"kind": kind, "group": row.group, "about": recipe_class(kind).about()}
@@ -123,6 +121,9 @@ class Studio:
         match name:
             case "answer":
                 return self._answer(body)
+            case "form":
+                values = body.get("values")
+                return self._known_kind(body, partial(recipe_form, values=values if isinstance(values, dict) else {}))
             case "open":
                 opened = self.workspace.open(_text(body, "recipe"))
                 return {"recipe": body["recipe"], "text": opened.text, "base": opened.base}

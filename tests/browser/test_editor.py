@@ -96,7 +96,7 @@ def save(editor):
     answers = [reply.json() for reply in editor.answers]
     scenes = [scene for answer in answers if (scene := (answer.get("result") or answer).get("scene"))]
     text = editor.file.read_text()
-    run = scene_data(gk.load(text).with_name("it").scene, "it")
+    run = scene_data(gk.load(editor.file).scene, "it")
     assert scenes[-1] == run
     assert plates and set(plates) <= set(run["paths"])
     return text
@@ -195,6 +195,23 @@ def test_a_typed_value_is_shown_and_saved(studio, recipe, key, typed):
     editor = studio((RECIPES / f"{recipe}.toml").read_text())
     fill(editor.page, key, typed)
     assert typed in save(editor) and value(editor.page, key) == float(typed)
+
+
+def test_a_machine_has_fields_for_its_mechanisms_and_for_the_recipes_in_it(studio, tmp_path):
+    (tmp_path / "walking-leg.toml").write_text((RECIPES / "walking-leg.toml").read_text())
+    editor = studio((RECIPES / "geared-legs.toml").read_text())
+    page, module = editor.page, "mechanisms.train.recipe.train.module"
+    fill(page, "mechanisms.right.phase_deg", "150")
+    page.click('details[data-key="mechanisms.train.recipe.train"] summary')
+    fill(page, module, "1.1")
+    assert value(page, module) == 1.1 and not page.locator('[name^="mechanisms.left.recipe."]').count()
+    # A value that the inner recipe refuses is reported at its field.
+    fill(page, module, "-1")
+    assert page.inner_text(f'.problem[data-of="{module}"]')
+    page.click("#undo")
+    settle(page)
+    text = save(editor)
+    assert "phase_deg = 150" in text and "module = 1.1" in text
 
 
 def test_a_template_of_the_gallery_is_edited_and_saved_under_a_new_name(studio):

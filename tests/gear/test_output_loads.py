@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.gear import GearLoads, GearRack, PairStrength, RackLoads, RackPair, RackStrength, TrainLoads, TrainStrength
+from geomkin.gear import GearRack, PairStrength, RackLoads, RackPair, RackStrength, TrainLoads, TrainStrength
 
 POM = gk.making.material("POM")
 STAGES = ((15, 45), (12, 48), (14, 29))
@@ -73,7 +73,7 @@ def test_output_torque_at_the_limit_leaves_one_safety_at_its_limit():
 def test_a_rack_is_a_wheel_with_ever_more_teeth():
     pinion = gk.SpurGear(20, 2)
     rack = RackStrength(RackPair(pinion, GearRack(12, 2)), RackLoads(force_n=100), 6, (POM, POM))
-    wheel = PairStrength(gk.GearPair(pinion, gk.SpurGear(10_000, 2)), GearLoads(torque_n_mm=2000), 6, (POM, POM))
+    wheel = PairStrength(gk.GearPair(pinion, gk.SpurGear(10_000, 2)), 2000, 6, (POM, POM))
     for name in ("normal_force", "radial_force", "contact_pressure", "contact_safety"):
         assert getattr(rack, name) == pytest.approx(getattr(wheel, name), rel=2e-3)
     assert rack.teeth[0].root_stress == pytest.approx(wheel.teeth[0].root_stress, rel=2e-3)

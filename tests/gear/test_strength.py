@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.strength import GearLoads, PairStrength, root_section, tooth_form
+from geomkin.gear.strength import LoadFactors, PairStrength, root_section, tooth_form
 from geomkin.plane.roulettes import involute_function
 
 STEEL = gk.Material("steel", 7850, modulus=206_000, poisson_ratio=0.3, strength=600, yield_strength=340)
@@ -79,7 +79,7 @@ def test_lewis_factors_are_near_the_printed_ones():
 def test_pair_of_20_and_40_teeth():
     """Worked with the formulas of ISO 6336-2 and -3 by hand and by a second program: load factors 1, 5 N m."""
     pair = gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2))
-    loaded = PairStrength(pair, GearLoads(torque_n_mm=5000), 20, (STEEL, STEEL))
+    loaded = PairStrength(pair, 5000, 20, (STEEL, STEEL))
     assert loaded.tangential_force == pytest.approx(250)
     # The nominal contact stress has the contact ratio factor, the pressure at the pitch point has not.
     assert loaded.contact_pressure * np.sqrt((4 - pair.contact_ratio) / 3) == pytest.approx(287.824486, abs=1e-6)
@@ -93,23 +93,23 @@ def test_published_contact_stress():
     """
     pair = gk.GearPair(gk.SpurGear(45, 2), gk.SpurGear(137, 2))
     maitra = gk.Material("steel", 7850, modulus=206_000, poisson_ratio=0.3)
-    loaded = PairStrength(pair, GearLoads(torque_n_mm=600_000), 45, (maitra, maitra))
+    loaded = PairStrength(pair, 600_000, 45, (maitra, maitra))
     assert loaded.contact_pressure == pytest.approx(990.11, rel=2e-4)
 
 
 def test_torque_limit_is_the_torque_at_which_a_safety_meets_its_limit():
     pair = gk.GearPair(gk.SpurGear(17, 2), gk.SpurGear(40, 2))
     for material in (STEEL, gk.making.material("POM"), gk.making.material("birch-plywood")):
-        loaded = PairStrength(pair, GearLoads(torque_n_mm=100), 8, (material, material))
-        at_limit = PairStrength(pair, GearLoads(torque_n_mm=loaded.torque_limit), 8, (material, material))
+        loaded = PairStrength(pair, 100, 8, (material, material))
+        at_limit = PairStrength(pair, loaded.torque_limit, 8, (material, material))
         checks = gk.gear.strength_checks(at_limit)
         assert min(check.value / check.limit for check in checks) == pytest.approx(1)
 
 
 def test_load_factors_multiply_stresses_but_not_bearing_loads():
     pair = gk.GearPair(gk.SpurGear(17, 2), gk.SpurGear(40, 2))
-    plain = PairStrength(pair, GearLoads(torque_n_mm=100), 8, (STEEL, STEEL))
-    shaken = PairStrength(pair, GearLoads(torque_n_mm=100, dynamic_factor=4), 8, (STEEL, STEEL))
+    plain = PairStrength(pair, 100, 8, (STEEL, STEEL))
+    shaken = PairStrength(pair, 100, 8, (STEEL, STEEL), LoadFactors(dynamic_factor=4))
     assert shaken.teeth[0].root_stress == pytest.approx(4 * plain.teeth[0].root_stress)
     assert shaken.contact_pressure == pytest.approx(2 * plain.contact_pressure)
     assert shaken.normal_force == plain.normal_force
@@ -117,7 +117,7 @@ def test_load_factors_multiply_stresses_but_not_bearing_loads():
 
 def test_pressure_in_a_ring_is_that_of_a_convex_and_a_concave_cylinder():
     pair = gk.GearPair(gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
-    loaded = PairStrength(pair, GearLoads(torque_n_mm=5000), 10, (STEEL, STEEL))
+    loaded = PairStrength(pair, 5000, 10, (STEEL, STEEL))
     r1, r2 = (r * np.sin(pair.working_pressure_angle) for r in pair.working_radii)
     modulus = 206_000 / (2 * (1 - 0.3**2))
     expected = np.sqrt(loaded.normal_force / 10 * modulus * (1 / r1 - 1 / r2) / np.pi)

@@ -1,5 +1,9 @@
 """Which motor turns a mechanism: torque over speed, margins and the choice from the table."""
 
+import re
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -71,3 +75,26 @@ def test_the_duty_of_a_linkage_is_its_driver_s_torque_and_refused_without_a_shaf
     slider = gk.move(gk.SliderCrank(30, 90, driver="slider"), np.linspace(70, 110, 20), speed=5.0)
     with pytest.raises(gk.DesignError, match="shaft"):
         _ = gk.forces(slider, gk.Loads(masses={"slider": gk.Mass(1)})).duty
+
+
+def motor_torque(table):
+    return next(check for check in gk.load(table).design_checks if check.id == "motor_torque")
+
+
+def test_an_advised_motor_is_accepted_by_the_stock_and_suffices():
+    """A crank on the plate of its motor, faster than this motor turns: the advice is followed, until it passes."""
+    table = tomllib.loads(Path("recipes/motor-crank.toml").read_text())
+    force = {"body": "rocker", "point": "rocker_pin", "force_n": [0, -4]}
+    table |= {"drive": {"speed_rpm": 90}, "loads": {"forces": [force]}}
+    table["stock"] |= {"motor": "25d-75"}
+    check = motor_torque(table)
+    assert check.value == 0
+    assert "90 rpm" in check.advice and "75 rpm" in check.advice
+    table["stock"]["motor"] = re.search(r'motor = "([^"]+)"', check.advice)[1]
+    assert motor_torque(table).passed
+    # The lightest motor of the table that suffices has no drawing of its face, and is advised for the loads alone.
+    table["loads"] = {"forces": [force | {"force_n": [0, -0.2]}], "motor": "28byj-48"}
+    del table["stock"]["motor"], table["stock"]["fit"]
+    table["loads"]["motor"] = re.search(r'motor = "([^"]+)"', motor_torque(table).advice)[1]
+    assert table["loads"]["motor"] not in gk.making.MOTOR_FACES
+    assert motor_torque(table).passed

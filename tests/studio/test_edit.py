@@ -180,14 +180,42 @@ def test_it_opens_no_file_socket_or_thread():
 
 @pytest.mark.parametrize("kind", kind_names())
 def test_the_form_of_a_kind_has_every_key_that_a_recipe_can_have(kind):
-    groups = recipe_form(kind)["groups"]
+    values = _values(gk.load(template(recipe_class(kind))))
+    known = keys_of(recipe_form(kind, values)["groups"]) | {"kind"}
+    tables = tuple(f"{key[:-2]}." for key in known if key.endswith(".*"))
+    for key in values:
+        key = re.sub(r"\[\d+\]", "[]", key)
+        # A recipe inside another does not use its files, and its kind is the title of its group.
+        inner = re.search(r"\.recipe\.(kind|optimise|files\b.*)$", key)
+        assert key in known or f"{key}[]" in known or key.startswith(tables) or inner, key
+
+
+def keys_of(groups):
+    """Keys of all fields and tables of a form; those of tables whose keys a recipe chooses also end with `.*`."""
     json.dumps(groups, allow_nan=False)
     fields = [f for group in groups for some in (group["fields"], *group.get("kinds", {}).values()) for f in some]
-    known = {field["key"] for field in fields} | {group["key"] for group in groups} | {"kind"}
-    tables = tuple(f"{field['key']}." for field in fields if field["type"] == "table")
-    for key in _values(gk.load(template(recipe_class(kind)))):
-        key = re.sub(r"\[\d+\]", "[]", key)
-        assert key in known or f"{key}[]" in known or key.startswith(tables), key
+    chosen = {f"{f['key']}.*" for f in fields if f["type"] == "table"}
+    return {f["key"] for f in fields} | {group["key"] for group in groups} | chosen
+
+
+def test_the_form_of_a_machine_has_the_fields_of_its_mechanisms():
+    text, leg = (Path(f"recipes/{stem}.toml").read_text() for stem in ("geared-legs", "walking-leg"))
+    files = {"walking-leg.toml": leg}
+    groups = {group["key"]: group for group in recipe_form("machine", answer(text, files, {})["values"])["groups"]}
+    fields = {field["key"]: field for group in groups.values() for field in group["fields"]}
+    # Values of the machine's own text have the units and limits of their kind; those of a file are edited in it.
+    assert (fields["mechanisms.right.phase_deg"]["unit"], fields["mechanisms.left.angle_deg"]["most"]) == ("deg", 360)
+    train = {field["key"]: field for group in recipe_form("gear-train")["groups"] for field in group["fields"]}
+    assert fields["mechanisms.train.recipe.train.module"] | {"key": "train.module"} == train["train.module"]
+    assert "walking-leg.toml" in groups["mechanisms.left"]["help"]
+    assert not [key for key in fields if key.startswith("mechanisms.left.recipe.")]
+    # Each of them can be set, and the text keeps its form.
+    changes = {"mechanisms.right.phase_deg": 170, "mechanisms.train.recipe.train.module": 1.1}
+    reply = answer(text, files, {"set": changes})
+    changed = [line for line, old in zip(reply["text"].splitlines(), text.splitlines(), strict=True) if line != old]
+    assert not reply["problems"] and len(changed) == 2
+    assert {reply["values"][key] for key in changes} == {170, 1.1}
+    assert "left" not in tomllib.loads(answer(text, files, {"set": {"mechanisms.left": None}})["text"])["mechanisms"]
 
 
 def test_quantities_beside_the_scene():

@@ -139,7 +139,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         mass = given.mass if given else follower_mass(self.cam, self.body_masses)
         loads = self.loads.of_follower(self.cam, mass or Mass(0.0))
         motor = self.loads.motor or MOTORS.get(str(stock.motor))
-        return LoadedCam(self.cam, loads, self.drive, stock.thickness, stock.material, motor)
+        return LoadedCam(self.cam, loads, self.drive, stock.thickness, stock.material, motor, stock.motor is not None)
 
     @cached_property
     def table(self) -> Table:

@@ -120,6 +120,8 @@ class LoadedCam:
         Of cam and follower.
     given_motor : Motor or None
         The motor on the camshaft; the smallest that suffices if None.
+    on_plate : bool
+        Whether a plate has the holes for it.
     """
 
     cam: Cam
@@ -128,6 +130,7 @@ class LoadedCam:
     face_width: float
     material: Material | None
     given_motor: Motor | None
+    on_plate: bool
 
     def forces_at(self, angle: Real) -> CamForces:
         """The forces at any cam angles, rad."""
@@ -217,7 +220,8 @@ class LoadedCam:
         if self.motor is not None:
             torque = np.abs(self.forces.torque)
             at = float(np.degrees(self.drive.angles[first_largest(torque)])) if np.isfinite(torque).any() else np.nan
-            yield motor_check(self.motor, self.forces.duty, "camshaft_torque", at if np.isfinite(at) else None)
+            position = at if np.isfinite(at) else None
+            yield motor_check(self.motor, self.forces.duty, "camshaft_torque", position, self.on_plate)
 
     def _contact_advice(self) -> str:
         """What keeps the follower on the cam: keys of the recipe with values that do."""

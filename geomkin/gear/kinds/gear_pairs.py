@@ -117,7 +117,7 @@ class GearPairRecipe(AbstractHelicalRecipe):
         if self.helix_angle_deg:
             return None
         width = min(self.first_stock.thickness, self.second_stock.thickness)
-        return PairStrength(self.design, self.loads, width, (first, second))
+        return PairStrength(self.design, self.loads.torque_n_mm, width, (first, second), self.loads)
 
     @cached_property
     def design(self) -> GearPair:
@@ -164,12 +164,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
             for part in gear_parts(gear, stock, name, f"{name}_stock", helix=helix)
         ]
         if self.base is not None:
-            pair = self.design
-            reaches, shafts = (
-                (pair.first.tip_radius, pair.second.tip_radius),
-                (self.first_stock.bore, self.second_stock.bore),
-            )
-            first = self.first_stock
+            pair, first = self.design, self.first_stock
+            reaches, shafts = (pair.first.tip_radius, pair.second.tip_radius), (first.bore, self.second_stock.bore)
             plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
             return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]

@@ -72,7 +72,7 @@ def pair_strength_notes(loaded: PairStrength) -> Mapping[str, object]:
     torques = (loaded.torque, loaded.torque * abs(loaded.pair.ratio))
     return {
         "torque_n_mm": {name: to_digits(torque) for name, torque in zip(loaded.pair.names, torques)},
-        "load_factors": factor_notes(loaded.loads),
+        "load_factors": factor_notes(loaded.factors),
         "bearing_load_N": to_digits(loaded.normal_force),
         "torque_limit_n_mm": to_digits(loaded.torque_limit),
         **mesh_strength_notes(loaded),

@@ -125,7 +125,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             return None
         masses = self.body_masses if self.stock.material else {}
         copies = self.moving_copies if self.copies else ()
-        return LoadedLinkage(self.loads, self.motion, masses, copies, self.given_motor, self.balanced)
+        on_plate = self.stock.motor is not None
+        return LoadedLinkage(self.loads, self.motion, masses, copies, self.given_motor, on_plate, self.balanced)
 
     @property
     def given_motor(self) -> Motor | None:

@@ -33,7 +33,7 @@ class LoadedLinkage:
     """The forces of a linkage in motion, and the torque of the shaft that it shares with its copies.
 
     table: the loads. masses: of the parts by body. copies: on the same shaft. given_motor: on that shaft, or None.
-    balanced: plates with counterweights, or None.
+    on_plate: whether a plate has the holes for a motor. balanced: plates with counterweights, or None.
     """
 
     table: LoadsTable
@@ -41,6 +41,7 @@ class LoadedLinkage:
     masses: Mapping[str, Mass]
     copies: tuple[Copied, ...]
     given_motor: Motor | None
+    on_plate: bool
     balanced: BalancedPlates | None = None
 
     @property
@@ -155,7 +156,7 @@ class LoadedLinkage:
         known = np.isfinite(self.effort).any()
         at = driver_at(self.motion, first_largest(np.abs(self.effort))) if known else None
         column = "shaft_torque" if self.copies else "driver_torque"
-        return (motor_check(self.motor, self.duty, column, at), *others)
+        return (motor_check(self.motor, self.duty, column, at, self.on_plate), *others)
 
     @property
     def summary(self) -> Mapping[str, object]:

@@ -201,12 +201,8 @@ class Editor {
     this.text = reply.text;
     this.reply = reply;
     document.body.classList.toggle("unchecked", this.text !== this.checkedText);
-    if (reply.kind && reply.kind !== this.kind) {
-      const { groups } = await get("form", { kind: reply.kind });
-      this.form.describe(groups);
-      this.kind = reply.kind;
-    }
     if (Object.keys(reply.values).length) this.values = reply.values;
+    await this.describe(reply);
     if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
     if (reply.scene) this.showScene(reply);
     this.form.show(this.values, this.saved, this.text);
@@ -215,6 +211,15 @@ class Editor {
     at("limit").hidden = !reply.limit;
     at("limit").textContent = reply.limit ? `${reply.limit.reason} (${reply.limit.keys.join(", ")})` : "";
     this.showState();
+  }
+
+  // Loads the form of the recipe's kind, and again if the recipe has other tables or kinds inside.
+  async describe({ kind, values }) {
+    const tables = JSON.stringify(Object.entries(values).map(([key, value]) => (key.endsWith(".kind") ? [key, value] : key)));
+    if (!kind || (kind === this.kind && (tables === this.tables || tables === "[]"))) return;
+    const { groups } = await post("form", { kind, values });
+    this.form.describe(groups);
+    Object.assign(this, { kind, tables });
   }
 
   showScene({ scene, handles }) {

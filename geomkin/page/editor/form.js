@@ -62,9 +62,9 @@ export class Form {
       return;
     }
     const part = make(this.root, "details", { "data-key": path });
-    part.open = closed.get(path) ?? !["files", "files.title", ""].includes(path);
+    part.open = closed.get(path) ?? !/^$|^files|\.recipe\./.test(path);
     const head = make(part, "summary", {}, group.rows ? `${group.title} ${index + 1}` : group.title);
-    if (group.rows || (group.optional && new RegExp(`^\\s*\\[+\\s*${CSS.escape(path)}\\s*\\]`, "m").test(this.text))) {
+    if (group.rows || (group.optional && new RegExp(`^\\s*\\[+\\s*${CSS.escape(path)}\\s*[\\].]`, "m").test(this.text))) {
       const remove = make(head, "button", { type: "button", class: "remove", "aria-label": `Remove ${head.textContent}` }, "Remove");
       remove.addEventListener("click", (event) => { event.preventDefault(); this.editor.set({ [path]: null }, path); this.editor.close(); });
     }
