@@ -256,7 +256,7 @@ def follower_lengths(cam: Cam) -> dict[str, float]:
 SEGMENT_KEYS = ("end_deg", "duration_deg", "rise", "rise_deg", "end_lift", "end_lift_deg")
 
 
-def cam_handles(cam: Cam, angle: Real, key: str = "cam") -> Iterator[SceneHandle]:
+def cam_handles(cam: Cam, angle: Real) -> Iterator[SceneHandle]:
     """Handles of the base circle, the follower's lengths, and the ends of segments on the plot of the lift.
 
     Parameters
@@ -265,28 +265,26 @@ def cam_handles(cam: Cam, angle: Real, key: str = "cam") -> Iterator[SceneHandle
         The cam as the recipe has it.
     angle : ndarray, shape (frames,)
         Cam angles of the scene's frames, rad.
-    key : str
-        Key of the cam's table in the recipe.
 
     Returns
     -------
     iterator of SceneHandle
     """
     follower, lengths = cam.follower, set(follower_lengths(cam))
-    yield circle_handle(f"{key}.base_radius", radius=cam.base_radius)
+    yield circle_handle("cam.base_radius", radius=cam.base_radius)
     contact = cam.contact(angle)
     centre = contact.point + follower.roller_radius * contact.normal
     if follower.roller_radius:
-        yield circle_handle(f"{key}.follower.roller_radius", radius=follower.roller_radius, centre=centre)
+        yield circle_handle("cam.follower.roller_radius", radius=follower.roller_radius, centre=centre)
     if follower.oscillates:
         pivot = np.asarray(follower.pose(cam.program.motion(angle[:1]).lift, cam.base_radius).origin)
-        yield point_handle(f"{key}.follower.pivot_distance", at=pivot)
+        yield point_handle("cam.follower.pivot_distance", at=pivot)
     # The roller's centre, or the place where the cam touches a face.
-    others = [f"{key}.follower.{name}" for name in sorted(lengths - {"roller_radius", "pivot_distance"})]
+    others = [f"cam.follower.{name}" for name in sorted(lengths - {"roller_radius", "pivot_distance"})]
     if others:
         yield point_handle(*others, at=centre)
     # The last end is that of the turn.
     for k, ((end, lift), segment) in enumerate(zip(cam.program.ends[:-1], cam.program.segments)):
-        keys = [f"{key}.program[{k}].{name}" for name in SEGMENT_KEYS if getattr(segment, name, None) is not None]
+        keys = [f"cam.program[{k}].{name}" for name in SEGMENT_KEYS if getattr(segment, name, None) is not None]
         if keys:
             yield plot_handle(*keys, at=complex(end, lift), column="lift", label=f"end of segment {k + 1}")

@@ -318,7 +318,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         (rack,) = gear_parts(self.design.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
-        rack_and_base = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
+        rack_and_base = rack_base(self.design, rack, self.stock.bore, self.base, self.stock.motor)
         return replace(pinion, hole_names=("A",)), *rack_and_base
 
     @cached_property
