@@ -224,8 +224,9 @@ def optimise_command(
     """Find the best values of a RECIPE's keys.
 
     The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
-    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture and a
-    recipe for each design of their Pareto front. All cores work. Ctrl-C ends the search; the best so far is written.
+    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture, a
+    page and a recipe for each design of their Pareto front. All cores work. Ctrl-C ends the search; the best so far is
+    written.
     """
     import signal
 

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
-from glob import escape
 from pathlib import Path
 
 import numpy as np
 
 from ..core.errors import printable
 from ..core.records import record
-from ..export.csv import csv
-from ..export.files import remove, write_whole
 from ..export.plots import plot_file
 from ..model.scene import Plot
 from ..model.table import Column, Table
 from ..plane.vec import Real
-from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from .designs import Trials, TriedDesign
 from .gradients import Box
@@ -124,15 +120,3 @@ def undominated(results: Real) -> list[int]:
         front.append(int(first))
         left = left[(results[left] < results[first]).any(axis=1)]
     return front
-
-
-def write_front(front: ParetoFront, folder: Path, name: str) -> dict[Path, int]:
-    """Write the table, the picture and a recipe for each design; recipes of an earlier, longer front are removed."""
-    contents = {f"{name}.front.csv": csv(front.table), f"{name}.front.svg": front.picture()}
-    for number, design in enumerate(front.designs, 1):
-        contents[f"{name}.front-{number}.toml"] = to_toml(design.recipe).encode()
-    write_whole(folder, contents)
-    for path in folder.glob(f"{escape(name)}.front-*.toml"):
-        if path.name not in contents:
-            remove(path)
-    return {folder / file: len(content) for file, content in contents.items()}

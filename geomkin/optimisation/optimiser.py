@@ -25,9 +25,10 @@ from ..model.check import Check
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe, varied
-from .designs import Target, Trials, TriedDesign
+from .designs import NO_VIOLATION, Target, Trials, TriedDesign
 from .formulas import objective, parsed_constraint
-from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, write_front
+from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of
+from .front_files import write_front
 from .gradients import Box
 from .search import search
 
@@ -162,8 +163,8 @@ def optimise(
     time_limit : float
         Longest time, s. When it is over, or at Ctrl-C, the best design so far is returned.
     out : str or Path, optional
-        Folder for `<name>/<name>.optimum.toml`; for `<name>.front.csv`, `<name>.front.svg` and a recipe of each design
-        if there are several objectives. By default nothing is written.
+        Folder for `<name>/<name>.optimum.toml`; for `<name>.front.csv`, `.svg` and `.html` and a recipe of each
+        design if there are several objectives. By default nothing is written.
     executor : Executor, optional
         Of `concurrent.futures`, or of a cluster with the same interface, such as Dask's `client.get_executor()`. By
         default this process computes the designs. The result is the same.
@@ -277,7 +278,7 @@ def _optimised(
 
 def ranges_of(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Ranges by key from texts such as `linkage.crank = 20:40`."""
-    form = "KEY=LOW:HIGH, such as linkage.crank=20:40,"
+    form = "KEY=LOW:HIGH (linkage.crank=20:40)"
     ranges: dict[str, tuple[float, float]] = {}
     for key, pair in texts_by_key("vary", texts, form).items():
         try:
@@ -293,7 +294,7 @@ def ranges_of(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
 def _range(key: str, pair: Sequence[float]) -> tuple[float, float]:
     low, high = pair
     if not low < high:
-        raise DesignError(key, f"found {low:g} to {high:g}", "give a range whose second value is the greater one")
+        raise DesignError(key, f"found the range {low:g} to {high:g}", "give the smaller value first")
     return low, high
 
 
@@ -374,12 +375,10 @@ def _front(trials: Trials, boxes: Sequence[Box]) -> ParetoFront:
 
 
 def _refuse(trials: Trials, design: TriedDesign) -> NoReturn:
-    """Name the constraint that the best design misses most, and by how much."""
-    worst = int(np.argmax(design.excesses))
-    least, most = trials.sides(trials.recipe.opened(design.values))[worst]
-    text = trials.conditions[worst].text
+    """Name the constraints that the best design misses, the worst one first, and by how much."""
+    sides = trials.sides(trials.recipe.opened(design.values))
+    order = [k for k in np.argsort(-design.excesses) if design.excesses[k] > NO_VIOLATION]
+    missed = " and ".join(f"{shown(trials.conditions[k].text)} by {sides[k][0] - sides[k][1]:.4g}" for k in order)
     values = ", ".join(f"{key} = {value:.6g}" for key, value in design.values.items())
-    problem = (
-        f"none of {trials.count} designs meets all; the nearest ({values}) misses {shown(text)} by {least - most:.4g}"
-    )
-    raise DesignError("subject_to", printable(problem, 1000), "relax this constraint, or give wider ranges")
+    problem = f"none of {trials.count} designs meets all; the nearest ({values}) misses {missed}"
+    raise DesignError("subject_to", printable(problem, 1000), "relax a constraint, or give wider ranges")
