@@ -36,8 +36,8 @@ def write_front(front: ParetoFront, folder: Path, name: str) -> dict[Path, int]:
         f"{name}.front.svg": front.picture(),
         f"{name}.front.html": front_page(name, front),
     }
-    for number, design in enumerate(front.designs, 1):
-        contents[f"{name}.front-{number}.toml"] = to_toml(design.recipe).encode()
+    for k, design in enumerate(front.designs, 1):
+        contents[f"{name}.front-{k}.toml"] = to_toml(design.recipe).encode()
     write_whole(folder, contents)
     for path in folder.glob(f"{escape(name)}.front-*.toml"):
         if path.name not in contents:
