@@ -183,9 +183,9 @@ class _Results:
 
     def __call__(self, name: str) -> Any:
         columns = [c for c in self.recipe.table.columns if c.values.dtype.kind in "fiub"]
-        for column in columns:
-            if name in (column.id, column.header):
-                return column.values
+        named = [c for c in columns if c.id == name] or [c for c in columns if c.header == name]
+        if named:
+            return named[0].values
         further = self.recipe.further_values
         if name in further:
             return further[name]
