@@ -138,7 +138,7 @@ def gradient_search(trials: Trials, box: Box, start: Real, target: Target, of_vi
         solver.optimize(np.append(start, [float(objective_rows.max()) / scale] * has_bound))
     except TimeOverError:
         pass
-    except (nlopt.RoundoffLimited, nlopt.runtime_error):
+    except (nlopt.RoundoffLimited, nlopt.ForcedStop, nlopt.runtime_error):
         # At an optimum where many values are equal there may be no further step; the best design is known.
         pass
 
