@@ -11,7 +11,7 @@ from ..model.check import Check
 from ..plane.vec import Real, first_largest
 from .cam import Cam
 from .extrema import largest
-from .measures import cam_angles, pressure_angle, segment_limits, tightest_convex
+from .measures import cam_angles, segment_limits, tightest_convex
 from .undercut import Undercut, undercut
 
 # deg. Larger lets a guide bind on a force that leans; smaller asks for larger cams. 30 for followers that move
@@ -142,8 +142,9 @@ def _most_leaning(cam: Cam, way: int) -> tuple[float, float] | None:
     rest = ROUNDING * np.abs(cam.program.motion(cam_angles(cam)).velocity).max()
 
     def leaning(angle: Real) -> Real:
-        moving = way * cam.program.motion(angle).velocity > rest
-        return np.where(moving, np.abs(pressure_angle(cam, angle)), -1.0)
+        motion = cam.program.motion(angle)
+        contact = cam.follower.contact(motion, cam.base_radius, cam.sense)
+        return np.where(way * motion.velocity > rest, np.abs(contact.pressure_angle), -1.0)
 
     most, at = largest(cam.program.breaks, leaning)
     return (float(np.degrees(most)), float(np.degrees(at))) if most >= 0 else None
