@@ -173,7 +173,7 @@ def undercut(cam: Cam) -> Undercut:
 
 
 def _is_star_shaped(cam: Cam) -> bool:
-    """Whether a profile that nowhere runs backwards meets every ray from the axis once, so that it cannot cross itself."""
+    """Whether a profile that nowhere runs backwards meets each ray from the axis once and so never crosses itself."""
 
     def inward(angle: Real) -> Real:
         contact = cam.contact(angle)
