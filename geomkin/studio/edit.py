@@ -270,6 +270,7 @@ def _handle(handle: SceneHandle, locks: Collection[str]) -> dict[str, Any]:
     return {
         "id": handle.id, "label": harmless(handle.label), "keys": list(handle.keys), "shape": handle.shape,
         "at": [x[0], y[0]] if is_fixed else [x, y], "radius": handle.radius or None, "plot": handle.column or None,
+        "arrow": [handle.arrow.real, handle.arrow.imag] if handle.arrow else None,
         "locked": all(is_locked(key, locks) for key in handle.keys),
     }  # fmt: skip
 
