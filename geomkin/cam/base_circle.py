@@ -14,7 +14,7 @@ from ..core.records import record
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
 from .extrema import exceeds, largest, samples
-from .followers.flat import straight_face_base_radius
+from .followers.flat import TranslatingFlat
 from .followers.follower import AbstractFollower, Follower
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
@@ -127,8 +127,7 @@ def least_base_circle(
     good: Mask = np.asarray((trial_violations <= 0).all(axis=0))
     if not good.any():
         raise _no_base_circle(rules, trial_violations, pressure_angle_deg)
-    last = len(good) - 1 - int(good[::-1].argmax())
-    first = last - int(np.append(good[last::-1], False).argmin()) + 1
+    first, last = _uppermost_run(good)
     # On a small cam a peak of the pressure angle is narrow and may lie between two samples.
     fits = _rule_test(program, rules)
     while first < last and not fits(float(trials[first])):
@@ -167,7 +166,7 @@ def flat_face_base_radius(program: Program, least_radius: float = 0.0, tilt_deg:
     -----
     Rothbart, Cams (1956), flat-faced follower; the tilted face is derived here.
     """
-    return straight_face_base_radius(program, least_radius, tilt_deg)
+    return TranslatingFlat(tilt_deg).least_base_radius(program, least_radius)
 
 
 # Violation of a rule at each cam angle of a motion, for a base radius in mm; above 0 if the rule is broken.
@@ -192,6 +191,13 @@ def _trial_radii(low: float, high: float, scale: float, violations: Callable[[Re
     while (violations(np.array([low + top])) > 0).any() and top < 1e6 * scale:
         top *= 2
     return low + np.geomspace(SMALLEST * scale, 4 * top, TRIALS)
+
+
+def _uppermost_run(good: Mask) -> tuple[int, int]:
+    """First and last index of the last run of true values."""
+    last = int(np.flatnonzero(good)[-1])
+    invalid = np.flatnonzero(~good[:last])
+    return (int(invalid[-1]) + 1 if len(invalid) else 0), last
 
 
 def _boundary(program: Program, rules: dict[Limit, Rule], good: float, bad: float) -> tuple[float, Limit, float]:

@@ -14,29 +14,31 @@ from .extrema import largest
 from .measures import cam_angles, segment_limits, tightest_convex
 from .undercut import Undercut, undercut
 
-# deg. Larger lets a guide bind on a force that leans; smaller asks for larger cams. 30 for followers that move
-# straight is the rule of Rothbart, Cams (1956). An arm swings away from the force and bears more: how much, rules
-# differ (Norton, Design of Machinery, ch. 8, gives about 35); 45 is chosen here.
+# deg. With a larger angle a guide binds, a smaller one requires larger cams. 30 for straight followers is the rule of
+# Rothbart, Cams (1956). An arm swings away from the force and allows more: Norton, Design of Machinery, ch. 8, gives
+# about 35; 45 is chosen here.
 MOST_PRESSURE_ANGLE_DEG = {"straight": 30, "arm": 45}
-# Least radius of the pitch curve over the roller's. At 1 the cam has a point, and on the way there the stress in its
-# flank rises without limit. Norton, Design of Machinery, ch. 8, advises 2 to 3; below 1.5, chosen here, is poor.
+# Least radius of the pitch curve over the roller's. At 1 the cam is pointed, and towards it the stress in the flank
+# rises without limit. Norton, Design of Machinery, ch. 8, advises 2 to 3; 1.5 is chosen here.
 LEAST_PITCH_TO_ROLLER = 1.5
-# mm. A sharper edge wears off under a flat face, or a knife edge; chosen here, as the corner that a file breaks.
+# mm. A sharper edge wears off under a flat face or a knife edge; chosen here, as the chamfer of a deburred edge.
 LEAST_CONVEX_RADIUS = 1
-# Share of the peak acceleration that the scatter of a table may add: more is felt and heard; chosen here.
+# Share of the peak acceleration that may be due to scatter of a table's rows. A larger one can be felt and heard;
+# chosen here.
 MOST_NOISE = 0.1
 
-# Places at which the acceleration jumps that are named: more make no better advice.
-MOST_PLACES = 4
+# Largest number of cam angles that an advice lists.
+MOST_ANGLES = 4
 # Laws that begin and end without acceleration, as a dwell does.
 SMOOTH = "cycloidal, modified-sine, modified-trapezoid or 3-4-5"
 
-# Of the largest velocity, what counts as rest. A larger share would leave out angles at which the follower moves.
+# Velocity, as a share of the largest one, up to which the follower counts as resting. A larger value omits angles at
+# which it moves.
 ROUNDING = 1e-9
 
 
 def most_pressure_angle(cam: Cam) -> float:
-    """The usual limit of the pressure angle, deg, of a cam with such a follower."""
+    """The usual limit of the pressure angle for the follower of a cam, deg."""
     return MOST_PRESSURE_ANGLE_DEG["arm" if cam.follower.oscillates else "straight"]
 
 
@@ -54,8 +56,8 @@ def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
     Returns
     -------
     tuple of Check
-        Pressure angles of rise and return, deg; jumps of velocity and acceleration; scatter of tables; the distance
-        from undercut, and the lift that undercut takes. A failed check is advice: the cam can be made all the same.
+        Pressure angles of rise and return, deg; jumps of velocity and acceleration; scatter of tables; the margin
+        before undercut, or the lift lost to it.
 
     Notes
     -----
@@ -73,12 +75,13 @@ def cam_checks(cam: Cam, cut: Undercut | None = None) -> tuple[Check, ...]:
 
 
 def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
-    for name, way in (("rise", 1), ("return", -1)):
-        if (found := _most_leaning(cam, way)) is not None:
-            (leaning, at), most = found, most_pressure_angle(cam)
+    for name, direction in (("rise", 1), ("return", -1)):
+        largest_angle, at = _largest_pressure_angle(cam, direction)
+        if largest_angle >= 0:
             id, words = f"pressure_angle_{name}", f"pressure angle on the {name}"
             advice = "give a larger base_radius or a longer segment"
-            yield Check(id, words, leaning, "at most", most, "deg", advice, "pressure_angle", at)
+            limit = most_pressure_angle(cam)
+            yield Check(id, words, largest_angle, "at most", limit, "deg", advice, "pressure_angle", at)
     jumps = np.abs(cam.program.jumps.velocity)
     if jumps.any():
         at = float(np.degrees(cam.program.breaks[:-1][first_largest(jumps)]))
@@ -89,24 +92,26 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
     if jumps.any():
         joints = np.degrees(cam.program.breaks[:-1])
         angles, at = joints[jumps > 0], float(joints[first_largest(jumps)])
-        places = ", ".join(f"{angle:.4g}" for angle in angles[:MOST_PLACES])
-        places += " and more" * (len(angles) > MOST_PLACES)
-        advice = f"infinite jerk at {places} deg: give laws that meet there in acceleration, such as {SMOOTH}"
+        listed = ", ".join(f"{angle:.4g}" for angle in angles[:MOST_ANGLES])
+        listed += " and more" * (len(angles) > MOST_ANGLES)
+        advice = f"infinite jerk at {listed} deg: give laws that meet there in acceleration, such as {SMOOTH}"
         unit = f"{'rad' if cam.follower.oscillates else 'mm'}/rad2"
         name, column = "jump in acceleration", "acceleration"
         yield Check("acceleration_jump", name, jumps.max(), "at most", 0, unit, advice, column, at)
     for k, table in cam.program.tables.items():
         # Unknown scatter gives no check.
         if not np.isnan(table.noise):
-            advice = f"the curve follows the scatter of the rows: give within = {_above(table.wide)} in program[{k}]"
+            step = 10.0 ** (np.floor(np.log10(table.wide)) - 1)
+            within = f"{np.ceil(table.wide / step) * step:.2g}"
+            advice = f"the curve follows the scatter of the rows: give within = {within} in program[{k}]"
             if np.isinf(table.noise):
-                advice += ", or a dwell or a steady motion in its place, for they show no other"
+                advice += ", or replace it by a dwell or a uniform motion: the rows show no other motion"
             name = f"acceleration from scatter of the rows of program[{k}]"
             yield Check(f"scatter_{k}", name, table.noise, "at most", MOST_NOISE, "of the peak", advice)
-    yield from _room(cam, cut)
+    yield from _undercut_checks(cam, cut)
 
 
-def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
+def _undercut_checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
     """Margin before undercut, or the lost lift if the cam is undercut."""
     roller = cam.follower.roller_radius
     if roller:
@@ -127,24 +132,18 @@ def _room(cam: Cam, cut: Undercut) -> Iterator[Check]:
         yield Check("convex_radius", name, sharpest, "at least", least, "mm", advice)
 
 
-def _above(value: float) -> str:
-    """A little more, in two digits."""
-    step = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return f"{np.ceil(value / step) * step:.2g}"
+def _largest_pressure_angle(cam: Cam, direction: int) -> tuple[float, float]:
+    """Largest pressure angle while the follower moves outwards (1) or inwards (-1), and its cam angle, deg.
 
-
-def _most_leaning(cam: Cam, way: int) -> tuple[float, float] | None:
-    """Largest pressure angle, and the cam angle there, deg, while the follower moves outward, way 1, or inward, -1.
-
-    None if it never does.
+    The pressure angle is negative if the follower never moves in that direction.
     """
-    # At rest what is left of the velocity is rounding, whose sign says nothing.
+    # The velocity of a resting follower is a rounding error of either sign.
     rest = ROUNDING * np.abs(cam.program.motion(cam_angles(cam)).velocity).max()
 
-    def leaning(angle: Real) -> Real:
+    def size(angle: Real) -> Real:
         motion = cam.program.motion(angle)
         contact = cam.follower.contact(motion, cam.base_radius, cam.sense)
-        return np.where(way * motion.velocity > rest, np.abs(contact.pressure_angle), -1.0)
+        return np.where(direction * motion.velocity > rest, np.abs(contact.pressure_angle), -1.0)
 
-    most, at = largest(cam.program.breaks, leaning)
-    return (float(np.degrees(most)), float(np.degrees(at))) if most >= 0 else None
+    most, at = largest(cam.program.breaks, size)
+    return float(np.degrees(most)), float(np.degrees(at))

@@ -205,8 +205,8 @@ def cam_table(
     motion, (unit, size) = cam.program.motion(angle), cam.follower.lift_unit
     velocity_jumps, acceleration_jumps = at_jumps(cam, angle)
     rate = "rad" if cam.follower.oscillates else "mm"
-    contact, left = cam.contact(angle), cut or undercut(cam)
-    radius = polar_radius(left.outline, angle)
+    contact, cut = cam.contact(angle), cut or undercut(cam)
+    radius = polar_radius(cut.outline, angle)
     second = motion.acceleration * speed**2 + motion.velocity * acceleration
     third = motion.jerk * speed**3 + 3 * motion.acceleration * speed * acceleration
     # Infinite at a cusp of the profile; a table holds nan there.
@@ -230,8 +230,8 @@ def cam_table(
         *xy_columns("contact", "mm", "contact point of follower and cam, in the ground's frame", contact.point),
         Column("outline_radius", "mm", "radius of the cut cam, at cam_angle from the cam's x axis", radius),
     ]
-    if left.found:
-        lost = left.lost_lift(angle) * size
+    if cut.found:
+        lost = cut.lost_lift(angle) * size
         columns.append(Column("lost_lift", unit, "lift that the follower loses by undercut", lost))
     return Table(tuple(columns))
 
@@ -245,9 +245,8 @@ def at_jumps(cam: Cam, angle: Real) -> tuple[Mask, Mask]:
 
 
 def _rate(name: str, unit: str, values: Real) -> Column:
-    return Column(
-        name, unit, f"{name} of the follower", values, float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
-    )
+    largest_rate = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    return Column(name, unit, f"{name} of the follower", values, largest_rate)
 
 
 def _pitch(cam: Cam, angle: Real) -> Iterator[Column]:
@@ -271,8 +270,8 @@ def polar_radius(outline: AbstractCurve, angle: float | ArrayLike) -> Real:
     Returns
     -------
     ndarray
-        Radius, mm, same shape. If the outline passes a direction more than once, the farthest point counts: the one
-        that a probe from outside meets. So a cam can be cut on a dividing head and inspected.
+        Radius, mm, same shape. If the outline passes a direction more than once, the farthest point counts, which a
+        probe from outside touches first. With these radii a cam can be cut on a dividing head and inspected.
 
     Notes
     -----

@@ -22,7 +22,7 @@ from ..model.part import Bought, HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.primitives import Arc, Circle, Polyline, Segment
-from ..plane.vec import Complex
+from ..plane.vec import Complex, box_of
 from .cam import Cam
 from .extrema import largest, samples
 from .followers.follower import Bars, FollowerPlate
@@ -77,9 +77,8 @@ def cam_base(
     radius = np.abs(cut.outline.point(samples(cut.outline.breaks))).max() + chords
     cam_box = np.array([-radius - 1j * radius, radius + 1j * radius])
     points = np.concatenate([cam_box, *(z.ravel() for z in bars), *_roller_boxes(cam)])
-    low, high = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
     # The bars contain the boss of a pivot and the pins of a stem.
-    return standing_plate((low, high), openings, base, thickness)
+    return standing_plate(box_of(points), openings, base, thickness)
 
 
 def _lift_limits(cam: Cam) -> tuple[float, float]:

@@ -11,7 +11,18 @@ from ..core.arguments import checked
 from ..making.motor_faces import split_motor_parts, with_motor_plate
 from ..model.handles import circle_handle, plot_handle, point_handle
 from ..model.part import Part
-from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, dimension, mm
+from ..model.scene import (
+    Limit,
+    Plot,
+    Scene,
+    SceneBody,
+    SceneCurve,
+    SceneHandle,
+    SceneMark,
+    dimension,
+    mm,
+    playing_time,
+)
 from ..model.table import Table
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Pose, Real, dot, unit
@@ -86,11 +97,9 @@ def cam_scene(
     curves += follower.dimensions(parts)
     marks = (*follower.joints(parts), *follower.force(), *follower.intended())
     is_cyclic = bool(np.isclose(angle[-1] - angle[0], 2 * np.pi))
-    time = np.asarray(table["time"], dtype=float)
     return Scene(
         table,
-        # With an acceleration the time is unknown, and the scene lasts two seconds.
-        time if np.isfinite(time).all() else np.linspace(0, 2, len(time)),
+        playing_time(table),
         np.ones(len(angle), dtype=bool),
         with_motor_plate(tuple(follower.bodies(parts)), motor),
         tuple(curves),
@@ -247,7 +256,7 @@ def follower_lengths(cam: Cam) -> dict[str, float]:
 SEGMENT_KEYS = ("end_deg", "duration_deg", "rise", "rise_deg", "end_lift", "end_lift_deg")
 
 
-def cam_handles(cam: Cam, angle: Real, key: str = "cam") -> Iterator[SceneHandle]:
+def cam_handles(cam: Cam, angle: Real) -> Iterator[SceneHandle]:
     """Handles of the base circle, the follower's lengths, and the ends of segments on the plot of the lift.
 
     Parameters
@@ -256,28 +265,26 @@ def cam_handles(cam: Cam, angle: Real, key: str = "cam") -> Iterator[SceneHandle
         The cam as the recipe has it.
     angle : ndarray, shape (frames,)
         Cam angles of the scene's frames, rad.
-    key : str
-        Key of the cam's table in the recipe.
 
     Returns
     -------
     iterator of SceneHandle
     """
     follower, lengths = cam.follower, set(follower_lengths(cam))
-    yield circle_handle(f"{key}.base_radius", radius=cam.base_radius)
+    yield circle_handle("cam.base_radius", radius=cam.base_radius)
     contact = cam.contact(angle)
     centre = contact.point + follower.roller_radius * contact.normal
     if follower.roller_radius:
-        yield circle_handle(f"{key}.follower.roller_radius", radius=follower.roller_radius, centre=centre)
+        yield circle_handle("cam.follower.roller_radius", radius=follower.roller_radius, centre=centre)
     if follower.oscillates:
         pivot = np.asarray(follower.pose(cam.program.motion(angle[:1]).lift, cam.base_radius).origin)
-        yield point_handle(f"{key}.follower.pivot_distance", at=pivot)
+        yield point_handle("cam.follower.pivot_distance", at=pivot)
     # The roller's centre, or the place where the cam touches a face.
-    others = [f"{key}.follower.{name}" for name in sorted(lengths - {"roller_radius", "pivot_distance"})]
+    others = [f"cam.follower.{name}" for name in sorted(lengths - {"roller_radius", "pivot_distance"})]
     if others:
         yield point_handle(*others, at=centre)
     # The last end is that of the turn.
     for k, ((end, lift), segment) in enumerate(zip(cam.program.ends[:-1], cam.program.segments)):
-        keys = [f"{key}.program[{k}].{name}" for name in SEGMENT_KEYS if getattr(segment, name, None) is not None]
+        keys = [f"cam.program[{k}].{name}" for name in SEGMENT_KEYS if getattr(segment, name, None) is not None]
         if keys:
             yield plot_handle(*keys, at=complex(end, lift), column="lift", label=f"end of segment {k + 1}")

@@ -9,15 +9,15 @@ import numpy as np
 from ..core.errors import harmless
 from ..core.fields import to_digits
 from ..core.names import folded_name
-from ..model.scene import Scene, SceneBody, SceneMark
+from ..model.scene import Scene, SceneMark
 from ..plane.flatten import flatten
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Complex, rounded
-from .cut import Loop, cut, decimals
+from ..plane.vec import Complex, box_of, rounded
+from .cut import cut, decimals, shape_box
 from .dxf import drawn
 from .job import Job
 from .labels import LETTER, Name, place_labels
-from .still import SCREEN, Still, frame_at, palette
+from .still import SCREEN, Still, frame_at, rgb
 from .text import Text
 
 # Layers besides those of bodies, which start with BODY, and their colours in the palette.
@@ -44,11 +44,12 @@ def assembly_drawing(job: Job) -> bytes:
     shapes = [*_bodies(still, job.tolerance, layers), *_curves(still, job.tolerance), *_marks(still, job.tolerance)]
     names = place_labels(still)
     texts = [_text(name, still) for name in names]
-    low, high = _extents([shape for _, shape in shapes], names)
+    corners = [shape_box(shape) for _, shape in shapes]
+    extents = box_of(np.array([*corners, *((name.place - name.half, name.place + name.half) for name in names)]))
     used = {layer for layer, _ in shapes} | {text.layer for text in texts}
     tints = {layer: still.tint(body) for body in scene.bodies for layer in [layers[body.name]]}
     colours = {layer: _colour(tints.get(layer, COLOURS.get(layer, "soft"))) for layer in sorted(used)}
-    return drawn(colours, shapes, texts, (low, high), (low, high))
+    return drawn(colours, shapes, texts, extents, extents)
 
 
 def _layers(scene: Scene) -> dict[str, str]:
@@ -66,11 +67,8 @@ def _layers(scene: Scene) -> dict[str, str]:
 
 def _colour(name: str) -> tuple[int, tuple[int, int, int]]:
     """A colour of the palette, with pale body tints darkened for lines."""
-    text = palette()[name].lstrip("#")
-    text = "".join(2 * c for c in text) if len(text) == 3 else text
-    red, green, blue = (
-        int(text[k : k + 2], 16) // (2 if name[0] == "t" and name[1:].isdigit() else 1) for k in (0, 2, 4)
-    )
+    darkening = 2 if name[0] == "t" and name[1:].isdigit() else 1
+    red, green, blue = (channel // darkening for channel in rgb(name))
     return EITHER, (red, green, blue)
 
 
@@ -80,15 +78,8 @@ def _bodies(still: Still, tolerance: float, layers: dict[str, str]) -> Iterator[
         for part in body.parts:
             cut_part = cut(part, tolerance, arcs=True)
             for loop in (*cut_part.loops, *cut_part.marks):
-                yield layers[body.name], _placed(loop, body, k, cut_part.digits)
-
-
-def _placed(loop: Loop, body: SceneBody, frame: int, digits: int) -> Circle | Polyline:
-    place, turn = complex(body.origin[frame]), complex(body.direction[frame])
-    if isinstance(loop.shape, Circle):
-        return Circle(rounded(place + turn * loop.shape.centre, digits).item(), loop.shape.radius)
-    vertices = rounded(place + turn * np.asarray(loop.shape.vertices), digits)
-    return Polyline(vertices, loop.shape.bulges, loop.shape.closed)
+                moved = loop.moved(complex(body.origin[k]), cut_part.digits, complex(body.direction[k]))
+                yield layers[body.name], moved.shape
 
 
 def _curves(still: Still, tolerance: float) -> Iterator[Shape]:
@@ -141,13 +132,5 @@ def _line(layer: str, points: Complex, digits: int, closed: bool = False) -> Ite
 
 
 def _text(name: Name, still: Still) -> Text:
-    # In the format two per cent signs start a code.
-    plain = harmless(name.text).replace("%%", "% %")
-    return Text(NAMES, plain, rounded(name.place, still.digits).item(), to_digits(0.72 * LETTER * still.pixel, 3))
-
-
-def _extents(shapes: list[Circle | Polyline], names: tuple[Name, ...]) -> tuple[complex, complex]:
-    boxes = [Loop(shape, np.zeros(0, complex), "").box for shape in shapes]
-    corners = np.array([*boxes, *((name.place - name.half, name.place + name.half) for name in names)])
-    low, high = corners[:, 0], corners[:, 1]
-    return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
+    place, height = rounded(name.place, still.digits).item(), to_digits(0.72 * LETTER * still.pixel, 3)
+    return Text(NAMES, harmless(name.text), place, height)

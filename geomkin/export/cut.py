@@ -15,7 +15,7 @@ from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Complex, rounded
+from ..plane.vec import Complex, box_of, rounded
 from .lettering import lettered
 
 # Finest tolerance as a share of the part's size: a finer one is below the precision of the numbers in meshes
@@ -38,13 +38,7 @@ class Loop:
     @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of the shape including its arcs, mm."""
-        if isinstance(self.shape, Circle):
-            corner = self.shape.radius * (1 + 1j)
-            return self.shape.centre - corner, self.shape.centre + corner
-        z = np.asarray(self.shape.vertices)
-        if self.shape.bulges is not None:
-            z = np.append(z, _extreme_points(self.shape))
-        return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+        return shape_box(self.shape)
 
     def moved(self, shift: complex, digits: int, turn: complex = 1 + 0j) -> Loop:
         """A copy rotated about the origin by a unit complex number, then shifted, and rounded to `digits` decimals."""
@@ -101,6 +95,15 @@ class Cut:
             corner = float(np.abs(self.loops[0].points).max()) * (1 + 1j)
             low, high = -corner, corner
         return low + min(twist.shift, 0.0), high + max(twist.shift, 0.0)
+
+
+def shape_box(shape: Circle | Polyline) -> tuple[complex, complex]:
+    """Lower left and upper right corner of a shape including its arcs, mm."""
+    if isinstance(shape, Circle):
+        corner = shape.radius * (1 + 1j)
+        return shape.centre - corner, shape.centre + corner
+    z = np.asarray(shape.vertices)
+    return box_of(z if shape.bulges is None else np.append(z, _extreme_points(shape)))
 
 
 def _extreme_points(shape: Polyline) -> Complex:

@@ -13,7 +13,8 @@ from ..core.errors import harmless
 from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
-from .cut import Cut, Loop
+from ..plane.vec import box_of
+from .cut import Cut, shape_box
 from .job import Job
 from .text import Text, width_of
 
@@ -67,9 +68,7 @@ class _Cell:
 
     @property
     def box(self) -> tuple[complex, complex]:
-        corners = [Loop(shape, np.zeros(0, complex), "").box for _, shape in self.shapes]
-        low, high = np.array([*corners, *(text.box for text in self.texts)]).T
-        return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
+        return box_of(np.array([*(shape_box(shape) for _, shape in self.shapes), *(text.box for text in self.texts)]))
 
     def moved(self, shift: complex) -> _Cell:
         return _Cell(

@@ -15,7 +15,7 @@ from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
 from ..plane.primitives import Circle, Polyline
-from ..plane.vec import Complex, rounded
+from ..plane.vec import rounded
 from .cut import decimals
 from .dimensioned import COLOURS, dimensioned_drawing
 from .drawing_layers import LAYERS
@@ -65,7 +65,9 @@ def drawn(
         for layer, shape in shapes:
             _add(space, layer, shape)
         for text in texts:
-            entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer})
+            # In the format two per cent signs start a code.
+            words = text.text.replace("%%", "% %")
+            entity = space.add_text(words, height=text.height, dxfattribs={"layer": text.layer})
             align = TextEntityAlignment.MIDDLE_LEFT if text.starts else TextEntityAlignment.MIDDLE_CENTER
             entity.set_placement((text.place.real, text.place.imag), align=align)
         # The library copies these from the layout to the header when it writes.
@@ -119,11 +121,7 @@ def sheet(job: Job) -> bytes:
     """The dimensioned drawing on paper; the title gives its scale."""
     page, digits = dimensioned_drawing(job), decimals(job.tolerance)
     shapes = [(layer, _rounded(shape, digits)) for layer, shape in page.shapes]
-    # In the format two per cent signs start a code.
-    texts = [
-        replace(text, text=text.text.replace("%%", "% %"), place=rounded(text.place, digits).item())
-        for text in page.texts
-    ]
+    texts = [replace(text, place=rounded(text.place, digits).item()) for text in page.texts]
     paper = 0j, complex(page.width, page.height)
     return drawn(COLOURS, shapes, texts, paper, paper)
 
@@ -131,5 +129,4 @@ def sheet(job: Job) -> bytes:
 def _rounded(shape: Circle | Polyline, digits: int) -> Circle | Polyline:
     if isinstance(shape, Circle):
         return Circle(rounded(shape.centre, digits).item(), rounded(shape.radius, digits).item())
-    vertices: Complex = np.asarray(shape.vertices)
-    return Polyline(rounded(vertices, digits), shape.bulges, shape.closed)
+    return Polyline(rounded(shape.vertices, digits), shape.bulges, shape.closed)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import trimesh
 
 from ..plane.vec import Real
 from .job import Job
 from .mesh import solid, solid_cut
-from .still import InPlace, in_place, palette
+from .still import InPlace, in_place, rgb
 
 # From mm, z up, to the format's metres, y up.
 UPRIGHT = 1e-3 * np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1e3]])
@@ -27,7 +25,7 @@ def glb(job: Job) -> bytes:
     assembly = trimesh.Scene(base_frame="assembly", metadata={"stamp": job.stamp} if job.stamp else None)
     for placement in placements:
         points, faces = solid(solid_cut(placement.part, job.tolerance))
-        colour = np.array(_colour(palette()[still.tint(placement.body)]), dtype=np.uint8)
+        colour = np.array([*rgb(still.tint(placement.body)), 255], dtype=np.uint8)
         mesh = trimesh.Trimesh(points, faces, vertex_colors=np.tile(colour, (len(points), 1)), process=False)
         assembly.add_geometry(
             mesh, node_name=placement.name, geom_name=placement.name, transform=UPRIGHT @ _place(placement)
@@ -46,10 +44,3 @@ def _place(placement: InPlace) -> Real:
             [0, 0, 0, 1.0],
         ]
     )
-
-
-def _colour(text: str) -> list[int]:
-    """Red, green, blue and opacity of a CSS colour."""
-    digits = re.sub("[^0-9a-f]", "", text)
-    digits = digits if len(digits) == 6 else "".join(2 * c for c in digits)
-    return [*bytes.fromhex(digits), 255]

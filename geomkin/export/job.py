@@ -7,7 +7,7 @@ from dataclasses import field
 from functools import cached_property
 from typing import Protocol
 
-from ..core.errors import DesignError
+from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..model.check import Check
 from ..model.part import Bought, Part
@@ -152,6 +152,17 @@ class Job:
         """One file per sheet, by name; names from the second sheet on have its number."""
         names = [self.name, *(f"{self.name}-{number}" for number in range(2, len(self.sheets) + 1))]
         return {f"{name}.{ending}": write(sheet) for name, sheet in zip(names, self.sheets)}
+
+    def part_files(self, ending: str, cuts: Sequence[Cut], write: Callable[[Cut], bytes]) -> dict[str, bytes]:
+        """One file for each part, by name. Raises DesignError if two parts have the same name."""
+        contents: dict[str, bytes] = {}
+        for cut_part in cuts:
+            name = f"{cut_part.part.name}.{ending}"
+            if name in contents:
+                problem = f"two parts are named {shown(cut_part.part.name)}"
+                raise DesignError("name", problem, "give each a name of its own", "conflict")
+            contents[name] = write(cut_part)
+        return contents
 
     @property
     def _parts(self) -> tuple[Part, ...]:

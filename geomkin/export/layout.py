@@ -10,13 +10,16 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.primitives import Circle
-from ..plane.vec import Complex, Mask, Real, direction_deg, rounded
+from ..plane.vec import Complex, Mask, Real, box_of, direction_deg, rounded
 from .cut import Cut, Loop, is_inside
 
 # Cells of a sheet's raster. More cells find narrower gaps and take proportionally longer.
 CELLS = 20_000
-# Largest number of nested copies, which take about a millisecond each. More are laid in rows, which then waste little.
-MOST = 100
+# Those of a sheet if parts could need fewer sheets.
+FINE_CELLS = 60_000
+# Largest number of nested copies, which take about 3 milliseconds each, and 10 with fine cells. More are laid in rows,
+# which then waste little.
+MOST = 200
 # Step along an outline, in cells. Longer steps keep parts farther apart than the gap, shorter ones take longer.
 STEP = 0.5
 # Rotations, deg, tried for a part's smallest box, and the share of the box that a rotation must save. Otherwise a part
@@ -59,13 +62,16 @@ class Orientation:
     spectrum: Complex
 
 
-def nest(cuts: Sequence[Cut], width: float, height: float, gap: float) -> list[list[tuple[int, SheetPosition]]]:
+def nest(
+    cuts: Sequence[Cut], width: float, height: float, gap: float, *, fine: bool = False
+) -> list[list[tuple[int, SheetPosition]]]:
     """Sheets as lists of a part's index and its position, the largest parts first.
 
     `width` and `height` are those of a sheet inside its margins, mm; each part must fit by itself, see `box`. `gap` is
-    the least distance of two parts, mm.
+    the least distance of two parts, mm. `fine`: fill whole sheets by a finer raster, instead of keeping their parts
+    within a small box.
     """
-    cell = max(1, int(np.ceil(np.sqrt(width * height / CELLS))))
+    cell = max(1, int(np.ceil(np.sqrt(width * height / (FINE_CELLS if fine else CELLS)))))
     # Distance from a sample that covers the surroundings of its whole step.
     distance = gap / 2 / cell + STEP / 2
     margin = int(np.ceil(distance))
@@ -75,7 +81,7 @@ def nest(cuts: Sequence[Cut], width: float, height: float, gap: float) -> list[l
     copies = [k for k, cut in enumerate(cuts) for _ in range(cut.part.count)]
     for k in sorted(copies, key=lambda k: (-int(orientations[k][0].cells.sum()), k)):
         if not any(sheet.take(k, orientations[k]) for sheet in sheets):
-            sheets.append(_SheetRaster(width, height, cell, margin * cell, shape))
+            sheets.append(_SheetRaster(width, height, cell, margin * cell, shape, is_whole=fine))
             sheets[-1].take(k, orientations[k])
     return [sheet.taken for sheet in sheets]
 
@@ -96,11 +102,7 @@ def least_turn(cut: Cut) -> complex:
 
 def box(cut: Cut, turn: complex) -> tuple[complex, complex]:
     """Lower left corner and size of a part's rotated box in whole mm, so that copies keep the part's decimals."""
-    if cut.is_twisted:
-        corners = _corners(cut) * turn
-        ends = complex(corners.real.min(), corners.imag.min()), complex(corners.real.max(), corners.imag.max())
-    else:
-        ends = cut.loops[0].moved(0j, cut.digits, turn).box
+    ends = box_of(_corners(cut) * turn) if cut.is_twisted else cut.loops[0].moved(0j, cut.digits, turn).box
     low, high = (rounded(corner, DECIMALS).item() for corner in ends)
     low = complex(np.floor(low.real), np.floor(low.imag))
     return low, complex(np.ceil(high.real), np.ceil(high.imag)) - low
@@ -190,15 +192,17 @@ def _smooth(number: int) -> int:
 
 
 class _SheetRaster:
-    """The occupied cells of a sheet, and the extent of its parts, mm.
+    """The occupied cells of a sheet, and the extent of its parts, mm, which does not count if it is whole.
 
     Cells and spectra have single precision; counts are accurate to a hundredth.
     """
 
-    def __init__(self, width: float, height: float, cell: int, margin: float, shape: tuple[int, int]) -> None:
+    def __init__(
+        self, width: float, height: float, cell: int, margin: float, shape: tuple[int, int], is_whole: bool
+    ) -> None:
         self.room, self.cell, self.margin = complex(width, height), cell, margin * (1 + 1j)
         self.cells = np.zeros(shape, dtype=np.float32)
-        self.reach = 0j
+        self.reach = self.room if is_whole else 0j
         self.taken: list[tuple[int, SheetPosition]] = []
 
     def take(self, part: int, orientations: Sequence[Orientation]) -> bool:
@@ -268,8 +272,7 @@ class Sheet:
     @property
     def extents(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of all cuts, mm."""
-        low, high = np.array([p.loops[-1].box for p in self.placed]).T
-        return complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
+        return box_of(np.array([copy.loops[-1].box for copy in self.placed]))
 
     @property
     def filled(self) -> float:
@@ -318,9 +321,17 @@ def lay_out_on(cuts: Sequence[Cut], width: float, height: float) -> tuple[Sheet,
         if rows.width <= width and rows.height <= height and not _if_smaller(some, nested, rows):
             sheets.append(replace(rows, width=width, height=height))
             continue
-        nested = nested if len(nested) == 1 else nest(some, *room, GAP)
+        nested = nested if len(nested) == 1 else _fewest_sheets(some, *room)
         sheets += [_sheet(some, sheet, width, height) for sheet in nested]
     return tuple(sheets)
+
+
+def _fewest_sheets(cuts: Sequence[Cut], width: float, height: float) -> list[list[tuple[int, SheetPosition]]]:
+    """The parts nested on whole sheets, by a finer raster if that saves one."""
+    nested = nest(cuts, width, height, GAP)
+    if sum(cut.part.count * cut.area for cut in cuts) > (len(nested) - 1) * width * height:
+        return nested
+    return min(nested, nest(cuts, width, height, GAP, fine=True), key=len)
 
 
 def _if_smaller(

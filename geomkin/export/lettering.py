@@ -18,7 +18,7 @@ from ..plane import measure as measure
 from ..plane import region as region
 from ..plane.flatten import flatten
 from ..plane.primitives import Polyline
-from ..plane.vec import Complex, rounded
+from ..plane.vec import Complex, box_of, rounded
 
 # A line for each character: its left and right side, then x and y, y down, of the points of its strokes, each number
 # as a letter, R for 0; a space instead of an x, with R, ends a stroke.
@@ -205,7 +205,7 @@ class _Room:
 
     def anywhere(self, words: str) -> list[Complex]:
         """The strokes of a text, as large and as near to the middle as possible; empty if it does not fit."""
-        low, high = _box(self.loops[0])
+        low, high = box_of(self.loops[0])
         x, y = np.meshgrid(np.linspace(low.real, high.real, ALONG), np.linspace(low.imag, high.imag, ACROSS))
         places = (x + 1j * y).ravel()
         # Rounded, so that last digits do not decide between equal distances.
@@ -215,7 +215,7 @@ class _Room:
 
     def beside(self, hole: Complex, letter: str) -> list[Complex]:
         """The strokes of a letter next to a hole, whose room is then occupied; empty if it does not fit."""
-        low, high = _box(np.concatenate(strokes_of(letter)))
+        low, high = box_of(np.concatenate(strokes_of(letter)))
         half = (high - low) * HEIGHTS[-1] / 2 + MARGIN * (1 + 1j)
         ring = np.append(hole, hole[:1]) / self.direction
         length = np.append(0.0, np.cumsum(np.abs(np.diff(ring))))
@@ -235,7 +235,7 @@ class _Room:
     def _at(self, words: str, height: float, places: Complex) -> list[Complex]:
         """The strokes at the first of the positions with room for them."""
         strokes = strokes_of(words)
-        low, high = _box(np.concatenate(strokes))
+        low, high = box_of(np.concatenate(strokes))
         half = (high - low) * height / 2 + MARGIN * (1 + 1j)
         boxes = places[:, None] + np.array([-half, np.conj(half), half, -np.conj(half)])
         # The box is reduced slightly, so that rounding does not decide about room that just suffices.
@@ -246,10 +246,6 @@ class _Room:
         self.occupied.append(np.append(boxes[first], boxes[first][:1]))
         shift = complex(places[first]) - (high + low) / 2 * height
         return [rounded((line * height + shift) * self.direction, DIGITS) for line in strokes]
-
-
-def _box(z: Complex) -> tuple[complex, complex]:
-    return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
 
 
 def _main_direction(outline: Complex) -> complex:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from ..core.errors import DesignError, shown
+from ..core.errors import DesignError
 from ..core.version import __version__
 from ..plane.primitives import Circle
 from .cut import Cut, Loop
@@ -27,29 +27,22 @@ Edge = tuple[complex, float]
 
 def write_step(job: Job) -> dict[str, bytes]:
     """A file for each part, named after it."""
-    contents: dict[str, bytes] = {}
-    for cut in job.exact:
-        name = f"{cut.part.name}.step"
-        if cut.part.twist:
-            raise DesignError(
-                "write",
-                f"found step for the {cut.part.name}: planes and cylinders cannot represent helical teeth",
-                "leave step out and take stl or 3mf, or give a helix_angle_deg of 0",
-                "conflict",
-            )
-        if name in contents:
-            raise DesignError(
-                "name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own", "conflict"
-            )
-        contents[name] = step(cut, job.stamp)
-    return contents
+    return job.part_files("step", job.exact, lambda cut: step(cut, job.stamp))
 
 
 def step(cut: Cut, stamp: str = "") -> bytes:
     """The part as a solid in ISO 10303-21, AP214, mm, with its lower face at z = 0.
 
-    The same loops and stamp give the same bytes. DesignError for more edges than programs can read.
+    The same loops and stamp give the same bytes. DesignError for helical teeth, and for more edges than programs can
+    read.
     """
+    if cut.part.twist:
+        raise DesignError(
+            "write",
+            f"found step for the {cut.part.name}: planes and cylinders cannot represent helical teeth",
+            "omit step and take stl or 3mf, or give a helix_angle_deg of 0",
+            "conflict",
+        )
     loops = [_edges(loop, is_hole=k > 0) for k, loop in enumerate(cut.loops)]
     if (count := sum(map(len, loops))) > MOST_EDGES:
         raise DesignError(

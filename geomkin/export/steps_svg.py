@@ -13,7 +13,7 @@ import numpy as np
 from ..core.errors import harmless
 from ..core.records import record
 from ..model.scene import Scene, SceneBody
-from ..plane.vec import rounded
+from ..plane.vec import box_of, rounded
 from .job import Job
 from .labels import LETTER, NARROW, place_labels
 from .picture import MARGIN, items, style, svg_document, transform
@@ -58,9 +58,8 @@ class LayerPicture:
         for body in (body for body in still.bodies if body.layer == self.layer):
             for part in body.parts:
                 for letter, hole in zip(part.hole_names, part.holes):
-                    corners = some_points(hole)
-                    middle = corners.real.max() + corners.real.min() + 1j * (corners.imag.max() + corners.imag.min())
-                    texts.append((letter, complex(body.origin[k] + body.direction[k] * middle / 2)))
+                    low, high = box_of(some_points(hole))
+                    texts.append((letter, complex(body.origin[k] + body.direction[k] * (high + low) / 2)))
         return tuple(texts)
 
 
@@ -82,8 +81,7 @@ def write_steps_svg(job: Job) -> dict[str, bytes]:
     stills = [picture.still for picture in pictures] or [Still(scene, np.array([frame_at(scene, job.assembly_at)]))]
     largest = max(stills, key=lambda still: still.pixel)
     px, digits = largest.pixel, largest.digits
-    low, high = np.array([still.bounds for still in stills]).T
-    low, high = complex(low.real.min(), low.imag.min()), complex(high.real.max(), high.imag.max())
+    low, high = box_of(np.array([still.bounds for still in stills]))
     size = high - low + px * complex(2 * MARGIN, 2 * MARGIN + LINES * LINE)
     body = []
     for number, picture in enumerate(pictures):

@@ -16,7 +16,7 @@ from ..model.scene import Scene, SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.primitives import Circle
-from ..plane.vec import Complex, Whole
+from ..plane.vec import Complex, Whole, box_of
 from .job import Job
 from .svg_path import FINE
 
@@ -48,6 +48,13 @@ def colours() -> str:
 def palette() -> dict[str, str]:
     """The colours of the page on white, by name."""
     return dict(re.findall(r"--(\w+): (#[0-9a-f]{3,6});", colours().split("}")[0]))
+
+
+def rgb(name: str) -> tuple[int, int, int]:
+    """Red, green and blue of a colour of the palette."""
+    digits = palette()[name].lstrip("#")
+    red, green, blue = bytes.fromhex(digits if len(digits) == 6 else "".join(2 * digit for digit in digits))
+    return red, green, blue
 
 
 def frame_at(scene: Scene, at: float | None) -> int:
@@ -217,9 +224,7 @@ def some_points(curve: AbstractCurve) -> Complex:
 def _box(rows: Sequence[Complex]) -> tuple[complex, complex]:
     points = np.concatenate([np.ravel(row) for row in rows] or [np.zeros(0, complex)])
     points = points[np.isfinite(points)]
-    if not len(points):
-        points = np.array([-1 - 1j, 1 + 1j])
-    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+    return box_of(points if len(points) else np.array([-1 - 1j, 1 + 1j]))
 
 
 @record(eq=False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.errors import DesignError, shown
 from ..core.progress import report
 from .cut import Cut
 from .job import Job
@@ -18,20 +17,19 @@ LARGE = 10_000_000
 
 
 def write_stl(job: Job) -> dict[str, bytes]:
-    """One file per part, named after it."""
-    contents: dict[str, bytes] = {}
-    for cut in job.solids:
+    """One file per part, named after it; the progress of large ones is reported."""
+
+    def write(cut: Cut) -> bytes:
+        size = HEADER + 4 + TRIANGLE.itemsize * triangles(cut)
+        if size < LARGE:
+            return stl(cut, job.stamp)
         name = f"{cut.part.name}.stl"
-        if name in contents:
-            raise DesignError(
-                "name", f"two parts are named {shown(cut.part.name)}", "give each a name of its own", "conflict"
-            )
-        if (size := HEADER + 4 + TRIANGLE.itemsize * triangles(cut)) >= LARGE:
-            report(0.0, f"{name}, about {size / 1e6:.0f} MB")
-        contents[name] = stl(cut, job.stamp)
-        if size >= LARGE:
-            report(1.0, name)
-    return contents
+        report(0.0, f"{name}, about {size / 1e6:.0f} MB")
+        content = stl(cut, job.stamp)
+        report(1.0, name)
+        return content
+
+    return job.part_files("stl", job.solids, write)
 
 
 def stl(cut: Cut, stamp: str = "") -> bytes:

@@ -13,7 +13,7 @@ from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
 from ..plane.joined import Path
 from ..plane.primitives import Arc, Circle, Segment
-from ..plane.vec import Complex, rounded
+from ..plane.vec import Complex, box_of, rounded
 
 
 def path(curves: Iterable[AbstractCurve], tolerance: float, digits: int) -> str:
@@ -119,5 +119,4 @@ def thumbnail(layers: Sequence[tuple[Sequence[AbstractCurve], str]], width: int,
 
 def bounding_box(curve: AbstractCurve, tolerance: float) -> tuple[complex, complex]:
     """Lower left and upper right corner of a curve's chords within `tolerance`, mm."""
-    points = flatten(curve, tolerance)
-    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+    return box_of(flatten(curve, tolerance))

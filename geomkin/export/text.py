@@ -141,7 +141,8 @@ def with_unit(value: float, unit: str, digits: int = 4) -> str:
 
 def unit_sign(unit: str) -> str:
     """A unit, or a text with units, with the signs that print has for degrees and squares."""
-    return re.sub(r"([a-z])2\b", r"\1²", re.sub(r"\bdeg\b", "°", unit))
+    signs = {"2": "²", "3": "³"}
+    return re.sub(r"(?<=[a-z])[23]\b", lambda power: signs[power[0]], re.sub(r"\bdeg\b", "°", unit))
 
 
 def capital(words: str) -> str:

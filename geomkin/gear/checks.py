@@ -1,4 +1,4 @@
-"""Whether a gear is strong enough."""
+"""Checks of gears: tips, undercut, rims, contact, clearance and strength."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .planetary import PlanetarySet
 from .rack import RackPair
 from .strength import LEAST_CONTACT_SAFETY, LEAST_ROOT_SAFETY, UNKNOWN, AbstractMeshStrength
 
-# Modules. A thinner tip chips, and breaks off when it is hardened (Roloff/Matek, Maschinenelemente: 0.2, hardened 0.4).
+# Modules. A thinner tip chips (Roloff/Matek, Maschinenelemente: 0.2, for hardened teeth 0.4).
 LEAST_TIP_THICKNESS = 0.2
-# Modules of rim under or outside the teeth. A rim bears fully from 1.2 tooth heights on, and under half a height, which
-# this is, cracks run through it instead of through the tooth (rim thickness factor of ISO 6336-3 and AGMA 2001-D04).
+# Modules of rim under or outside the teeth: half a tooth height. In a thinner rim cracks run through the rim instead of
+# the tooth; from 1.2 heights on it has its full strength (rim thickness factor of ISO 6336-3 and AGMA 2001-D04).
 LEAST_RIM = 1
 
 
@@ -61,12 +61,12 @@ def gear_checks(gear: AbstractGear, rim: float | None = None, name: str = "") ->
     return tuple(checks)
 
 
-# Pairs of teeth in contact on the average, of involutes that may be a little apart: somewhat above 1, so that the next
-# pair takes over before the last lets go (Roloff/Matek: 1.1; Shigley's Mechanical Engineering Design: about 1.2).
+# Contact ratio of involutes, whose distance may deviate a little: above 1, so that a pair of teeth comes into contact
+# before the last one leaves it (Roloff/Matek: 1.1; Shigley's Mechanical Engineering Design: about 1.2).
 LEAST_CONTACT_RATIO = 1.1
-# Modules between tips and roots: the least that DIN 867 gives a basic rack.
+# Modules between tips and roots: the least clearance of a basic rack by DIN 867.
 LEAST_CLEARANCE = 0.1
-# Modules between the tips of neighbouring planets; derived here, of play and dirt.
+# Modules between the tips of adjacent planets; derived here from play and dirt.
 LEAST_PLANET_GAP = 0.5
 
 
@@ -173,7 +173,7 @@ def planetary_checks(gears: PlanetarySet) -> tuple[Check, ...]:
     )
 
 
-# Pairs of teeth in contact on the average. The contact is found exactly: at 1 it just hands over; derived here.
+# Contact ratio of conjugate gears, whose contact is computed exactly: at 1 it is just continuous; derived here.
 LEAST_CONJUGATE_CONTACT_RATIO = 1
 
 

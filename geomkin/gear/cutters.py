@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.arguments import PositiveInt, between, checked, whole_between
 from ..core.errors import DesignError
-from ..core.fields import quantity, rounded_down
+from ..core.fields import last_fit, quantity, rounded_down
 from ..core.records import record
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function, roll_at
@@ -302,12 +302,8 @@ def balanced_shifts(
             return float(np.sign(end_2 - end_1))
         return first / second * (between - end_1) / end_1 - second / first * (between - end_2) / end_2
 
-    low, high = LEAST, MOST
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        # A larger shift of the first gear moves its contact away from its base circle.
-        low, high = (middle, high) if sliding_difference(middle) > 0 else (low, middle)
-    x = 0.5 * (low + high)
+    # A larger shift of the first gear moves its contact away from its base circle.
+    x = last_fit(lambda shift: sliding_difference(shift) > 0, LEAST, MOST)
     if min(ends(x)) <= 0 or not LEAST + 1e-6 < x < MOST - 1e-6:
         raise DesignError(
             "teeth",

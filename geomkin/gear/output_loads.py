@@ -49,7 +49,7 @@ class RackStrength(AbstractMeshStrength):
 
     Notes
     -----
-    As of `PairStrength`: nominal stresses, one pair of teeth carries all of the force, and friction is left out.
+    As of `PairStrength`: nominal stresses, one pair of teeth carries all of the force, and friction is not considered.
 
     Examples
     --------

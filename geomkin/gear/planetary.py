@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.arguments import NUMBER, FloatOrNan, checked, refused
 from ..core.errors import DesignError
-from ..core.fields import entry, quantity
+from ..core.fields import entry, last_fit, quantity
 from ..core.records import record
 from ..core.reprs import moving_picture
 from ..plane.vec import Pose, Real
@@ -59,7 +59,7 @@ class PlanetarySet:
     _repr_html_ = moving_picture
 
     def __post_init__(self) -> None:
-        inner, outer = self.inner.centre_distance, self._outer_distance
+        inner, outer = self.inner.centre_distance, GearPair(self.planet, self.ring).tight_distance
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
                 "ring.profile_shift",
@@ -199,26 +199,18 @@ class PlanetarySet:
             f"divisible by {self.planets}"
         ), f"give {nearest}, or other teeth"
 
-    @property
-    def _outer_distance(self) -> float:
-        return GearPair(self.planet, self.ring).tight_distance
-
     def _fitting_ring(self) -> str:
         """A remedy: the ring's profile shift, or else its number of teeth, for which both distances agree."""
-        low, high = self.ring.profile_shift - 2, self.ring.profile_shift + 2
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            try:
-                small = self._distance_with(middle) < self.inner.centre_distance
-            except DesignError:
-                small = middle < self.ring.profile_shift
-            low, high = (middle, high) if small else (low, middle)
-        try:
-            if abs(self._distance_with(high) - self.inner.centre_distance) < 1e-6 * self.sun.module:
-                return f"give {high:.9g}"
-        except DesignError:
-            pass
-        return f"give the ring {self.sun.teeth + 2 * self.planet.teeth} teeth"
+        given, required = self.ring.profile_shift, self.inner.centre_distance
 
-    def _distance_with(self, shift: float) -> float:
-        return GearPair(self.planet, replace(self.ring, profile_shift=shift)).tight_distance
+        def distance(shift: float) -> float:
+            """With the ring of another profile shift, mm; infinite of either sign if that ring is impossible."""
+            try:
+                return GearPair(self.planet, replace(self.ring, profile_shift=shift)).tight_distance
+            except DesignError:
+                return -np.inf if shift < given else np.inf
+
+        shift = last_fit(lambda x: distance(x) >= required, given + 2, given - 2)
+        if abs(distance(shift) - required) < 1e-6 * self.sun.module:
+            return f"give {shift:.9g}"
+        return f"give the ring {self.sun.teeth + 2 * self.planet.teeth} teeth"

@@ -12,7 +12,7 @@ from ..core.records import record
 from ..making.motor_faces import split_motor_parts, with_motor_plate
 from ..model.handles import circle_handle, point_handle
 from ..model.part import Part
-from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark
+from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, playing_time
 from ..model.table import Column, Table, finite
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, Segment
@@ -392,12 +392,8 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     ]
     angles = tuple(id for id in ("carrier_angle", "planet_angle") if id in table.ids)
     plots = (Plot("angles", angles),) if angles else ()
-    time = np.asarray(table["time"], dtype=float)
-    # With an acceleration the time is unknown, and the scene lasts two seconds.
-    time = time if np.isfinite(time).all() else np.linspace(0, 2, len(time))
-    return Scene(
-        table, time, np.ones(turn.shape, bool), with_motor_plate(bodies, motor), tuple(curves), tuple(marks), plots
-    )
+    bodies, assembled = with_motor_plate(bodies, motor), np.ones(turn.shape, bool)
+    return Scene(table, playing_time(table), assembled, bodies, tuple(curves), tuple(marks), plots)
 
 
 def pair_handles(pair: GearPair, shifts: bool = True, distance: bool = False) -> Iterator[SceneHandle]:
@@ -450,8 +446,7 @@ def rack_handles(pair: RackPair, distance: bool = False) -> Iterator[SceneHandle
 def planetary_handles(gears: PlanetarySet) -> Iterator[SceneHandle]:
     """The handle of the module of a planetary set; other numbers of teeth need those of two gears to change at once."""
     modules = [f"gears.{name}.module" for name in ("sun", "planet", "ring")]
-    label = "module"
-    yield circle_handle(*modules, radius=gears.inner.working_radii[0], label=label, is_one_value=True)
+    yield circle_handle(*modules, radius=gears.inner.working_radii[0], label="module", is_one_value=True)
 
 
 def conjugate_handles(mate: Conjugate, key: str, teeth: str) -> Iterator[SceneHandle]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import quantity
+from ..core.fields import last_fit, quantity
 from ..core.records import record
 from ..model.material import Material, hertz_pressure
 from ..model.table import Column, Table
@@ -27,7 +27,7 @@ LEAST_ROOT_SAFETY = 2.0
 LEAST_CONTACT_SAFETY = 1.0
 # Slope of the tangent at the critical section to the middle of the tooth, rad (ISO 6336-3, external gears).
 SECTION_TANGENT = np.radians(30)
-# Samples of a root curve, and rounds in which they close in on a point of it by 32 times each.
+# Samples of a root curve, and rounds of sampling, each of which narrows the interval of a point to 1/32.
 SAMPLES, ROUNDS = 65, 8
 
 
@@ -82,7 +82,7 @@ class GearLoads(LoadFactors):
 
 @record
 class RootSection:
-    """Critical section of an external tooth, where the tangent of its root leans 30 deg from the tooth's middle.
+    """Critical section of an external tooth, where the tangent of its root is inclined by 30 deg to the tooth's middle.
 
     Parameters
     ----------
@@ -138,15 +138,11 @@ def root_section(gear: AbstractInvoluteGear) -> RootSection:
         raise DesignError(
             "gear", "its roots have no tangent at 30 deg to the tooth", "give a smaller pressure angle", "out-of-range"
         )
-    points = []
-    for k in crossings:
-        low, high = edges[k], edges[k + 1]
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            rises = cross(tangent, root.velocity(middle)) * side[k] > 0
-            low, high = (middle, high) if rises else (low, middle)
-        points.append(low)
-    t = min(points, key=lambda t: float(root.point(t).real))
+
+    def crossing(k: int) -> float:
+        return last_fit(lambda t: bool(cross(tangent, root.velocity(t)) * side[k] > 0), edges[k], edges[k + 1])
+
+    t = min(map(crossing, crossings.tolist()), key=lambda t: float(root.point(t).real))
     z = complex(root.point(t))
     return RootSection(2 * z.real, z.imag, float(1 / np.abs(root.curvature(t))))
 
@@ -356,8 +352,8 @@ class PairStrength(AbstractMeshStrength):
     Notes
     -----
     Nominal stresses by the formulas of ISO 6336 for straight teeth, with load factors 1 unless others are given; this
-    is no rating by that standard. One pair of teeth carries all of the force. Friction is left out. What needs an
-    unknown value of a material is nan.
+    is no rating by that standard. One pair of teeth carries all of the force. Friction is not considered. Results that
+    depend on an unknown value of a material are nan.
 
     Examples
     --------

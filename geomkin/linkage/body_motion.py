@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import field
 from functools import cached_property
 
@@ -37,58 +38,45 @@ class PointMotion:
     def __repr__(self) -> str:
         return f"PointMotion(body={short(self.body.name)}, local={short(self.local)})"
 
-    def _by_program(self, quantity: str) -> Complex | None:
-        """The quantity of a named point from the linkage's program; None if there is none."""
+    def _value(self, quantity: str, formula: Callable[[], Complex]) -> Complex:
+        """A quantity of a named point by the linkage's program if there is one, otherwise by a formula."""
         body, solution = self.body.name, self.body.solution
-        return solution.value((quantity, body, self._name), body) if self._name and solution.run is not None else None
+        if self._name and solution.run is not None:
+            return solution.value((quantity, body, self._name), body)
+        with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
+            return formula()
 
     @property
     def _arm(self) -> Complex:
         return self.body.direction * self.local
 
+    def _origin(self, order: int) -> Complex:
+        return self.body.solution.origin(self.body.name, order)
+
     @cached_property
     def position(self) -> Complex:
         """Position on the ground, mm."""
-        value = self._by_program("position")
-        if value is not None:
-            return value
-        return self._arm + self.body.solution.origin(self.body.name, 0)
+        return self._value("position", lambda: self._arm + self._origin(0))
 
     @cached_property
     def first(self) -> Complex:
         """First kinematic coefficient dP/dq, mm per unit of drive (rad, or mm if a slider drives)."""
-        value = self._by_program("first")
-        if value is not None:
-            return value
-        with np.errstate(invalid="ignore"):  # rates are not finite at a dead centre of the driver
-            return first_of(self._arm, self.body.first, self.body.solution.origin(self.body.name, 1))
+        return self._value("first", lambda: first_of(self._arm, self.body.first, self._origin(1)))
 
     @cached_property
     def second(self) -> Complex:
         """Second kinematic coefficient d2P/dq2, mm per unit of drive squared."""
-        value = self._by_program("second")
-        if value is not None:
-            return value
-        with np.errstate(invalid="ignore"):
-            origin = self.body.solution.origin(self.body.name, 2)
-            return second_of(self._arm, self.body.first, self.body.second, origin)
+        return self._value("second", lambda: second_of(self._arm, self.body.first, self.body.second, self._origin(2)))
 
     @cached_property
     def velocity(self) -> Complex:
         """Velocity, mm/s."""
-        value = self._by_program("velocity")
-        if value is not None:
-            return value
-        return self.body.timing.rate(self.first)
+        return self._value("velocity", lambda: self.body.timing.rate(self.first))
 
     @cached_property
     def acceleration(self) -> Complex:
         """Acceleration, mm/s2."""
-        value = self._by_program("acceleration")
-        if value is not None:
-            return value
-        second = self.second  # evaluated before `first`, which is then known as well
-        return self.body.timing.second_rate(self.first, second)
+        return self._value("acceleration", lambda: self.body.timing.second_rate(self.first, self.second))
 
 
 @record(eq=False)

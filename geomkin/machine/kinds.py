@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
 import numpy as np
 
@@ -172,6 +172,8 @@ class MachineRecipe(AbstractRecipe):
         Formats and tolerance of the files.
     """
 
+    takes_workshop: ClassVar[bool] = False
+
     kind: Literal["machine"] = "machine"
     mechanisms: dict[str, Mechanism] = entry("the mechanisms by name, the lowest first", example={})
     drive: MachineDrive = entry("how the machine is driven", default=MachineDrive())
@@ -193,6 +195,9 @@ class MachineRecipe(AbstractRecipe):
             if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
+            if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
+                problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
+                raise DesignError("files.kerf", problem, f"give kerf = {kerf:g} in [files]", "conflict")
         if not any(isinstance(recipe, AbstractGoal) for recipe in self.recipes.values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018

@@ -8,7 +8,7 @@ from ..core.records import record
 from ..model.part import Bought
 from .bases import BaseStock
 from .bores import PARALLEL_KEYS, key_of
-from .fasteners import SIZES, Fastener, gathered
+from .fasteners import Fastener, gathered, screw_text, size_of
 from .fits import AbstractBored
 from .motor_faces import MotorFace, MountedMotorKey, face_of, fixed_under
 
@@ -55,7 +55,7 @@ def pin_bill(diameter: float, length: float, count: int = 1, item: str = "pin") 
 
 def screw_bill(base: BaseStock, length: float, count: int = 4) -> Bill:
     """Screws of a base, by default one in each corner, through a total thickness, mm."""
-    return ((f"screw {base.screw:g} mm, {_at_least(length)}", count),) if base.screw else ()
+    return ((f"{screw_text(base.screw)}, {_at_least(length)}", count),) if base.screw else ()
 
 
 def collar_width(diameter: float) -> float:
@@ -240,7 +240,7 @@ class AssemblyBuilder:
 
     def screws(self, letter: str, diameter: float, grip: float, count: int) -> None:
         """Add screws through a thickness, mm, with nuts under the plate."""
-        if diameter in SIZES:
+        if size_of(diameter):
             fastener = Fastener(diameter, "screw", 0.0)
             bill = fastener.bill(grip)
             self.keep_free_below(fastener.ends(grip)[1])

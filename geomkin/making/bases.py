@@ -16,6 +16,7 @@ from ..plane.measure import separation
 from ..plane.primitives import Circle, rounded_hull, slot
 from ..plane.vec import Complex
 from .bores import SMALLEST, clearance, widened
+from .fasteners import ThreadDiameter
 from .motor_faces import MountedMotorKey, face_of
 
 
@@ -33,8 +34,9 @@ class BaseStock:
         How much wider a hole is than its pin or shaft, mm.
     """
 
-    screw: float = quantity(
-        "diameter of the screws in its corners, 0 for none; their holes are wider by the clearance",
+    screw: ThreadDiameter = quantity(
+        'diameter of the screws in its corners, or their thread, as "#6-32"; 0 for none; their holes are wider by the '
+        "clearance",
         "mm",
         default=4.0,
         at_least=0,

@@ -2,24 +2,49 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from fractions import Fraction
 from functools import cached_property
 from math import pi, sqrt
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from ..core.errors import DesignError
+from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..model.part import Bought
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic_core.core_schema import CoreSchema
+
+
+# Length of an inch, mm.
+INCH = 25.4
+
+
+@record
+class Series:
+    """What the screws of metric or of inch threads have in common.
+
+    washer, rod: product and standard of washers and of threaded rods. lengths: standard lengths of screws, mm, and the
+    text of each in a bill.
+    """
+
+    washer: str
+    rod: str
+    lengths: Mapping[float, str]
 
 
 @record
 class Size:
-    """A screw size with a metric thread; all in mm.
+    """A screw size; all in mm.
 
-    screw, nut: product and standard. head: diameter and height of the screw's head. lengths: shortest and longest
-    screw. nut_width, nut_height: size of the nut across corners and along the screw. pitch: pitch of the thread, by
-    which the screw's end projects from the nut at least. washer: outer diameter and thickness by ISO 7089.
+    thread: designation. screw, nut: product and standard. head: diameter and height of the screw's head. lengths:
+    shortest and longest screw. nut_width, nut_height: size of the nut across corners and along the screw. pitch: pitch
+    of the thread, by which the screw's end projects from the nut at least. washer: its outer diameter and thickness.
     """
 
+    thread: str
+    series: Series
     screw: str
     head: tuple[float, float]
     lengths: tuple[float, float]
@@ -35,18 +60,93 @@ class Size:
         return max(self.head[0], self.nut_width, self.washer[0])
 
 
-ROUND, CAP = "button head screw ISO 7380-1", "cap screw ISO 4762"
+def _inch_size(
+    thread: str, head: tuple[float, float], lengths: tuple[float, float], nut: str, nut_width: float, nut_height: float,
+    washer: tuple[float, float],
+) -> Size:  # fmt: skip
+    """A size of an inch thread, from lengths in inches."""
+    (across, high), (least, most), (outer, thickness) = head, lengths, washer
+    return Size(
+        thread, UNIFIED, INCH_BUTTON, (INCH * across, INCH * high), (INCH * least, INCH * most), nut, INCH * nut_width,
+        INCH * nut_height, INCH / float(thread.rpartition("-")[2]), (INCH * outer, INCH * thickness),
+    )  # fmt: skip
+
+
+# Standard lengths of screws (ISO 888).
+LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80)
+METRIC = Series("washer ISO 7089", "threaded rod DIN 976-1", {float(length): f"{length}" for length in LENGTHS})
+# The usual lengths of inch screws.
+INCH_LENGTHS = (
+    "1/8", "3/16", "1/4", "5/16", "3/8", "1/2", "5/8", "3/4", "7/8", "1", "1-1/4", "1-1/2", "1-3/4", "2", "2-1/4",
+    "2-1/2", "2-3/4", "3",
+)  # fmt: skip
+UNIFIED = Series(
+    "washer ASME B18.21.1",
+    "threaded rod ASME B18.31.3",
+    {INCH * float(sum(map(Fraction, length.split("-")))): f"{length} in" for length in INCH_LENGTHS},
+)
+BUTTON, CAP = "button head screw ISO 7380-1", "cap screw ISO 4762"
 LOCK, PLAIN = "lock nut ISO 7040", "nut ISO 4032"
-# Sizes by diameter: the upper limits of the named standards. ISO 7380-1 and ISO 7040 begin at M3.
+INCH_BUTTON = "button head screw ASME B18.3"
+INCH_LOCK, INCH_PLAIN = "lock nut ASME B18.16.6", "nut ASME B18.6.3"
+# Sizes by diameter, mm: the upper limits of the named standards. ISO 7380-1 and ISO 7040 begin at M3. Inch lock nuts
+# begin at #4; lengths of inch screws are those that shops sell, beyond the longest of ASME B18.3.
 SIZES: dict[float, Size] = {
-    2.0: Size(CAP, (3.8, 2.0), (3, 20), PLAIN, 4.32, 1.6, 0.4, (5.0, 0.3)),
-    2.5: Size(CAP, (4.5, 2.5), (4, 25), PLAIN, 5.45, 2.0, 0.45, (6.0, 0.5)),
-    3.0: Size(ROUND, (5.7, 1.65), (6, 30), LOCK, 6.01, 4.5, 0.5, (7.0, 0.5)),
-    4.0: Size(ROUND, (7.6, 2.2), (8, 40), LOCK, 7.66, 6.0, 0.7, (9.0, 0.8)),
-    5.0: Size(ROUND, (9.5, 2.75), (10, 50), LOCK, 8.79, 6.8, 0.8, (10.0, 1.0)),
-    6.0: Size(ROUND, (10.5, 3.3), (10, 60), LOCK, 11.05, 8.0, 1.0, (12.0, 1.6)),
-    8.0: Size(ROUND, (14.0, 4.4), (12, 80), LOCK, 14.38, 9.5, 1.25, (16.0, 1.6)),
+    2.0: Size("M2", METRIC, CAP, (3.8, 2.0), (3, 20), PLAIN, 4.32, 1.6, 0.4, (5.0, 0.3)),
+    2.5: Size("M2.5", METRIC, CAP, (4.5, 2.5), (4, 25), PLAIN, 5.45, 2.0, 0.45, (6.0, 0.5)),
+    3.0: Size("M3", METRIC, BUTTON, (5.7, 1.65), (6, 30), LOCK, 6.01, 4.5, 0.5, (7.0, 0.5)),
+    4.0: Size("M4", METRIC, BUTTON, (7.6, 2.2), (8, 40), LOCK, 7.66, 6.0, 0.7, (9.0, 0.8)),
+    5.0: Size("M5", METRIC, BUTTON, (9.5, 2.75), (10, 50), LOCK, 8.79, 6.8, 0.8, (10.0, 1.0)),
+    6.0: Size("M6", METRIC, BUTTON, (10.5, 3.3), (10, 60), LOCK, 11.05, 8.0, 1.0, (12.0, 1.6)),
+    8.0: Size("M8", METRIC, BUTTON, (14.0, 4.4), (12, 80), LOCK, 14.38, 9.5, 1.25, (16.0, 1.6)),
+    2.1844: _inch_size("#2-56", (0.164, 0.046), (0.125, 0.5), INCH_PLAIN, 0.217, 0.066, (0.25, 0.02)),
+    2.8448: _inch_size("#4-40", (0.213, 0.059), (0.1875, 1), INCH_LOCK, 0.289, 0.163, (0.312, 0.032)),
+    3.5052: _inch_size("#6-32", (0.262, 0.073), (0.25, 1.5), INCH_LOCK, 0.361, 0.188, (0.375, 0.049)),
+    4.1656: _inch_size("#8-32", (0.312, 0.087), (0.25, 2), INCH_LOCK, 0.397, 0.239, (0.438, 0.049)),
+    4.826: _inch_size("#10-24", (0.361, 0.101), (0.25, 2), INCH_LOCK, 0.433, 0.249, (0.5, 0.049)),
+    6.35: _inch_size("1/4-20", (0.437, 0.132), (0.375, 3), INCH_LOCK, 0.505, 0.328, (0.625, 0.065)),
+    7.9375: _inch_size("5/16-18", (0.547, 0.166), (0.5, 3), INCH_LOCK, 0.577, 0.359, (0.688, 0.065)),
 }
+DIAMETERS = {size.thread: diameter for diameter, size in SIZES.items()}
+THREADS = ", ".join(DIAMETERS)
+
+
+def size_of(diameter: float) -> Size | None:
+    """The screw size of a diameter, mm; None if there is no standard one."""
+    # Without its last digits, since 0.138 in is a little more than 3.5052 mm.
+    return SIZES.get(round(diameter, 9))
+
+
+def screw_text(diameter: float) -> str:
+    """The name of a screw of a diameter, mm, such as "screw 4 mm" or "screw #6-32"."""
+    size = size_of(diameter)
+    return f"screw {size.thread}" if size and size.series is UNIFIED else f"screw {diameter:g} mm"
+
+
+class ThreadOrDiameter:
+    """Marks a diameter, mm, that a recipe may also give as the name of a thread, such as "M4", "#6-32" or "1/4-20"."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        from pydantic_core import core_schema
+
+        def read(value: object) -> object:
+            if isinstance(value, str) and value not in DIAMETERS:
+                raise DesignError("", f"found {shown(value)}", f"give a diameter, or a thread: {THREADS}", "wrong-type")
+            return DIAMETERS[value] if isinstance(value, str) else value
+
+        def written(diameter: float) -> float | str:
+            size = size_of(diameter)
+            return size.thread if size and size.series is UNIFIED else diameter
+
+        return core_schema.no_info_before_validator_function(
+            read, handler(source), serialization=core_schema.plain_serializer_function_ser_schema(written)
+        )
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [handler(schema), {"type": "string", "enum": list(DIAMETERS)}]}
+
+
+ThreadDiameter = Annotated[float, ThreadOrDiameter()]
 # Largest height of a nut, in sheets. More would need stacks of many spacers on a pin; fewer would exclude screws in
 # thin card.
 MOST_SHEETS = 20
@@ -54,8 +154,6 @@ MOST_SHEETS = 20
 PITCH_DEPTH = 0.6495
 # Difference of nominal and minor diameter of a screw's thread, in pitches (ISO 724).
 MINOR_DEPTH = 1.2269
-# Standard lengths of screws, mm (ISO 888).
-LENGTHS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80)
 
 
 @record
@@ -76,7 +174,7 @@ class Fastener:
     @cached_property
     def size(self) -> Size | None:
         """The screw size; None if there is no standard one."""
-        return SIZES.get(self.diameter)
+        return size_of(self.diameter)
 
     @property
     def across(self) -> float:
@@ -89,7 +187,7 @@ class Fastener:
             return None
         low, high = self.size.lengths
         least = max(low, self._threaded(self.size, grip))
-        return next((float(length) for length in LENGTHS if least <= length <= high), None)
+        return next((length for length in self.size.series.lengths if least <= length <= high), None)
 
     def ends(self, grip: float) -> tuple[float, float]:
         """Largest projection of head and nut beyond plates of a thickness `grip`, mm."""
@@ -106,13 +204,13 @@ class Fastener:
         """The items of one joint: name and number of each."""
         if self.form == "rod" or self.size is None:
             return ((f"rod {self.diameter:g} mm, cut to {grip + self.play:g} mm", 1),)
-        thread, length = f"M{self.diameter:g}", self.length(grip)
+        thread, series, length = self.size.thread, self.size.series, self.length(grip)
         ends = 1 if length else 2
-        nuts = (f"{thread} washer ISO 7089", ends), (f"{thread} {self.size.nut}", ends)
+        nuts = (f"{thread} {series.washer}", ends), (f"{thread} {self.size.nut}", ends)
         if length is None:
             rod = self._rod_length(self.size, grip)
-            return (f"{thread} threaded rod DIN 976-1, cut to {rod:.1f} mm", 1), *nuts
-        return (f"{thread} x {length:g} {self.size.screw}", 1), *nuts
+            return (f"{thread} {series.rod}, cut to {rod:.1f} mm", 1), *nuts
+        return (f"{thread} x {series.lengths[length]} {self.size.screw}", 1), *nuts
 
     def volume(self, grip: float) -> float:
         """Volume of the items of one joint through plates of a thickness `grip`, mm3: rod or screw, washers and nuts.
@@ -131,7 +229,9 @@ class Fastener:
             return thread * self._rod_length(size, grip) + 2 * (washer + nut)
         across, high = size.head
         # A button head is a segment of a ball.
-        head = pi * high * (across**2 / 8 + high**2 / 6) if size.screw == ROUND else _disc(across) * high
+        head = (
+            pi * high * (across**2 / 8 + high**2 / 6) if size.screw in (BUTTON, INCH_BUTTON) else _disc(across) * high
+        )
         return head + thread * length + washer + nut
 
     def _rod_length(self, size: Size, grip: float) -> float:
@@ -152,15 +252,14 @@ def fastener_of(
 ) -> Fastener:
     """The fastener for a pin diameter and a sheet thickness, mm.
 
-    If no form is given: a screw if the diameter has a standard thread and the nut is at most `MOST_SHEETS` sheets high,
+    If no form is given: a screw if the diameter is that of a thread and the nut is at most `MOST_SHEETS` sheets high,
     otherwise a rod. Raises DesignError if a requested screw does not meet these conditions.
     """
-    if form == "screw" and diameter not in SIZES:
-        sizes = ", ".join(f"{size:g}" for size in SIZES)
+    if form == "screw" and not size_of(diameter):
         raise DesignError(
             "fastener",
             f"found a screw, but there is no screw size of {diameter:g} mm",
-            f'give pin_diameter as one of {sizes}, or fastener = "rod"',
+            f'give pin_diameter as one of {THREADS}, or fastener = "rod"',
             "conflict",
         )
     screw = Fastener(diameter, "screw", play, head_height)
@@ -173,7 +272,7 @@ def fastener_of(
             'give a thicker sheet, a thinner pin, or fastener = "rod"',
             "conflict",
         )
-    fits = diameter in SIZES and not is_too_high
+    fits = size_of(diameter) is not None and not is_too_high
     return Fastener(diameter, form or ("screw" if fits else "rod"), play, head_height)
 
 

@@ -16,7 +16,7 @@ from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import Complex
-from .fasteners import LENGTHS, SIZES
+from .fasteners import LENGTHS, SIZES, ThreadDiameter
 from .named import NamedIn
 
 
@@ -40,7 +40,7 @@ MOTOR_SCREWS = {
     4.0: MotorScrew(4.5, (2.7, 5, 40)),
     5.0: MotorScrew(5.5, (2.7, 6, 50)),
 }
-THREADS = ", ".join(f"{thread:g}" for thread in MOTOR_SCREWS)
+MOTOR_THREADS = ", ".join(f"{thread:g}" for thread in MOTOR_SCREWS)
 SUNK = "countersunk screw ISO 7046"
 # Corners of a square of side 2 about 0.
 CORNERS = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
@@ -101,7 +101,9 @@ class MotorFace:
         above=0,
         at_most=FARTHEST,
     )
-    thread: float = quantity(f"thread of the screws: {THREADS}", "mm", default=3.0, above=0, at_most=5)
+    thread: ThreadDiameter = quantity(
+        f"thread of the screws, as M3, or its diameter: {MOTOR_THREADS}", "mm", default=3.0, above=0, at_most=5
+    )
     least_depth: float = quantity(
         "least length of a screw beyond the plate", "mm", default=2.0, at_least=0, at_most=100
     )
@@ -120,8 +122,8 @@ class MotorFace:
     flats: Annotated[Literal[1, 2], NotBoolean()] = entry("number of flats of the shaft", default=1)
 
     def __post_init__(self) -> None:
-        if self.thread not in MOTOR_SCREWS:
-            raise DesignError("thread", f"found {self.thread:g} mm", f"give {THREADS}", "out-of-range")
+        if round(self.thread, 9) not in MOTOR_SCREWS:
+            raise DesignError("thread", f"found {self.thread:g} mm", f"give {MOTOR_THREADS} mm", "out-of-range")
         if self.least_depth > self.largest_depth:
             problem = f"found {self.least_depth:g} mm, more than largest_depth"
             raise DesignError("least_depth", problem, f"give at most {self.largest_depth:g} mm", "conflict")
@@ -136,7 +138,7 @@ class MotorFace:
         if len(self.screws) < 2:
             raise DesignError("screws", f"found {len(self.screws)}", "give at least two")
         places, half = np.array(self.screws), self.face_width / 2
-        clear = (self.boss_diameter + MOTOR_SCREWS[self.thread].hole) / 2
+        clear = (self.boss_diameter + self.screw_hole) / 2
         inside = np.maximum(np.abs((places - self.face_offset).real), np.abs(places.imag)) < half
         if not (inside & (np.abs(places) > clear)).all():
             problem = "found a screw in the hole of the boss, or off the face"
@@ -153,24 +155,29 @@ class MotorFace:
     @property
     def screw_hole(self) -> float:
         """Clearance hole of a screw, mm."""
-        return MOTOR_SCREWS[self.thread].hole
+        return self._own_screws.hole
+
+    @property
+    def _own_screws(self) -> MotorScrew:
+        return MOTOR_SCREWS[round(self.thread, 9)]
 
     def screw(self, thickness: float, sunk: bool = False) -> str:
         """The screw through a plate of a thickness, mm. sunk: countersunk, with a length that includes the head."""
         least, most = thickness + self.least_depth, thickness + self.largest_depth
-        name, lengths = SIZES[self.thread].screw, SIZES[self.thread].lengths
+        size = SIZES[round(self.thread, 9)]
+        name, lengths = size.screw, size.lengths
         if sunk:
-            name, lengths = SUNK, MOTOR_SCREWS[self.thread].sunk[1:]
+            name, lengths = SUNK, self._own_screws.sunk[1:]
         fitting = [length for length in LENGTHS if max(least, lengths[0]) <= length <= min(most, lengths[1])]
         if not fitting:
             product = "countersunk screw" if sunk else "screw"
-            return f"M{self.thread:g} {product}, {least:g} to {most:g} mm {'long' if sunk else 'under its head'}"
-        return f"M{self.thread:g} x {fitting[-1]:g} {name}"
+            return f"{size.thread} {product}, {least:g} to {most:g} mm {'long' if sunk else 'under its head'}"
+        return f"{size.thread} x {fitting[-1]:g} {name}"
 
     def bill(self, thickness: float, sunk: bool = False, count: int = 1) -> tuple[tuple[str, int], ...]:
         """Screws through a plate of a thickness, mm, and their nuts; count: number of motors."""
         number = count * len(self.screws)
-        nuts = ((f"M{self.thread:g} {SIZES[self.thread].nut}", number),) if self.nuts else ()
+        nuts = ((f"M{self.thread:g} {SIZES[round(self.thread, 9)].nut}", number),) if self.nuts else ()
         return (self.screw(thickness, sunk), number), *nuts
 
     def holes(self, clearance: float, place: complex = 0j) -> tuple[Circle, ...]:
@@ -192,7 +199,7 @@ class MotorFace:
 
         sheets: largest number of plates that the boss may pass.
         """
-        head = MOTOR_SCREWS[self.thread].sunk[0]
+        head = self._own_screws.sunk[0]
         if thickness < (least := max(self.boss_height / sheets, head)):
             high = f"boss is {self.boss_height:g} mm high, and the heads of its screws {head:g} mm"
             raise DesignError(

@@ -9,10 +9,11 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from ..core.errors import DesignError
+from ..core.fields import to_digits
 from ..core.records import record
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
-from ..plane.vec import Array, Complex, Mask, Real, Whole, as_unit
+from ..plane.vec import Array, Complex, Mask, Real, Whole, as_unit, box_of
 from .part import Part
 from .roles import Role
 from .table import Column, Table
@@ -341,14 +342,16 @@ class Scene:
     @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner, mm, of all pins, slides, traced points and bodies' origins."""
-        kept = [mark for mark in self.marks if mark.sort in ("pin", "fixed pin", "slide") or mark.trail]
-        rows = [mark.place for mark in kept] + [body.origin for body in self.bodies]
+        marks = [mark for mark in self.marks if mark.sort in ("pin", "fixed pin", "slide") or mark.trail]
+        rows = [mark.place for mark in marks] + [body.origin for body in self.bodies]
         places = np.concatenate([*rows, np.zeros(1, dtype=complex)])
-        places = places[np.isfinite(places)]
-        return (
-            complex(places.real.min(), places.imag.min()),
-            complex(places.real.max(), places.imag.max()),
-        )
+        return box_of(places[np.isfinite(places)])
+
+
+def playing_time(table: Table) -> Real:
+    """Time of the frames of a table with a column `time`, s; if it is unknown, the scene lasts two seconds."""
+    time = np.asarray(table["time"], dtype=float)
+    return time if np.isfinite(time).all() else np.linspace(0, 2, len(time))
 
 
 def dimension(start: complex, end: complex, words: str, body: str = "") -> SceneCurve:
@@ -358,7 +361,7 @@ def dimension(start: complex, end: complex, words: str, body: str = "") -> Scene
 
 def drawn_at(scale: float, unit: str) -> str:
     """Text that states the scale of arrows, if one of the unit is drawn `scale` mm long."""
-    return f"1 mm is {float(f'{1 / scale:.3g}'):g} {unit}"
+    return f"1 mm is {to_digits(1 / scale, 3):g} {unit}"
 
 
 def mm(length: float) -> str:

@@ -66,7 +66,7 @@ def _check(check: Check, scene: Scene) -> str:
         button = f' <button type="button" data-frame="{frame}">show at {text(position)}</button>'
     digits = check.digits(4)
     value, limit = (text(with_unit(size, check.unit, digits)) for size in (check.value, check.limit))
-    advice = "OK" if check.passed else check.expected or check.advice or "see the limit"
+    advice = "" if check.passed else check.expected or check.advice or "see the limit"
     expected = " as expected" * bool(check.expected and not check.passed)
     return (
         f'<tr class="{style}"><td><span aria-hidden="true">{sign}</span> {word}{expected}</td>'
@@ -234,10 +234,10 @@ def _head(name: str) -> str:
 
 
 def _named(name: str) -> str:
-    """A name of the summary, whose last word may be a unit."""
-    for unit in ("deg", "mm", "mm2", "N", "kg"):
+    """A name of the summary, whose last words may be a unit."""
+    for unit in ("kg_mm2", "N_mm", "deg", "mm", "mm2", "mm3", "N", "kg", "rpm"):
         if name.endswith(f"_{unit}"):
-            return f"{name.removesuffix(f'_{unit}')}, {unit_sign(unit)}"
+            return f"{name.removesuffix(f'_{unit}')}, {unit_sign(unit.replace('_', ' '))}"
     return name
 
 

@@ -162,13 +162,13 @@ def _chain_points(curve: AbstractCurve, sweep: Real, radius: Real, tolerance: fl
     Straight edges stay unchanged, since they may guide or carry another part; a chord that saved a point by extending
     into the next arc would shift the edge.
     """
-    bent, edge = sweep > 0, np.arange(len(sweep), dtype=float)
-    chords = np.where(bent, np.ceil(_chords_of_arc(radius, sweep, tolerance)), 1).astype(int)
-    if len(edge) > 1 and not bent.all():
+    is_arc, edge = sweep > 0, np.arange(len(sweep), dtype=float)
+    chords = np.where(is_arc, np.ceil(_chords_of_arc(radius, sweep, tolerance)), 1).astype(int)
+    if len(edge) > 1 and not is_arc.all():
         smooth = np.abs(direction(curve, edge, True) - np.roll(direction(curve, edge + 1, False), 1)) <= CORNER
         smooth[0] &= curve.closed
         # Between two straight edges in line no point is needed.
-        chords[smooth & ~bent & ~np.roll(bent, 1)] = 0
+        chords[smooth & ~is_arc & ~np.roll(is_arc, 1)] = 0
     if curve.closed and chords.sum() < 3:
         # With a tolerance as large as the curve no area would be left.
         chords = chords + 1

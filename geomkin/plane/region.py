@@ -43,8 +43,8 @@ def where(outline: Complex, lines: Sequence[Complex], holds: Callable[[Complex],
     edges = [shapely.LinearRing(xy(outline)), *(shapely.LineString(xy(line)) for line in lines)]
     pieces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.union_all(edges))))
     inside = shapely.point_on_surface(pieces)
-    kept = shapely.contains(area, inside)
-    pieces, places = pieces[kept], shapely.get_coordinates(inside[kept]).view(complex)[:, 0]
+    within = shapely.contains(area, inside)
+    pieces, places = pieces[within], shapely.get_coordinates(inside[within]).view(complex)[:, 0]
     return _regions(shapely.union_all(pieces[np.asarray(holds(places), dtype=bool)]))
 
 
@@ -138,8 +138,8 @@ class Edges:
 
     def nearest(self, points: Complex) -> tuple[Whole, Real]:
         """For each point (n,) the index of the nearest edge, and the distance, mm."""
-        found, distance = self._tree.query_nearest(shapely.points(xy(points)), return_distance=True, all_matches=False)
-        return found[1], distance
+        pairs, distance = self._tree.query_nearest(shapely.points(xy(points)), return_distance=True, all_matches=False)
+        return pairs[1], distance
 
     def distance(self, points: Complex, which: Whole) -> Real:
         """Distance of each point from the edge of a given index, mm."""

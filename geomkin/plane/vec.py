@@ -100,6 +100,11 @@ def direction_deg(angle: ArrayLike) -> Complex:
     return rest * whole
 
 
+def box_of(points: Array) -> tuple[complex, complex]:
+    """Lower left and upper right corner of the smallest upright box round points."""
+    return complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+
+
 @overload
 def rounded(z: Real | float, decimals: int) -> Real: ...
 @overload

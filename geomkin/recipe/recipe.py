@@ -76,6 +76,8 @@ class AbstractRecipe(_Shared, ABC):
     loaded_table: Mapping[str, Any] | None = None
     # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
     can_be_scaled: ClassVar[bool] = False
+    # Whether it takes the key `workshop`; a recipe of several recipes leaves it to these.
+    takes_workshop: ClassVar[bool] = True
     # A sentence that a template adds to the description of the kind.
     advice: ClassVar[str] = ""
     # Every subclass is a dataclass, which a type checker cannot know.

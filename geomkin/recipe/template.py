@@ -85,7 +85,8 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
     """Lines of a table: its keys with plain values first, then the tables in it."""
     plain, tables = [], []
     if not path:
-        plain.append(("# workshop =", WORKSHOP))
+        if value.takes_workshop:
+            plain.append(("# workshop =", WORKSHOP))
         if value.can_be_scaled:
             plain.append(("# scale = 1", SCALE))
     for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name in SHARED)):
@@ -205,7 +206,8 @@ def schema() -> dict[str, Any]:
         table["additionalProperties"] = False
     for name, recipe in kinds.items():
         properties = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]["properties"]
-        properties["workshop"] = {"type": "string", "description": WORKSHOP}
+        if recipe.takes_workshop:
+            properties["workshop"] = {"type": "string", "description": WORKSHOP}
         if recipe.can_be_scaled:
             properties["scale"] = {
                 "type": "number",

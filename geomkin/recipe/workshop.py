@@ -13,7 +13,7 @@ from ..core.fields import FARTHEST, quantity
 from ..core.names import Folder, read_text_file
 from ..core.records import record
 from .messages import did_you_mean, explain, hints_of, tables_in
-from .recipe import FITS, is_stock
+from .recipe import FITS, AbstractRecipe, is_stock
 from .settings import kerf
 from .toml import LARGEST, parsed
 
@@ -37,13 +37,16 @@ class MeasuredFits:
 ADAPTER = TypeAdapter(MeasuredFits)
 
 
-def with_workshop(data: Mapping[str, Any], recipe: type, file: str, folder: Folder) -> dict[str, Any]:
+def with_workshop(data: Mapping[str, Any], recipe: type[AbstractRecipe], file: str, folder: Folder) -> dict[str, Any]:
     """The table of a recipe, with the values of its workshop file for keys that it omits.
 
     recipe: its class. file: its name in messages. folder: holds the workshop file. Raises RecipeError if the workshop
     file is wrong or lacks the recipe's material.
     """
     try:
+        if not recipe.takes_workshop:
+            remedy = "give it in the recipe of each mechanism, and the kerf in [files]"
+            raise DesignError("workshop", f"found {shown(data['workshop'])} for all mechanisms", remedy, "conflict")
         name, measured = data["workshop"], _read(data["workshop"], file, folder)
         stocks = _stocks(data, recipe)
         material_of = _materials(data, stocks, printable(name), measured)

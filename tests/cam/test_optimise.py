@@ -49,8 +49,6 @@ def test_the_published_optima_are_met(segment, published):
     assert jerk == pytest.approx(optimum.peak_jerk, rel=1e-7)
     # The bang-bang motion is below them all, cycloidal above.
     assert 4 * 2 / (np.pi / 2) ** 2 < walked < 2 * np.pi * 2 / (np.pi / 2) ** 2
-    assert optimum.acceleration_coefficient == pytest.approx(walked * (np.pi / 2) ** 2 / 2, rel=1e-7)
-    assert optimum.jerk_coefficient == pytest.approx(jerk * (np.pi / 2) ** 3 / 2, rel=1e-7)
 
 
 def test_degree_5_is_the_345_law_and_degree_7_with_jerk_the_4567_law():
@@ -194,8 +192,7 @@ def test_where_a_neighbour_has_the_peak_the_least_jerk_decides():
     for stray in np.random.default_rng(7).normal(size=(300, 4)) * 10.0 ** -np.arange(300)[:, None].clip(0, 6):
         other = added * Polynomial(stray)
         too_high = np.abs(own[2] + other.deriv(2)(x)).max() > np.abs(own[2]).max() * (1 + 1e-9)
-        assert too_high or np.abs(own[3] + other.deriv(3)(x)).max() >= optimum.jerk_coefficient * (1 - 1e-7)
-    assert optimum.jerk_coefficient == pytest.approx(jerk * angle**3 / 3, rel=1e-7)
+        assert too_high or np.abs(own[3] + other.deriv(3)(x)).max() >= jerk * angle**3 / 3 * (1 - 1e-7)
 
 
 @pytest.mark.parametrize("ends", [(0.5, -9.0, 0.0, 1.0)])
@@ -235,10 +232,9 @@ def test_a_fall_is_a_rise_upside_down_and_an_arm_a_follower_in_radians():
 @pytest.mark.parametrize(
     "segment", [OptimisedPolynomial(9, rise=0, end_deg=220), OptimisedSpline(30, rise=0, end_deg=220)]
 )
-def test_a_hill_that_ends_where_it_began_has_its_peaks_and_no_share_of_a_rise(segment):
+def test_a_hill_that_ends_where_it_began_has_its_peaks(segment):
     up, down = gk.Rise("uniform", rise=5, end_deg=140), gk.Return("uniform", end_deg=360)
     optimum = Program([up, segment, down]).optima[1]
     acceleration, jerk = peaks(Program([up, segment, down]), 140, 220)
     assert optimum.peak_acceleration == pytest.approx(acceleration, rel=1e-4) and optimum.gap < 2e-9
     assert optimum.peak_jerk == pytest.approx(jerk, rel=1e-3)
-    assert np.isnan(optimum.acceleration_coefficient) and np.isnan(optimum.jerk_coefficient)

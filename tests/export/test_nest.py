@@ -142,6 +142,13 @@ def test_a_part_that_just_fits_is_cut_and_a_larger_one_refused_with_the_least_sh
                 lay_out_on(plate, wide, high)
 
 
+def test_a_walker_of_many_small_spacers_needs_two_sheets():
+    parts = gk.load("recipes/motor-walker.toml").parts
+    sheets = lay_out_on(flats(parts), 300, 200)
+    assert sum(len(assert_sound(sheet)) for sheet in sheets) == sum(part.count for part in parts)
+    assert len(sheets) == 2
+
+
 def test_each_thickness_has_its_own_sheets_and_each_sheet_its_own_file(tmp_path):
     thin, thick = (gk.Part(f"t{t:g}", gk.plane.Circle(0, 40), (), t, count=4) for t in (3.0, 5.0))
     sheets = lay_out_on(flats([thin, thick]), 200, 100)

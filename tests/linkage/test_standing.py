@@ -1,5 +1,6 @@
 """How walkers stand: support polygons against shapely, resting planes against linear programming, and recipes."""
 
+import re
 from pathlib import Path
 
 import highspy
@@ -76,6 +77,16 @@ def test_six_legs_of_alternating_phase_rock_little_and_four_stand_on_two_feet_at
     pairs = np.take_along_axis(four.stance.feet, low, axis=0) - four.stance.centre
     off = abs((pairs[0] * pairs[1].conj()).imag) / abs(pairs[0] - pairs[1])
     assert off.min() < 1e-6
+
+
+def test_copies_advised_to_four_legs_let_them_rock_little():
+    text = WALKER.replace("kind =", 'foot = "foot"\nkind =').replace("step_deg = 2", "step_deg = 10")
+    advice = next(check.advice for check in gk.load(text).checks if check.id == "tilt_along")
+    copies = re.search(r"copies = \[.*\]", advice)[0]
+    first, last = text.index("[[copies]]"), text.index("[stock]")
+    six = gk.load(f"{copies}\n{text[:first]}{text[last:]}")
+    assert len(six.copies) == 5
+    assert all(check.passed for check in six.checks if check.id.startswith("tilt"))
 
 
 def test_walker_on_three_feet_in_phase_falls_over_and_without_rods_its_stance_is_unknown():

@@ -1,8 +1,15 @@
 """Sizes of what is sold, as the standards print them: what is bought by another would not fit."""
 
+from fractions import Fraction
+from math import cos, pi
+
+import pytest
+
+import geomkin as gk
 from geomkin.making.bores import LENGTHS as KEY_LENGTHS
 from geomkin.making.bores import PARALLEL_KEYS
 from geomkin.making.fasteners import LENGTHS, SIZES
+from geomkin.recipe.load import to_toml
 
 # DIN 6885-1: shaft up to, width, height, depth in the shaft, in the hub, lengths from and to.
 KEYS = """
@@ -56,8 +63,64 @@ def test_keys_are_those_of_the_standard():
 
 
 def test_screws_nuts_and_washers_are_those_of_the_standards():
-    found = [[d, s.pitch, *s.head, *s.lengths, s.nut_width, s.nut_height, *s.washer] for d, s in SIZES.items()]
+    metric = {d: s for d, s in SIZES.items() if s.thread.startswith("M")}
+    found = [[d, s.pitch, *s.head, *s.lengths, s.nut_width, s.nut_height, *s.washer] for d, s in metric.items()]
     assert found == rows(SCREWS)
     assert [list(LENGTHS)] == rows(OF_SCREWS)
-    assert {s.screw.split()[-1] for d, s in SIZES.items() if d < 3} == {"4762"}
-    assert {s.nut.split()[-1] for d, s in SIZES.items() if d >= 3} == {"7040"}
+    assert {s.screw.split()[-1] for d, s in metric.items() if d < 3} == {"4762"}
+    assert {s.nut.split()[-1] for d, s in metric.items() if d >= 3} == {"7040"}
+
+
+# Thread, diameter and height of a button head (ASME B18.3), width across the flats of the nut and its height (B18.6.3 of
+# #2, B18.16.6 of the others), the washer's outer diameter and thickness (B18.21.1): inches.
+INCH_SCREWS = {
+    "#2-56": (0.164, 0.046, 3 / 16, 0.066, 0.250, 0.020),
+    "#4-40": (0.213, 0.059, 1 / 4, 0.163, 0.312, 0.032),
+    "#6-32": (0.262, 0.073, 5 / 16, 0.188, 0.375, 0.049),
+    "#8-32": (0.312, 0.087, 11 / 32, 0.239, 0.438, 0.049),
+    "#10-24": (0.361, 0.101, 3 / 8, 0.249, 0.500, 0.049),
+    "1/4-20": (0.437, 0.132, 7 / 16, 0.328, 0.625, 0.065),
+    "5/16-18": (0.547, 0.166, 1 / 2, 0.359, 0.688, 0.065),
+}
+
+
+def test_inch_screws_are_those_of_the_standards():
+    inch = {size.thread: (diameter, size) for diameter, size in SIZES.items() if not size.thread.startswith("M")}
+    assert list(inch) == list(INCH_SCREWS)
+    for thread, (head, high, flats, nut, washer, thick) in INCH_SCREWS.items():
+        diameter, size = inch[thread]
+        number, per_inch = thread.split("-")
+        # ASME B1.1: the diameter of a numbered size is 0.060 in and 0.013 in for each number.
+        major = 0.06 + 0.013 * int(number[1:]) if number[0] == "#" else float(Fraction(number))
+        assert diameter == pytest.approx(25.4 * major, abs=1e-9)
+        assert size.pitch * int(per_inch) == pytest.approx(25.4)
+        assert [*size.head, size.nut_height, *size.washer] == pytest.approx(
+            [25.4 * length for length in (head, high, nut, washer, thick)]
+        )
+        # The largest width across corners is that of sharp ones.
+        assert size.nut_width == pytest.approx(25.4 * flats / cos(pi / 6), abs=0.02)
+
+
+@pytest.mark.parametrize("thread", [*INCH_SCREWS, "M3", "M4"])
+def test_thread_in_a_recipe_is_its_diameter_and_is_written_back(thread):
+    stock = {"thickness": 3, "pin_diameter": thread}
+    linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+    recipe = gk.load({"kind": "four-bar", "linkage": linkage, "stock": stock})
+    (screw,) = (item.name for item in recipe.bought if " x " in item.name)
+    assert screw.startswith(f"{thread} x ")
+    assert gk.load(to_toml(recipe)).stock == recipe.stock
+    assert thread.startswith("M") or f'"{thread}"' in to_toml(recipe)
+    # The screw reaches through plates, washer and nut.
+    length = screw.split(" x ")[1].split(" button")[0].split(" cap")[0].split(" in")[0]
+    long = float(sum(Fraction(part) for part in length.split("-"))) * (1 if thread.startswith("M") else 25.4)
+    size = recipe.stock.fastener_used.size
+    assert long >= 6 + size.washer[1] + size.nut_height + size.pitch
+
+
+def test_threads_of_bases_and_motors_have_names_too():
+    gear = {"teeth": 24, "module": 2}
+    pair = {"kind": "gear-pair", "first": gear, "second": gear, "first_stock": {"bore": 8}, "second_stock": {"bore": 8}}
+    recipe = gk.load(pair | {"base": {"screw": "1/4-20"}})
+    assert any(item.name.startswith("screw 1/4-20, at least") for item in recipe.bought)
+    with pytest.raises(gk.RecipeError, match=r"#6-32"):
+        gk.load(pair | {"base": {"screw": "#7-32"}})

@@ -25,6 +25,7 @@ from .follower import (
     Hole,
     Side,
     arm_direction,
+    check_reach,
     faced_arm,
     guide_holes,
     side_sign,
@@ -99,16 +100,6 @@ def on_face(
     return Contact(normal * (p + 1j * along), normal, rate, -sense * rate * radius, pressure_angle)
 
 
-def straight_face_base_radius(program: Program, least_radius: float, tilt_deg: float) -> float:
-    """The radius of curvature is rho = Rb + (s + s'') cos(tilt), so Rb = least_radius - min(s + s'') cos(tilt)."""
-
-    def below(angle: Real) -> Real:
-        motion = program.motion(angle)
-        return -motion.lift - motion.acceleration
-
-    return least_radius + float(np.cos(np.radians(tilt_deg))) * largest(program.breaks, below)[0]
-
-
 @record(checked=True)
 class TranslatingFlat(AbstractFace):
     """A flat face that moves along y. At lift 0 it touches the base circle.
@@ -168,7 +159,13 @@ class TranslatingFlat(AbstractFace):
         return np.asarray((np.imag(points * np.exp(-1j * self.tilt)) - base_radius) / np.cos(self.tilt))
 
     def least_base_radius(self, program: Program, least_radius: float) -> float:
-        return straight_face_base_radius(program, least_radius, self.tilt_deg)
+        """The radius of curvature is rho = Rb + (s + s'') cos(tilt), so Rb = least_radius - min(s + s'') cos(tilt)."""
+
+        def below(angle: Real) -> Real:
+            motion = program.motion(angle)
+            return -motion.lift - motion.acceleration
+
+        return least_radius + float(np.cos(self.tilt)) * largest(program.breaks, below)[0]
 
     def plates(self, bars: Bars, program: Program, base_radius: float, sense: int) -> tuple[FollowerPlate, ...]:
         """One plate: the face with its stem."""
@@ -226,18 +223,7 @@ class OscillatingFlat(AbstractFace):
 
     def check(self, program: Program, base_radius: float, sense: int) -> None:
         """Require that the face reaches the cam, and that it never swings as fast as the cam turns."""
-        lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
-        low, high = self.base_radius_range(lift)
-        if not low < base_radius < high:
-            digits = ".4g" if high - low > 1e-2 * high else ".12g"
-            limits = f"only cams with a base_radius above {low:{digits}} and below {high:{digits}} mm"
-            reached = f"{limits}, not {base_radius:g}" if low < high else "no cam"
-            raise DesignError(
-                "follower.pivot_distance",
-                f"found {self.pivot_distance:g} mm with face_offset {self.face_offset:g} mm and lifts up to "
-                f"{np.degrees(lift):.4g} deg: the face reaches {reached}",
-                "change pivot_distance, face_offset or base_radius",
-            )
+        check_reach(self, program, base_radius, "face", "pivot_distance", "face_offset")
         tau = side_sign(self.side)
         slowest, angle = largest(program.breaks, lambda t: -sense * tau * program.motion(t).velocity)
         if slowest >= 1:

@@ -14,6 +14,7 @@ from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real
+from ..extrema import largest
 from ..program.program import FollowerMotion, Program
 
 # Radius of outer corners, mm. Smaller corners cut fingers, chip when dropped and burn in a laser beam; larger ones
@@ -352,6 +353,28 @@ Follower = Annotated[
         "a follower, such as TranslatingRoller",
     ),
 ]
+
+
+def check_reach(
+    follower: AbstractFollower, program: Program, base_radius: float, part: str, size: str, other: str
+) -> None:
+    """Raise DesignError if an oscillating follower does not reach the cam at all lifts.
+
+    part: its arm or face, for the message. size, other: the fields that limit it.
+    """
+    lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
+    low, high = follower.base_radius_range(lift)
+    if low < base_radius < high:
+        return
+    digits = ".4g" if high - low > 1e-2 * high else ".12g"
+    limits = f"only cams with a base_radius above {low:{digits}} and below {high:{digits}} mm"
+    reached = f"{limits}, not {base_radius:g}" if low < high else "no cam"
+    raise DesignError(
+        f"follower.{size}",
+        f"found {getattr(follower, size):g} mm with {other} {getattr(follower, other):g} mm and lifts up to "
+        f"{np.degrees(lift):.4g} deg: the {part} reaches {reached}",
+        f"change {size}, {other} or base_radius",
+    )
 
 
 def side_sign(side: Side) -> int:

@@ -14,7 +14,7 @@ from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
-from ..extrema import highest, largest
+from ..extrema import highest
 from ..program.program import FollowerMotion, Program
 from .follower import (
     AbstractFollower,
@@ -25,6 +25,7 @@ from .follower import (
     Hole,
     Side,
     arm_direction,
+    check_reach,
     guide_holes,
     side_sign,
 )
@@ -265,18 +266,7 @@ class OscillatingRoller(AbstractRoller):
         return complex(self.arm_length)
 
     def check(self, program: Program, base_radius: float, sense: int) -> None:
-        lift = largest(program.breaks, lambda t: program.motion(t).lift)[0]
-        low, high = self.base_radius_range(lift)
-        if not low < base_radius < high:
-            digits = ".4g" if high - low > 1e-2 * high else ".12g"
-            limits = f"only cams with a base_radius above {low:{digits}} and below {high:{digits}} mm"
-            reached = f"{limits}, not {base_radius:g}" if low < high else "no cam"
-            raise DesignError(
-                "follower.arm_length",
-                f"found {self.arm_length:g} mm with pivot_distance {self.pivot_distance:g} mm and lifts up to "
-                f"{np.degrees(lift):.4g} deg: the arm reaches {reached}",
-                "change arm_length, pivot_distance or base_radius",
-            )
+        check_reach(self, program, base_radius, "arm", "arm_length", "pivot_distance")
 
     def base_radius_range(self, largest_lift: float) -> tuple[float, float]:
         c, arm = self.pivot_distance, self.arm_length
@@ -307,12 +297,8 @@ class OscillatingRoller(AbstractRoller):
 
     def centre_rates(self, motion: FollowerMotion, base_radius: float) -> dict[str, CentreRate]:
         """The angle psi at lift 0 changes by the cosine rule; the arm turns by -tau for 1 of psi."""
-        tau, c, length, prime = (
-            side_sign(self.side),
-            self.pivot_distance,
-            self.arm_length,
-            base_radius + self.roller_radius,
-        )
+        tau, c, length = side_sign(self.side), self.pivot_distance, self.arm_length
+        prime = base_radius + self.roller_radius
         psi = self.start_angle(base_radius)
         direction, over = arm_direction(psi + motion.lift, tau), 1 / (c * length * np.sin(psi))
         # By each size: psi, the arm's length, and the pivot.

@@ -119,10 +119,22 @@ def _number(line: list[str], column: int, place: str) -> float:
 
 @record(eq=False)
 class TableFit:
-    """A curve near the lifts (n,) of a table, mm or deg, at rising x (n,) from 0 to 1.
+    """A curve near the lifts of a table.
 
-    ends: slope and curvature by x at both ends; None for a periodic curve. within: band; 0 for a curve through all
-    rows. Derived here; the curve is that of `smoothest_within`.
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Rising numbers from 0 to 1.
+    lifts : ndarray, shape (n,)
+        Lifts at x, mm or deg.
+    ends : pair of pairs of float, or None
+        Slope and curvature by x at both ends; None for a periodic curve.
+    within : float
+        Largest deviation of the curve from the lifts, the band; 0 for a curve through all rows.
+
+    Notes
+    -----
+    Derived here; the curve is that of `smoothest_within`.
     """
 
     x: Real
@@ -180,53 +192,32 @@ def _scatter(x: Real, lifts: Real) -> float:
     Half of the windows may be in an exact dwell; the few at joints of the motion are above the quartile.
     """
     number = np.arange(len(x) - WINDOW + 1)[:, None] + np.arange(WINDOW)
-    at = x[number] - x[number[:, :1]]
-    at = at / at[:, -1:]
-    apart = at[:, :, None] - at[:, None, :] + np.eye(WINDOW)
+    local = x[number] - x[number[:, :1]]
+    local = local / local[:, -1:]
+    apart = local[:, :, None] - local[:, None, :] + np.eye(WINDOW)
     # Divided differences, which are 0 for such a polynomial; the squares of the weights add up to 1.
     weights = 1 / np.prod(apart, axis=2)
     weights /= np.sqrt(np.sum(weights**2, axis=1))[:, None]
-    missed = np.abs(np.sum(weights * lifts[number], axis=1))
+    deviation = np.abs(np.sum(weights * lifts[number], axis=1))
     # Three quarters of normal errors are below 1.1503 standard deviations.
-    return float(np.quantile(missed, 0.75)) / 1.1503
+    return float(np.quantile(deviation, 0.75)) / 1.1503
 
 
 def spline_through(x: Real, values: Real, ends: Ends) -> PiecewisePolynomial:
     """Quintic spline through values (n + 1,) at rising x (n + 1,) from 0 to 1, with the slopes and curvatures `ends`.
 
-    Of all curves through the values and ends the one with the least integral of squared jerk. The
-    jerk and its slope are continuous, so it has no breaks inside. Closed (ends None), it needs equal
-    first and last values.
+    Of all curves through the values with these ends it has the least integral of squared jerk. Jerk and its slope are
+    continuous, so it has no breaks inside. With ends None it is periodic and needs equal first and last values.
     """
-    return PiecewisePolynomial(x, _quintic(x, values[:, None], ends)[..., 0], np.array([0.0, 1.0]))
-
-
-def _times(a: Real, b: Real) -> Real:
-    """Products of 2 x 2 matrices with matrices of two rows, in a fixed order of summation."""
-    return a[..., :1] * b[..., :1, :] + a[..., 1:] * b[..., 1:, :]
-
-
-def _inverse(a: Real) -> Real:
-    """Inverse of a 2 x 2 matrix."""
-    (p, q), (r, s) = a.tolist()
-    return np.array([[s, -q], [-r, p]]) / float(p * s - q * r)
-
-
-def _quintic(knots: Real, values: Real, ends: Ends) -> Real:
-    """Coefficients (6, n, columns) of quintic splines through values (n + 1, columns).
-
-    Unknown at each knot are slope and curvature; third and fourth derivatives on both sides of it
-    must agree, which links it to its neighbours: block-tridiagonal, solved from knot 1 to knot n - 1
-    for any state of knots 0 and n, which the ends then settle.
-    """
-    n, columns = len(knots) - 1, values.shape[1]
-    scale = n / (knots[-1] - knots[0])  # intervals of about 1 keep the equations' numbers alike
-    width = np.diff(knots) * scale
-    step = np.diff(values, axis=0)
-    # State of each knot as columns for the values, then two for the state of knot 0 and two for that of knot n.
-    first, last = columns, columns + 2
-    state = np.zeros((n + 1, 2, columns + 4))
-    state[0, :, first : first + 2] = state[n, :, last : last + 2] = np.eye(2)
+    n = len(x) - 1
+    # With intervals of about 1 the coefficients of the equations are of similar size.
+    scale = n / (x[-1] - x[0])
+    width, step = np.diff(x) * scale, np.diff(values)[:, None]
+    # The unknown state of each knot is its slope and curvature. It is a linear function of those of knots 0 and n:
+    # column 0 is the constant, columns 1 and 2 are factors of the first state, columns 3 and 4 of the last one.
+    state = np.zeros((n + 1, 2, 5))
+    state[0, :, 1:3] = state[n, :, 3:] = np.eye(2)
+    # Third and fourth derivatives are continuous at knots 1 to n - 1: a block-tridiagonal system.
     before, here, after, right = _links(width, step, np.arange(1, n))
     right = np.concatenate([right, np.zeros((n - 1, 2, 4))], axis=2)
     if n > 1:
@@ -242,17 +233,14 @@ def _quintic(knots: Real, values: Real, ends: Ends) -> Real:
     if ends is None:
         before, here, after, right = _links(width, step, np.array([0]))
         around = _times(before[0], state[n - 1]) + _times(here[0], state[0]) + _times(after[0], state[1])
-        around_ends = around[:, first : first + 2] + around[:, last : last + 2]
-        start = end = _times(_inverse(around_ends), right[0] - around[:, :columns])
+        start = end = _times(_inverse(around[:, 1:3] + around[:, 3:]), right[0] - around[:, :1])
     else:
         # Slopes and curvatures by the scaled x.
-        start, end = (np.array([[v / scale], [a / scale**2]]) * np.ones(columns) for v, a in ends)
-    state = (
-        state[..., :columns] + _times(state[..., first : first + 2], start) + _times(state[..., last : last + 2], end)
-    )
-    v0, a0, v1, a1 = state[:-1, 0], state[:-1, 1], state[1:, 0], state[1:, 1]
-    h = width[:, None]
-    v0h, v1h, a0h, a1h = v0 * h, v1 * h, a0 * h**2 / 2, a1 * h**2 / 2
+        start, end = (np.array([[slope / scale], [curvature / scale**2]]) for slope, curvature in ends)
+    states = (state[..., :1] + _times(state[..., 1:3], start) + _times(state[..., 3:], end))[..., 0]
+    h, step = width, step[:, 0]
+    v0h, a0h = states[:-1, 0] * h, states[:-1, 1] * h**2 / 2
+    v1h, a1h = states[1:, 0] * h, states[1:, 1] * h**2 / 2
     powers = [
         values[:-1],
         v0h,
@@ -261,7 +249,19 @@ def _quintic(knots: Real, values: Real, ends: Ends) -> Real:
         -15 * step + 8 * v0h + 7 * v1h + 3 * a0h - 2 * a1h,
         6 * step - 3 * (v0h + v1h) - a0h + a1h,
     ]
-    return np.array([p / (h / scale) ** k for k, p in enumerate(powers)])
+    coefficients = np.array([power / (h / scale) ** k for k, power in enumerate(powers)])
+    return PiecewisePolynomial(x, coefficients, np.array([0.0, 1.0]))
+
+
+def _times(a: Real, b: Real) -> Real:
+    """Products of 2 x 2 matrices with matrices of two rows, in a fixed order of summation."""
+    return a[..., :1] * b[..., :1, :] + a[..., 1:] * b[..., 1:, :]
+
+
+def _inverse(a: Real) -> Real:
+    """Inverse of a 2 x 2 matrix."""
+    (p, q), (r, s) = a.tolist()
+    return np.array([[s, -q], [-r, p]]) / float(p * s - q * r)
 
 
 def _links(width: Real, step: Real, i: Whole) -> tuple[Real, Real, Real, Real]:

@@ -25,10 +25,22 @@ MOST_SEGMENTS = 10_000
 
 @record(eq=False)
 class PlacedSegment:
-    """A segment with its limits. start, end: deg. lift, end_lift: mm, or deg if `oscillates`.
+    """A segment with its limits.
 
-    place: its name in messages. oscillates: None if it suits both, as a dwell does. points: (n, 2) given angles and
-    lifts of a spline or a table; intermediate ones of a polynomial.
+    Parameters
+    ----------
+    place : str
+        Its name in messages, such as `program[2]`.
+    segment : segment
+        As the recipe has it.
+    start, end : float
+        Cam angles, deg.
+    lift, end_lift : float
+        Lift at start and end, mm, or deg if `oscillates`.
+    oscillates : bool or None
+        Whether lifts are angles of an arm; None if it suits both kinds of follower, as a dwell does.
+    points : ndarray, shape (n, 2)
+        Given angles, deg, and lifts of a spline or a table; intermediate ones of a polynomial.
     """
 
     place: str
@@ -153,30 +165,8 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
     """Lift at the end, and whether it was given in degrees; None if unknown."""
     if isinstance(segment, Dwell):
         return before, None
-    if isinstance(segment, Return):
-        if segment.end_lift and segment.end_lift_deg is not None:
-            raise DesignError("end_lift", "of end_lift and end_lift_deg found both", "give one of them", "conflict")
-        end, oscillates = segment.end_lift, False if segment.end_lift else None
-        if segment.end_lift_deg is not None:
-            end, oscillates = segment.end_lift_deg, True
-    else:
-        candidates = [
-            (segment.end_lift, 0.0, False),
-            (segment.rise, before, False),
-            (segment.end_lift_deg, 0.0, True),
-            (segment.rise_deg, before, True),
-        ]
-        given = [(start + value, swings) for value, start, swings in candidates if value is not None]
-        if len(given) != 1:
-            found = "neither" if not given else "both" if len(given) == 2 else "more"
-            raise DesignError(
-                "rise", f"of rise and end_lift found {found}", "give one of them, in mm or in degrees", "conflict"
-            )
-        end, oscillates = given[0]
+    field, end, oscillates = _given_end(segment, before)
     unit = "deg" if oscillates else "mm"
-    names = ("rise", "rise_deg", "end_lift", "end_lift_deg")
-    field = next((name for name in names if getattr(segment, name, None) not in (None, 0)), "")
-    field = field or next((name for name in names if getattr(segment, name, None) is not None), "rise")
     if isinstance(segment, Rise) and end <= before:
         raise DesignError(
             field, f"it ends at {end:g} {unit}, not above its start", "use a return to go down", "out-of-range"
@@ -188,6 +178,24 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
             field, f"it ends at {end:g} {unit}, below the base circle", f"give 0 {unit} or more", "out-of-range"
         )
     return end, oscillates
+
+
+def _given_end(segment: Timed, before: float) -> tuple[str, float, bool | None]:
+    """The field that gives the end of a segment, the lift there, and whether it is in degrees; None if unknown."""
+    if isinstance(segment, Return):
+        if segment.end_lift and segment.end_lift_deg is not None:
+            raise DesignError("end_lift", "of end_lift and end_lift_deg found both", "give one of them", "conflict")
+        if segment.end_lift_deg is not None:
+            return "end_lift_deg", segment.end_lift_deg, True
+        return "end_lift", segment.end_lift, False if segment.end_lift else None
+    names = ("end_lift", "rise", "end_lift_deg", "rise_deg")
+    given = [(name, value) for name in names if (value := getattr(segment, name)) is not None]
+    if len(given) != 1:
+        found = "neither" if not given else "both" if len(given) == 2 else "more"
+        problem, remedy = f"of rise and end_lift found {found}", "give one of them, in mm or in degrees"
+        raise DesignError("rise", problem, remedy, "conflict")
+    ((name, value),) = given
+    return name, (before if name.startswith("rise") else 0.0) + value, name.endswith("_deg")
 
 
 def _given(

@@ -1,11 +1,11 @@
-"""The smoothest lift inside a band about given rows.
+"""The smoothest lift within a band about given rows.
 
-Of all quintic splines over equal intervals that leave no row by more than the band, the one with the least integral
-of squared jerk: the smoothing spline of Reinsch (Numer. Math. 10, 1967, 177-183), with jerk in place of curvature
-and a bound for each row in place of one for the sum of squares, so that every row counts alike and the lift is sure
-to stay inside. A quadratic programme with bands, solved by the primal-dual interior-point method (Wright,
-Primal-Dual Interior-Point Methods, 1997, ch. 5), each of whose steps is a smoothing spline with other weights.
-Everything is plain sums in a fixed order, so that the same rows give the same digits on every processor.
+The curve has the least integral of squared jerk of all quintic splines over equal intervals that deviate from no row
+by more than the band. It is the smoothing spline of Reinsch (Numer. Math. 10, 1967, 177-183), with jerk instead of
+curvature, and with a bound for each row instead of one for the sum of squares, so that the lift stays within the band
+everywhere. This quadratic programme is solved by the primal-dual interior-point method (Wright, Primal-Dual
+Interior-Point Methods, 1997, ch. 5); each of its steps is a smoothing spline with other weights. All sums have a fixed
+order, so that the same rows give the same digits on every processor.
 """
 
 from __future__ import annotations
@@ -16,76 +16,91 @@ from ...core.records import record
 from ...plane.vec import Mask, Real, Whole
 from .laws import Ends, PiecewisePolynomial
 
-# Intervals are doubled until that leaves at least this share of the jerk's integral, which is then taken for the least.
-# Nearer to 1 takes four times the intervals for what does not show, farther from it stops too early.
+# The number of intervals is doubled until the integral is at least this share of that with half as many. A larger
+# value takes four times as many intervals without a visible difference, a smaller one stops too early.
 GAIN = 0.98
-# Most intervals that are tried: more take seconds. Fewest rows: fewer leave the spline no freedom.
+# Largest number of intervals: more take seconds. Least number of rows: fewer leave the spline no freedom.
 MOST_INTERVALS, FEWEST = 2048, 5
-# Steps of the interior-point method, which takes 10 to 25: fewer stop before the end, more are never reached.
+# Largest number of steps of the interior-point method, which needs 10 to 25. With fewer it would not converge.
 STEPS = 60
-# How far the integral may lie above the least, relative, where the method ends: more shows in the acceleration, less is
-# lost in rounding.
+# Relative difference of the integral from the least at which the method ends. A larger value is visible in the
+# acceleration, a smaller one is lost in rounding.
 GAP = 1e-7
-# Neighbours to either side that an unknown meets: those of a quintic spline.
+# Width of the matrix on either side of its diagonal: a quintic B-spline overlaps five others on each side.
 BAND = 5
-# Share of the way to the band's edge that a step may go: at 1 it would end on the edge, and stay there. By how much a
-# step aims to lessen the gap: less of it takes more steps, more of it runs into the edge.
-BACK, AIM = 0.98, 0.1
+# Share of the distance to the band's edge that a step may take; with 1 it would end on the edge and stay there.
+LONGEST_STEP = 0.98
+# Factor by which a step should reduce the gap. A larger one takes more steps, a smaller one meets the edge too soon.
+REDUCTION = 0.1
 
 
 def smoothest_within(x: Real, values: Real, ends: Ends, within: float) -> PiecewisePolynomial | None:
-    """Quintic spline that leaves `values` (n,) at rising x (n,), from 0 to 1, by at most `within`, with least jerk.
+    """The smoothest quintic spline within a band.
 
-    The first and last values and `ends` are met; closed (ends None), no value is met in particular. None where no
-    spline of as many intervals as there are rows stays inside: rows nearer together than their number suggests.
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Rising numbers from 0 to 1.
+    values : ndarray, shape (n,)
+        Lifts at x. The first and the last are met exactly, unless the spline is periodic.
+    ends : pair of pairs of float, or None
+        Slope and curvature at 0 and at 1; None for a periodic spline.
+    within : float
+        Largest deviation from `values`, above 0.
+
+    Returns
+    -------
+    PiecewisePolynomial or None
+        None for fewer than five rows, or if no spline with about two intervals for each row lies in the band.
     """
     if len(x) < FEWEST:
         return None
-    # Round a ring of fewer, a spline would meet itself.
+    # In a periodic spline of fewer intervals a B-spline would overlap itself.
     count, best, least = 16 if ends is None else 2, None, np.inf
     while count <= min(MOST_INTERVALS, max(32, 2 * len(x))):
         basis = _Basis(x, values, ends, within, count)
         coefficients = basis.smoothest()
         if coefficients is not None:
-            rough = basis.roughness(coefficients)
-            best, smooth = basis.spline(coefficients), rough >= GAIN * least
-            if smooth:
+            best, roughness = basis.spline(coefficients), basis.roughness(coefficients)
+            if roughness >= GAIN * least:
                 break
-            least = rough
+            least = roughness
         count *= 2
     return best
 
 
 class _Basis:
-    """Quintic B-splines over `count` equal intervals; lifts in units of the band."""
+    """Quintic B-splines over `count` equal intervals, with lifts in units of the band.
+
+    fixed, free (size,): the coefficients that the ends determine, otherwise 0, and the mask of the others.
+    """
 
     def __init__(self, x: Real, values: Real, ends: Ends, within: float, count: int):
         self.count, self.closed, self.within = count, ends is None, within
-        inner = np.arange(count + 1) / count
-        self.knots = inner
+        self.knots = np.arange(count + 1) / count
         before, after = np.arange(-5, 0) / count, 1 + np.arange(1, 6) / count
         if not self.closed:
             before, after = 0 * before, 0 * after + 1
-        self.all_knots = np.concatenate([before, inner, after])
+        self.all_knots = np.concatenate([before, self.knots, after])
         self.size = count if self.closed else count + 5
         self.fixed = np.zeros(self.size)
         self.free = np.full(self.size, self.closed)
         if ends is not None:
             self._fix_ends(values[[0, -1]] / within, np.array(ends) / within)
-            # Both ends are met exactly, so that their rows ask nothing more.
+            # Both ends are met exactly, so their rows are omitted.
             x, values = x[1:-1], values[1:-1]
         else:
-            # The last row is the first again.
+            # The last row equals the first.
             x, values = x[:-1], values[:-1]
-        piece = np.clip(np.searchsorted(inner, x, side="right") - 1, 0, count - 1)
+        piece = np.clip(np.searchsorted(self.knots, x, side="right") - 1, 0, count - 1)
         self.rows = _Rows(self._numbers(piece), _basis(self.all_knots, piece + 5, x, 0))
         self.values = values / within
         # Jerk is quadratic over an interval: three nodes give the integral of its square exactly.
         nodes, weights = np.polynomial.legendre.leggauss(3)
         piece = np.repeat(np.arange(count), 3)
-        at = (piece + np.tile((nodes + 1) / 2, count)) / count
+        places = (piece + np.tile((nodes + 1) / 2, count)) / count
         scale = np.tile(np.sqrt(weights / 2 / count), count) / count**2.5
-        self.jerks = _Rows(self._numbers(piece), _basis(self.all_knots, piece + 5, at, 3) * scale)
+        self.jerks = _Rows(self._numbers(piece), _basis(self.all_knots, piece + 5, places, 3) * scale)
 
     def _numbers(self, piece: Whole) -> Whole:
         numbers = piece + np.arange(6)[:, None]
@@ -95,15 +110,16 @@ class _Basis:
         self.free[3:-3] = True
         for side, piece, x in ((0, 0, 0.0), (1, self.count - 1, 1.0)):
             numbers = np.arange(3) if side == 0 else np.arange(self.size - 1, self.size - 4, -1)
-            wanted = [values[side], *ends[side]]
+            # Value, slope and curvature determine one coefficient each.
+            required = [values[side], *ends[side]]
             for order in range(3):
                 row = _basis(self.all_knots, np.array([piece + 5]), np.array([x]), order)[:, 0]
                 row = row if side == 0 else row[::-1]
                 known = sum(row[k] * self.fixed[numbers[k]] for k in range(order))
-                self.fixed[numbers[order]] = (wanted[order] - known) / row[order]
+                self.fixed[numbers[order]] = (required[order] - known) / row[order]
 
     def roughness(self, c: Real) -> float:
-        """Integral of the squared jerk by x."""
+        """Integral of the squared jerk over x."""
         return float(np.sum(self.jerks.times(c) ** 2)) * self.count**5 * self.within**2
 
     def spline(self, c: Real) -> PiecewisePolynomial:
@@ -116,47 +132,47 @@ class _Basis:
         return PiecewisePolynomial(self.knots, np.array(coefficients), np.array([0.0, 1.0]))
 
     def smoothest(self) -> Real | None:
-        """Coefficients, or None where no spline over these intervals lies in the band."""
-        started = self._start()
-        if started is None:
+        """Coefficients of the smoothest spline; None if no spline over these intervals lies in the band."""
+        start = self._start()
+        if start is None:
             return None
-        c, stiffness = started
+        c, stiffness = start
         jerk = self.jerks.normal(np.full(self.jerks.basis.shape[1], stiffness), self.size, self.free)
-        left = self.rows.times(c) - self.values
-        # Room to both edges of the band, and how hard each row holds the spline there.
-        room = np.array([1 - left, 1 + left])
-        hold = np.array([np.maximum(left, 0), np.maximum(-left, 0)]) + 0.1
+        deviation = self.rows.times(c) - self.values
+        # Distances of each row's lift from both edges of the band, and the Lagrange multipliers of these edges.
+        room = np.array([1 - deviation, 1 + deviation])
+        multipliers = np.array([np.maximum(deviation, 0), np.maximum(-deviation, 0)]) + 0.1
         for _ in range(STEPS):
-            gap = float(np.sum(room * hold))
+            gap = float(np.sum(room * multipliers))
             if gap <= GAP * stiffness * float(np.sum(self.jerks.times(c) ** 2)) or gap < 1e-12:
                 break
-            aim = AIM * gap / hold.size
-            weight = hold / room
+            target = REDUCTION * gap / multipliers.size / room
+            weight = multipliers / room
             matrix = jerk.plus(self.rows.normal(weight[0] + weight[1], self.size, self.free))
-            pull = aim / room
             right = -self.jerks.back(stiffness * self.jerks.times(c), self.size) - self.rows.back(
-                pull[0] - pull[1], self.size
+                target[0] - target[1], self.size
             )
             step = matrix.solve(right)
             if not np.isfinite(step).all():
                 break
-            moved = self.rows.times(step)
-            change = np.array([-moved, moved])
-            held = pull - hold - weight * change
-            far = max(float(np.max(-change / room)), float(np.max(-held / hold)), BACK)
-            share = BACK / far
-            c, room, hold = c + share * step, room + share * change, hold + share * held
+            lift_step = self.rows.times(step)
+            room_step = np.array([-lift_step, lift_step])
+            multiplier_step = target - multipliers - weight * room_step
+            steepest = max(
+                float(np.max(-room_step / room)), float(np.max(-multiplier_step / multipliers)), LONGEST_STEP
+            )
+            share = LONGEST_STEP / steepest
+            c, room, multipliers = c + share * step, room + share * room_step, multipliers + share * multiplier_step
         return c
 
     def _start(self) -> tuple[Real, float] | None:
-        """A smoothing spline well inside the band, and how stiff it is; None where none is."""
+        """Coefficients of a smoothing spline well inside the band, and its stiffness; None if there is none."""
         rows = self.rows.normal(np.ones(len(self.values)), self.size, self.free)
-        wanted = self.values - self.rows.times(self.fixed)
-        right = self.rows.back(wanted, self.size)
+        right = self.rows.back(self.values - self.rows.times(self.fixed), self.size)
         jerks = self.jerks.times(self.fixed)
-        # From so stiff that only waves as long as the whole bend, to so soft that waves of two intervals do, and on.
-        most = len(self.values) * float(self.count) ** 5
-        for stiffness in most * 10.0 ** -np.arange(0.0, 8 + 6 * np.log10(self.count)):
+        # The stiffest spline has only waves as long as all rows, the softest ones shorter than two intervals.
+        stiffest = len(self.values) * float(self.count) ** 5
+        for stiffness in stiffest * 10.0 ** -np.arange(0.0, 8 + 6 * np.log10(self.count)):
             matrix = rows.plus(self.jerks.normal(np.full(len(jerks), stiffness), self.size, self.free))
             c = self.fixed + matrix.solve(right - self.jerks.back(stiffness * jerks, self.size))
             if np.abs(self.rows.times(c) - self.values).max() < 0.95:
@@ -166,7 +182,7 @@ class _Basis:
 
 @record(eq=False)
 class _Rows:
-    """Rows of six neighbouring B-splines each: numbers (6, n) of them, basis (6, n) their values."""
+    """Rows of a matrix, each with six B-splines that are not 0. numbers, basis (6, n): their indices and values."""
 
     numbers: Whole
     basis: Real
@@ -187,9 +203,9 @@ class _Rows:
 
 
 def _basis(knots: Real, at: Whole, x: Real, order: int) -> Real:
-    """Values at x (n,), or derivatives of an order, of the six quintic B-splines that live over the intervals `at`.
+    """Derivatives of an order at x (n,) of the six quintic B-splines that are not 0 in the intervals `at`: (6, n).
 
-    By the recursion of de Boor and Cox, the last steps of which derive. (6, n)
+    By the recursion of de Boor and Cox, whose last steps are replaced by differentiation.
     """
     values = [np.ones(len(x))]
     for p in range(1, 6):
@@ -198,58 +214,47 @@ def _basis(knots: Real, at: Whole, x: Real, order: int) -> Real:
         values = []
         for r in range(p + 1):
             i = at - p + r
-            # The first and the last have one part only: the other lies beside the interval, where widths may be 0.
-            one = 1 / (knots[i + p] - knots[i]) if r else 0.0
-            other = 1 / (knots[i + p + 1] - knots[i + 1]) if r < p else 0.0
+            # The first and the last have one term only; the knots of the other one may coincide.
+            rising = 1 / (knots[i + p] - knots[i]) if r else 0.0
+            falling = 1 / (knots[i + p + 1] - knots[i + 1]) if r < p else 0.0
             if p <= 5 - order:
-                values.append((x - knots[i]) * one * lower[r] + (knots[i + p + 1] - x) * other * lower[r + 1])
+                values.append((x - knots[i]) * rising * lower[r] + (knots[i + p + 1] - x) * falling * lower[r + 1])
             else:
-                values.append(p * (one * lower[r] - other * lower[r + 1]))
+                values.append(p * (rising * lower[r] - falling * lower[r + 1]))
     return np.array(values)
 
 
 @record(eq=False)
 class BandMatrix:
-    """bands (BAND + 1, n): entry (i + k) mod n, i at [k, i]. free (n,): unknowns that are; the others stay 0."""
+    """A symmetric matrix with `BAND` diagonals on either side of the main one; of a periodic spline they wrap round.
+
+    bands (BAND + 1, n): the entry in row (i + k) mod n and column i is at [k, i]. free (n,): mask of the unknowns; the
+    others are 0.
+    """
 
     bands: Real
     free: Mask
 
     @classmethod
     def of(cls, numbers: Whole, basis: Real, weights: Real, size: int, free: Mask) -> BandMatrix:
-        """Sum of weighted squares of rows; rows of neighbouring unknowns: numbers, basis (BAND + 1, rows)."""
+        """Weighted sum of the squares of rows. numbers, basis (BAND + 1, rows): their unknowns and entries."""
         bands = np.zeros((BAND + 1, size))
-        for one in range(BAND + 1):
-            for other in range(one, BAND + 1):
-                bands[other - one] += np.bincount(numbers[one], basis[one] * basis[other] * weights, size)
+        for i in range(BAND + 1):
+            for j in range(i, BAND + 1):
+                bands[j - i] += np.bincount(numbers[i], basis[i] * basis[j] * weights, size)
         return cls(bands, free)
 
     def plus(self, other: BandMatrix) -> BandMatrix:
         return BandMatrix(self.bands + other.bands, self.free)
 
     def solve(self, right: Real) -> Real:
-        """x with the matrix times x = right (n,): by Gauss, without pivots, which positive equations do not need.
+        """Solution x of matrix x = right (n,), by Gaussian elimination; nan if the matrix is not positive definite.
 
-        nan where rounding leaves them not positive.
-
-        Plain numbers one by one: for bands as narrow as these that takes no longer than calls for arrays.
+        The matrix is eliminated number by number: for such narrow bands calls for arrays take no less time.
         """
-        n = len(right)
-        bands = np.where(self.free, self.bands, 0.0)
-        for k in range(1, BAND + 1):
-            bands[k] *= np.roll(self.free, -k)
-        bands[0, ~self.free] = 1.0
-        # On a ring, all but the last few unknowns form a line; both of its ends meet those last ones, its border.
-        edge = BAND if bands[1, -1] else 0
+        rows, border = self._rows_and_border()
+        n, edge = len(right), len(border)
         line = n - edge
-        rows = [[*row, *[0.0] * edge] for row in bands.T.tolist()]
-        for i in range(line - BAND, n) if edge else ():
-            for k in range(BAND + 1):
-                one, other = sorted([i, (i + k) % n])
-                if one < line <= other:
-                    rows[one][BAND + 1 + other - line], rows[i][k] = rows[i][k], 0.0
-        border = [[rows[one + line][other - one] if other >= one else 0.0 for other in range(edge)]
-                  for one in range(edge)]  # fmt: skip
         v = np.where(self.free, right, 0.0).tolist()
         for i in range(line):
             row = rows[i]
@@ -268,18 +273,10 @@ class BandMatrix:
                 for j in range(k, edge):
                     border[k][j] -= share * row[BAND + 1 + j]
                 v[line + k] -= share * v[i]
-        for k in range(edge):
-            if not border[k][k] > 0:
-                return np.full(n, np.nan)
-            for under in range(k + 1, edge):
-                share = border[k][under] / border[k][k]
-                for j in range(under, edge):
-                    border[under][j] -= share * border[k][j]
-                v[line + under] -= share * v[line + k]
-        for k in reversed(range(edge)):
-            for j in range(k + 1, edge):
-                v[line + k] -= border[k][j] * v[line + j]
-            v[line + k] /= border[k][k]
+        last = _solve_full(border, v[line:])
+        if last is None:
+            return np.full(n, np.nan)
+        v[line:] = last
         for i in reversed(range(line)):
             total = v[i]
             for k in range(1, min(BAND, line - 1 - i) + 1):
@@ -288,3 +285,42 @@ class BandMatrix:
                 total -= rows[i][BAND + 1 + k] * v[line + k]
             v[i] = total / rows[i][0]
         return np.array(v)
+
+    def _rows_and_border(self) -> tuple[list[list[float]], list[list[float]]]:
+        """The matrix in two parts, so that each row has its entries on one side of the diagonal.
+
+        Each row holds its BAND + 1 entries from the diagonal on, then those with the last unknowns. The border is the
+        matrix of the last BAND unknowns, which wrap round to the first; it is empty if the matrix does not wrap.
+        """
+        bands = np.where(self.free, self.bands, 0.0)
+        for k in range(1, BAND + 1):
+            bands[k] *= np.roll(self.free, -k)
+        bands[0, ~self.free] = 1.0
+        n, edge = bands.shape[1], BAND if bands[1, -1] else 0
+        line = n - edge
+        rows = [[*row, *[0.0] * edge] for row in bands.T.tolist()]
+        for i in range(line - BAND, n) if edge else ():
+            for k in range(BAND + 1):
+                low, high = sorted([i, (i + k) % n])
+                if low < line <= high:
+                    rows[low][BAND + 1 + high - line], rows[i][k] = rows[i][k], 0.0
+        border = [[rows[line + i][j - i] if j >= i else 0.0 for j in range(edge)] for i in range(edge)]
+        return rows, border
+
+
+def _solve_full(matrix: list[list[float]], right: list[float]) -> list[float] | None:
+    """Solution of a symmetric system by its upper half, which is changed; None if it is not positive definite."""
+    n, v = len(right), list(right)
+    for k in range(n):
+        if not matrix[k][k] > 0:
+            return None
+        for i in range(k + 1, n):
+            share = matrix[k][i] / matrix[k][k]
+            for j in range(i, n):
+                matrix[i][j] -= share * matrix[k][j]
+            v[i] -= share * v[k]
+    for k in reversed(range(n)):
+        for j in range(k + 1, n):
+            v[k] -= matrix[k][j] * v[j]
+        v[k] /= matrix[k][k]
+    return v

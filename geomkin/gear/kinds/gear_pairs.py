@@ -164,12 +164,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
             for part in gear_parts(gear, stock, name, f"{name}_stock", helix=helix)
         ]
         if self.base is not None:
-            pair = self.design
-            reaches, shafts = (
-                (pair.first.tip_radius, pair.second.tip_radius),
-                (self.first_stock.bore, self.second_stock.bore),
-            )
-            first = self.first_stock
+            pair, first = self.design, self.first_stock
+            reaches, shafts = (pair.first.tip_radius, pair.second.tip_radius), (first.bore, self.second_stock.bore)
             plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
             return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
@@ -322,7 +318,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         (rack,) = gear_parts(self.design.rack, self.stock, "rack", helix=self.helix)
         if self.base is None:
             return pinion, rack, *self.stock.motor_parts
-        rack_and_base = rack_base(self.design, rack, self.stock.bore, self.base, motor=self.stock.motor)
+        rack_and_base = rack_base(self.design, rack, self.stock.bore, self.base, self.stock.motor)
         return replace(pinion, hole_names=("A",)), *rack_and_base
 
     @cached_property

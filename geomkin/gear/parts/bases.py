@@ -82,7 +82,6 @@ def rack_base(
     rack: Part,
     shaft: Length,
     stock: RackBaseStock = RackBaseStock(),
-    key: str = "stock.bore",
     motor: MountedMotorKey | None = None,
 ) -> tuple[Part, Part]:
     """The rack with two guide pins, and the base plate of rack and pinion.
@@ -97,8 +96,6 @@ def rack_base(
         Diameter of the pinion's shaft, mm.
     stock : RackBaseStock, optional
         Screws, edge, clearance and guide pins.
-    key : str, optional
-        Key of the shaft's diameter in the recipe, for messages.
     motor : str or MotorFace, optional
         Motor of the pinion; the base then has holes for it.
 
@@ -130,17 +127,14 @@ def rack_base(
         bore(stock.guide_pin, stock.clearance, bar.solid_rim, "base.guide_pin", x + middle)[0] for x in (left, right)
     ]
     first, last = (end - side * bar.pitch / 2 for side, end in zip((-1, 1), bar.ends))
-    slide = middle - 1j * pair.distance
+    slide, pin, collar = (
+        middle - 1j * pair.distance,
+        ("base.guide_pin", stock.guide_pin),
+        collar_across(stock.guide_pin),
+    )
     openings = [
-        BaseOpening("the pinion's shaft", key, shaft, (0j,), "A", motor=motor),
-        BaseOpening(
-            "the guide pins",
-            "base.guide_pin",
-            stock.guide_pin,
-            (slide + left - last, slide + right - first),
-            "B",
-            head=collar_across(stock.guide_pin),
-        ),
+        BaseOpening("the pinion's shaft", "stock.bore", shaft, (0j,), "A", motor=motor),
+        BaseOpening("the guide pins", *pin, (slide + left - last, slide + right - first), "B", head=collar),
     ]
     half = stock.guide_pin / 2 + stock.clearance / 2
     wide = max(pinion.tip_radius, last - left + half, right - first + half)

@@ -25,9 +25,13 @@ FEWEST_FEET = 3
 # Largest tilt of the frame over a turn, deg, along the path or across it. A walker that rocks more stumbles; chosen
 # here.
 MOST_ROCKING_DEG = 10.0
+# Three pairs of legs, the middle one half a turn ahead.
+SIX_LEGS = (
+    "copies = [{ mirrored = true }, { phase_deg = 180 }, { phase_deg = 180, mirrored = true }, {}, { mirrored = true }]"
+)
 FOUR_LEGS = (
     "Four legs stand on two feet at times, whatever their phases, and the frame then tips from one pair of feet to "
-    "another: give six legs of alternating phase, or feet as wide as the body."
+    "another: give six legs, as the checks of the tilt advise, or fix feet of your own that are as wide as the body."
 )
 UNKNOWN_STANCE = "How it stands is unknown: no rod joins two of the copies, so their distance is not given."
 
@@ -91,7 +95,7 @@ class Stance:
         at = driver_at(self.motion, least)
         name = "least distance of the frame's centre inside its feet"
         yield Check("support_margin", name, float(self.margin[least]), "at least", 0, "mm", advice, at=at)
-        advice = "give six legs, or hold the feet farther apart"
+        advice = f"give six legs, by {SIX_LEGS} above the first table in place of others"
         for direction, value in self.rocking_deg.items():
             name = f"tilt {direction} the path, largest minus least"
             yield Check(f"tilt_{direction}", name, value, "at most", MOST_ROCKING_DEG, "deg", advice)

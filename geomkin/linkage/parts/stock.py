@@ -10,7 +10,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...making.bores import clearance as wider
-from ...making.fasteners import Fastener, fastener_of
+from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
 from ...making.fits import AbstractBored, Fit, fit_entry, interference
 from ...making.materials import MaterialKey, material_entry
 from ...making.motor_faces import MountedMotorKey, face_of, mounted_motor_entry
@@ -58,7 +58,9 @@ class LinkStock:
 
     thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
     bar_width: float = quantity("width of the links", "mm", default=14.0, above=0, at_most=FARTHEST)
-    pin_diameter: float = quantity("diameter of the pins", "mm", default=4.0, at_least=1e-12, at_most=FARTHEST)
+    pin_diameter: ThreadDiameter = quantity(
+        'diameter of the pins, or their thread, as "#6-32"', "mm", default=4.0, at_least=1e-12, at_most=FARTHEST
+    )
     clearance: float = wider(0.2)
     fastener: Literal["screw", "rod"] | None = entry(
         "screws with nuts, or rods cut flush; by default screws if there is one of pin_diameter and the sheet bears it",

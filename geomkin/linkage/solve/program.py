@@ -26,10 +26,7 @@ from .recording import Recording, Symbol, compensated_sum, imag_part, paired, re
 
 # Frames times linkages that go through a program at once. With more, intermediate values leave the processor's cache;
 # with fewer, calling the operations takes longer than the operations.
-BLOCK = 32_768
-# Frames times linkages up to which the groups that were requested last time are evaluated together with the first one.
-# With more, groups that are not requested this time cost time and memory.
-PREFETCHED = 16_384
+BLOCK = 16_384
 # Functions of a program that are kept.
 FUNCTIONS = 100
 # Structures of which programs are kept, and programs of each for other conditions.
@@ -69,7 +66,8 @@ class LinkageProgram:
 
     inputs: numbers of the sizes that vary; times: of drive, speed and acceleration. joints: inner joints of the dyads,
     whose signs can be given. functions: cache, by the groups that were computed one after the other, each with the
-    numbers of all values known after it. requested: only item, the groups requested of the motion evaluated last.
+    numbers of all values known after it. requested: only item, the groups requested of the motion evaluated last; the
+    next motion evaluates them together with the first one that is requested.
     """
 
     recording: Recording
@@ -87,6 +85,8 @@ class LinkageProgram:
         for number, truth in self.recording.conditions.items():
             if bool(values[number]) != truth:
                 return None
+        for number in self.inputs:
+            values[number] = np.asarray(values[number])
         return values
 
     def _results(self, groups: Iterable[Group]) -> set[int]:
@@ -128,12 +128,18 @@ class LinkageProgram:
     def _function(self, wanted: set[int], known: set[int]) -> Function:
         """A Python function that adds wanted values to known ones."""
         steps, needed = self.recording.steps, self._needed(wanted, known)
-        order = sorted(needed)
+        order, namespace = sorted(needed), dict(NAMES)
         last = {n: number for number in order for n in steps[number].of if isinstance(n, int)}
         lines = [f"v{n} = values[{n}]" for n in sorted(last) if n not in needed]
         for number in order:
             step = steps[number]
             operands = [f"v{n}" if isinstance(n, int) else n for n in step.of]
+            if step.value is None:
+                # NumPy takes twice as long to combine an array with a Python number than with an array of one number.
+                for k, n in enumerate(step.of):
+                    if isinstance(n, str):
+                        operands[k] = f"c{number}_{k}"
+                        namespace[operands[k]] = np.asarray(eval(n, NAMES))
             text = TEXTS.get(step.operation, f"{step.operation.__name__}({', '.join('{}' for _ in operands)})")
             lines.append(f"v{number} = {text.format(*operands)}")
             done = [
@@ -142,8 +148,11 @@ class LinkageProgram:
                 if isinstance(n, int) and last[n] == number and n in needed - wanted
             ]
             lines += [f"del {', '.join(done)}"] if done else []
-        lines += [f"values[{n}] = v{n}" for n in order if n in wanted]
-        namespace: dict[str, Any] = dict(NAMES)
+        lines += [
+            f"values[{n}] = v{n}" if steps[n].value is None else f"values[{n}] = asarray(v{n})"
+            for n in order
+            if n in wanted
+        ]
         exec("\n    ".join(["def function(values):", *lines, "return"]), namespace)
         function: Function = namespace["function"]
         return function
@@ -159,39 +168,49 @@ class ProgramRun:
     def __init__(self, program: LinkageProgram, values: dict[int, Any], frames: int, linkages: int):
         self.program, self.values, self.frames = program, values, frames
         self._rows = max(1, BLOCK // max(1, linkages))
-        self._prefetches = frames * linkages <= PREFETCHED
         self._requested: set[Group] = set()
         self._done: tuple[Groups, ...] = ()
+        self._evaluated: Groups = frozenset()
 
     def value(self, group: Group, body: str) -> Array:
-        """A result of a group."""
-        if group not in self._requested:
-            if not any(group in groups for groups in self._done):
-                before: set[Group] = set()
-                if not self._done:
-                    before, self.program.requested[0] = self.program.requested[0], self._requested
-                self._done += (frozenset(before if self._prefetches and group in before else (group,)),)
-                with np.errstate(all="ignore"):
-                    self._run(self.program.function(self._done)[0])
-            self._requested.add(group)
+        """A result of a group; one that is the same at all frames is a single number."""
+        if group not in self._evaluated:
+            self._evaluate(group)
+        self._requested.add(group)
         result = self.program.groups[group][body]
         values: Array = self.values[result.number] if isinstance(result, Symbol) else result
         return values
 
-    def _run(self, function: Function) -> None:
-        if self.frames <= self._rows:
-            function(self.values)
-            return
+    def _evaluate(self, group: Group) -> None:
+        groups = frozenset((group,))
+        if not self._done:
+            before, self.program.requested[0] = self.program.requested[0], self._requested
+            groups = frozenset(before) if group in before else groups
+        self._done += (groups,)
+        self._evaluated |= groups
+        function = self.program.function(self._done)[0]
+        with np.errstate(all="ignore"):
+            if self.frames <= self._rows:
+                function(self.values)
+            else:
+                self._run_in_blocks(function)
+
+    def _run_in_blocks(self, function: Function) -> None:
         drive = self.values[self.program.times[0]]
-        by_frame = {k for k, v in self.values.items() if np.ndim(v) == drive.ndim and len(v) == self.frames}
-        blocks = []
+        by_frame = [k for k, v in self.values.items() if v.ndim == drive.ndim and len(v) == self.frames]
+        results: dict[int, Array] = {}
         for start in range(0, self.frames, self._rows):
             part = slice(start, start + self._rows)
-            blocks.append({k: v[part] if k in by_frame else v for k, v in self.values.items()})
-            function(blocks[-1])
-        for k in blocks[0].keys() - self.values.keys():
-            parts = [block[k] for block in blocks]
-            self.values[k] = np.concatenate(parts) if parts[0].ndim == drive.ndim else parts[0]
+            block = self.values | {k: self.values[k][part] for k in by_frame}
+            function(block)
+            for k in block.keys() - self.values.keys():
+                if block[k].ndim < drive.ndim:
+                    results[k] = block[k]
+                else:
+                    if k not in results:
+                        results[k] = np.empty((self.frames, *block[k].shape[1:]), block[k].dtype)
+                    results[k][part] = block[k]
+        self.values |= results
 
 
 @lru_cache(STRUCTURES)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from .drive_range import DriveRange, change_points
 from .dyads import Dyad
 from .input_dyads import InputDyad
 from .loops import Loops
-from .placement import Coefficients, Numbers, Placement, Poses, RevoluteInput
+from .placement import Coefficients, Placement, Poses, RevoluteInput
 from .program import Group, ProgramRun
 
 # Gap, as a share of the linkage's extent, below which it counts as zero. True meetings come out below 2e-16 after
@@ -122,8 +122,7 @@ class LinkageSolution:
     spec: BranchSpec
     timing: Timing
     run: ProgramRun | None = None
-    # Results of programs that had to be expanded to all frames.
-    _expanded: dict[tuple[Group, str], Array] = field(init=False, repr=False, default_factory=dict)
+    _values: dict[tuple[Group, str], Array] = field(init=False, repr=False, default_factory=dict)
 
     @cached_property
     def placements(self) -> tuple[Placement, ...]:
@@ -137,51 +136,46 @@ class LinkageSolution:
 
     def origin(self, body: str, order: int) -> Complex:
         """Position of a body's origin, mm, or its derivative of order 1 or 2 by the drive."""
-        if self.run is not None:
-            return self.value(f"origin {order}", body)
-        origin = (self.poses if order == 0 else self._first if order == 1 else self._second).origin[body]
-        if self.linkage.ground_direction != 1:
-            origin = origin * self.linkage.ground_direction
-        if order == 0 and self.linkage.shifted:
-            origin = origin + self.linkage.origin
-        return self.over_frames(body, origin)
+        return self.value(f"origin {order}", body)
 
     def value(self, group: Group, body: str) -> Array:
-        """A quantity of a body over the frames.
+        """A quantity of a body over the frames; that of a moving body is nan where the linkage is open.
 
         group: "direction", unit complex; "first" or "second" derivative of the angle by the drive, rad; "omega" and
-        "alpha", rad/s and rad/s2; or (quantity, body, name) of a named point, from the program.
+        "alpha", rad/s and rad/s2; "origin 0" to "origin 2", the position of the origin, mm, and its derivatives;
+        "angle" of the body "", the smallest transmission angle, rad; or (quantity, body, name) of a named point, from
+        the program.
         """
-        if self.run is None:
-            return self._placed(str(group), body)
-        values = self.run.value(group, body)
-        if values.shape == self._whole:
-            return values
         key = group, body
-        if key not in self._expanded:
-            self._expanded[key] = self.over_frames(body, values)
-        return self._expanded[key]
+        if key not in self._values:
+            values = self._placed(str(group), body) if self.run is None else self.run.value(group, body)
+            self._values[key] = values if values.shape == self._whole else self._over_frames(values, body)
+        return self._values[key]
 
     def _placed(self, quantity: str, body: str) -> Array:
         """The same by the placements, without a program."""
-        if quantity == "direction":
-            direction = self.poses.direction[body]
-            if self.linkage.ground_direction != 1:
-                direction = direction * self.linkage.ground_direction
-            return self.over_frames(body, direction)
-        if quantity in ("first", "second"):
-            coefficients = self._first if quantity == "first" else self._second
-            return self.over_frames(body, coefficients.theta_prime[body])
+        if quantity == "angle":
+            angles = [placement.transmission_angle(self.poses) for placement in self.placements]
+            return reduce(np.fmin, [angle for angle in angles if angle is not None], np.asarray(np.nan))
         if quantity == "omega":
-            return self.timing.rate(self._placed("first", body))
-        second = self._placed("second", body)  # evaluated before "first", which is then known as well
-        return self.timing.second_rate(self._placed("first", body), second)
+            return self.timing.rate(self.value("first", body))
+        if quantity == "alpha":
+            return self.timing.second_rate(self.value("first", body), self.value("second", body))
+        if quantity in ("first", "second"):
+            return (self._first if quantity == "first" else self._second).theta_prime[body]
+        place: Complex = (
+            self.poses.direction if quantity == "direction"
+            else self.poses.origin if quantity == "origin 0"
+            else (self._first if quantity == "origin 1" else self._second).origin
+        )[body]  # fmt: skip
+        if self.linkage.ground_direction != 1:
+            place = place * self.linkage.ground_direction
+        return place + self.linkage.origin if quantity == "origin 0" and self.linkage.shifted else place
 
-    def over_frames(self, body: str, values: Numbers) -> Numbers:
-        """Values at every frame; those of a moving body are nan where the linkage is open."""
+    def _over_frames(self, values: Array, body: str) -> Array:
         if self._whole is None and body != self.linkage.ground:
             values = known(self.assembled, values)
-        return values if values.shape == self.assembled.shape else repeated(values, self.assembled.shape)
+        return values if values.shape == self.shape else repeated(values, self.shape)
 
     @cached_property
     def assembled(self) -> Mask:
@@ -235,17 +229,7 @@ class LinkageSolution:
     @property
     def transmission_angle(self) -> Real:
         """Smallest transmission angle of all joints that have one, rad; nan if none has."""
-        return self._least_angle if self.run is None else self.value("angle", "")
-
-    @cached_property
-    def _least_angle(self) -> Real:
-        """The same by the placements, without a program."""
-        least = np.full(self.shape, np.nan)
-        for placement in self.placements:
-            angle = placement.transmission_angle(self.poses)
-            if angle is not None:
-                least = np.fmin(least, angle)
-        return np.where(self.assembled, least, np.nan)
+        return self.value("angle", "")
 
     @cached_property
     def _whole(self) -> tuple[int, ...] | None:
