@@ -73,7 +73,8 @@ def _roles(scene: Scene) -> list[dict[str, object]]:
     """The roles that a scene and its alternatives use, in the order of their switches."""
     labels: dict[Role, dict[str, None]] = {}
     for one in (scene, *scene.others.values()):
-        for element in (*one.curves, *one.marks, *one.regions):
+        elements: tuple[SceneCurve | SceneMark | SceneRegion, ...] = (*one.curves, *one.marks, *one.regions)
+        for element in elements:
             is_vector = isinstance(element, SceneMark) and element.sort == "vector"
             # The label of a vector ends with its scale, which the player appends to that of the switch.
             label = element.label.rpartition(", ")[0] if is_vector else element.label
