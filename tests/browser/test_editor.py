@@ -197,6 +197,14 @@ def test_a_typed_value_is_shown_and_saved(studio, recipe, key, typed):
     assert typed in save(editor) and value(editor.page, key) == float(typed)
 
 
+def test_a_point_of_a_body_has_two_numbers_and_no_buttons_for_more(studio):
+    page = studio((RECIPES / "walking-leg.toml").read_text()).page
+    row = page.locator(".field", has=page.locator('[name="linkage.bodies.crank.M[0]"]'))
+    assert row.locator("input").count() == 2 and not row.locator(".small-button").count()
+    fill(page, "linkage.bodies.crank.M[1]", "1.5")
+    assert value(page, "linkage.bodies.crank.M[1]") == 1.5 and value(page, "linkage.bodies.crank.M[0]") == 15
+
+
 def test_a_machine_has_fields_for_its_mechanisms_and_for_the_recipes_in_it(studio, tmp_path):
     (tmp_path / "walking-leg.toml").write_text((RECIPES / "walking-leg.toml").read_text())
     editor = studio((RECIPES / "geared-legs.toml").read_text())

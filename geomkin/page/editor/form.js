@@ -240,7 +240,8 @@ function valueOf(input) {
 }
 
 const stepOf = (value) => (value ? niceLength(Math.abs(value) / 20) : 1);
-const typeOf = (value) => (Array.isArray(value) ? "list" : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
+const isPair = (value) => value.length === 2 && value.every((item) => typeof item === "number");
+const typeOf = (value) => (Array.isArray(value) ? (isPair(value) ? "point" : "list") : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
 const blank = ({ type, least, default: usual, choices }) =>
   usual ?? choices?.[0] ?? ({ number: Math.max(least ?? 0, 10), integer: Math.max(least ?? 0, 10), boolean: false, point: [0, 0], list: [] }[type] ?? "");
 const shapeOf = (value) => (Array.isArray(value) ? value.map(shapeOf) : value === null ? null : 0);
