@@ -184,39 +184,39 @@ def _title(job: Job, scale: float, width: float) -> _Cell:
 
 def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str]) -> _Cell:
     """A part with its dimensions, mm: width below, height to the right, distances of holes above, notes in words."""
-    cell, part = (
-        _Cell(
-            [(PART, _scaled(loop.shape, scale, 0j)) for loop in (*cut.loops, *cut.marks) if loop.layer != "LABEL"], []
-        ),
-        cut.part,
-    )
+    part, loops = cut.part, (*cut.loops, *cut.marks)
+    cell = _Cell([(PART, _scaled(loop.shape, scale, 0j)) for loop in loops if loop.layer != "LABEL"], [])
     low, high = (corner * scale for corner in cut.box)
     cell.size(complex(low.real, low.imag), complex(high.real, low.imag), -1j * AWAY, size.real)
     cell.size(complex(high.real, low.imag), high, AWAY + 0j, size.imag)
     holes = _holes(cut)
     pieces = "1 piece" if part.count == 1 else f"{part.count} pieces"
-    lines = [f"{harmless(part.name)}: {pieces}, {length_text(part.thickness)} mm thick"]
-    lines += _callouts(holes)
-    spans: list[tuple[float, float]] = []
-    for (name_1, start), (name_2, end) in _pairs(
-        [(hole.name, hole.centre) for hole in holes if hole.centre is not None]
-    ):
-        displacement = end - start
-        left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
-        # Extension lines of a dimension that starts inside another would cross its number.
-        nested = all(not (a + SAME < x < b - SAME) for a, b in spans for x in (left.real, right.real))
-        in_row = abs(displacement.imag) < SAME and width_of(length_text(abs(displacement)), LETTER) < scale * abs(
-            displacement
-        )
-        if in_row and nested and len(spans) < 3:
-            top = complex(0, high.imag - left.imag + AWAY + len(spans) * (LINE + 1))
-            cell.size(left, right, top, abs(displacement))
-            spans.append((left.real, right.real))
-        else:
-            lines.append(f"{name_1} to {name_2}: {length_text(abs(displacement))}")
-    for number, line in enumerate((*lines, *measures)):
+    title = f"{harmless(part.name)}: {pieces}, {length_text(part.thickness)} mm thick"
+    lines = [title, *_callouts(holes), *_distances(cell, holes, scale, high.imag), *measures]
+    for number, line in enumerate(lines):
         cell.words(line, complex(low.real, low.imag - AWAY - 3 * LETTER - number * LINE))
     return cell
+
+
+def _distances(cell: _Cell, holes: Sequence[_Hole], scale: float, top: float) -> list[str]:
+    """Add dimensions between holes of a row above a part, whose upper edge is at `top`, mm on paper.
+
+    The distances for which there is no room are returned as lines of text.
+    """
+    lines: list[str] = []
+    spans: list[tuple[float, float]] = []
+    for (name_1, start), (name_2, end) in _pairs([(h.name, h.centre) for h in holes if h.centre is not None]):
+        distance = abs(end - start)
+        left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
+        # Extension lines of a dimension that starts inside another would cross its number.
+        is_clear = all(not (a + SAME < x < b - SAME) for a, b in spans for x in (left.real, right.real))
+        is_level = abs((end - start).imag) < SAME and width_of(length_text(distance), LETTER) < scale * distance
+        if is_level and is_clear and len(spans) < 3:
+            cell.size(left, right, complex(0, top - left.imag + AWAY + len(spans) * (LINE + 1)), distance)
+            spans.append((left.real, right.real))
+        else:
+            lines.append(f"{name_1} to {name_2}: {length_text(distance)}")
+    return lines
 
 
 def _holes(cut: Cut) -> list[_Hole]:

@@ -113,14 +113,14 @@ class Job:
     def table(self) -> Table:
         """The table of the motion."""
         if (table := self.source.table) is None:
-            raise _lacking("table")
+            raise lacking("table")
         return table
 
     @property
     def scene(self) -> Scene:
         """The moving picture."""
         if (scene := self.source.scene) is None:
-            raise _lacking("scene")
+            raise lacking("scene")
         return scene
 
     @cached_property
@@ -167,9 +167,10 @@ class Job:
     @property
     def _parts(self) -> tuple[Part, ...]:
         if not self.source.parts:
-            raise _lacking("part")
+            raise lacking("part")
         return self.source.parts
 
 
-def _lacking(data: str) -> DesignError:
-    return DesignError("write", f"names a format that needs a {data}, and there is none", "leave it out", "conflict")
+def lacking(data: str) -> DesignError:
+    """The error for a format that needs data which the source does not have."""
+    return DesignError("write", f"names a format that needs a {data}, and there is none", "omit it", "conflict")

@@ -166,7 +166,7 @@ def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
     """The text engraved on a part, and all strokes in the part's frame, mm: letters at its holes, then its name.
 
     The part's `number` replaces a name that the font cannot write or that does not fit; the text is "" if neither fits.
-    A letter that does not fit is left out.
+    A letter that does not fit is omitted.
     """
     room = _Room(part)
     strokes: list[Complex] = []
@@ -175,8 +175,8 @@ def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
             # A narrow bar has room only lengthwise, and the few chords of a small hole may not include that direction.
             strokes += room.beside(flatten(hole, CHORDS), letter) or room.beside(flatten(hole, FINER), letter)
     for words in (_plain(part.name), str(number)):
-        if words and (found := room.anywhere(words)):
-            return words, (*strokes, *found)
+        if words and (name_strokes := room.anywhere(words)):
+            return words, (*strokes, *name_strokes)
     return "", tuple(strokes)
 
 
@@ -210,8 +210,8 @@ class _Room:
         places = (x + 1j * y).ravel()
         # Rounded, so that last digits do not decide between equal distances.
         places = places[np.argsort(np.round(np.abs(places - (low + high) / 2), 6), kind="stable")]
-        found = (self._at(words, height, places) for height in HEIGHTS)
-        return next((strokes for strokes in found if strokes), [])
+        trials = (self._at(words, height, places) for height in HEIGHTS)
+        return next((strokes for strokes in trials if strokes), [])
 
     def beside(self, hole: Complex, letter: str) -> list[Complex]:
         """The strokes of a letter next to a hole, whose room is then occupied; empty if it does not fit."""

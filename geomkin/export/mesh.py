@@ -17,7 +17,7 @@ from .cut import Cut, check_scale, cut, polygon_area
 # minutes to show more; a lower limit would refuse fine gears.
 MOST = 1_000_000
 # Ratio of successive tolerances that are tried, and their number, up to a thousand times the given one.
-WIDER, LOOKS = 1.25, 31
+WIDER, TRIALS = 1.25, 31
 # Relative difference by which a diagonal must be shorter to be chosen, so that rounding does not decide.
 SHORTER = 1e-9
 
@@ -52,17 +52,17 @@ def _check_apart(cut_part: Cut, twist: Twist) -> None:
     outside = twist.moves == "outline"
     outer, inner = (moving, fixed) if outside else (fixed, moving)
     room = min(float(np.abs(region.nearest_to_origin(loop)).min()) for loop in outer)
-    if (found := max(float(np.abs(loop).max()) for loop in inner) + abs(twist.shift)) >= room:
+    if (extent := max(float(np.abs(loop).max()) for loop in inner) + abs(twist.shift)) >= room:
         raise DesignError(
             cut_part.part.name,
-            f"its holes extend to {found:.4g} mm from the axis of its twist, and its outline begins at {room:.4g} mm",
+            f"its holes extend to {extent:.4g} mm from the axis of its twist, and its outline begins at {room:.4g} mm",
             "make the holes smaller, or the part larger",
         )
 
 
 def _tolerance_advice(part: Part, twist: Twist, tolerance: float) -> str:
     """Advice with the least tolerance tried that needs few enough triangles; empty if there is none."""
-    for k in range(1, LOOKS + 1):
+    for k in range(1, TRIALS + 1):
         wider = to_digits(tolerance * WIDER**k, 3)
         try:
             if moving_triangles(cut(part, wider / 2), twist) <= MOST:
@@ -192,10 +192,10 @@ def solid(cut: Cut) -> tuple[Real, Whole]:
         # Corners left out for rounding enclose far less than the tolerance.
         expected = sum(polygon_area(loop) for loop in loops) * cut.part.thickness
     a, b, c = points[faces].swapaxes(0, 1)
-    found = float(np.vecdot(np.cross(b - a, c - b), a).sum() / 6)
-    if not _is_closed(faces, len(points)) or not np.isclose(found, expected, rtol=1e-6):
+    volume = float(np.vecdot(np.cross(b - a, c - b), a).sum() / 6)
+    if not _is_closed(faces, len(points)) or not np.isclose(volume, expected, rtol=1e-6):
         raise GeomkinError(
-            f"{cut.part.name}: its solid has volume {found:.6g} mm3 instead of {expected:.6g}; "
+            f"{cut.part.name}: its solid has volume {volume:.6g} mm3 instead of {expected:.6g}; "
             "please report this with the recipe"
         )
     return points, faces

@@ -24,7 +24,7 @@ DASH_DEG, MOST_DASHES = 5.0, 72
 # Pixels around the picture.
 MARGIN = 14.0
 # A support of a ground pivot, if no plate shows the ground, and a slider block, in pixels, y up.
-STAND = "M-2.6 -3.8L-8 -13H8L2.6 -3.8M-12 -13H12M-10 -13l-4 -5M-4 -13l-4 -5M2 -13l-4 -5"
+SUPPORT = "M-2.6 -3.8L-8 -13H8L2.6 -3.8M-12 -13H12M-10 -13l-4 -5M-4 -13l-4 -5M2 -13l-4 -5"
 BLOCK = "M-10 -6.5h20v13h-20z"
 # Radius of a pin without a hole, and least and greatest radius of one in a hole, in pixels.
 PIN, LEAST_PIN, MOST_PIN = 3.8, 3.2, 8.0
@@ -39,7 +39,7 @@ class Item:
     """A drawn element in its own frame, y up, mm.
 
     `body` is the name of its body or "". `origin` is (frames,) complex, mm; `direction` (frames,) unit complex, None if
-    it does not rotate; `scale` (frames,), None if its size is fixed. `reach` is its largest distance from the origin
+    it does not rotate; `scale` (frames,), None if its size is fixed. `radius` is its largest distance from the origin
     of its frame, mm.
     """
 
@@ -48,7 +48,7 @@ class Item:
     direction: Complex | None = None
     scale: Real | None = None
     body: str = ""
-    reach: float = 0.0
+    radius: float = 0.0
 
 
 def svg_document(
@@ -141,21 +141,21 @@ def items(still: Still) -> Iterator[Item]:
     """All elements except the names, in the order in which they are drawn."""
     for mark in still.marks:
         if mark.sort == "slide" and not still.shows_ground and (rail := _rail(still, mark)):
-            yield _lying(rail)
+            yield _on_ground(rail)
     for body in still.bodies:
         if drawn := _body(still, body):
-            yield Item(drawn, body.origin, body.direction, body=body.name, reach=_reach(still, body))
+            yield Item(drawn, body.origin, body.direction, body=body.name, radius=_radius(still, body))
     for curve in still.scene.curves:
         if curve.body not in {body.name for body in still.scene.bodies}:
-            yield _lying(_line(still, curve.curve, f"line {curve.role}"))
+            yield _on_ground(_line(still, curve.curve, f"line {curve.role}"))
     for mark in still.marks:
         if mark.trail:
-            yield _lying(f'<path class="trail {mark.role}" d="{_trail(still, mark)}"/>')
+            yield _on_ground(f'<path class="trail {mark.role}" d="{_trail(still, mark)}"/>')
     for mark in still.marks:
         yield from _mark(still, mark)
 
 
-def _lying(drawn: str) -> Item:
+def _on_ground(drawn: str) -> Item:
     return Item(drawn, np.zeros(1, dtype=complex))
 
 
@@ -174,7 +174,7 @@ def transform(still: Still, item: Item, frame: int) -> str:
     return f' transform="{moved}{turned}{sized}"' if moved or turned or sized else ""
 
 
-def _reach(still: Still, body: SceneBody) -> float:
+def _radius(still: Still, body: SceneBody) -> float:
     return max((float(np.abs(points).max()) for points in still.points_of(body)), default=0.1 * still.size)
 
 
@@ -240,7 +240,7 @@ def _mark(still: Still, mark: SceneMark) -> Iterator[Item]:
     elif mark.radius is not None:
         item = _circle(still, mark, mark.radius)
     elif mark.sort == "slide":
-        item = Item(f'<path class="slide" {_pixels(px)} d="{BLOCK}"/>', place, mark.direction, reach=10 * px)
+        item = Item(f'<path class="slide" {_pixels(px)} d="{BLOCK}"/>', place, mark.direction, radius=10 * px)
     elif mark.sort == "point":
         item = Item(f'<circle class="dot {mark.role}" r="{3.2 * px:.3g}"/>', place)
     else:
@@ -266,21 +266,21 @@ def _arrow(still: Still, mark: SceneMark, vector: Complex) -> Item:
     end, back, up = (decimal(rounded(v, digits).item(), digits) for v in (usual, usual - head, 0.4 * head))
     d = f"M0 0H{end}" + (f"M{back} {up}L{end} 0L{back} -{up}" if mark.sort == "vector" else "")
     drawn = f'<path class="{shown}{"" if scale is None else " free"}" d="{d}"/>' if usual else ""
-    return Item(drawn, np.asarray(mark.place), direction, scale, reach=usual)
+    return Item(drawn, np.asarray(mark.place), direction, scale, radius=usual)
 
 
 def _circle(still: Still, mark: SceneMark, radius: Real) -> Item:
     usual = _usual(still, radius)
     scale, r = _scale(radius, usual), decimal(rounded(usual, still.digits).item(), still.digits)
     drawn = f'<circle class="line {mark.role}{"" if scale is None else " free"}" r="{r}"/>' if usual else ""
-    return Item(drawn, np.asarray(mark.place), None, scale, reach=usual)
+    return Item(drawn, np.asarray(mark.place), None, scale, radius=usual)
 
 
 def _pin(still: Still, mark: SceneMark) -> str:
     """A circle that fills the hole; on the ground with a centre, and a support if no plate shows the ground."""
     px, hole_radius = still.pixel, still.hole_radii.get(mark, 0.0)
     radius = float(np.clip(hole_radius, LEAST_PIN * px, MOST_PIN * px)) if hole_radius else PIN * px
-    support = f'<path {_pixels(px)} d="{STAND}"/>' if mark.sort == "fixed pin" and not still.shows_ground else ""
+    support = f'<path {_pixels(px)} d="{SUPPORT}"/>' if mark.sort == "fixed pin" and not still.shows_ground else ""
     core = f'<circle class="core" r="{0.35 * radius:.3g}"/>' if mark.sort == "fixed pin" else ""
     return f'{support}<circle class="pin" r="{radius:.3g}"/>{core}'
 

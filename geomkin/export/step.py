@@ -48,7 +48,7 @@ def step(cut: Cut, stamp: str = "") -> bytes:
         raise DesignError(
             "tolerance",
             f"the {cut.part.name} has {count:,} edges, and a STEP file at most {MOST_EDGES:,}",
-            "give a larger tolerance, or leave step out of what is written",
+            "give a larger tolerance, or omit step in files.write",
             "too-much-work",
         )
     return _Entities(cut.part.name, stamp).of(loops, cut.part.thickness)

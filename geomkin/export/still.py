@@ -17,11 +17,11 @@ from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Whole, box_of
-from .job import Job
+from .job import Job, lacking
 from .svg_path import FINE
 
-# Roles that the page shows only on request; in a still picture they hide the mechanism.
-ASIDE = tuple(role for role, style in ROLES.items() if not style.shown)
+# Roles that the page shows only on request; in a still picture they would cover the mechanism.
+HIDDEN = tuple(role for role, style in ROLES.items() if not style.shown)
 # Roles that may extend far from the mechanism, and the margin on each side, as a share of its size, up to which they
 # are included. A larger margin makes the mechanism tiny.
 FAR, ROOM = tuple(role for role, style in ROLES.items() if style.shown and style.room), 0.3
@@ -62,14 +62,14 @@ def frame_at(scene: Scene, at: float | None) -> int:
 
     DesignError if the driver never reaches it, or the mechanism cannot be assembled there.
     """
-    drive, closed = np.asarray(scene.drive.values, dtype=float), np.flatnonzero(scene.assembled)
-    if not len(closed):
+    drive, assembled = np.asarray(scene.drive.values, dtype=float), np.flatnonzero(scene.assembled)
+    if not len(assembled):
         raise DesignError(
             "assembly_at", "the mechanism cannot be assembled in any position", "change its sizes", "does-not-assemble"
         )
     if at is None:
-        wanted = drive[0] + (SHARE if scene.cyclic else HALF_WAY) * (drive[-1] - drive[0])
-        return int(closed[np.argmin(np.abs(drive[closed] - wanted))])
+        at = drive[0] + (SHARE if scene.cyclic else HALF_WAY) * (drive[-1] - drive[0])
+        return int(assembled[np.argmin(np.abs(drive[assembled] - at))])
     nearest = int(np.argmin(np.abs(drive - at)))
     step = float(np.abs(np.diff(drive)).max(initial=0.0))
     found = f"found {at:g} {scene.drive.unit}".rstrip()
@@ -79,7 +79,7 @@ def frame_at(scene: Scene, at: float | None) -> int:
             "assembly_at", f"{found}, outside the range of the driver", f"give {low:g} to {high:g}", "out-of-range"
         )
     if not scene.assembled[nearest]:
-        best = drive[closed[np.argmin(np.abs(drive[closed] - at))]]
+        best = drive[assembled[np.argmin(np.abs(drive[assembled] - at))]]
         raise DesignError(
             "assembly_at",
             f"{found}, where the mechanism cannot be assembled",
@@ -125,14 +125,14 @@ class Still:
     @cached_property
     def marks(self) -> tuple[SceneMark, ...]:
         """Marks that are shown and exist at a frame of the picture."""
-        shown = [mark for mark in self.scene.marks if mark.role not in ASIDE]
+        shown = [mark for mark in self.scene.marks if mark.role not in HIDDEN]
         return tuple(mark for mark in shown if np.isfinite(mark.place[self.frames]).any())
 
     @cached_property
     def bodies(self) -> tuple[SceneBody, ...]:
         """Bodies that exist at a frame of the picture, the lowest first."""
-        there = [body for body in self.scene.bodies if np.isfinite(body.origin[self.frames]).any()]
-        return tuple(sorted(there, key=lambda body: body.layer))
+        existing = (body for body in self.scene.bodies if np.isfinite(body.origin[self.frames]).any())
+        return tuple(sorted(existing, key=lambda body: body.layer))
 
     @property
     def shows_ground(self) -> bool:
@@ -163,22 +163,22 @@ class Still:
     @cached_property
     def bounds(self) -> tuple[complex, complex]:
         """Lower left and upper right corner, mm, of all visible elements over the frames of the picture."""
-        always = _box([*self._bodies_seen(), *self._marks_seen(), *self._curves_seen()])
-        least = LEAST * self.size * (1 + 1j) / 2
-        middle = (always[0] + always[1]) / 2
-        always = _box([np.array([*always, middle - least, middle + least])])
-        far = _box([np.array(always), *self._curves_seen(FAR), *self._marks_seen(FAR)])
-        room = ROOM * (always[1] - always[0])
-        low = complex(max(far[0].real, (always[0] - room).real), max(far[0].imag, (always[0] - room).imag))
-        return low, complex(min(far[1].real, (always[1] + room).real), min(far[1].imag, (always[1] + room).imag))
+        low, high = _box([*self._body_points(), *self._mark_points(), *self._curve_points()])
+        least, middle = LEAST * self.size * (1 + 1j) / 2, (low + high) / 2
+        low, high = _box([np.array([low, high, middle - least, middle + least])])
+        far_low, far_high = _box([np.array([low, high]), *self._curve_points(FAR), *self._mark_points(FAR)])
+        room = ROOM * (high - low)
+        low, high = low - room, high + room
+        low = complex(max(far_low.real, low.real), max(far_low.imag, low.imag))
+        return low, complex(min(far_high.real, high.real), min(far_high.imag, high.imag))
 
-    def _bodies_seen(self) -> Iterator[Complex]:
+    def _body_points(self) -> Iterator[Complex]:
         for body, outlines in zip(self.scene.bodies, self.outlines):
             frames = self.frames if not body.fixed else self.frames[:1]
             for points in outlines:
                 yield body.origin[frames, None] + body.direction[frames, None] * points
 
-    def _marks_seen(self, roles: Sequence[str] = ()) -> Iterator[Complex]:
+    def _mark_points(self, roles: Sequence[str] = ()) -> Iterator[Complex]:
         for mark in (mark for mark in self.marks if (mark.role in FAR) == bool(roles)):
             frames = slice(None) if mark.trail else self.frames
             place = np.asarray(mark.place)[frames]
@@ -188,7 +188,7 @@ class Still:
             if mark.radius is not None:
                 yield np.concatenate([place + mark.radius[frames] * corner for corner in (1 + 1j, -1 - 1j)])
 
-    def _curves_seen(self, roles: Sequence[str] = ()) -> Iterator[Complex]:
+    def _curve_points(self, roles: Sequence[str] = ()) -> Iterator[Complex]:
         poses = {body.name: body for body in self.scene.bodies}
         for curve in (curve for curve in self.scene.curves if (curve.role in FAR) == bool(roles)):
             points = some_points(curve.curve)
@@ -205,9 +205,8 @@ class Still:
 
     def trail_runs(self, mark: SceneMark) -> Iterator[Complex]:
         """The path of a point over the whole motion, as runs of points where it exists."""
-        kept = kept_frames(len(self.scene.time))
-        place = np.asarray(mark.place)[kept]
-        for run in np.split(np.arange(len(kept)), np.flatnonzero(np.diff(np.isfinite(place))) + 1):
+        place = np.asarray(mark.place)[kept_frames(len(self.scene.time))]
+        for run in np.split(np.arange(len(place)), np.flatnonzero(np.diff(np.isfinite(place))) + 1):
             if len(run) > 1 and np.isfinite(place[run[0]]):
                 yield place[run]
 
@@ -244,7 +243,7 @@ class InPlace:
 
 
 def in_place(job: Job) -> tuple[Still, tuple[InPlace, ...]]:
-    """The assembly at the job's driver position, and its parts by body."""
+    """The assembly at the job's driver position, and its parts by body. Raises DesignError if there are no parts."""
     scene = job.scene
     still = Still(scene, np.array([frame_at(scene, job.assembly_at)]))
     heights, names, placements = _heights(scene), list[str](), list[InPlace]()
@@ -256,6 +255,8 @@ def in_place(job: Job) -> tuple[Still, tuple[InPlace, ...]]:
             name = f"{part.name} {names.count(part.name) + 1}" if part.name in names else part.name
             names.append(part.name)
             placements.append(InPlace(name, part, body, origin, direction, heights[body.layer]))
+    if not placements:
+        raise lacking("part")
     return still, tuple(placements)
 
 

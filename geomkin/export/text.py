@@ -28,7 +28,7 @@ CODES = "\\^"
 
 @record(checked=True)
 class Title:
-    """Entries of the title block of a drawing; entries left out are not drawn.
+    """Entries of the title block of a drawing; omitted entries are not drawn.
 
     Parameters
     ----------

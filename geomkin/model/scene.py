@@ -251,6 +251,11 @@ class Candidate:
     lines: tuple[Complex, ...]
 
 
+def layer_name(layer: int) -> str:
+    """Name of a layer for people, who count from 1; the plates of a motor may be below all others."""
+    return f"layer {layer + 1}" if layer >= 0 else "under layer 1"
+
+
 @record(checked=True, eq=False)
 class Scene:
     """The moving drawing of a mechanism.

@@ -162,7 +162,7 @@ class _Results:
         checks = {check.id: check.value for check in self.recipe.checks}
         if name in checks:
             return checks[name]
-        known = [*(column.id for column in columns), *further, *checks]
+        known = list(dict.fromkeys([*(column.id for column in columns), *further, *checks]))
         raise DesignError(
             self.field,
             f"found {shown(name)}",

@@ -222,7 +222,7 @@ def _optimised(
     time_limit: float,
 ) -> OptimisedDesign | ParetoFront:
     if not vary:
-        remedy = 'give a key and its range, as {"linkage.crank": (20, 40)}, or a table [optimise] in the recipe'
+        remedy = "give a key with its range, such as linkage.crank from 20 to 40, or a table [optimise] in the recipe"
         raise DesignError("vary", "found none", remedy, "missing-key")
     if minimise is None:
         remedy = 'give a formula, as "max(rocker_omega)", or a table [optimise] in the recipe'

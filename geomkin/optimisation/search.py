@@ -173,7 +173,7 @@ def gradient_search(trials: Trials, box: Box, start: Real, watch: Watch, of_viol
         solver.optimize(np.append(start, [float(objective_rows.max()) / scale] * has_bound))
     except TimeOverError:
         pass
-    except (nlopt.RoundoffLimited, nlopt.ForcedStop, RuntimeError):
+    except (nlopt.RoundoffLimited, nlopt.ForcedStop, nlopt.runtime_error):
         # At an optimum where many values are equal there may be no further step; the best design is known.
         pass
 

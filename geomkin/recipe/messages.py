@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from dataclasses import MISSING
 from difflib import SequenceMatcher
 from functools import cache
-from typing import Any, get_args, get_origin, get_type_hints
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
 
@@ -81,7 +82,8 @@ def _similarity(words: list[str], others: list[str]) -> float:
         return SequenceMatcher(None, a, b).ratio()
 
     def is_similar(word: str, other: str) -> bool:
-        return ratio(word, other) >= (0.6 if max(len(word), len(other)) < 5 else 0.82)
+        has_swapped_letters = sorted(word) == sorted(other)
+        return has_swapped_letters or ratio(word, other) >= (0.6 if max(len(word), len(other)) < 5 else 0.82)
 
     whole = ratio("".join(words), "".join(others))
     has_all_words = all(any(is_similar(word, other) for other in others) for word in words)
@@ -101,9 +103,8 @@ def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
     found = f"found {shown(e['input'])}"
     match e["type"]:
         case "missing":
-            return Problem(
-                key, "is missing", _table_remedy(hint, key) or f"give {_allowed_value(about) or 'it'}", "missing-key"
-            )
+            value = ": ".join(filter(None, (_allowed_value(about) or "it", " or ".join(words_in(hint)))))
+            return Problem(key, "is missing", _table_remedy(hint, key) or f"give {value}", "missing-key")
         case "unexpected_keyword_argument":
             return _unknown_key(str(e["loc"][-1]), key, tables, recipe, is_shown)
         case "value_error" if isinstance(e["ctx"]["error"], DesignError):
@@ -120,9 +121,9 @@ def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
             remedy = f"{did_you_mean(tag, tags)}give {' or '.join(map(repr, tags))}"
             return Problem(_join(key, "kind"), problem, remedy, "missing-key" if tag is None else "unknown-kind")
         case "dataclass_type" | "model_attributes_type" | "dict_type":
-            known = [f.name for t in tables for f in dataclasses.fields(t)]
-            remedy = _table_remedy(hint, key) or f"give a table with {', '.join(dict.fromkeys(known))}"
-            return Problem(key, found, remedy, "wrong-type")
+            known = dict.fromkeys(f.name for t in tables for f in dataclasses.fields(t))
+            value = _allowed_value(about) or f"a table with {', '.join(known)}"
+            return Problem(key, found, _table_remedy(hint, key) or f"give {value}", "wrong-type")
         case "less_than_equal" | "greater_than_equal" if "unit" not in about:
             limit = next(iter(e["ctx"].values()))
             remedy = f"give numbers between {-abs(limit):g} and {abs(limit):g} ({_allowed_value(about)})"
@@ -235,6 +236,13 @@ def tables_in(hint: Any) -> list[type]:
     if isinstance(hint, type) and hasattr(hint, "KINDS"):
         return list(hint.KINDS.values())
     return [table for part in get_args(hint) for table in tables_in(part)]
+
+
+def words_in(hint: Any) -> list[str]:
+    """The texts that a type hint allows."""
+    if get_origin(hint) is Literal:
+        return [str(word) for word in get_args(hint)]
+    return [word for part in get_args(hint) if get_origin(hint) in (Union, UnionType) for word in words_in(part)]
 
 
 def kind_of(table: type) -> Any:

@@ -95,7 +95,29 @@ def kerf(default: float | None) -> Any:
 
 @record(checked=True)
 class Files:
-    """The formats to write, and their options."""
+    """The formats to write, and their options.
+
+    Parameters
+    ----------
+    write : tuple of str, optional
+        Names of the formats.
+    tolerance : float, optional
+        Largest distance between a curve and its chords, mm.
+    curves : {"chords", "arcs"}, optional
+        Whether outlines in DXF and SVG are chords or arcs.
+    kerf : float, optional
+        Width of the cut, mm; DXF and SVG move outlines out and holes in by half of it.
+    style : {"drawing", "laser"}, optional
+        SVG for viewing, or with the red and blue hairlines of laser cutting programs.
+    labels : bool, optional
+        Whether parts are engraved with their names, and holes of links with the letters of their pins.
+    sheet : tuple of float, optional
+        Width and height of the sheets that parts are cut from, mm; by default one sheet is sized to fit the parts.
+    title : Title, optional
+        Further entries in the title block of dimensioned drawings.
+    assembly_at : float, optional
+        Position of the driver in pictures of the assembly: deg, or mm if it slides; by default any.
+    """
 
     write: tuple[Format, ...] = entry("files to write", default=DEFAULT_FORMATS)
     tolerance: float = quantity(
@@ -112,7 +134,6 @@ class Files:
     labels: bool = entry(
         "engrave each part with its name, and the holes of links with the letters of their pins", default=True
     )
-
     sheet: tuple[Side, Side] | None = entry("[width, height] in mm of the sheets that parts are cut from", default=None)
     title: Title = entry("further entries in the title block of dimensioned drawings", default=Title())
     assembly_at: float | None = quantity(
@@ -135,7 +156,17 @@ class Files:
 
 @record(checked=True)
 class OptimiseTable:
-    """The task of `geomkin optimise`: keys to vary, the result or results to minimise, and constraints."""
+    """The task of `geomkin optimise`: keys to vary, the result or results to minimise, and constraints.
+
+    Parameters
+    ----------
+    vary : tuple of str
+        Ranges of keys that hold numbers, each KEY = LOW:HIGH.
+    minimise : str or tuple of str
+        The result to minimise, a formula of ids of columns and checks; two to four give the Pareto front.
+    subject_to : tuple of str, optional
+        Constraints: two formulas with >= or <= between them.
+    """
 
     vary: tuple[str, ...] = entry(
         "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
@@ -155,6 +186,11 @@ SLOWEST_RPM, SLOWEST = 0.001, 1e-6
 
 def _speed_rpm() -> Any:
     return quantity("speed of the driver; negative if clockwise", "rpm", default=60.0, at_least=-1e6, at_most=1e6)
+
+
+def _step_deg() -> Any:
+    meaning = "rotation of the driver between rows of the motion table"
+    return quantity(meaning, "deg", default=1.0, at_least=0.001, at_most=90)
 
 
 def _acceleration(unit: str) -> Any:
@@ -183,12 +219,20 @@ def _check_end(key: str, start: float, end: float, speed_key: str, speed: float)
 
 @record(checked=True)
 class Drive:
-    """Rotation of a crank, cam or gear over one turn, and the step between rows of the table."""
+    """Rotation of a crank, cam or gear over one turn, and the step between rows of the table.
+
+    Parameters
+    ----------
+    speed_rpm : float, optional
+        Speed of the driver, rpm, not 0; negative if it turns clockwise.
+    step_deg : float, optional
+        Largest rotation of the driver between rows of the table, deg.
+    acceleration_rad_per_s2 : float, optional
+        Acceleration of the driver at each row, rad/s2; with one the time is unknown.
+    """
 
     speed_rpm: float = _speed_rpm()
-    step_deg: float = quantity(
-        "rotation of the driver between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
-    )
+    step_deg: float = _step_deg()
     acceleration_rad_per_s2: float = _acceleration("rad/s2")
 
     def __post_init__(self) -> None:
@@ -211,12 +255,22 @@ class Drive:
 
 @record(checked=True)
 class Turn:
-    """Rotation of a linkage's driver, and the step between rows of the table."""
+    """Rotation of a linkage's driver, and the step between rows of the table.
+
+    Parameters
+    ----------
+    speed_rpm : float, optional
+        Speed of the driver, rpm, not 0; negative if it turns clockwise.
+    step_deg : float, optional
+        Largest rotation of the driver between rows of the table, deg.
+    start_deg, end_deg : float, optional
+        The driver's first and last angle, deg; by default one turn from 0, in the direction of the speed.
+    acceleration_rad_per_s2 : float, optional
+        Acceleration of the driver at each row, rad/s2; with one the time is unknown.
+    """
 
     speed_rpm: float = _speed_rpm()
-    step_deg: float = quantity(
-        "rotation of the driver between rows of the motion table", "deg", default=1.0, at_least=0.001, at_most=90
-    )
+    step_deg: float = _step_deg()
     start_deg: float = quantity("driver's first angle", "deg", default=0.0, at_least=-3600, at_most=3600)
     # Never None after `__post_init__`.
     end_deg: float = quantity(
@@ -295,7 +349,19 @@ class Turn:
 
 @record(checked=True)
 class Stroke:
-    """Stroke of a sliding driver, and the step between rows of the table."""
+    """Stroke of a sliding driver, and the step between rows of the table.
+
+    Parameters
+    ----------
+    start, end : float
+        The driver's first and last position along its line, mm.
+    speed : float, optional
+        Speed of the driver, mm/s, not 0; negative if the end is below the start.
+    step : float, optional
+        Largest displacement of the driver between rows of the table, mm.
+    acceleration_mm_per_s2 : float, optional
+        Acceleration of the driver at each row, mm/s2; with one the time is unknown.
+    """
 
     start: float = quantity(
         "driver's first position along its line", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=70
@@ -367,7 +433,17 @@ def gravity_entry() -> Any:
 
 @record(checked=True)
 class BodyMass:
-    """Mass of a body in a recipe."""
+    """Mass of a body in a recipe.
+
+    Parameters
+    ----------
+    mass_kg : float
+        Mass, kg.
+    centre : complex, optional
+        Centre of mass in the body's frame, mm.
+    inertia_kg_mm2 : float, optional
+        Moment of inertia about the centre, kg mm2.
+    """
 
     mass_kg: float = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
     centre: ComplexPoint = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)

@@ -6,8 +6,7 @@ import dataclasses
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter
 
@@ -15,7 +14,7 @@ from ..core.errors import DesignError, printable
 from ..core.fields import allowed
 from .kinds import kind_names, recipe_class
 from .load import adapter, short_table, table_lines
-from .messages import did_you_mean, kind_of, tables_in
+from .messages import did_you_mean, kind_of, tables_in, words_in
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
 
@@ -70,14 +69,17 @@ def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None)
 
 def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]]) -> list[str]:
     """Comments: the kind, its schema, and the other tables that `new` can show."""
-    text = [
-        *textwrap.wrap(f"{recipe.about()} {recipe.advice}".strip(), 110),
+    # Tables that several tables contain, such as `material` of two stocks, are offered once.
+    kinds_by_key: dict[str, list[str]] = {}
+    for key, kinds in offered.items():
+        kinds_by_key.setdefault(key.rsplit(".", 1)[-1], list(kinds))
+    options = [key if "" in kinds else f"{key}={kinds[-1]}" for key, kinds in kinds_by_key.items()]
+    texts = [
+        f"{recipe.about()} {recipe.advice}".strip(),
         f"Run `geomkin schema > {SCHEMA}` in this folder once; then editors mark mistakes while you type.",
+        f"To show other tables, add `--with` and one of: {', '.join(options)}.",
     ]
-    for key in dict.fromkeys(key.rsplit(".", 1)[-1] for key in offered):
-        kinds = next(kinds for other, kinds in offered.items() if other.rsplit(".", 1)[-1] == key)
-        option = f"{key}={list(kinds)[-1]}" if "" not in kinds else key
-        text.append(f"To show other tables: geomkin new {kind_of(recipe)} --with {option}")
+    text = [line for paragraph in texts[: 3 if options else 2] for line in textwrap.wrap(paragraph, 110)]
     return [f"#:schema ./{SCHEMA}", *(f"# {line}" for line in text)]
 
 
@@ -122,20 +124,13 @@ def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, st
     if "unit" in field.metadata:
         limits = allowed(field.metadata | {"unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
         note += f"; {limits}" if limits else ""
-    elif len(words := _words(hint)) > (get_origin(hint) is Literal):
+    elif len(words := words_in(hint)) > (get_origin(hint) is Literal):
         note += "; " + " or ".join(words)
     if value is None:
         return f"# {field.name} =", note
     required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
     optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
     return f"{'# ' if optional else ''}{field.name} = {toml_value(value)}", note
-
-
-def _words(hint: Any) -> list[str]:
-    """The texts that a type hint allows."""
-    if get_origin(hint) is Literal:
-        return [str(word) for word in get_args(hint)]
-    return [word for part in get_args(hint) if get_origin(hint) in (Union, UnionType) for word in _words(part)]
 
 
 def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:

@@ -38,7 +38,10 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         mistake = toml_mistake(text, str(error))
         if mistake:
             raise RecipeError(file, [mistake]) from None
-        raise _whole(file, f"it is not TOML: {printable(error, 200)}", "correct this line", "invalid-toml") from None
+        complaint = str(error).replace("Cannot overwrite a value", "a key is given twice")
+        raise _whole(
+            file, f"it is not TOML: {printable(complaint, 200)}", "correct this line", "invalid-toml"
+        ) from None
 
 
 def _text(path: Path) -> str:

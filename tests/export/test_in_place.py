@@ -52,6 +52,13 @@ def test_a_layer_is_as_thick_as_its_thickest_part_and_an_empty_one_as_the_thicke
         assert (one.origin, one.direction) == (one.body.origin[3], one.body.direction[3])
 
 
+@pytest.mark.parametrize("write", [glb, assembly_package])
+def test_solids_of_an_assembly_without_parts_are_refused(write):
+    with pytest.raises(gk.DesignError) as refusal:
+        write(job(bodies=(SceneBody("bare", (), 0 * ONE, ONE),)))
+    assert refusal.value.field == "write"
+
+
 def test_parts_of_a_package_stand_where_they_are_as_near_to_the_corner_as_a_hundredth():
     content = assembly_package(job())
     found = dict(read(content))

@@ -308,28 +308,3 @@ def test_every_flank_point_touches_or_is_reported():
 
 
 # Bad input
-
-
-@pytest.mark.parametrize(
-    ("make", "field"),
-    [
-        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 30, -1), "addendum"),
-        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 30, 5.0), "addendum"),
-        (lambda: conjugate(CLASSIC.cutter(0), 100, np.nan, 30, 0.2), "pitch_radius"),
-        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 30.5, 0.2), "mate_teeth"),
-        (lambda: conjugate(CLASSIC.cutter(0), 100, 10.0, 100, 0.2, True), "mate_teeth"),
-        (lambda: CLASSIC.cutter(1.0), "clearance"),
-        (lambda: StraightSidedGear(40, 2, 45, 1.0), "addendum"),
-        (lambda: StraightSidedGear(40, 2, 25, 0.8, 3.0), "dedendum"),
-        (lambda: StraightSidedGear(3, 2), "teeth"),
-        (lambda: FlankGear(gk.plane.Segment(1 + 20j, 1 + 21j), 20, 30.0), "flank"),
-        (lambda: FlankGear(gk.plane.Segment(1 + 28j, -1 + 32j), 20, 30.0), "flank"),
-        (lambda: FlankGear(gk.plane.Segment(8 + 28j, 1 + 32j), 20, 30.0), "flank"),
-        (lambda: PointToothGear(24, 3, (3 + 33j,)), "points"),
-        (lambda: PointToothGear(24, 3, (1 + 37j, 0.5 + 38j)), "points"),
-    ],
-)
-def test_impossible_teeth_are_refused_by_name(make, field):
-    with pytest.raises(gk.DesignError) as caught:
-        make()
-    assert caught.value.field == field and caught.value.remedy

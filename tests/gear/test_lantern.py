@@ -72,21 +72,6 @@ def test_all_pins_clear_the_finished_wheel_through_a_pitch(pins, teeth, diameter
         assert max(common(0.003), common(-0.003)) > 20 * tolerance
 
 
-@pytest.mark.parametrize(
-    ("make", "field"),
-    [
-        (lambda: LanternPinion(3, 4, 2), "pins"),
-        (lambda: LanternPinion(10, 4, 13), "pin_diameter"),
-        (lambda: LanternPinion(10, 4, 0), "pin_diameter"),
-        (lambda: wheel(10, 30, 6.0, 9.0, 0.0, False), "addendum"),
-    ],
-)
-def test_impossible_lanterns_are_refused_by_name(make, field):
-    with pytest.raises(gk.DesignError) as caught:
-        make()
-    assert caught.value.field == field and caught.value.remedy
-
-
 def test_the_longest_teeth_named_in_the_refusal_leave_a_tip():
     with pytest.raises(gk.DesignError) as caught:
         wheel(10, 30, 6.0, 9.0, 0.0, False)

@@ -57,21 +57,6 @@ def test_pins_of_the_measure_just_touch_both_flanks_of_their_space(gear):
         assert over.diameter == pytest.approx(abs(centre - other) + (-over.pin if ring else over.pin), rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("measure", "field"),
-    [
-        (lambda: gk.gear.span(gk.SpurGear(20, 2), 9), "teeth"),
-        (lambda: gk.gear.over_pins(gk.SpurGear(20, 2), 0.5), "pin"),
-        (lambda: gk.gear.over_pins(gk.SpurGear(20, 2), 50), "pin"),
-        (lambda: gk.gear.chord(gk.SpurGear(20, 2), 30), "radius"),
-    ],
-)
-def test_measures_beside_the_involute_are_refused_by_name(measure, field):
-    with pytest.raises(gk.DesignError) as caught:
-        measure()
-    assert caught.value.field == field and caught.value.remedy
-
-
 @pytest.mark.parametrize("gear", GEARS, ids=ids)
 def test_a_span_is_measured_on_the_involute_or_refused_with_the_nearest_that_is(gear):
     fitting = {}

@@ -158,33 +158,6 @@ def test_flanks_touch_on_the_line_of_action_at_the_reported_sliding(pair):
     assert np.abs(pair.sliding(pitch_point)).max() < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("make", "field"),
-    [
-        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 3)), "second.module"),
-        (
-            lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2, rack=gk.gear.RackCutter(25, tip_radius=0.2))),
-            "second.rack.pressure_angle_deg",
-        ),
-        (
-            lambda: gk.GearPair(gk.SpurGear(20, 2, rack=gk.gear.RackCutter(25, tip_radius=0.2)), gk.RingGear(60, 2)),
-            "second.cutter.pressure_angle_deg",
-        ),
-        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), 39), "centre_distance"),
-        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), 60), "centre_distance"),
-        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2), 40.5), "centre_distance"),
-        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2), 30), "centre_distance"),
-        (lambda: gk.GearPair(gk.SpurGear(60, 2), gk.RingGear(60, 2)), "second.teeth"),
-        (lambda: gk.GearPair(gk.SpurGear(40, 2, -0.9), gk.SpurGear(40, 2, -0.9)), "second.profile_shift"),
-        (lambda: gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(20, 2), np.nan), "centre_distance"),
-    ],
-)
-def test_pairs_that_cannot_mesh_are_refused_by_name(make, field):
-    with pytest.raises(gk.DesignError) as caught:
-        make()
-    assert caught.value.field == field and caught.value.remedy
-
-
 @pytest.mark.parametrize("far", [1e9])
 def test_a_distance_at_which_no_flanks_meet_is_refused_at_once_with_the_nearest(far, monkeypatch):
     """Each distance looked at must not look for one in its turn: sixty to the power of thirty."""

@@ -78,29 +78,6 @@ def test_clearances_are_those_of_the_outlines(pair):
     assert pair.clearances == pytest.approx(wanted, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("make", "field"),
-    [
-        (lambda: gk.gear.GearRack(0, 2), "teeth"),
-        (lambda: gk.gear.GearRack(5, 2, height=1), "height"),
-        (lambda: gk.gear.GearRack(5, 2, tooth_thickness_allowance=2), "tooth_thickness_allowance"),
-        (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 3)), "rack.module"),
-        (
-            lambda: gk.gear.RackPair(
-                gk.SpurGear(24, 2), gk.gear.GearRack(9, 2, gk.gear.RackCutter(25, tip_radius=0.2))
-            ),
-            "rack.rack.pressure_angle_deg",
-        ),
-        (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2), 23.9), "distance"),
-        (lambda: gk.gear.RackPair(gk.SpurGear(24, 2), gk.gear.GearRack(9, 2), 29), "distance"),
-    ],
-)
-def test_impossible_racks_are_refused_by_name(make, field):
-    with pytest.raises(gk.DesignError) as caught:
-        make()
-    assert caught.value.field == field and caught.value.remedy
-
-
 BARS = {
     "usual": gk.gear.GearRack(4, 2),
     "thinned": gk.gear.GearRack(3, 3, gk.gear.RackCutter(25, 0.9, 1.2, 0.15), 4.0, 0.2),

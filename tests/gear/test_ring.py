@@ -160,29 +160,6 @@ def test_thinning_takes_its_amount_off_the_reference_circle_and_no_depth():
         assert ring.thickness(60.0) == pytest.approx(np.pi - tooth_thickness_allowance, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("make", "field"),
-    [
-        (lambda: gk.RingGear(60, 2, tooth_thickness_allowance=2), "tooth_thickness_allowance"),
-        (lambda: gk.RingGear(60, 2, tooth_thickness_allowance=-0.1), "tooth_thickness_allowance"),
-        (lambda: gk.RingGear(20, 2), "teeth"),
-        (lambda: gk.RingGear(24, 2), "teeth"),
-        (lambda: gk.RingGear(60.5, 2), "teeth"),
-        (lambda: gk.RingGear(60, 2, -3), "profile_shift"),
-        (lambda: gk.RingGear(60, 2, cutter=gk.gear.PinionCutter(20)), "addendum"),
-        (lambda: gk.RingGear(34, 2), "addendum"),
-        (lambda: gk.RingGear(60, 2, cutter=gk.gear.PinionCutter(55)), "cutter.teeth"),
-        (lambda: gk.gear.PinionCutter(tip_radius=1), "tip_radius"),
-        (lambda: gk.gear.PinionCutter(addendum=4), "addendum"),
-        (lambda: gk.gear.PinionCutter(teeth=3), "teeth"),
-    ],
-)
-def test_impossible_rings_are_refused_by_name(make, field):
-    with pytest.raises(gk.DesignError) as caught:
-        make()
-    assert caught.value.field == field and caught.value.remedy
-
-
 def test_cutter_is_refused_if_and_only_if_its_tips_hit_the_teeth(monkeypatch):
     monkeypatch.setattr("geomkin.gear.interference.InternalMesh.trochoid_gap", 1.0)
     hit = {}

@@ -10,8 +10,7 @@ from geomkin.recipe.toml import LARGEST
 from tests.texts import parse, recipe_of, template_of
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
-
-
+CAM = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\nfollower = {kind = "translating-flat"}\n'
 QUICK = {"four-bar", "cognates", "disk-cam"}
 
 
@@ -35,6 +34,11 @@ def test_bad_text_names_its_key():
         ('kind = "spur-gear"\ngear = 3', "gear", "give a table with teeth"),
         (GEAR + '[files]\ncurves = "arc"\n', "files.curves", "did you mean arcs?"),
         (GEAR + '[files]\nwrite = ["dfx"]\n', "files.write[0]", "did you mean dxf?"),
+        (GEAR + "stokc = 1\n", "gear.stokc", "known here"),
+        (GEAR + "[stokc]\n", "stokc", "did you mean stock?"),
+        (CAM + '[[cam.program]]\nkind = "rise"\nend_deg = 360\n', "cam.program[0].law", "3-4-5"),
+        ('kind = "linkage"\nlinkage = {driver = "a", bodies = 3}\n', "linkage.bodies", "each a table of points"),
+        ('kind = "linkage"\nlinkage = {driver = "a", bodies = {a = 3}}\n', "linkage.bodies.a", "points [x, y]"),
         (GEAR.replace("2\n", "nan\n"), "gear.module", "above 0"),
         (GEAR.replace("24", "10000000"), "gear.teeth", "at most 10000"),
         (GEAR.replace("24", "0"), "gear.teeth", "at least 4"),

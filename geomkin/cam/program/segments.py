@@ -9,14 +9,13 @@ curvature use these, and multiplied by the speed in rad/s the first one is a vel
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from ...core.fields import FARTHEST, OneOfKinds, Rows, entry, quantity
 from ...core.records import record
 from .laws import Law, LawName, NamedLaw
 
 AnyLaw = Annotated[LawName | Law, NamedLaw()]
-LAW_MEANING = f"law of motion: {', '.join(get_args(LawName))}"
 
 
 def _angle(meaning: str) -> Any:
@@ -81,7 +80,7 @@ class Rise:
     20
     """
 
-    law: AnyLaw = entry(LAW_MEANING, example="cycloidal")
+    law: AnyLaw = entry("law of motion", example="cycloidal")
     rise: float | None = _lift("displacement, positive outwards")
     end_lift: float | None = _lift("lift above the base circle at the end")
     kind: Literal["rise"] = "rise"
@@ -113,7 +112,7 @@ class Return:
     The named laws are those of VDI 2143 Blatt 1 (1980) and Norton, Cam Design and Manufacturing Handbook.
     """
 
-    law: AnyLaw = entry(LAW_MEANING, example="cycloidal")
+    law: AnyLaw = entry("law of motion", example="cycloidal")
     end_lift: float = quantity(
         "lift above the base circle at the end", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )

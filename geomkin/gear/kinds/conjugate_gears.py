@@ -38,7 +38,21 @@ from .strength_notes import NO_INVOLUTE
 
 @record(checked=True)
 class Mate:
-    """The mate of a given gear."""
+    """The mate of a given gear.
+
+    Parameters
+    ----------
+    teeth : int
+        Number of teeth.
+    addendum : float
+        Height of the teeth beyond the pitch circle, mm.
+    internal : bool, optional
+        Whether the mate is a ring round the gear.
+    clearance : float, optional
+        Clearance between the gear's tips and the mate's roots, mm.
+    backlash : float, optional
+        Backlash along the pitch circle, mm, by which the mate's teeth are thinner.
+    """
 
     teeth: int = quantity("number of the mate's teeth", whole=True, at_least=2, at_most=10_000, example=60)
     addendum: float = quantity(

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from ...core.fields import entry
 from ...core.records import record
@@ -30,8 +30,9 @@ from .helical import AbstractHelicalRecipe, check_tooth_points, gear_notes, gear
 class AbstractSingleGearRecipe(AbstractHelicalRecipe):
     """Base class of recipes of one gear."""
 
-    gear: SpurGear | RingGear
-    stock: GearStock | RingStock
+    if TYPE_CHECKING:
+        # Declared for the type checker only, since the order of fields is that of their first declaration.
+        stock: GearStock | RingStock
 
     @property
     @abstractmethod

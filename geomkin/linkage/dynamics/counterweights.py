@@ -330,6 +330,6 @@ def _local_optimum(
     solver.set_xtol_rel(CONVERGED)
     solver.set_maxeval(MOST_STEPS)
     # It fails if rounding leaves no further step; the best point is known.
-    with suppress(nlopt.RoundoffLimited, RuntimeError):
+    with suppress(nlopt.RoundoffLimited, nlopt.runtime_error):
         solver.optimize(start)
     return best

@@ -142,7 +142,7 @@ export class Plots {
     Object.assign(card, { columns, ticks: {}, labels: { x: label, y: unit } });
     card.plot = new uPlot({
       ...this.sizeOf(card),
-      padding: [10, 12, 0, 0],
+      padding: [10, 18, 0, 0],
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 } },
       scales: { x: { time: false }, y: { range: (_, low, high) => this.range(card, low, high) } },
