@@ -173,10 +173,13 @@ def test_a_refused_value_leaves_the_last_good_mechanism_greyed(studio):
     assert page.inner_html("#player .stages") == plates
     assert float(page.eval_on_selector("#player .stages", "stages => getComputedStyle(stages).opacity")) < 1
     assert page.get_attribute('[name="linkage.crank"]', "aria-invalid") == "true"
-    assert page.inner_text('.problem[data-of="linkage.crank"]')
+    assert page.inner_text('.problem[data-of="linkage.crank"]') and page.input_value('[name="linkage.crank"]') == "-3"
     page.keyboard.press("Control+s")
     settle(page)
     assert editor.file.read_text() == FOUR_BAR
+    page.click('button[aria-label^="Reset linkage.crank"]')
+    settle(page)
+    assert value(page, "linkage.crank") == 30 and not page.locator(".stale").count()
     fill(page, "linkage.crank", "31.5")
     assert not page.locator(".stale").count() and not page.get_attribute('[name="linkage.crank"]', "aria-invalid")
     assert "crank = 31.5  # driven" in save(editor)

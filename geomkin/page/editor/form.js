@@ -224,6 +224,7 @@ export class Form {
       if (part) part.open = true;
       const entry = this.fields.get(at.dataset.of);
       entry?.row.classList.add("wrong");
+      if (entry) entry.undo.hidden = false;
       for (const input of entry?.inputs ?? []) if (key === entry.key || input.name === key) input.setAttribute("aria-invalid", "true");
       return false;
     });
