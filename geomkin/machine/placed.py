@@ -162,6 +162,7 @@ class PlacedMechanism:
                     label=f"{self.name}: {handle.label}",
                     keys=tuple(f"mechanisms.{self.name}.recipe.{key}" for key in handle.keys),
                     at=self.pose.place(at),
+                    arrow=complex(self.pose.direction) * handle.arrow,
                 )
 
     @property

@@ -138,6 +138,8 @@ class SceneHandle:
         Id of the column whose plot has the handle.
     is_one_value : bool
         Whether all keys have one value, as the modules of gears in mesh do.
+    arrow : complex
+        Vector of the arrow that ends at the handle, mm, such as that of a force; 0 for none.
     """
 
     id: str
@@ -148,6 +150,7 @@ class SceneHandle:
     radius: float = 0.0
     column: str = ""
     is_one_value: bool = False
+    arrow: complex = 0j
 
 
 @record
