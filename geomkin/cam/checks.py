@@ -11,7 +11,7 @@ from ..model.check import Check
 from ..plane.vec import Real, first_largest
 from .cam import Cam
 from .extrema import largest
-from .measures import cam_angles, pressure_angle, segment_limits, tightest_convex
+from .measures import cam_angles, segment_limits, tightest_convex
 from .undercut import Undercut, undercut
 
 # deg. With a larger angle a guide binds, a smaller one requires larger cams. 30 for straight followers is the rule of
@@ -141,8 +141,9 @@ def _largest_pressure_angle(cam: Cam, direction: int) -> tuple[float, float]:
     rest = ROUNDING * np.abs(cam.program.motion(cam_angles(cam)).velocity).max()
 
     def size(angle: Real) -> Real:
-        moves = direction * cam.program.motion(angle).velocity > rest
-        return np.where(moves, np.abs(pressure_angle(cam, angle)), -1.0)
+        motion = cam.program.motion(angle)
+        contact = cam.follower.contact(motion, cam.base_radius, cam.sense)
+        return np.where(direction * motion.velocity > rest, np.abs(contact.pressure_angle), -1.0)
 
     most, at = largest(cam.program.breaks, size)
     return float(np.degrees(most)), float(np.degrees(at))

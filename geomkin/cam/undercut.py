@@ -15,7 +15,7 @@ from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole, first_largest
 from .cam import Cam
-from .extrema import highest_between, refine_peak, samples
+from .extrema import exceeds, highest_between, refine_peak, samples
 from .untrimmed_outline import UntrimmedOutline, chord_crossings, refined_parameters, self_crossings
 
 # Chords along each backward stretch of the profile; the same density is used over four times its length to either side,
@@ -159,6 +159,8 @@ def undercut(cam: Cam) -> Undercut:
     """
     raw = UntrimmedOutline(cam)
     loops, points = _backward(raw)
+    if len(raw.pieces) == 1 and not loops and not points and _is_star_shaped(cam):
+        return Undercut(cam, raw.pieces[0], np.empty((0, 2)), np.empty(0, complex))
     grid, z = _grid(raw, loops, points)
     kept, skipped = _Tracing(raw, grid, z, points).trace(float(grid[np.abs(z).argmin()]))
     if not skipped:
@@ -168,6 +170,17 @@ def undercut(cam: Cam) -> Undercut:
     spans[:, 1] += np.where(spans[:, 1] < spans[:, 0], 2 * np.pi, 0)
     outline = Path(tuple(part for a, b in kept for part in raw.between(a, b)))
     return Undercut(cam, outline, spans[spans[:, 0].argsort()], raw.curve.point(np.array([a for a, _ in skipped])))
+
+
+def _is_star_shaped(cam: Cam) -> bool:
+    """Whether a profile that nowhere runs backwards meets each ray from the axis once and so never crosses itself."""
+
+    def inward(angle: Real) -> Real:
+        contact = cam.contact(angle)
+        return -(np.conj(contact.point) * contact.normal).real
+
+    angles = samples(cam.program.breaks)
+    return not exceeds(angles, inward(angles), inward, 0.0)
 
 
 class _Tracing:

@@ -152,6 +152,8 @@ def whole_between(least: int, most: int) -> ArgumentType:
 
 
 def _either(options: list[ArgumentType]) -> ArgumentType:
+    if len(options) == 1:
+        return options[0]
     allowed = _listed([option.allowed for option in options if option is not NOTHING])
     types = tuple(each for option in options for each in option.types)
     return ArgumentType(lambda value: any(option.fits(value) for option in options), allowed, types)
@@ -240,7 +242,8 @@ def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
     if array is None:
         return False
     # In single precision neither the squares nor the limit are finite.
-    array = array.astype(np.result_type(array.dtype, float), copy=False) if array.dtype.kind in "fc" else array
+    if array.dtype.kind in "fc" and array.dtype not in (np.float64, np.complex128):
+        array = array.astype(np.result_type(array.dtype, float))
     if gaps:
         return bool((np.isnan(array) | (np.abs(array) < LARGEST)).all())
     if array.dtype.kind in "iu":

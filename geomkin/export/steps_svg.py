@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.errors import harmless
 from ..core.records import record
-from ..model.scene import Scene, SceneBody
+from ..model.scene import Scene, SceneBody, layer_name
 from ..plane.vec import box_of, rounded
 from .job import Job
 from .labels import LETTER, NARROW, place_labels
@@ -112,7 +112,7 @@ def _layers(still: Still, title: str) -> Iterator[tuple[int, str]]:
     """The layers with parts, and the heading of each."""
     for layer in sorted({body.layer for body in still.bodies}):
         names = ", ".join(body.name for body in still.bodies if body.layer == layer)
-        yield layer, f"{title}{', ' if title else ''}layer {layer}: {names}"
+        yield layer, f"{title}{', ' if title else ''}{layer_name(layer)}: {names}"
 
 
 def _heading(words: str, x: float, y: float, still: Still) -> Iterator[str]:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from ..core.arguments import LARGEST, PLAIN, ArgumentType, is_place
-from ..core.errors import DesignError, shown
+from ..core.errors import DesignError, ProblemId, shown
 from ..core.fields import ComplexOrArray, KindTable
 from ..core.names import check_names
 from ..core.records import record
@@ -29,15 +29,10 @@ MOTION_ATTRIBUTES = {
 
 
 def _are_bodies(value: Any) -> bool:
-    return isinstance(value, Mapping) and all(
-        isinstance(body, str)
-        and isinstance(points, Mapping)
-        and all(type(z) is complex or PLAIN[np.ndarray].fits(z) for z in points.values())
-        for body, points in value.items()
-    )
+    return isinstance(value, Mapping) and all(isinstance(points, Mapping) for points in value.values())
 
 
-# `Linkage` itself checks that the points are finite, so that its message can name the point.
+# `Linkage` itself checks the points, so that its message can name the point.
 Bodies = Annotated[
     Mapping[str, Mapping[str, complex | Array]],
     ArgumentType(_are_bodies, "a table of bodies, each a table of its points, x + yj"),
@@ -197,8 +192,11 @@ class Linkage(AbstractLinkage):
         for body, points in self.bodies.items():
             for point, place in points.items():
                 if not is_place(place):
-                    problem = f"point {point} of {body} is {'not finite everywhere' if np.ndim(place) else place}"
-                    raise DesignError("bodies", problem, f"give finite coordinates below {LARGEST:g} mm")
+                    is_number = PLAIN[np.ndarray].fits(place)
+                    value = "not finite everywhere" if is_number and np.ndim(place) else shown(place)
+                    remedy = f"give finite coordinates x + yj below {LARGEST:g} mm"
+                    id: ProblemId = "impossible-geometry" if is_number else "wrong-type"
+                    raise DesignError("bodies", f"point {point} of {body} is {value}", remedy, id)
                 if isinstance(place, np.ndarray):
                     shapes.add(place.shape)
         shapes -= {(), (1,)}

@@ -141,7 +141,9 @@ class Planner:
                 (start_1, rail_1), (start_2, rail_2) = (
                     (self.start(s, body, ()), self.rail(s, body)) for s in rails[:2]
                 )
-                self.placements.append(Crossed((rails[0], rails[1]), body, (start_1, start_2), (rail_1, rail_2)))
+                self.placements.append(
+                    Crossed((rails[0].name, rails[1].name), body, (start_1, start_2), (rail_1, rail_2))
+                )
             else:
                 continue
             self.placed.add(body)
@@ -212,7 +214,7 @@ class Planner:
         slider = self.rails_to_placed(slid)[0]
         start = self.start(slider, slid, ((slid, self.local(slid, far_pin)), *((b, -z) for b, z in shift)))
         arm = self.arm(bar, pin, near_pin) if end == bar else 1.0
-        lines = (pin, near_pin), slider
+        lines = (pin, near_pin), slider.name
         dyad = RRP(name, lines, end, arm, self.anchor(pin), start, self.rail(slider, slid))
         if end == bar:
             self.append(dyad)
@@ -236,7 +238,7 @@ class Planner:
         bases = self.anchor(outer[0][0]), self.anchor(outer[1][0])
         before = tuple(placement for placement in self.placements if isinstance(placement, Dyad))
         directions, offset = (rotations[0], rotations[1]), left[1] - left[0]
-        lines = (outer[0][0], outer[1][0]), slider
+        lines = (outer[0][0], outer[1][0]), slider.name
         self.placements.append(
             RPR(slider.name, lines, (one, two), directions, offset, bases, self.linkage.size, before)
         )
@@ -251,7 +253,8 @@ class Planner:
         # From the origin of `one` over the inner pin to the point of `two` that runs on its rail.
         arms = ((one, -self.local(one, inner[0])), *((b, -z) for b, z in shift), (two, self.local(two, inner[1])))
         starts = self.start(rails[0], one, ()), self.start(rails[1], two, arms)
-        self.placements.append(Crossed(rails, one, starts, (self.rail(rails[0], one), self.rail(rails[1], two))))
+        lines, axes = (rails[0].name, rails[1].name), (self.rail(rails[0], one), self.rail(rails[1], two))
+        self.placements.append(Crossed(lines, one, starts, axes))
         self.placed.add(one)
         return True
 

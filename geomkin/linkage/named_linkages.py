@@ -484,7 +484,7 @@ class FourBar(AbstractLinkage):
     )
 
     def __post_init__(self) -> None:
-        if np.ndim(self.ground + self.crank + self.coupler + self.rocker):
+        if isinstance(self.ground + self.crank + self.coupler + self.rocker, np.ndarray):
             return
         lengths = {"ground": self.ground, "crank": self.crank, "coupler": self.coupler, "rocker": self.rocker}
         longest = max(lengths, key=lengths.__getitem__)

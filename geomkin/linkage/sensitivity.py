@@ -23,7 +23,6 @@ from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..plane.vec import Array, Complex, Mask, Real
 from .linkage import STRUCTURES, AbstractLinkage, Linkage, Slider, Structure
-from .solve.dyads import Crossed, Dyad
 from .solve.loops import Loops
 from .solve.solution import LinkageSolution
 
@@ -177,7 +176,7 @@ def _changed(linkage: AbstractLinkage, changes: Mapping[str, Real | float], copi
 # --- Quantities: what a motion reports, by the ids of its table.
 
 
-@record
+@record(eq=False)
 class Quantity:
     """kind: "point", "body", "slider" or "angle"; order: of its derivative by time; part: "x", "y" or "" for both."""
 
@@ -424,9 +423,13 @@ class SizeDerivatives:
                 self._move(0, np.eye(count)[..., None])
                 matrices = np.moveaxis(self._closure(0), -1, 0)
                 self.inverse = np.ascontiguousarray(np.moveaxis(_inverted(matrices), 0, -1))
+                self.origin_rates = {body: rate for body, rate in self.origin[0].items() if rate.any()}
                 self.rates, self.changed = rates, changed
             self._move(order, np.zeros(0))
-            self._move(order, np.einsum("urn,rsn->usn", self.inverse, -self._closure(order)))
+            unknowns = np.einsum("urn,rsn->usn", self.inverse, -self._closure(order))
+            for body, rate in self.origin_rates.items():
+                self.origin[order][body] = self.origin[order][body] + np.einsum("un,usn->sn", rate, unknowns)
+            self.angle[order] |= {b: rate for (b, axis), rate in zip(self.unknowns, unknowns) if axis == "angle"}
 
     def of(self, quantity: Quantity) -> Array:
         """Rates of a quantity, (sizes, n)."""
@@ -458,9 +461,12 @@ class SizeDerivatives:
         if quantity.kind == "body":
             return self.angle[order].get(quantity.name, np.zeros((1, 1)))
         if quantity.kind == "slider":
-            return self._slide(next(s for s in self.linkage.sliders if s.name == quantity.name), order).real
+            return self._slide(self._slider(quantity.name), order).real
         body = self._body_of(quantity.name)
         return self._point(body, body, quantity.name, order)
+
+    def _slider(self, name: str) -> Slider:
+        return next(slider for slider in self.linkage.sliders if slider.name == name)
 
     def _body_of(self, point: str) -> str:
         return next(body for body, points in self.linkage.bodies.items() if point in points)
@@ -468,37 +474,40 @@ class SizeDerivatives:
     def _transmission_angle(self) -> Real:
         """Rates of the smallest transmission angle; nan if loops are solved together, and where it is folded."""
         self._coefficient(Quantity("body", self.linkage.ground, 0), 0)
+        angles: list[tuple[Real, Real]] = [self._angle_between(*lines) for lines in self.solution.joint_lines]
+        if self.solution.run is None:
+            loops = [placement for placement in self.solution.placements if isinstance(placement, Loops)]
+            known = (placement.transmission_angle(self.solution.poses) for placement in loops)
+            angles += [(self._flat(angle), np.asarray(np.nan)) for angle in known]
         least, rates = np.full(self.n, np.nan), np.full((len(self.sizes), self.n), np.nan)
-        for placement in self.solution.placements:
-            if isinstance(placement, Dyad | Crossed):
-                lines = placement.joint_lines
-                directions, turned = zip(*map(self._joint_line, lines))
-                between = directions[1] * np.conj(directions[0])
-                # A bar moves its joint across its length, a slide along its line.
-                between = between * 1j if isinstance(lines[0], Slider) != isinstance(lines[1], Slider) else between
-                angle = np.arctan2(np.abs(between.imag), np.abs(between.real))
-                sine_cosine = between.real * between.imag
-                folded = np.abs(sine_cosine) <= FOLD * np.abs(between) ** 2
-                rate = np.where(folded, np.nan, np.sign(sine_cosine)) * (turned[1] - turned[0])
-            elif isinstance(placement, Loops):
-                angle, rate = self._flat(placement.transmission_angle(self.solution.poses)), np.nan
-            else:
-                continue
+        for angle, rate in angles:
             smaller = np.isnan(least) | (angle < least)
             least, rates = np.where(smaller, angle, least), np.where(smaller, rate, rates)
         return rates
 
-    def _joint_line(self, line: tuple[str, str] | Slider) -> tuple[Complex, Real]:
+    def _angle_between(self, *lines: tuple[str, str] | str) -> tuple[Real, Real]:
+        """The transmission angle of two members, (n,), and its rates, (sizes, n)."""
+        directions, turned = zip(*map(self._joint_line, lines))
+        between = directions[1] * np.conj(directions[0])
+        # A bar moves its joint across its length, a slide along its line.
+        between = between * 1j if isinstance(lines[0], str) != isinstance(lines[1], str) else between
+        sine_cosine = between.real * between.imag
+        folded = np.abs(sine_cosine) <= FOLD * np.abs(between) ** 2
+        rate = np.where(folded, np.nan, np.sign(sine_cosine)) * (turned[1] - turned[0])
+        return np.arctan2(np.abs(between.imag), np.abs(between.real)), rate
+
+    def _joint_line(self, line: tuple[str, str] | str) -> tuple[Complex, Real]:
         """Direction of the line through two points, or of a slider, and the rates of its angle, (sizes, n)."""
-        if isinstance(line, Slider):
-            turned: Real = self.angle[0].get(line.along, 0.0) + self._rate(line.name, "direction_deg").real
-            return self._line(line), turned
+        if isinstance(line, str):
+            slider = self._slider(line)
+            turned: Real = self.angle[0].get(slider.along, 0.0) + self._rate(line, "direction_deg").real
+            return self._line(slider), turned
         bodies = [self._body_of(point) for point in line]
         places = [self._place(body, body, point, 0) for body, point in zip(bodies, line)]
         rates = [self._point(body, body, point, 0) for body, point in zip(bodies, line)]
         bar, rate = places[1] - places[0], rates[1] - rates[0]
         with np.errstate(all="ignore"):
-            return bar, (rate / bar).imag
+            return bar, (rate * (1 / bar)).imag
 
 
 def _inverted(matrices: Real) -> Real:

@@ -348,7 +348,12 @@ class MachineRecipe(AbstractRecipe):
             f"set {upper} above {lower} on tubes as high as the nuts and collars between them"
             for lower, upper in pairwise(self.mechanisms)
         )
-        return (*own, *neighbours, *(shaft.step for shaft in self.shafts), *phases)
+        turned = (
+            f"turn {name} upside down, its ground on top"
+            for name, mechanism in self.mechanisms.items()
+            if mechanism.upside_down
+        )
+        return (*own, *turned, *neighbours, *(shaft.step for shaft in self.shafts), *phases)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

@@ -86,9 +86,7 @@ class PlacedMechanism:
         lowest = min(body.layer for body in own.bodies)
         known = {id(part): own_part for part, own_part in zip(self.recipe.parts, self.parts)}
 
-        def body_in_place(body: SceneBody) -> SceneBody:
-            layer = body.layer - lowest
-            layer = self.first_layer + (self.layers - 1 - layer if self.upside_down else layer)
+        def body_in_place(body: SceneBody, layer: int) -> SceneBody:
             parts = tuple(known.get(id(part)) or self._part(part) for part in body.parts)
             place = self.pose.place(body.origin)
             return replace(
@@ -122,9 +120,20 @@ class PlacedMechanism:
             for mark in own.marks
         )
         regions = (replace(region, curves=tuple(map(moved, region.curves))) for region in own.regions)
+
+        def layer_of(body: SceneBody) -> int:
+            layer = body.layer - lowest
+            return self.first_layer + (self.layers - 1 - layer if self.upside_down else layer)
+
+        # Units are assembled each by itself, with its own layers.
+        units = {
+            f"{self.name}{f', {title}' if title else ''}": tuple(body_in_place(body, body.layer) for body in bodies)
+            for title, bodies in (own.units or {"": own.bodies}).items()
+        }
         return replace(
             own,
-            bodies=tuple(map(body_in_place, own.bodies)),
+            bodies=tuple(body_in_place(body, layer_of(body)) for body in own.bodies),
+            units=units,
             curves=tuple(curves),
             marks=tuple(marks),
             regions=tuple(regions),
@@ -153,6 +162,7 @@ class PlacedMechanism:
                     label=f"{self.name}: {handle.label}",
                     keys=tuple(f"mechanisms.{self.name}.recipe.{key}" for key in handle.keys),
                     at=self.pose.place(at),
+                    arrow=complex(self.pose.direction) * handle.arrow,
                 )
 
     @property
@@ -212,6 +222,7 @@ def joined_scene(table: Table, mechanisms: Sequence[PlacedMechanism], is_cyclic:
         tuple(timing_diagrams(mechanisms, table)),
         is_cyclic,
         regions=tuple(region for scene in scenes for region in scene.regions),
+        units={title: bodies for scene in scenes for title, bodies in scene.units.items()},
     )
 
 

@@ -6,6 +6,7 @@ from math import ceil
 
 from ..core.records import record
 from ..model.part import Bought
+from ..model.scene import layer_name
 from .bases import BaseStock
 from .bores import PARALLEL_KEYS, key_of
 from .fasteners import Fastener, gathered, screw_text, size_of
@@ -79,6 +80,11 @@ def collar_bill(diameter: float, count: int = 1) -> Bill:
 def tube_bill(diameter: float, height: float, count: int = 1) -> Bill:
     """Pieces of tube that keep plates on a shaft or screw apart; cut, printed or made of washers."""
     return ((f"tube {diameter:g} mm inside, cut to {float(f'{height:.10g}'):g} mm", count),)
+
+
+def glue_bill(joints: int) -> Bill:
+    """Glue for a number of joints."""
+    return (("epoxy glue for a joint", joints),)
 
 
 def _at_least(length: float) -> str:
@@ -228,7 +234,7 @@ class AssemblyBuilder:
         if diameter:
             joint = self.joint_name(letter, part)
             self.buy(joint, pin_bill(diameter, grip + collar_width(diameter), count))
-            self.buy(joint, collar_bill(diameter, count))
+            self.buy(joint, (*collar_bill(diameter, count), *glue_bill(count)))
             if under:
                 self.keep_free_below(collar_width(diameter))
 
@@ -264,7 +270,7 @@ class AssemblyBuilder:
                 self._last.insert(0, f"keep {free:g} mm free under {self.plate}")
         for layer, step in self._upper_collars:
             self.add_step(layer, step)
-        layers = (f"layer {layer}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
+        layers = (f"{layer_name(layer)}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
         return Assembly(gathered(self._bills), (*layers, *self._last), tuple(self._shaft_items))
 
     def _add_motor_feet(self, motor: MotorFace, free: float, feet: int) -> None:

@@ -156,7 +156,10 @@ def standing_plate(
     holes = tuple(curve for curves in cut for curve in curves)
     fits = tuple(fit for opening in all_openings for fit in opening.fits(stock.clearance))
     hole_names = tuple(letters) if any(letters) else ()
-    return Part("base", outline, holes, thickness, body="ground", hole_names=hole_names, fits=fits)
+    marks = tuple(
+        ring for opening in openings if opening.motor for ring in face_of(opening.motor).countersinks(opening.points[0])
+    )
+    return Part("base", outline, holes, thickness, marks=marks, body="ground", hole_names=hole_names, fits=fits)
 
 
 def _motor_key(opening: BaseOpening) -> str:

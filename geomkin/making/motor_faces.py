@@ -42,6 +42,9 @@ MOTOR_SCREWS = {
 }
 MOTOR_THREADS = ", ".join(f"{thread:g}" for thread in MOTOR_SCREWS)
 SUNK = "countersunk screw ISO 7046"
+# Distance of the engraved ring from the hole of a countersunk screw, mm. A larger one may leave the plate, or remain
+# after countersinking.
+RING = 0.5
 # Corners of a square of side 2 about 0.
 CORNERS = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
 
@@ -185,6 +188,10 @@ class MotorFace:
         screws = (Circle(complex(place + z), self.screw_hole / 2) for z in self.screws)
         return Circle(place, (self.boss_diameter + clearance) / 2), *screws
 
+    def countersinks(self, place: complex = 0j) -> tuple[Circle, ...]:
+        """A ring to engrave around each hole for a countersunk screw; the countersink removes it."""
+        return tuple(Circle(complex(place + z), self.screw_hole / 2 + RING) for z in self.screws)
+
     def fits(self, clearance: float) -> tuple[HoleFit, ...]:
         """The fits of these holes."""
         screw = HoleFit(self.thread, self.screw_hole - self.thread)
@@ -284,7 +291,7 @@ def fixed_under(plate: str, letter: str, count: int, packing: int = 0) -> str:
 
     letter: at its shaft; count: number of screws; packing: number of plates between motor and plate.
     """
-    screws = f"with its {count} countersunk screws from above, heads flush"
+    screws = f"with its {count} countersunk screws from above, in holes countersunk until the heads are flush"
     between = f", {packing} motor_plate between them" if packing else ""
     return f"fix the motor under {plate}{between}, its shaft up through {letter}, {screws}"
 

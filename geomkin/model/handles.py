@@ -13,7 +13,7 @@ from .scene import SceneHandle
 ARM = 0.25
 
 
-def point_handle(*keys: str, at: Complex | complex, label: str = "") -> SceneHandle:
+def point_handle(*keys: str, at: Complex | complex, label: str = "", arrow: complex = 0j) -> SceneHandle:
     """A point that the keys place.
 
     Parameters
@@ -24,8 +24,11 @@ def point_handle(*keys: str, at: Complex | complex, label: str = "") -> SceneHan
         Its position, mm.
     label : str
         For people; by default the last name of the first key.
+    arrow : complex
+        Vector of an arrow that ends there, mm.
     """
-    return SceneHandle(f"point:{keys[0]}", label or _words(keys[0]), keys, np.atleast_1d(np.asarray(at, complex)))
+    places = np.atleast_1d(np.asarray(at, complex))
+    return SceneHandle(f"point:{keys[0]}", label or _words(keys[0]), keys, places, arrow=arrow)
 
 
 def circle_handle(

@@ -138,6 +138,8 @@ class SceneHandle:
         Id of the column whose plot has the handle.
     is_one_value : bool
         Whether all keys have one value, as the modules of gears in mesh do.
+    arrow : complex
+        Vector of the arrow that ends at the handle, mm, such as that of a force; 0 for none.
     """
 
     id: str
@@ -148,6 +150,7 @@ class SceneHandle:
     radius: float = 0.0
     column: str = ""
     is_one_value: bool = False
+    arrow: complex = 0j
 
 
 @record
@@ -246,6 +249,11 @@ class Candidate:
     value: int
     label: str
     lines: tuple[Complex, ...]
+
+
+def layer_name(layer: int) -> str:
+    """Name of a layer for people, who count from 1; the plates of a motor may be below all others."""
+    return f"layer {layer + 1}" if layer >= 0 else "under layer 1"
 
 
 @record(checked=True, eq=False)

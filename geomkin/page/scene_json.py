@@ -71,11 +71,21 @@ def scene_data(scene: Scene, name: str) -> dict[str, object]:
 
 def _roles(scene: Scene) -> list[dict[str, object]]:
     """The roles that a scene and its alternatives use, in the order of their switches."""
-    used: set[Role] = set()
+    labels: dict[Role, dict[str, None]] = {}
     for one in (scene, *scene.others.values()):
-        used |= {curve.role for curve in one.curves} | {mark.role for mark in one.marks}
-        used |= {region.role for region in one.regions}
-    return [{"id": role, **style._asdict()} for role, style in ROLES.items() if role in used]
+        elements: tuple[SceneCurve | SceneMark | SceneRegion, ...] = (*one.curves, *one.marks, *one.regions)
+        for element in elements:
+            is_vector = isinstance(element, SceneMark) and element.sort == "vector"
+            # The label of a vector ends with its scale, which the player appends to that of the switch.
+            label = element.label.rpartition(", ")[0] if is_vector else element.label
+            labels.setdefault(element.role, {})[harmless(label)] = None
+    used = [{"id": role, **style._asdict()} for role, style in ROLES.items() if role in labels]
+    # What is wanted is another thing in each kind, so its switch names it, the first and the last of many.
+    names = [label for label in labels.get("wanted", ()) if label]
+    for entry in used:
+        if entry["id"] == "wanted" and names:
+            entry["label"] = ", ".join(names) if len(names) < 3 else f"{names[0]} to {names[-1]}"
+    return used
 
 
 class _Encoder:

@@ -8,9 +8,10 @@ from typing import Any
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AoT
 
 from ..core.dotted_keys import key_parts
-from ..core.errors import DesignError
+from ..core.errors import DesignError, shown
 
 
 def with_values(recipe: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -29,29 +30,32 @@ def edited_text(text: str, changes: Mapping[str, Any]) -> str:
 
     The index after the last row of a list adds a row.
 
-    Raises DesignError as `with_values`, and if the text is not TOML.
+    Raises DesignError as `with_values`, if the text is not TOML, and for a row of tables that is to be something else.
     """
     try:
         document = tomlkit.parse(text)
         for key, value in changes.items():
-            _append_row(document, key)
+            if value is not None:
+                _make_room(document, key, value)
             _set(document, key, value)
         return tomlkit.dumps(document)
     except (TOMLKitError, RecursionError) as error:
         raise DesignError("", f"the text cannot be edited ({error})", "correct it", "invalid-toml") from None
 
 
-def _append_row(document: Any, key: str) -> None:
-    """Add an empty row if the key names the row after the last one of a list."""
+def _make_room(document: Any, key: str, value: Any) -> None:
+    """Add a row if the key names the row after the last one of a list."""
     *parents, last = _parts(key)
     table, parent = document, None
     for part in parents:
         is_table = isinstance(table, Mapping)
         table, parent = (table.get(part) if is_table else None), table
+    if isinstance(table, AoT) and not isinstance(value, Mapping):
+        raise DesignError(key, f"found {shown(value)}", "give a table", "wrong-type")
     if last == 0 and table is None and isinstance(parent, Mapping):
-        parent[parents[-1]] = [{}]  # type: ignore[index]
+        parent[parents[-1]] = [value]  # type: ignore[index]
     elif isinstance(table, list) and last == len(table):
-        table.append({})
+        table.append(value)
 
 
 def _set(table: Any, key: str, value: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, TypeGuard
 
@@ -25,6 +26,8 @@ from .drag import drag, is_locked
 
 # Digits of positions of handles: a millionth of their size is far below a pixel.
 DIGITS = 7
+# The key of an item of a list.
+ITEM = re.compile(r"(.+)\[(\d+)\]")
 Answer = dict[str, Any]
 
 
@@ -117,7 +120,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     }  # fmt: skip
     try:
         if changes := request.get("set"):
-            draft.text = reply["text"] = edited_text(text, changes)
+            draft.text = reply["text"] = edited_text(text, _with_whole_lists(draft, changes))
         if request.get("drag"):
             _drag(draft, request["drag"], request.get("locks") or (), reply)
             draft.text = reply["text"]
@@ -158,11 +161,11 @@ def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply
             raise DesignError("drag.handle", problem, f"give one of {', '.join(h.id for h in recipe.handles)}")
         values = _values(written)
         found = drag(
-            lambda changes: draft.opened(with_values(table, _whole_points(changes, table, values))),
+            lambda changes: draft.opened(with_values(table, _whole_lists(changes, table, values))),
             numbers_in(written), handle, _frame_of_table(handle, frame), to, steps, locks, bool(wanted.get("snap")),
         )  # fmt: skip
     if found.changes:
-        reply["text"] = edited_text(draft.text, _whole_points(found.changes, table, values))
+        reply["text"] = edited_text(draft.text, _whole_lists(found.changes, table, values))
     if found.reason:
         reply["limit"] = {"keys": list(handle.keys), "reason": harmless(found.reason)}
 
@@ -193,16 +196,27 @@ def _frame_of_table(handle: SceneHandle, frame: int) -> int:
     return int(frames[min(max(frame, 0), len(frames) - 1)])
 
 
-def _whole_points(
-    changes: Mapping[str, float | int], table: Mapping[str, Any], values: Mapping[str, Any]
-) -> dict[str, Any]:
-    """The changes, with whole points for those that the text leaves out."""
+def _with_whole_lists(draft: Draft, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Changes of values, with whole lists for those items that belong to a list which the text leaves out."""
+    if not any("[" in key for key in changes):
+        return changes
+    try:
+        table = draft.table()
+        return _whole_lists(changes, table, _values(draft.as_written(table, draft.opened(table))))
+    except GeomkinError:
+        # Without a recipe no default is known.
+        return changes
+
+
+def _whole_lists(changes: Mapping[str, Any], table: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The changes, with whole points and lists for those that the text leaves out."""
     whole: dict[str, Any] = {}
     for key, value in changes.items():
-        field, _, item = key.rpartition("[")
-        if item and field in values and not _is_there(table, field):
-            point = whole.setdefault(field, [int(v) if v == int(v) else v for v in values[field]])
-            point[int(item[:-1])] = value
+        field, item = match.groups() if (match := ITEM.fullmatch(key)) else ("", "0")
+        items = values.get(field)
+        if value is not None and isinstance(items, list) and int(item) < len(items) and not _is_there(table, field):
+            plain = [int(v) if isinstance(v, float) and v == int(v) else v for v in items]
+            whole.setdefault(field, plain)[int(item)] = value
         else:
             whole[key] = value
     return whole
@@ -256,6 +270,7 @@ def _handle(handle: SceneHandle, locks: Collection[str]) -> dict[str, Any]:
     return {
         "id": handle.id, "label": harmless(handle.label), "keys": list(handle.keys), "shape": handle.shape,
         "at": [x[0], y[0]] if is_fixed else [x, y], "radius": handle.radius or None, "plot": handle.column or None,
+        "arrow": [handle.arrow.real, handle.arrow.imag] if handle.arrow else None,
         "locked": all(is_locked(key, locks) for key in handle.keys),
     }  # fmt: skip
 

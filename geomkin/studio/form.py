@@ -45,7 +45,7 @@ def recipe_form(kind: str, values: Mapping[str, Any] | None = None) -> dict[str,
     """
     recipe = recipe_class(kind)
     # The same table may be inside several kinds of table.
-    found = _groups(recipe, "", {"title": kind, "help": recipe.about()}, values or {})
+    found = _groups(recipe, "", {"title": f"kind: {kind}", "help": recipe.about()}, values or {})
     groups = list({group["key"]: group for group in found}.values())
     groups[0]["fields"].append(_described("workshop", str, {"description": WORKSHOP}, None, True))
     if recipe.can_be_scaled:

@@ -101,6 +101,8 @@ def test_a_body_is_guided_through_three_dragged_poses(hand):
     mouse.drag("point:wanted.poses[2][2]", -16, -5)
     mouse.drag("point:wanted.region[1]", 20, 15)
     mouse.page.wait_for_selector("body:not(.unchecked) #candidates button")
+    # Rectification: where no driven and no driving pin may be.
+    assert all(mouse.page.locator(f"#player input[name={role}]").is_checked() for role in ("driven", "driving"))
     mouse.click("#candidates button >> nth=1")
     recipe = mouse.saved()
     poses = recipe.wanted.pairs

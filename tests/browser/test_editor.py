@@ -173,10 +173,13 @@ def test_a_refused_value_leaves_the_last_good_mechanism_greyed(studio):
     assert page.inner_html("#player .stages") == plates
     assert float(page.eval_on_selector("#player .stages", "stages => getComputedStyle(stages).opacity")) < 1
     assert page.get_attribute('[name="linkage.crank"]', "aria-invalid") == "true"
-    assert page.inner_text('.problem[data-of="linkage.crank"]')
+    assert page.inner_text('.problem[data-of="linkage.crank"]') and page.input_value('[name="linkage.crank"]') == "-3"
     page.keyboard.press("Control+s")
     settle(page)
     assert editor.file.read_text() == FOUR_BAR
+    page.click('button[aria-label^="Reset linkage.crank"]')
+    settle(page)
+    assert value(page, "linkage.crank") == 30 and not page.locator(".stale").count()
     fill(page, "linkage.crank", "31.5")
     assert not page.locator(".stale").count() and not page.get_attribute('[name="linkage.crank"]', "aria-invalid")
     assert "crank = 31.5  # driven" in save(editor)
@@ -195,6 +198,14 @@ def test_a_typed_value_is_shown_and_saved(studio, recipe, key, typed):
     editor = studio((RECIPES / f"{recipe}.toml").read_text())
     fill(editor.page, key, typed)
     assert typed in save(editor) and value(editor.page, key) == float(typed)
+
+
+def test_a_point_of_a_body_has_two_numbers_and_no_buttons_for_more(studio):
+    page = studio((RECIPES / "walking-leg.toml").read_text()).page
+    row = page.locator(".field", has=page.locator('[name="linkage.bodies.crank.M[0]"]'))
+    assert row.locator("input").count() == 2 and not row.locator(".small-button").count()
+    fill(page, "linkage.bodies.crank.M[1]", "1.5")
+    assert value(page, "linkage.bodies.crank.M[1]") == 1.5 and value(page, "linkage.bodies.crank.M[0]") == 15
 
 
 def test_a_machine_has_fields_for_its_mechanisms_and_for_the_recipes_in_it(studio, tmp_path):

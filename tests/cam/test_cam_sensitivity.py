@@ -7,6 +7,7 @@ import pytest
 from mpmath import mp, mpc, mpf
 
 import geomkin as gk
+from tests.gallery import RECIPES
 
 
 def program(oscillates):
@@ -88,3 +89,29 @@ def test_unknown_sizes_are_refused_with_the_names_of_all():
     with pytest.raises(gk.DesignError, match=r"follower\.offset") as caught:
         CAMS["translating roller, clockwise"].sensitivity("profile", by="offset", angle=0.0)
     assert caught.value.field == "by"
+
+
+@pytest.mark.parametrize("name", ["roller-cam", "rocker-cam", "flat-rocker-cam"])
+def test_the_page_of_a_cam_shows_which_length_turns_the_pressure_angle_most(name):
+    """Bars of the change for 1 mm, the largest first, are those of cams whose lengths are changed."""
+    recipe = gk.load(RECIPES / f"{name}.toml")
+    cam, scene = recipe.cam, recipe.scene
+    ids = next(plot.columns for plot in scene.plots if plot.bars)
+    angles, largest = np.radians(scene.table["cam_angle"]), []
+    for id in ids:
+        size = id.removeprefix("pressure_angle_by_")
+        ends = []
+        for step in (1e-4, -1e-4):
+            if size == "base_radius":
+                changed = replace(cam, base_radius=cam.base_radius + step)
+            else:
+                changed = replace(cam, follower=replace(cam.follower, **{size: getattr(cam.follower, size) + step}))
+            ends.append(np.degrees(gk.pressure_angle(changed, angles)))
+        expected = np.abs(ends[0] - ends[1]) / 2e-4
+        assert scene.table[id] == pytest.approx(expected, abs=1e-6)
+        largest.append(expected.max())
+    assert len(ids) >= 3 and largest == pytest.approx(sorted(largest, reverse=True), rel=1e-6)
+
+
+def test_a_face_that_does_not_turn_has_no_such_bars():
+    assert not any(plot.bars for plot in gk.load(RECIPES / "flat-cam.toml").scene.plots)

@@ -184,6 +184,16 @@ def test_another_scene_beside_it_is_on_the_same_drive():
     assert data["scenes"][1] | {"label": ""} == data["scenes"][0]
 
 
+@pytest.mark.parametrize(
+    ("stem", "words"), [("three-poses", "pose 1"), ("undercut-cam", "profile"), ("shaking-force", "counterweight")]
+)
+def test_the_switch_of_what_is_wanted_names_it(stem, words):
+    roles = scene_data(gk.load(f"recipes/{stem}.toml").scene, stem)["roles"]
+    (label,) = (role["label"] for role in roles if role["id"] == "wanted")
+    # The player appends the scale of vectors.
+    assert words in label and "1 mm" not in label
+
+
 def test_pictures_of_layers_show_each_part_once_where_it_is_assembled():
     recipe = gk.load(RECIPES / "motor-crank.toml")
     page = mechanism_page(Job("m", recipe, 0.01)).decode()

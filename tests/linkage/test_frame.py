@@ -94,7 +94,8 @@ def test_pictures_of_the_steps_show_each_plate_of_each_unit_once_from_below(walk
     root = ET.parse(tmp_path / "w-steps.svg").getroot()
     name = "{http://www.w3.org/2000/svg}"
     headings = [text.text for text in root.iter(f"{name}text") if text.get("class") == "scale"]
-    layers = [int(re.search(r"layer (-?\d+)", heading)[1]) for heading in headings]
+    # The motor's plates are under the first layer.
+    layers = [int(re.search(r"layer (\d+)", heading)[1]) - heading.count("under layer") for heading in headings]
     shown = [part for heading in headings for part in heading.split(": ")[1].split(", ")]
     (second,) = (k for k in range(1, len(layers)) if layers[k] < layers[k - 1])
     assert layers[:second] == sorted(set(layers[:second])) and layers[second:] == sorted(set(layers[second:]))

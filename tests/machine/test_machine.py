@@ -12,6 +12,7 @@ import shapely
 
 import geomkin as gk
 from geomkin.machine.shafts import common_period
+from geomkin.model.scene import layer_name
 from geomkin.studio.edit import answer
 from tests.gallery import RECIPES, named, recipe, seen
 from tests.texts import parse
@@ -294,6 +295,17 @@ def test_goal_is_a_mechanism_too():
     goal = 'kind = "crank-rocker-synthesis", wanted = { swing_deg = 40, time_ratio = 1.1, crank = 30 }'
     own = parse(machine(pair=inline(PAIR), wiper=inline(goal, 'turned_by = "pair.second"')))
     assert any(body.name == "wiper/rocker" for body in own.scene.bodies)
+
+
+def test_pictures_of_the_layers_have_the_parts_of_the_steps():
+    own = gk.load("recipes/geared-legs.toml")
+    parts = []
+    for name, bodies in own.scene.units.items():
+        for body in bodies:
+            (step,) = (step for step in own.steps if step.startswith(f"{name}: {layer_name(body.layer)}: "))
+            parts += [part.name for part in body.parts]
+            assert all(part.name.removeprefix(f"{name}_") in step for part in body.parts)
+    assert {*parts} == {part.name for part in own.parts if "spacer" not in part.name}
 
 
 FOUR_BAR = 'kind = "four-bar", linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 }'

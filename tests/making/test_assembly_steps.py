@@ -112,5 +112,5 @@ def test_steps_go_upwards_with_every_part_and_the_bill_has_the_rest(name):
     joints = {joint for one in recipe.bought for joint in one.joints} - {"base", "disc"}
     assert all(joint in "ABC" if lettered else joint in [p.name for p in recipe.parts] for joint in joints), joints
     layers = layers_of(recipe.steps)
-    assert layers == sorted(set(layers)) and layers[0] == 0
+    assert layers == sorted(set(layers)) and layers[0] == 1
     assert all(part.name in steps for part in recipe.parts if part.name not in ("disc", "spacer"))

@@ -142,6 +142,20 @@ def test_a_text_that_is_not_toml_is_kept():
             assert reply["problems"] and (text in reply["text"] or not text)
 
 
+def test_an_item_of_a_list_that_is_left_out_is_written_with_the_whole_list():
+    text = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
+    reply = answer(text, {}, {"set": {"linkage.origin[1]": 5, "files.write[0]": "svg"}})
+    table = tomllib.loads(reply["text"])
+    assert not reply["problems"] and table["linkage"]["origin"] == [0, 5]
+    assert table["files"]["write"] == ["svg", *gk.load(text).files.write[1:]]
+
+
+def test_a_row_of_tables_is_not_replaced_by_a_number():
+    text = f"{FOUR_BAR}[[copies]]\nphase_deg = 180\n"
+    reply = answer(text, {}, {"set": {"copies[0]": 3}})
+    assert reply["text"] == text and [problem["key"] for problem in reply["problems"]] == ["copies[0]"]
+
+
 def test_rows_can_be_added_and_removed():
     text = answer(FOUR_BAR, {}, {"set": {"copies[0]": {"phase_deg": 180}}})["text"]
     assert tomllib.loads(text)["copies"] == [{"phase_deg": 180}]

@@ -105,7 +105,7 @@ def test_a_force_turns_with_its_handle_and_grows_with_its_distance():
     id, pin = "point:loads.forces[0].force_n", recipe.motion.point("rocker_pin").position[20]
     handle = next(handle for handle in recipe.handles if handle.id == id)
     arrow = complex(handle.at[20] - pin)
-    assert np.angle(arrow, deg=True) == pytest.approx(-90)
+    assert np.angle(arrow, deg=True) == pytest.approx(-90) and handle.arrow == pytest.approx(arrow)
     # A force along x of the same size, then one twice as far away, whose logarithm is twice as large.
     for factor, size in ((1, 25), (2, np.sinh(2 * np.arcsinh(25)))):
         _, values, _ = after("loaded-crank-rocker", id, complex(pin + factor * abs(arrow)), frame=20, step=0.01)

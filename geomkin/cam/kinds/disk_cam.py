@@ -46,6 +46,7 @@ from ..program.segments import (
     Segment,
 )
 from ..scene import cam_handles, cam_scene
+from ..scene_sizes import with_size_plot
 from ..undercut import Undercut, undercut
 from .loads import CamLoadsTable, LoadedCam, follower_mass
 
@@ -174,6 +175,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     def scene(self) -> Scene:
         """Cam and follower in contact."""
         scene = cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
+        scene = with_size_plot(scene, self.cam)
         return replace(scene, marks=(*scene.marks, *self.loaded.arrow)) if self.loaded else scene
 
     @property

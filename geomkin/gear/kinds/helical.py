@@ -261,11 +261,14 @@ def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
 
 
 def pair_quantities(pair: GearPair) -> dict[str, str]:
-    """Ratio, centre distance and working pressure angle, by label."""
+    """Ratio, centre distance, working pressure angle, contact ratio and backlash, by label."""
+    ratio_rate, backlash_rate = (pair.sensitivity(of, by="centre_distance") for of in ("contact_ratio", "backlash"))
     return {
         "ratio": f"{pair.ratio:.5g}",
         "centre distance": f"{pair.centre_distance:.6g} mm",
         "working pressure angle": f"{np.degrees(pair.working_pressure_angle):.4g} deg",
+        "contact ratio": f"{pair.contact_ratio:.4g}, and {ratio_rate:+.3g} for 1 mm of centre distance",
+        "backlash": f"{round(pair.backlash, 6):.4g} mm, and {backlash_rate:+.3g} mm for 1 mm of centre distance",
     }
 
 

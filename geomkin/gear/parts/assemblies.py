@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...core.records import record
-from ...making.assembly import PLAY, Assembly, AssemblyBuilder, collar_width, pin_bill, seated
+from ...making.assembly import PLAY, Assembly, AssemblyBuilder, collar_width, glue_bill, pin_bill, seated
 from ...making.bases import BaseStock, RackBaseStock
 from ...making.fits import AbstractBored
 from ..helix import Helix
@@ -135,7 +135,10 @@ def planetary_assembly(
     collars, below = turning or not has_base, " below carrier" if turning and not has_base else ""
     if below:
         builder.keep_free_below(collar_width(planet.bore))
-    builder.planet_shafts(builder.joint_name("C", "planet"), planet, 2 * carrier, gears.planets, collars)
+    planets = builder.joint_name("C", "planet")
+    builder.planet_shafts(planets, planet, 2 * carrier, gears.planets, collars)
+    if not turning:
+        builder.buy(planets, glue_bill(gears.planets))
     if has_base and not turning:
         step = f"glue {_shafts(gears.planets, 'C')} into carrier so that {planet.thickness:g} mm project below"
         builder.add_step(top, step)
@@ -181,7 +184,7 @@ def lantern_assembly(
     layer, under = builder.lowest, 0.0 if base is None else thick
     on_disc, on_mate, mate = ("A", "B", "mate") if base is not None else ("", "", "ring" if ring else "mate")
     builder.shaft("A", "disc", stock, under + 3 * thick + PLAY, layer + 2, keys=2)
-    builder.buy("disc", pin_bill(pin, 3 * thick + PLAY, count))
+    builder.buy("disc", (*pin_bill(pin, 3 * thick + PLAY, count), *glue_bill(2 * count)))
     builder.add_step(layer, f"glue {count} pins into the first disc, flush at the bottom")
     builder.add_step(layer, seated("it", on_disc, stock) + clear(stock, builder.plate))
     if ring:

@@ -12,7 +12,16 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import quantity, rounded_down
 from ...core.records import record
-from ...making.assembly import Assembly, AssemblyBuilder, collar_across, collar_width, pin_bill, seated, tube_bill
+from ...making.assembly import (
+    Assembly,
+    AssemblyBuilder,
+    collar_across,
+    collar_width,
+    glue_bill,
+    pin_bill,
+    seated,
+    tube_bill,
+)
 from ...making.bases import BaseOpening, BaseStock, standing_plate
 from ...making.bores import SMALLEST, clearance, fits_of, shaft
 from ...making.fits import AbstractBored
@@ -315,8 +324,9 @@ def train_assembly(train: GearTrain, stocks: TrainStocks = TrainStocks()) -> Ass
         if not any(other.axis == item.axis and other.stage < item.stage for other in items):
             for step in _steps(train, stocks, item):
                 builder.add_step(item.stage + 1, step)
-            if 0 < item.axis < len(train.stages) and stocks.stock.pin:
-                builder.buy(item.name, pin_bill(stocks.stock.pin, 2 * thickness, PINS))
+            if 0 < item.axis < len(train.stages):
+                pins = pin_bill(stocks.stock.pin, 2 * thickness, PINS)
+                builder.buy(item.name, pins or glue_bill(1))
     return builder.build()
 
 

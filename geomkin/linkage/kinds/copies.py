@@ -11,7 +11,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
-from ...making.assembly import Bill, tube_bill
+from ...making.assembly import Bill, glue_bill, tube_bill
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene, SceneBody, SceneMark
@@ -297,7 +297,7 @@ def joint_bills(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: fl
             has_rod = any(rod.pin == name for rod in shared[max(0, k - 1) : k + 1])
             lines += [(stack.letters[name], stack.bill(pin)) for pin in stack.pins if pin.name == name and not has_rod]
         lines += [
-            (stack.letters[name], ((f"rod {stack.fastener.diameter:g} mm, cut to {rod.length:g} mm", 1),))
+            (stack.letters[name], ((f"rod {stack.fastener.diameter:g} mm, cut to {rod.length:g} mm", 1), *glue_bill(2)))
             for stack, rod in zip(stacks, shared)
             if rod.pin == name
         ]
@@ -347,7 +347,13 @@ def copying(
     ]
     phases = "; ".join(f"copy {k}: {copy}" for k, copy in enumerate(copies, 2))
     arranged = f"{len(stacks)} of these on one shaft, {phases}"
-    return (*units, arranged, *(rod.words for rod in shared), _frame_step(shared, stacks, thickness))
+    return (
+        *units,
+        *stacks[0].closing,
+        arranged,
+        *(rod.words for rod in shared),
+        _frame_step(shared, stacks, thickness),
+    )
 
 
 def _frame_step(shared: Sequence[Shared], stacks: Sequence[Stack], thickness: float) -> str:

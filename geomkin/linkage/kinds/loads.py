@@ -157,7 +157,8 @@ class LoadsTable:
                 vector = complex(*force.force_n)
                 arrow = unit * np.arcsinh(abs(vector)) * (vector / abs(vector) if vector else 0)
                 at = body_point(motion, force.body, start) + arrow
-                yield point_handle(f"loads.forces[{k}].force_n", at=at, label=f"force {k + 1} on the {force.body}")
+                label = f"force {k + 1} on the {force.body}"
+                yield point_handle(f"loads.forces[{k}].force_n", at=at, label=label, arrow=complex(arrow))
         for body, mass in self.masses.items():
             at = body_point(motion, body, mass.centre)
             yield point_handle(f"loads.masses.{body}.centre", at=at, label=f"centre of mass of the {body}")

@@ -126,7 +126,11 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             role: np.asarray(self.table[f"force_{name}_x"] + 1j * self.table[f"force_{name}_y"])
             for name, role in roles.items()
         }
-        words = {"none": "force without counterweight", "given": "with the one given", "best": "with the best"}
+        words = {
+            "none": "force without counterweight",
+            "given": "force with the given counterweight",
+            "best": "force with the best counterweight",
+        }
         what = {role: words[name] for name, role in roles.items()}
         most = Limit(
             "force_given", MOST_FORCE_TO_BEST * self.best.largest * self.drive.speed**2, "at most, with the one given"

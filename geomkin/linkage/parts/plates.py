@@ -98,7 +98,8 @@ class Seat:
     """The holes of a motor in a plate, in the frame of the plate's body.
 
     pin: the joint of its shaft. holes: cut there instead of a pin's; fits: of each. corners: keep other openings away,
-    complex mm, with `radius`, mm, around them. rim: points that the plate's outline must enclose, complex mm.
+    complex mm, with `radius`, mm, around them. rim: points that the plate's outline must enclose, complex mm. marks:
+    engraved rings.
     """
 
     pin: str
@@ -107,6 +108,7 @@ class Seat:
     corners: Complex
     radius: float
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
+    marks: tuple[Circle, ...] = ()
 
 
 def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: LinkStock) -> dict[str, Seat]:
@@ -139,7 +141,8 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
             beside = max(stock.fastener_used.across, stock.hole_diameter) - stock.hole_diameter
             rim = face.corners(place, min(CORNER, stock.bar_width / 2))
             holes, fits = face.holes(stock.clearance, place), face.fits(stock.clearance)
-            seats_by_body[body] = Seat(name, holes, fits, face.corners(place), beside / 2, rim)
+            rings = face.countersinks(place)
+            seats_by_body[body] = Seat(name, holes, fits, face.corners(place), beside / 2, rim, rings)
         elif body == crank:
             away = next((complex(z) - place for z in on_crank.values() if complex(z) != place), 1 + 0j)
             bores = tuple(_moved(hole, place) for hole in shaft.hole(away / abs(away), stock.bar_width, "stock"))
@@ -262,6 +265,7 @@ class LinkPlate:
             outline,
             tuple(holes),
             stock.thickness,
+            marks=self.seat.marks if self.seat else (),
             body=self.body,
             hole_names=hole_names,
             fits=tuple(fits),

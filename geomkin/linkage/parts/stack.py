@@ -14,13 +14,14 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import to_digits
 from ...core.records import record
-from ...making.assembly import Bill, shaft_bill
+from ...making.assembly import Bill, glue_bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
 from ...making.materials import STEEL_DENSITY
 from ...making.motor_faces import fixed_under
 from ...model.mass import Mass
 from ...model.part import Bought, Part
+from ...model.scene import layer_name
 from ...plane.primitives import Circle, rounded_hull
 from ...plane.vec import Complex, direction_deg, dot
 from ..motion import Motion
@@ -192,7 +193,14 @@ class Stack:
     @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line for each layer."""
-        return tuple(self.steps_with({}))
+        return (*self.steps_with({}), *self.closing)
+
+    @property
+    def closing(self) -> tuple[str, ...]:
+        """How joints are closed; nothing for rods."""
+        if self.fastener.form == "rod":
+            return ()
+        return ("a joint is closed by its washer and nut, which stay so loose that the links turn",)
 
     def steps_with(self, rods: Mapping[str, tuple[int, str]]) -> Iterator[str]:
         """The same if some pins are rods that another copy shares.
@@ -236,7 +244,7 @@ class Stack:
                 ("fix {}", [self._on_motor(pin) for pin in motors if pin.last == layer]),
                 ("{}", [step for at, step in rods.values() if at == layer]),
             ]
-            yield f"layer {layer}: {'; '.join(how.format(', '.join(names)) for how, names in steps if names)}"
+            yield f"{layer_name(layer)}: {'; '.join(how.format(', '.join(names)) for how, names in steps if names)}"
 
     def _on_motor(self, pin: PinSpan) -> str:
         """How the crank is fixed on a motor's shaft, the only support if layers below it are empty."""
@@ -244,7 +252,9 @@ class Stack:
         crossed = pin.last - pin.first - 1
         height = f", {crossed * pin.length / (crossed + 2):.6g} mm above {low}" if crossed else ""
         seat = self.plates[crank].seat
-        fixed = ", flat on flat" if seat and seat.fits[0].flat else " and glue it"
+        fit = seat.fits[0] if seat else None
+        fixed = ", flat on flat" if fit and fit.flat else ""
+        fixed += "" if fit and (fit.is_press or fit.play < 0) else ", and glue it"
         return f"{crank} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
 
     def _bare(self, pin: PinSpan) -> set[int]:
@@ -499,7 +509,8 @@ def _motor_bill(stock: LinkStock, length: float, is_open: bool) -> Bill:
     """The motor, with its shaft through plates of a total length, mm; cut to length if anything passes over it."""
     assert stock.shaft is not None
     packing = stock.motor_plates * stock.thickness
-    return shaft_bill(stock.shaft, length + packing, base=stock.thickness + packing, is_cut=not is_open)
+    glue = () if stock.shaft.fit == "press" else glue_bill(1)
+    return *shaft_bill(stock.shaft, length + packing, base=stock.thickness + packing, is_cut=not is_open), *glue
 
 
 def _collisions(meetings: Meetings, stack: Stack, others: Iterable[tuple[str, str, Run]]) -> Iterator[Collision]:

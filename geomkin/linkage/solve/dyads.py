@@ -14,11 +14,10 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot
-from ..linkage import Slider
 from .placement import Anchor, Coefficients, Placement, Poses, SlideAxis
 
-# The two members between which a transmission angle lies: each the two points of a bar, or a slider.
-JointLines = tuple[tuple[str, str] | Slider, tuple[str, str] | Slider]
+# The two members between which a transmission angle lies: each the two points of a bar, or the name of a slider.
+JointLines = tuple[tuple[str, str] | str, tuple[str, str] | str]
 # Sine of the angle between two rails below which rounding alone decides where they cross.
 PARALLEL = 1e-14
 # Distance of two pins, in sizes of the linkage, below which rounding alone decides the direction between them. After

@@ -19,7 +19,7 @@ from ...plane.vec import Array, Complex, Real
 from ..linkage import Linkage, Slider
 from ..timing import Timing
 from .branch import BranchSpec
-from .dyads import Dyad
+from .dyads import Crossed, Dyad, JointLines
 from .loops import Loops
 from .placement import Coefficients, Placement, Poses
 from .recording import Recording, Symbol, compensated_sum, imag_part, paired, real_part
@@ -65,9 +65,10 @@ class LinkageProgram:
     """The recording of a structure and its results: groups of symbols or constants by body.
 
     inputs: numbers of the sizes that vary; times: of drive, speed and acceleration. joints: inner joints of the dyads,
-    whose signs can be given. functions: cache, by the groups that were computed one after the other, each with the
-    numbers of all values known after it. requested: only item, the groups requested of the motion evaluated last; the
-    next motion evaluates them together with the first one that is requested.
+    whose signs can be given; joint_lines: the members between which transmission angles lie. functions: cache, by the
+    groups that were computed one after the other, each with the numbers of all values known after it. requested: only
+    item, the groups requested of the motion evaluated last; the next motion evaluates them together with the first one
+    that is requested.
     """
 
     recording: Recording
@@ -75,6 +76,7 @@ class LinkageProgram:
     times: tuple[int, ...]
     groups: Mapping[Group, Mapping[str, Any]]
     joints: tuple[str, ...]
+    joint_lines: tuple[JointLines, ...]
     functions: dict[tuple[Groups, ...], tuple[Function, set[int]]] = field(init=False, repr=False, default_factory=dict)
     requested: list[set[Group]] = field(init=False, repr=False, default_factory=lambda: [set()])
 
@@ -159,7 +161,7 @@ class LinkageProgram:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The functions cannot be pickled.
-        return LinkageProgram, (self.recording, self.inputs, self.times, self.groups, self.joints)
+        return LinkageProgram, (self.recording, self.inputs, self.times, self.groups, self.joints, self.joint_lines)
 
 
 class ProgramRun:
@@ -296,8 +298,9 @@ def _recorded(
         groups["direction"][""] = reduce(np.logical_and, reached) if reached else np.True_
         groups["angle"] = {"": reduce(np.fmin, angles) if angles else np.asarray(np.nan)}
     joints = tuple(placement.joint for placement in placements if isinstance(placement, Dyad))
+    lines = tuple(placement.joint_lines for placement in placements if isinstance(placement, Dyad | Crossed))
     numbers = tuple(symbol.number for symbol in symbols if isinstance(symbol, Symbol))
-    return LinkageProgram(recording, numbers, tuple(symbol.number for symbol in times), groups, joints)
+    return LinkageProgram(recording, numbers, tuple(symbol.number for symbol in times), groups, joints, lines)
 
 
 def _symbolic(linkage: Linkage, symbols: Iterator[Any]) -> Linkage:

@@ -14,7 +14,7 @@ from ..linkage import Linkage
 from ..timing import Timing
 from .branch import BranchSpec, FollowedBranch
 from .drive_range import DriveRange, change_points
-from .dyads import Dyad
+from .dyads import Crossed, Dyad, JointLines
 from .input_dyads import InputDyad
 from .loops import Loops
 from .placement import Coefficients, Placement, Poses, RevoluteInput
@@ -128,6 +128,13 @@ class LinkageSolution:
     def placements(self) -> tuple[Placement, ...]:
         """How the bodies are placed, in order."""
         return self.plan()
+
+    @property
+    def joint_lines(self) -> tuple[JointLines, ...]:
+        """The members between which the transmission angles of dyads lie."""
+        if self.run is not None:
+            return self.run.program.joint_lines
+        return tuple(placement.joint_lines for placement in self.placements if isinstance(placement, Dyad | Crossed))
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -205,7 +205,8 @@ class Editor {
     await this.describe(reply);
     if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
     if (reply.scene) this.showScene(reply);
-    this.form.show(this.values, this.saved, this.text);
+    // Without values of this text the form keeps what was typed.
+    if (Object.keys(reply.values).length || this.isJustLoaded) this.form.show(this.values, this.saved, this.text);
     this.showProblems(reply.problems);
     this.showQuantities(reply.quantities);
     at("limit").hidden = !reply.limit;

@@ -224,6 +224,7 @@ export class Form {
       if (part) part.open = true;
       const entry = this.fields.get(at.dataset.of);
       entry?.row.classList.add("wrong");
+      if (entry) entry.undo.hidden = false;
       for (const input of entry?.inputs ?? []) if (key === entry.key || input.name === key) input.setAttribute("aria-invalid", "true");
       return false;
     });
@@ -240,7 +241,8 @@ function valueOf(input) {
 }
 
 const stepOf = (value) => (value ? niceLength(Math.abs(value) / 20) : 1);
-const typeOf = (value) => (Array.isArray(value) ? "list" : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
+const isPair = (value) => value.length === 2 && value.every((item) => typeof item === "number");
+const typeOf = (value) => (Array.isArray(value) ? (isPair(value) ? "point" : "list") : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
 const blank = ({ type, least, default: usual, choices }) =>
   usual ?? choices?.[0] ?? ({ number: Math.max(least ?? 0, 10), integer: Math.max(least ?? 0, 10), boolean: false, point: [0, 0], list: [] }[type] ?? "");
 const shapeOf = (value) => (Array.isArray(value) ? value.map(shapeOf) : value === null ? null : 0);

@@ -1,5 +1,5 @@
 // Handles: marks on the drawing and on plots. Dragging a handle, or pressing an arrow key on it, edits keys of the recipe.
-import { make, niceLength, px, see } from "../player/shapes.js";
+import { arrow, make, niceLength, px, see } from "../player/shapes.js";
 
 // Radius of the area that responds to the pointer, px; a fingertip needs a larger one.
 const GRAB = matchMedia("(pointer: coarse)").matches ? 22 : 14;
@@ -48,7 +48,18 @@ export class Handles {
       element.root.setAttribute("transform", `translate(${px(x)} ${px(y)})`);
       const r = handle.shape === "circle" ? handle.radius / surface.pixel : 0;
       for (const rim of element.rims) rim.setAttribute("r", px(r));
+      this.drawArrow(element);
     }
+  }
+
+  // Draws the arrow that ends at a handle, or removes it.
+  drawArrow(element) {
+    const { root, handle, surface } = element;
+    if (!handle.arrow) { element.shaft?.remove(); element.shaft = null; return; }
+    const [u, v] = [handle.arrow[0] / surface.pixel, -handle.arrow[1] / surface.pixel];
+    element.shaft ??= make(root, "path", { class: "shaft" });
+    element.shaft.setAttribute("d", arrow(u, v, 1));
+    element.shaft.setAttribute("transform", `translate(${px(-u)} ${px(-v)})`);
   }
 
   // The surface for handles on the plot that shows a column; undefined if no plot shows it.
