@@ -39,7 +39,7 @@ ALONE = {
     "trimesh": {"export/glb.py", "verification/read_mesh.py"},
     "click": {"cli/__init__.py", "cli/recipes.py", "cli/show.py", "cli/write.py", "__main__.py"},
     "highspy": {"cam/program/optimise.py"},
-    "nlopt": {"optimisation/search.py", "linkage/dynamics/counterweights.py"},
+    "nlopt": {"optimisation/gradients.py", "linkage/dynamics/counterweights.py"},
     "mpmath": {"tradeoff/cell.py"},
 }
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO, TypeVar
@@ -116,6 +116,31 @@ def refusal(file: Path, error: Exception) -> Refused:
             fault = printable(f"{type(error).__name__}: {error}", 200)
             problem = Problem("", f"internal error ({fault})", "please report it with this recipe", "internal")
     return Refused(f"{printable(file)}: {problem.problem}; {problem.remedy}", (problem,))
+
+
+@contextmanager
+def ended_if_refused(file: Path, as_json: bool = False) -> Iterator[None]:
+    """Within this context progress is shown, and an error of the recipe ends the command."""
+    from ..core.errors import GeomkinError
+
+    try:
+        with progress_shown():
+            yield
+    except GeomkinError as error:
+        refused = refusal(file, error)
+        end([(file, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
+        sys.exit(1)
+
+
+@contextmanager
+def option_errors(name: str) -> Iterator[None]:
+    """Within this context a DesignError is an error of the option or argument `name` of the command."""
+    from ..core.errors import DesignError, harmless
+
+    try:
+        yield
+    except DesignError as error:
+        raise click.BadParameter(harmless(f"{error.problem}; {error.remedy}"), param_hint=name) from None
 
 
 def made_of(outcomes: Outcomes[R]) -> list[R]:

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from .recipes import end, json_option, made_of, one_recipe, outcomes_of, print_refusals, recipe_arguments, recipe_files
+from .recipes import (
+    end,
+    ended_if_refused,
+    json_option,
+    made_of,
+    one_recipe,
+    option_errors,
+    outcomes_of,
+    print_refusals,
+    recipe_arguments,
+    recipe_files,
+)
 
 
 @click.command("check")
@@ -41,15 +51,12 @@ def columns_command(recipe: Path) -> None:
     Each line has the id, the unit and the meaning of a column.
     """
     from ..build import errors_named_by_key, load
-    from ..core.errors import GeomkinError, printable
+    from ..core.errors import printable
 
-    try:
+    with ended_if_refused(recipe):
         loaded = load(recipe)
         with errors_named_by_key(str(recipe), loaded):
             lines = [(column.id, column.unit, column.meaning) for column in loaded.table.columns]
-    except GeomkinError as error:
-        click.secho(str(error), fg="red", err=True)
-        sys.exit(1)
     wide, units = (max(len(line[k]) for line in lines) for k in (0, 1))
     for id, unit, meaning in lines:
         click.echo(printable(f"{id:<{wide}}  {unit:<{units}}  {meaning}", 500))
@@ -79,7 +86,7 @@ def new(name: str, options: tuple[str, ...]) -> None:
 
     The recipe runs without changes.
     """
-    from ..core.errors import DesignError, printable
+    from ..core.errors import printable
     from ..recipe.kinds import kind_names, recipe_class
 
     try:
@@ -92,10 +99,8 @@ def new(name: str, options: tuple[str, ...]) -> None:
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
     from ..recipe.template import template
 
-    try:
+    with option_errors("--with"):
         text = template(recipe, options)
-    except DesignError as error:
-        raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="--with") from None
     click.echo(text, nl=False)
 
 

@@ -12,9 +12,11 @@ import click
 from ..export.formats import WRITERS
 from .recipes import (
     end,
+    ended_if_refused,
     json_option,
     made_of,
     one_recipe,
+    option_errors,
     out_folder,
     outcomes_of,
     print_json,
@@ -23,8 +25,10 @@ from .recipes import (
     progress_shown,
     recipe_arguments,
     recipe_files,
-    refusal,
 )
+
+# Gradient searches of an optimisation take longer than the combinations of a sweep: fewer are worth new processes.
+FEWEST_SEARCHES = 4
 
 
 def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
@@ -158,23 +162,15 @@ def sweep_command(recipe: Path, settings: tuple[str, ...], results: tuple[str, .
     Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues with
     the same command.
     """
-    from ..core.errors import GeomkinError, harmless, printable
-    from ..sweeps.sweep import by_processes, swept
+    from ..core.dotted_keys import texts_by_key
+    from ..core.errors import harmless, printable
+    from ..core.processes import by_processes
+    from ..sweeps.sweep import swept
 
-    values: dict[str, str] = {}
-    for setting in settings:
-        key, equals, listed = setting.partition("=")
-        if not equals or key.strip() in values:
-            problem = "is given twice" if equals else "has no values"
-            raise click.BadParameter(f"{printable(key.strip())} {problem}; give KEY=VALUES once for each key")
-        values[key.strip()] = listed
-    try:
-        with progress_shown():
-            result = swept(recipe, values, results, out, by_processes)
-    except GeomkinError as error:
-        refused = refusal(recipe, error)
-        end([(recipe, refused)], True) if as_json else click.secho(refused.text, fg="red", err=True)
-        sys.exit(1)
+    with option_errors("--set"):
+        values = texts_by_key("set", settings, "KEY=VALUES")
+    with ended_if_refused(recipe, as_json):
+        result = swept(recipe, values, results, out, by_processes)
     if result.is_restarted:
         why = "the earlier run is of another recipe, other results or another version, or damaged"
         click.echo(f"started again: {why}", err=True)
@@ -210,9 +206,16 @@ def sweep_command(recipe: Path, settings: tuple[str, ...], results: tuple[str, .
     "--subject-to", "constraints", multiple=True, metavar="CONSTRAINT",
     help="A constraint, such as 'min(transmission_angle) >= 40'.",
 )  # fmt: skip
-@click.option("--starts", default=6, show_default=True, help="Number of gradient searches.")
-@click.option("--seed", default=0, show_default=True, help="Seed of the random designs.")
-@click.option("--time-limit", default=60.0, show_default=True, help="Time limit, s; the best design by then is taken.")
+@click.option(
+    "--starts", default=6, show_default=True, type=click.IntRange(1, 1000), help="Number of gradient searches."
+)
+@click.option(
+    "--seed", default=0, show_default=True, type=click.IntRange(0, 2**32 - 1), help="Seed of the random designs."
+)
+@click.option(
+    "--time-limit", default=60.0, show_default=True, type=click.FloatRange(0, min_open=True),
+    help="Time limit, s; the best design by then is taken.",
+)  # fmt: skip
 @out_folder
 def optimise_command(
     recipe: Path, ranges: tuple[str, ...], objectives: tuple[str, ...], constraints: tuple[str, ...],
@@ -221,27 +224,24 @@ def optimise_command(
     """Find the best values of a RECIPE's keys.
 
     The recipe's table [optimise] or these options state the task; an option replaces its entry in the table. Writes
-    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture and a
-    recipe for each design of their Pareto front. Ctrl-C ends the search; the best so far is written.
+    OUT/<recipe>/<recipe>.optimum.toml, a recipe with these values; with several objectives a table, a picture, a
+    page and a recipe for each design of their Pareto front. All cores work. Ctrl-C ends the search; the best so far is
+    written.
     """
     import signal
 
-    from ..core.errors import GeomkinError, harmless, printable
-    from ..optimisation.optimiser import optimise, ranges_of
+    from ..core.errors import harmless, printable
+    from ..core.processes import by_processes
+    from ..optimisation.optimiser import optimised, ranges_of
 
-    try:
+    with option_errors("--vary"):
         vary = ranges_of(ranges) or None
-    except GeomkinError as error:
-        raise click.BadParameter(harmless(error), param_hint="--vary") from None
+    minimise = objectives[0] if len(objectives) == 1 else objectives or None
     # Ctrl-C ends the search, not the process.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        with progress_shown():
-            minimise = objectives[0] if len(objectives) == 1 else objectives or None
-            best = optimise(recipe, vary, minimise, list(constraints) or None, starts, seed, time_limit, out)
-    except GeomkinError as error:
-        click.secho(refusal(recipe, error).text, fg="red", err=True)
-        sys.exit(1)
+    with ended_if_refused(recipe):
+        run = partial(by_processes, fewest=FEWEST_SEARCHES)
+        best = optimised(recipe, vary, minimise, constraints or None, starts, seed, time_limit, out, run)
     for line in best.lines:
         click.echo(harmless(line))
     note = ", ended before it was complete" if best.cut_short else ""
@@ -259,20 +259,18 @@ def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     """
     from importlib.util import find_spec
 
-    from ..core.errors import DesignError, GeomkinError, printable
+    from ..core.errors import GeomkinError, printable
     from ..export.files import write_whole
     from ..tradeoff.files import chart_files
     from ..tradeoff.results import chart
     from ..tradeoff.study import stability
 
     try:
-        with progress_shown():
+        with progress_shown(), option_errors("FAMILY"):
             measured = chart(families, quick)
         # The study of where methods lose digits needs mpmath.
         study = stability() if not families and find_spec("mpmath") else None
         write_whole(out / "chart", chart_files(measured, study))
-    except DesignError as error:
-        raise click.BadParameter(f"{error.problem}; {error.remedy}", param_hint="FAMILY") from None
     except GeomkinError as error:
         raise click.ClickException(str(error)) from None
     count, points = len(measured.families), sum(len(family.points) for family in measured.families)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeVar
+
+from .errors import DesignError, shown
 
 T = TypeVar("T")
 # One part of a key: the position of an item of a list, or a name.
@@ -77,6 +79,19 @@ def _inside(value: Any, key: str, field: str, about: Mapping[str, Any]) -> Itera
 def key_parts(key: str) -> list[str | int]:
     """The parts of a dotted key: names, and positions of items of lists, from 0."""
     return [int(item) if item else name for item, name in PART.findall(key)]
+
+
+def texts_by_key(field: str, texts: Iterable[str], form: str) -> dict[str, str]:
+    """Split texts of the form KEY=TEXT; DesignError for `field` if a part is missing or a key is given twice."""
+    by_key: dict[str, str] = {}
+    for text in texts:
+        key, _, value = (part.strip() for part in text.partition("="))
+        if not key or not value:
+            raise DesignError(field, f"found {shown(text)}", f"give {form}", "wrong-type")
+        if key in by_key:
+            raise DesignError(field, f"{shown(key)} is given twice", f"give {form} once for each key", "conflict")
+        by_key[key] = value
+    return by_key
 
 
 def with_number(thing: T, key: str, value: float) -> T:

@@ -1,4 +1,4 @@
-"""Work shared among processes, one for each core."""
+"""Work done by this process, shared among processes, one for each core, or given to an executor."""
 
 from __future__ import annotations
 
@@ -6,19 +6,73 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from itertools import islice
 from threading import Thread
-from typing import TypeVar
+from typing import Protocol, TypeVar
+
+from .errors import DesignError, GeomkinError, printable
 
 T = TypeVar("T")
 R = TypeVar("R")
-# Fewer tasks are done in this process, since a new process takes about half a second for its imports.
+# Fewer tasks than these are not worth new processes, each of which takes about half a second for its imports.
 FEWEST_TASKS = 8
+# Largest number of tasks that wait in an executor. A smaller one leaves a large cluster idle; a larger one fills its
+# memory.
+MOST_WAITING = 256
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 
 
-def each(work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[R | None]:
+class Runner(Protocol):
+    """Does work on each task; yields the number of the task and its result, in any order. None if it was killed."""
+
+    def __call__(self, work: Callable[[T], R], tasks: Sequence[T], /) -> Iterator[tuple[int, R | None]]: ...
+
+
+def by_this_process(work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[int, R | None]]:
+    """Do the tasks one after another."""
+    yield from enumerate(map(work, tasks))
+
+
+def by_processes(
+    work: Callable[[T], R], tasks: Sequence[T], fewest: int = FEWEST_TASKS
+) -> Iterator[tuple[int, R | None]]:
+    """Do the tasks on all cores, for the command: each process starts the main program again."""
+    yield from enumerate(each(work, tasks, fewest))
+
+
+def by(executor: Executor | None) -> Runner:
+    """Do the tasks by an executor, in which a limited number wait; without one, by this process."""
+    return by_this_process if executor is None else partial(_by_executor, executor)
+
+
+def _by_executor(executor: Executor, work: Callable[[T], R], tasks: Sequence[T], /) -> Iterator[tuple[int, R | None]]:
+    waiting: dict[Future[R], int] = {}
+    remaining = iter(enumerate(tasks))
+    try:
+        while True:
+            for index, task in islice(remaining, MOST_WAITING - len(waiting)):
+                waiting[executor.submit(work, task)] = index
+            if not waiting:
+                return
+            done = wait(waiting, return_when=FIRST_COMPLETED).done
+            # Results first, so that they are used before an error is raised.
+            for future in sorted(done, key=lambda future: future.exception() is not None):
+                yield waiting.pop(future), future.result()
+    except GeomkinError:
+        raise
+    except Exception as error:
+        problem = f"it failed ({type(error).__name__}: {printable(error, 200)})"
+        remedy = "check the executor; results that were written remain"
+        raise DesignError("executor", problem, remedy, "internal") from error
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def each(work: Callable[[T], R], tasks: Sequence[T], fewest: int = FEWEST_TASKS) -> Iterator[R | None]:
     """Yield `work(task)` for each task, in the order of the tasks. Only the main thread may call it.
 
     Parameters
@@ -27,9 +81,11 @@ def each(work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[R | None]:
         Can be pickled, and raises nothing.
     tasks : sequence
         A task whose process is killed, for example for want of memory, gives None.
+    fewest : int
+        Fewer tasks are done in this process.
     """
     workers = min(worker_count(), len(tasks))
-    if workers < 2 or len(tasks) < FEWEST_TASKS:
+    if workers < 2 or len(tasks) < fewest:
         yield from map(work, tasks)
         return
     # The pool must be shut down even if the command has a handler that ends the process at once.

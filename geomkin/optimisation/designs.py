@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any
@@ -90,7 +91,7 @@ class Target:
 
 
 class Trials:
-    """All designs that a search has tried.
+    """All designs that a search, or one of its jobs, has tried.
 
     Parameters
     ----------
@@ -100,15 +101,43 @@ class Trials:
         The numbers to minimise.
     conditions : sequence of Condition
         The constraints.
+    end : float
+        Time at which the search ends, s since 1970, so that it is the same on all machines.
+    scales : sequence of float, optional
+        Size of the terms of each constraint; by default those of the first design that works.
     """
 
-    def __init__(self, recipe: VariedRecipe, objectives: Sequence[Formula], conditions: Sequence[Condition]):
-        self.recipe, self.objectives, self.conditions = recipe, objectives, conditions
-        self.target = Target()
+    def __init__(
+        self,
+        recipe: VariedRecipe,
+        objectives: Sequence[Formula],
+        conditions: Sequence[Condition],
+        end: float,
+        scales: Sequence[float] | None = None,
+    ):
+        self.recipe, self.objectives, self.conditions, self.end = recipe, objectives, conditions, end
+        self.scales = scales
         self.designs: list[TriedDesign] = []
         self.count = 0
         self.refusal = ""
-        self._scales: list[float] = []
+        self.is_cut = self.is_interrupted = False
+
+    def without_designs(self) -> Trials:
+        """The same search before its first design."""
+        return Trials(self.recipe, self.objectives, self.conditions, self.end, self.scales)
+
+    def add(self, other: Trials) -> None:
+        """Add the designs of a job."""
+        self.designs += other.designs
+        self.count += other.count
+        self.refusal = self.refusal or other.refusal
+        self.scales = other.scales if self.scales is None else self.scales
+        self.is_cut = self.is_cut or other.is_cut
+
+    def over(self) -> bool:
+        """Whether the time is over; `is_cut` then records that the search was cut short."""
+        self.is_cut = self.is_cut or time.time() >= self.end
+        return self.is_cut
 
     def tried(self, values: Mapping[str, float]) -> TriedDesign | None:
         """The design with these values; None if there is none, or a result is undefined for it."""
@@ -127,15 +156,16 @@ class Trials:
             excess_rows = [one.excess(_Results("subject_to", recipe)) for one in self.conditions]
         except DesignError as error:
             # Some checks are made only if they matter; a wrong id is unknown from the first design.
-            if error.id != "unknown-key" or not self.designs:
+            if error.id != "unknown-key" or self.scales is None:
                 raise
             self.refusal = self.refusal or str(error)
             return None
         if not all(np.isfinite(rows).all() for rows in (*objective_rows, *excess_rows)):
             self.refusal = self.refusal or "a result that the formulas name is undefined at some positions"
             return None
-        self._scales = self._scales or [max(map(abs, sides)) or 1.0 for sides in self.sides(recipe)]
-        scaled = tuple(rows / scale for rows, scale in zip(excess_rows, self._scales))
+        if self.scales is None:
+            self.scales = [max(map(abs, sides)) or 1.0 for sides in self.sides(recipe)]
+        scaled = tuple(rows / scale for rows, scale in zip(excess_rows, self.scales))
         design = TriedDesign(dict(values), objective_rows, scaled)
         self.designs.append(design)
         return design
@@ -153,9 +183,9 @@ class _Results:
 
     def __call__(self, name: str) -> Any:
         columns = [c for c in self.recipe.table.columns if c.values.dtype.kind in "fiub"]
-        for column in columns:
-            if name in (column.id, column.header):
-                return column.values
+        named = [c for c in columns if c.id == name] or [c for c in columns if c.header == name]
+        if named:
+            return named[0].values
         further = self.recipe.further_values
         if name in further:
             return further[name]

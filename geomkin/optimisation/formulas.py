@@ -22,6 +22,7 @@ REMEDY = (
     f"give columns and checks, numbers, + - * / **, brackets, {', '.join(SUMMARIES)}, {', '.join(FUNCTIONS)}, "
     "or distance(POINT, [[x, y], ...])"
 )
+COMPARISON = "give two formulas with >= or <= between them, such as min(transmission_angle) >= 40"
 # Values of a column or check by its id.
 Lookup = Callable[[str], Any]
 
@@ -153,9 +154,7 @@ def parsed_constraint(text: str) -> Condition:
             sides = [Formula("subject_to", text.strip(), node) for node in (left, right)]
             is_at_least = isinstance(sign, ast.GtE)
             return Condition(text.strip(), sides[is_at_least], sides[not is_at_least], is_at_least)
-    raise DesignError(
-        "subject_to", f"found {shown(text)}", "give two formulas with >= or <= between them, as min(x) >= 40"
-    )
+    raise DesignError("subject_to", f"found {shown(text)}", COMPARISON)
 
 
 def _parsed(field: str, text: str) -> ast.expr:
@@ -164,7 +163,9 @@ def _parsed(field: str, text: str) -> ast.expr:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise DesignError(field, f"found {shown(text)}, which is no formula", REMEDY) from None
+        raise DesignError(
+            field, f"found {shown(text)}, which is no formula", COMPARISON if field == "subject_to" else REMEDY
+        ) from None
 
 
 def polyline_distances(points: Complex, path: Complex) -> Real:

@@ -4,29 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
-from glob import escape
-from itertools import combinations
-from math import comb
 from pathlib import Path
 
 import numpy as np
 
 from ..core.errors import printable
-from ..core.progress import Watch
 from ..core.records import record
-from ..export.csv import csv
-from ..export.files import remove, write_whole
 from ..export.plots import plot_file
 from ..model.scene import Plot
 from ..model.table import Column, Table
 from ..plane.vec import Real
-from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
-from .designs import Target, Trials, TriedDesign
-from .search import Box, gradient_search, search_box
+from .designs import Trials, TriedDesign
+from .gradients import Box
+from .search import targets
 
-# Most objectives, and most points of the front. With more of both each point says less, and takes as long.
-MOST_OBJECTIVES, MOST_POINTS = 4, 21
+# Most objectives. With more of them each point of the front says less.
+MOST_OBJECTIVES = 4
 # Digits of the objectives, as shares of their ranges, in which designs that are equal count as one.
 DIGITS = 6
 
@@ -105,52 +99,6 @@ class ParetoFront:
         return plot_file(Table(columns), Plot("Pareto front", self.minimised[1:]), dots=True)
 
 
-def search(
-    trials: Trials, boxes: Sequence[Box], own: Mapping[str, float], starts: int, seed: int, watch: Watch
-) -> None:
-    """Search the least value of each objective; if there are several, then points of the front between them."""
-    count = len(trials.objectives)
-    steps = count * len(boxes) + (MOST_POINTS if count > 1 else 0)
-    for k in range(count):
-        trials.target = Target((k,))
-        for done, box in enumerate(boxes, k * len(boxes) + 1):
-            search_box(trials, box, box.values(box.shares(own)), starts, seed, watch)
-            watch.report(done / steps)
-    if count == 1 or not any(design.violation == 0 for design in trials.designs):
-        return
-    for done, target in enumerate(targets(trials), count * len(boxes) + 1):
-        if watch.over():
-            return
-        trials.target = target
-        best = min(trials.designs, key=trials.target.rank)
-        box = next(box for box in boxes if box.holds(best.values))
-        if box.free:
-            gradient_search(trials, box, box.shares(best.values), watch)
-        watch.report(done / steps)
-
-
-def targets(trials: Trials) -> list[Target]:
-    """Targets whose optima are spread over the front.
-
-    Each objective is scaled to 0 at its least value and to 1 at its greatest one among the optima of single objectives.
-    From evenly spaced points of the plane through these optima, the largest objective is minimised: the front is met
-    in the direction in which all objectives improve equally. Pascoletti and Serafini, Scalarizing vector optimization
-    problems, Journal of Optimization Theory and Applications 42, 1984. With the plane of Das and Dennis, 1998.
-    """
-    count = len(trials.objectives)
-    optima = np.array([min(trials.designs, key=Target((k,)).rank).objectives for k in range(count)])
-    least, scales = optima.min(axis=0), np.ptp(optima, axis=0)
-    scales = np.where(scales > 0, scales, 1.0)
-    return [Target(tuple(range(count)), least + shares * scales, scales) for shares in even_shares(count)]
-
-
-def even_shares(count: int) -> Iterator[Real]:
-    """Evenly spaced rows of `count` numbers from 0 to 1 whose sum is 1, at most `MOST_POINTS`."""
-    divisions = max(n for n in range(1, MOST_POINTS) if comb(n + count - 1, count - 1) <= MOST_POINTS)
-    for bars in combinations(range(divisions + count - 1), count - 1):
-        yield (np.diff([-1, *bars, divisions + count - 1]) - 1) / divisions
-
-
 def front_of(trials: Trials, boxes: Sequence[Box]) -> list[TriedDesign]:
     """The front of all designs that were tried, thinned to one for each target unless all keys are whole numbers."""
     designs = [design for design in trials.designs if design.violation == 0]
@@ -158,7 +106,7 @@ def front_of(trials: Trials, boxes: Sequence[Box]) -> list[TriedDesign]:
     size = np.ptp(results, axis=0)
     front = [designs[k] for k in undominated(np.round(results / np.where(size > 0, size, 1.0), DIGITS))]
     if any(box.free for box in boxes):
-        chosen = [min(front, key=target.rank) for target in targets(trials)]
+        chosen = [min(front, key=target.rank) for target in targets(trials.designs, len(trials.objectives))]
         front = [design for design in front if any(design is one for one in chosen)]
     return sorted(front, key=lambda design: tuple(design.objectives))
 
@@ -172,15 +120,3 @@ def undominated(results: Real) -> list[int]:
         front.append(int(first))
         left = left[(results[left] < results[first]).any(axis=1)]
     return front
-
-
-def write_front(front: ParetoFront, folder: Path, name: str) -> dict[Path, int]:
-    """Write the table, the picture and a recipe for each design; recipes of an earlier, longer front are removed."""
-    contents = {f"{name}.front.csv": csv(front.table), f"{name}.front.svg": front.picture()}
-    for number, design in enumerate(front.designs, 1):
-        contents[f"{name}.front-{number}.toml"] = to_toml(design.recipe).encode()
-    write_whole(folder, contents)
-    for path in folder.glob(f"{escape(name)}.front-*.toml"):
-        if path.name not in contents:
-            remove(path)
-    return {folder / file: len(content) for file, content in contents.items()}

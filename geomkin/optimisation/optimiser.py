@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import time
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, overload
@@ -13,19 +15,22 @@ import numpy as np
 
 from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
-from ..core.dotted_keys import key_parts, numbers_in
+from ..core.dotted_keys import key_parts, numbers_in, texts_by_key
 from ..core.errors import DesignError, printable, shown
-from ..core.progress import Watch
+from ..core.processes import Runner, by
+from ..core.progress import report as report_progress
 from ..core.records import record
 from ..export.files import write_whole
 from ..model.check import Check
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe, varied
-from .designs import Trials, TriedDesign
+from .designs import NO_VIOLATION, Target, Trials, TriedDesign
 from .formulas import objective, parsed_constraint
-from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, search, write_front
-from .search import Box
+from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of
+from .front_files import write_front
+from .gradients import Box
+from .search import search
 
 # Largest number of combinations of whole numbers, each of which is searched.
 MOST_COMBINATIONS = 10_000
@@ -108,6 +113,7 @@ def optimise(
     seed: int = 0,
     time_limit: float = 60,
     out: str | Path | None = None,
+    executor: Executor | None = None,
 ) -> OptimisedDesign: ...
 @overload
 def optimise(
@@ -119,6 +125,7 @@ def optimise(
     seed: int = 0,
     time_limit: float = 60,
     out: str | Path | None = None,
+    executor: Executor | None = None,
 ) -> OptimisedDesign | ParetoFront: ...
 @checked
 def optimise(
@@ -130,6 +137,7 @@ def optimise(
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
     time_limit: PositiveFloat = 60,
     out: str | Path | None = None,
+    executor: Executor | None = None,
 ) -> OptimisedDesign | ParetoFront:
     """Find the values of a recipe's keys that make a result least within constraints.
 
@@ -155,8 +163,11 @@ def optimise(
     time_limit : float
         Longest time, s. When it is over, or at Ctrl-C, the best design so far is returned.
     out : str or Path, optional
-        Folder for `<name>/<name>.optimum.toml`; for `<name>.front.csv`, `<name>.front.svg` and a recipe of each design
-        if there are several objectives. By default nothing is written.
+        Folder for `<name>/<name>.optimum.toml`; for `<name>.front.csv`, `.svg` and `.html` and a recipe of each
+        design if there are several objectives. By default nothing is written.
+    executor : Executor, optional
+        Of `concurrent.futures`, or of a cluster with the same interface, such as Dask's `client.get_executor()`. By
+        default this process computes the designs. The result is the same.
 
     Returns
     -------
@@ -169,7 +180,7 @@ def optimise(
         As for `gk.load`.
     DesignError
         If a key, range or formula is wrong, no design works, or none meets the constraints; the message then names
-        the constraint that is missed and by how much.
+        the constraint that is missed and by how much. If the executor fails.
 
     Notes
     -----
@@ -189,6 +200,21 @@ def optimise(
     >>> round(-best.objective, 2)
     56.6
     """
+    return optimised(recipe, vary, minimise, subject_to, starts, seed, time_limit, out, by(executor))
+
+
+def optimised(
+    recipe: AbstractRecipe | Readable,
+    vary: Mapping[str, tuple[float, float]] | None,
+    minimise: str | Sequence[str] | None,
+    subject_to: str | Sequence[str] | None,
+    starts: int,
+    seed: int,
+    time_limit: float,
+    out: str | Path | None,
+    run: Runner,
+) -> OptimisedDesign | ParetoFront:
+    """An optimisation whose jobs are done by `run`; see `optimise`."""
     source, stem = varied(recipe)
     name = valid_recipe_name(source.file, stem)
     arguments: dict[str, Any] = {"vary": vary, "minimise": minimise, "subject_to": subject_to}
@@ -198,7 +224,7 @@ def optimise(
         if table is not None:
             given = {"vary": ranges_of(table.vary), "minimise": table.minimise, "subject_to": table.subject_to}
             arguments |= {argument: given[argument] for argument in omitted}
-        found = _optimised(source, **arguments, starts=starts, seed=seed, time_limit=time_limit)
+        found = _optimised(source, **arguments, starts=starts, seed=seed, time_limit=time_limit, run=run)
     except DesignError as error:
         if table is None or error.field not in omitted:
             raise
@@ -220,6 +246,7 @@ def _optimised(
     starts: int,
     seed: int,
     time_limit: float,
+    run: Runner,
 ) -> OptimisedDesign | ParetoFront:
     if not vary:
         remedy = "give a key with its range, such as linkage.crank from 20 to 40, or a table [optimise] in the recipe"
@@ -236,35 +263,30 @@ def _optimised(
         problem = f"found {len(objectives)} formulas: {', '.join(shown(one.text) for one in objectives)}"
         remedy = f"give one as a text, or 2 to {MOST_OBJECTIVES} different ones"
         raise DesignError("minimise", printable(problem, 1000), remedy, "conflict")
-    trials = Trials(source, objectives, [parsed_constraint(text) for text in constraints])
-    watch = Watch(time_limit, "optimising")
-    is_interrupted = False
+    conditions = [parsed_constraint(text) for text in constraints]
+    trials = Trials(source, objectives, conditions, time.time() + time_limit)
+    own = _own_values(source, ranges)
+    boxes = _boxes(own, ranges)
     try:
-        own = _own_values(source, ranges)
-        boxes = _boxes(own, ranges)
-        search(trials, boxes, own, starts, seed, watch)
+        search(trials, boxes, own, starts, seed, run)
     except KeyboardInterrupt:
-        is_interrupted = True
-    watch.report(1.0)
-    cut_short = watch.cut or is_interrupted
-    best = _best(trials, cut_short)
-    return _result(trials, best, cut_short) if is_single else _front(trials, boxes, cut_short)
+        trials.is_cut = True
+    report_progress(1.0, "optimising")
+    best = _best(trials)
+    return _result(trials, best) if is_single else _front(trials, boxes)
 
 
 def ranges_of(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Ranges by key from texts such as `linkage.crank = 20:40`."""
+    form = "KEY=LOW:HIGH (linkage.crank=20:40)"
     ranges: dict[str, tuple[float, float]] = {}
-    for text in texts:
-        key, _, pair = (part.strip() for part in text.partition("="))
+    for key, pair in texts_by_key("vary", texts, form).items():
         try:
             low, high = map(float, pair.split(":"))
             if not is_real(low) or not is_real(high):
                 raise ValueError
         except ValueError:
-            remedy = "give KEY=LOW:HIGH, such as linkage.crank=20:40"
-            raise DesignError("vary", f"found {shown(text)}", remedy, "wrong-type") from None
-        if key in ranges:
-            raise DesignError("vary", f"{shown(key)} is given twice", "give one range for each key", "conflict")
+            raise DesignError("vary", f"found {shown(f'{key}={pair}')}", f"give {form}", "wrong-type") from None
         ranges[key] = (low, high)
     return ranges
 
@@ -272,7 +294,7 @@ def ranges_of(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
 def _range(key: str, pair: Sequence[float]) -> tuple[float, float]:
     low, high = pair
     if not low < high:
-        raise DesignError(key, f"found {low:g} to {high:g}", "give a range whose second value is the greater one")
+        raise DesignError(key, f"found the range {low:g} to {high:g}", "give the smaller value first")
     return low, high
 
 
@@ -316,19 +338,19 @@ def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]])
     return own
 
 
-def _best(trials: Trials, cut_short: bool) -> TriedDesign:
+def _best(trials: Trials) -> TriedDesign:
     """The best design; DesignError if there is none, or it violates a constraint."""
     if not trials.designs:
-        remedy = "give more time" if cut_short else "give ranges in which the mechanism can be assembled"
+        remedy = "give more time" if trials.is_cut else "give ranges in which the mechanism can be assembled"
         problem = f"none of {trials.count} designs works, the first for this: {printable(trials.refusal, 300)}"
-        raise DesignError("time_limit" if cut_short else "vary", problem, remedy, "does-not-assemble")
-    design = min(trials.designs, key=trials.target.rank)
+        raise DesignError("time_limit" if trials.is_cut else "vary", problem, remedy, "does-not-assemble")
+    design = min(trials.designs, key=Target().rank)
     if design.violation > 0:
         _refuse(trials, design)
     return design
 
 
-def _result(trials: Trials, design: TriedDesign, cut_short: bool) -> OptimisedDesign:
+def _result(trials: Trials, design: TriedDesign) -> OptimisedDesign:
     recipe = trials.recipe.opened(design.values)
     return OptimisedDesign(
         recipe=recipe,
@@ -340,25 +362,23 @@ def _result(trials: Trials, design: TriedDesign, cut_short: bool) -> OptimisedDe
             for k, (one, sides) in enumerate(zip(trials.conditions, trials.sides(recipe)), 1)
         ),
         evaluations=trials.count,
-        cut_short=cut_short,
+        cut_short=trials.is_cut,
     )
 
 
-def _front(trials: Trials, boxes: Sequence[Box], cut_short: bool) -> ParetoFront:
+def _front(trials: Trials, boxes: Sequence[Box]) -> ParetoFront:
     designs = [
         FrontDesign(trials.recipe.opened(design.values), design.values, tuple(design.objectives.tolist()))
         for design in front_of(trials, boxes)
     ]
-    return ParetoFront(tuple(one.text for one in trials.objectives), tuple(designs), trials.count, cut_short)
+    return ParetoFront(tuple(one.text for one in trials.objectives), tuple(designs), trials.count, trials.is_cut)
 
 
 def _refuse(trials: Trials, design: TriedDesign) -> NoReturn:
-    """Name the constraint that the best design misses most, and by how much."""
-    worst = int(np.argmax(design.excesses))
-    least, most = trials.sides(trials.recipe.opened(design.values))[worst]
-    text = trials.conditions[worst].text
+    """Name the constraints that the best design misses, the worst one first, and by how much."""
+    sides = trials.sides(trials.recipe.opened(design.values))
+    order = [k for k in np.argsort(-design.excesses) if design.excesses[k] > NO_VIOLATION]
+    missed = " and ".join(f"{shown(trials.conditions[k].text)} by {sides[k][0] - sides[k][1]:.4g}" for k in order)
     values = ", ".join(f"{key} = {value:.6g}" for key, value in design.values.items())
-    problem = (
-        f"none of {trials.count} designs meets all; the nearest ({values}) misses {shown(text)} by {least - most:.4g}"
-    )
-    raise DesignError("subject_to", printable(problem, 1000), "relax this constraint, or give wider ranges")
+    problem = f"none of {trials.count} designs meets all; the nearest ({values}) misses {missed}"
+    raise DesignError("subject_to", printable(problem, 1000), "relax a constraint, or give wider ranges")

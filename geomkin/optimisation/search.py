@@ -1,192 +1,149 @@
-"""The search: random designs, and gradient steps from the best of them."""
+"""The search: random designs, gradient searches from the best of them, and points of the front between optima.
+
+It is a sequence of stages. The jobs of a stage depend only on the stages before it: workers may do them in any order,
+and the result is the same.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import combinations
+from math import comb
 
 import numpy as np
 
-from ..core.progress import Watch
-from ..core.records import record
+from ..core.processes import Runner, by_this_process
+from ..core.progress import report
 from ..plane.vec import Real
-from .designs import Trials, TriedDesign
+from .designs import Target, Trials, TriedDesign
+from .gradients import Box, gradient_search
 
-# Step of a difference quotient, as a share of a key's range.
-DIFFERENCE = 1e-7
-# Relative change of the objective and of the values at which a gradient search ends, and its most steps.
-CONVERGED, MOST_STEPS = 1e-10, 200
-# Distance from its limit at which a constraint is kept, as a share of its terms, so that rounding does not violate it.
-MARGIN = 1e-9
 # Random designs per key, the most of them if few work, and the least distance of the designs from which gradient
 # searches start, as a share of the ranges.
 RANDOM_DESIGNS, RARE, APART = 10, 500, 0.1
+# Most points of the front. With more each point says less, and takes as long.
+MOST_POINTS = 21
+
+# Adds designs to trials.
+Job = Callable[[Trials], None]
 
 
-class TimeOverError(Exception):
-    """The time limit, from within a gradient search."""
+def search(trials: Trials, boxes: Sequence[Box], own: Mapping[str, float], starts: int, seed: int, run: Runner) -> None:
+    """Search the least value of each objective; if there are several, then points of the front between them."""
+    count = len(trials.objectives)
+    steps = len(boxes) * (1 + count * starts) + (MOST_POINTS if count > 1 else 0)
+    done = 0
+
+    def tried_by(jobs: Sequence[Job], run: Runner = run) -> list[Trials]:
+        """The trials of each job, which are added to all."""
+        nonlocal done
+        parts: dict[int, Trials] = {}
+        try:
+            for index, part in run(partial(_trials_of, trials.without_designs()), jobs):
+                # A worker that was killed has no designs.
+                parts[index] = part or trials.without_designs()
+                done += 1
+                report(min(done / steps, 1 - 1 / steps), "optimising")
+                if parts[index].is_interrupted:
+                    raise KeyboardInterrupt
+        finally:
+            for index in sorted(parts):
+                trials.add(parts[index])
+        return [parts[index] for index in range(len(jobs))]
+
+    explorations = [
+        partial(explore, box=box, own=box.values(box.shares(own)), starts=starts, seed=seed) for box in boxes
+    ]
+    # The first design that works reports ids that do not exist, and scales the constraints of all others.
+    explored: list[Trials] = []
+    while len(explored) < len(boxes) and trials.scales is None:
+        explored += tried_by([explorations[len(explored)]], by_this_process)
+    explored += tried_by(explorations[len(explored) :])
+    found = [list(part.designs) if box.free else [] for box, part in zip(boxes, explored)]
+
+    def descend(searches: Sequence[tuple[int, Target, Real]], of_violation: bool = False) -> None:
+        """Gradient searches: (number of a box, target, start)."""
+        jobs = [
+            partial(gradient_search, box=boxes[k], start=start, target=target, of_violation=of_violation)
+            for k, target, start in searches
+        ]
+        for (k, _, _), part in zip(searches, tried_by(jobs)):
+            found[k] += part.designs
+
+    def nearest(k: int, target: Target) -> TriedDesign:
+        return min(found[k], key=target.rank)
+
+    single = [Target((k,)) for k in range(count)]
+    descend(
+        [
+            (k, target, start)
+            for target in single
+            for k, box in enumerate(boxes)
+            for start in starts_apart(box, found[k], target, starts)
+        ]
+    )
+    unmet = [k for k, designs in enumerate(found) if designs and nearest(k, single[0]).violation > 0]
+    descend([(k, single[0], boxes[k].shares(nearest(k, single[0]).values)) for k in unmet], of_violation=True)
+    met = [k for k in unmet if nearest(k, single[0]).violation == 0]
+    descend([(k, target, boxes[k].shares(nearest(k, target).values)) for target in single for k in met])
+    if count > 1 and any(design.violation == 0 for design in trials.designs):
+        best = [(target, min(trials.designs, key=target.rank).values) for target in targets(trials.designs, count)]
+        places = [next(k for k, box in enumerate(boxes) if box.holds(values)) for _, values in best]
+        descend([(k, one[0], boxes[k].shares(one[1])) for k, one in zip(places, best) if boxes[k].free])
 
 
-@record(eq=False)
-class Box:
-    """Ranges of the keys that vary.
-
-    Parameters
-    ----------
-    low, high : mapping of str to float
-        By key; keys of whole numbers are fixed, with equal values.
-    """
-
-    low: Mapping[str, float]
-    high: Mapping[str, float]
-
-    @property
-    def free(self) -> tuple[str, ...]:
-        """Keys whose value varies."""
-        return tuple(key for key in self.low if self.low[key] < self.high[key])
-
-    def holds(self, values: Mapping[str, float]) -> bool:
-        """Whether the values are within the ranges."""
-        return all(low <= values[key] <= self.high[key] for key, low in self.low.items())
-
-    def values(self, shares: Real) -> dict[str, float]:
-        """Values by key at shares of the ranges of the free keys."""
-        varied = {
-            key: min(self.low[key] + float(share) * (self.high[key] - self.low[key]), self.high[key])
-            for key, share in zip(self.free, shares)
-        }
-        return {key: varied.get(key, self.low[key]) for key in self.low}
-
-    def shares(self, values: Mapping[str, float]) -> Real:
-        """Shares of the ranges, of values by key."""
-        return np.array([(values[key] - self.low[key]) / (self.high[key] - self.low[key]) for key in self.free])
+def _trials_of(trials: Trials, job: Job) -> Trials:
+    """The designs of one job; if it is interrupted, those until then."""
+    trials = trials.without_designs()
+    try:
+        job(trials)
+    except KeyboardInterrupt:
+        trials.is_interrupted = True
+    return trials
 
 
-def search_box(trials: Trials, box: Box, own: Mapping[str, float], starts: int, seed: int, watch: Watch) -> None:
-    """Try the recipe's own values and random designs; gradient searches start from the best that lie apart."""
-    before, free = len(trials.designs), len(box.free)
+def explore(trials: Trials, box: Box, own: Mapping[str, float], starts: int, seed: int) -> None:
+    """Try the recipe's own values and random designs, until some of them work."""
+    free = len(box.free)
     rng = np.random.default_rng(seed)
     random = list(rng.random((RANDOM_DESIGNS * free if starts > 1 else 0, free)))
     for values in (own, *map(box.values, random)):
-        if not watch.over():
+        if not trials.over():
             trials.tried(values)
     # Designs that work may be rare.
     for shares in rng.random((RARE * free, free)):
-        if watch.over() or len(trials.designs) - before >= starts:
+        if trials.over() or len(trials.designs) >= starts:
             break
         trials.tried(box.values(shares))
-    if not free:
-        return
+
+
+def starts_apart(box: Box, designs: Sequence[TriedDesign], target: Target, most: int) -> list[Real]:
+    """Shares of the best designs that lie apart."""
     chosen: list[Real] = []
-    for design in sorted(trials.designs[before:], key=trials.target.rank):
+    for design in sorted(designs, key=target.rank):
         shares = box.shares(design.values)
-        if len(chosen) < starts and all(np.abs(shares - other).max() > APART for other in chosen):
+        if len(chosen) < most and all(np.abs(shares - other).max() > APART for other in chosen):
             chosen.append(shares)
-    for shares in chosen:
-        if not watch.over():
-            gradient_search(trials, box, shares, watch)
-    nearest = min(trials.designs[before:], key=trials.target.rank, default=None)
-    if nearest is not None and nearest.violation > 0:
-        gradient_search(trials, box, box.shares(nearest.values), watch, of_violation=True)
-        nearest = min(trials.designs[before:], key=trials.target.rank)
-        if nearest.violation == 0:
-            gradient_search(trials, box, box.shares(nearest.values), watch)
+    return chosen
 
 
-def gradient_search(trials: Trials, box: Box, start: Real, watch: Watch, of_violation: bool = False) -> None:
-    """Sequential quadratic programming from one design; the designs that it tries are added to `trials`.
+def targets(designs: Sequence[TriedDesign], count: int) -> list[Target]:
+    """Targets whose optima are spread over the front.
 
-    The largest of many values is minimised through one more variable that none of them exceeds, so that kinks are no
-    obstacle. Gradients are difference quotients. Kraft, A software package for sequential quadratic programming, 1988,
-    as NLopt has it. With `of_violation` the largest violation of a constraint is minimised instead of the objective.
+    Each objective is scaled to 0 at its least value and to 1 at its greatest one among the optima of single objectives.
+    From evenly spaced points of the plane through these optima, the largest objective is minimised: the front is met
+    in the direction in which all objectives improve equally. Pascoletti and Serafini, Scalarizing vector optimization
+    problems, Journal of Optimization Theory and Applications 42, 1984. With the plane of Das and Dennis, 1998.
     """
-    import nlopt
-
-    reference = trials.tried(box.values(start))
-    if reference is None:
-        return
-    count = len(start)
-    objective_rows, excess_rows = _rows(trials, reference, of_violation)
-    scale = max(float(np.abs(objective_rows).max()), 1e-12)
-    has_bound = len(objective_rows) > 1
-    known: dict[bytes, tuple[Real, Real]] = {}
-
-    def results(shares: Real) -> tuple[Real, Real]:
-        """Rows of the objective and of the constraints; far above all others where there is no design."""
-        if watch.over():
-            raise TimeOverError
-        key = shares.tobytes()
-        if key not in known:
-            design = trials.tried(box.values(shares))
-            if design is None:
-                known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
-            else:
-                wanted, excess = _rows(trials, design, of_violation)
-                known[key] = (
-                    _resampled(wanted, len(objective_rows)) / scale,
-                    _resampled(excess, len(excess_rows)) + MARGIN,
-                )
-        return known[key]
-
-    def slopes(shares: Real) -> tuple[Real, Real]:
-        """Derivatives of both by the shares."""
-        here, columns = results(shares), []
-        for k in range(count):
-            step = DIFFERENCE if shares[k] + DIFFERENCE <= 1 else -DIFFERENCE
-            there = results(shares + step * np.eye(count)[k])
-            columns.append([(b - a) / step for a, b in zip(here, there)])
-        return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
-
-    def objective(x: Real, gradient: Real) -> float:
-        if has_bound:
-            if gradient.size:
-                gradient[:] = np.append(np.zeros(count), 1.0)
-            return float(x[count])
-        if gradient.size:
-            gradient[:] = slopes(x)[0][0]
-        return float(results(x)[0][0])
-
-    def constraints(values: Real, x: Real, gradient: Real) -> None:
-        wanted_rows, excess = results(x[:count])
-        if has_bound:
-            values[:] = np.concatenate([wanted_rows - x[count], excess])
-        else:
-            values[:] = excess
-        if gradient.size:
-            by_objective, by_excess = slopes(x[:count])
-            if has_bound:
-                gradient[:, :count] = np.concatenate([by_objective, by_excess])
-                gradient[:, count] = np.where(np.arange(len(values)) < len(wanted_rows), -1.0, 0.0)
-            else:
-                gradient[:] = by_excess
-
-    solver = nlopt.opt(nlopt.LD_SLSQP, count + has_bound)
-    solver.set_min_objective(objective)
-    rows = len(excess_rows) + (len(objective_rows) if has_bound else 0)
-    if rows:
-        solver.add_inequality_mconstraint(constraints, np.zeros(rows))
-    solver.set_lower_bounds(np.append(np.zeros(count), [-np.inf] * has_bound))
-    solver.set_upper_bounds(np.append(np.ones(count), [np.inf] * has_bound))
-    solver.set_ftol_rel(CONVERGED)
-    solver.set_xtol_rel(CONVERGED)
-    solver.set_maxeval(MOST_STEPS)
-    try:
-        solver.optimize(np.append(start, [float(objective_rows.max()) / scale] * has_bound))
-    except TimeOverError:
-        pass
-    except (nlopt.RoundoffLimited, nlopt.ForcedStop, nlopt.runtime_error):
-        # At an optimum where many values are equal there may be no further step; the best design is known.
-        pass
+    optima = np.array([min(designs, key=Target((k,)).rank).objectives for k in range(count)])
+    least, scales = optima.min(axis=0), np.ptp(optima, axis=0)
+    scales = np.where(scales > 0, scales, 1.0)
+    return [Target(tuple(range(count)), least + shares * scales, scales) for shares in even_shares(count)]
 
 
-def _rows(trials: Trials, design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:
-    """The rows of which the largest is minimised, and those that have to be at most 0."""
-    excess = np.concatenate([*design.excess_rows, np.zeros(0)])
-    return (excess, np.zeros(0)) if of_violation else (trials.target.rows(design), excess)
-
-
-def _resampled(rows: Real, count: int) -> Real:
-    """The rows, interpolated if a design has another number of them."""
-    if len(rows) == count:
-        return rows
-    resampled: Real = np.interp(np.linspace(0, 1, count), np.linspace(0, 1, len(rows)), rows)
-    return resampled
+def even_shares(count: int) -> Iterator[Real]:
+    """Evenly spaced rows of `count` numbers from 0 to 1 whose sum is 1, at most `MOST_POINTS`."""
+    divisions = max(n for n in range(1, MOST_POINTS) if comb(n + count - 1, count - 1) <= MOST_POINTS)
+    for bars in combinations(range(divisions + count - 1), count - 1):
+        yield (np.diff([-1, *bars, divisions + count - 1]) - 1) / divisions

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from base64 import b64encode
+from collections.abc import Mapping
 from functools import cache
 from hashlib import sha256
 from importlib.resources import files
@@ -18,6 +20,7 @@ SCRIPTS = (
     "uplot/uPlot.iife.min.js",
     *("shapes.js", "names.js", "pictures.js", "drawing.js", "hands.js", "plots.js", "player.js"),
 )
+ROW_SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "pictures.js", "plots.js", "rows.js")
 START = (
     'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 )
@@ -70,6 +73,17 @@ def html_document(title: str, about: str, body: str, data: str, scripts: tuple[s
 </html>
 """
     return page.encode("utf-8", "replace")
+
+
+def rows_document(title: str, about: str, body: str, data: Mapping[str, object], choose: str = "undefined") -> bytes:
+    """A page with plots of rows that do not move, in the element of the id `plots` in its body.
+
+    data: of the plots, for `rows.js`; choose: JavaScript of the function that is called with the row that is chosen.
+    """
+    element = 'document.getElementById("plots")'
+    start = f'mountRows({element}, JSON.parse(document.getElementById("scene").textContent), {choose});'
+    json_text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return html_document(title, about, body, json_text, ROW_SCRIPTS, start)
 
 
 @cache

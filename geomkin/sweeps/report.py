@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
@@ -15,7 +14,7 @@ from ..core.fields import to_digits_or_none
 from ..export.text import capital, number, text
 from ..model.check import Check
 from ..model.table import Column
-from ..page.page import html_document
+from ..page.page import rows_document
 from ..page.sections import MOST_ROWS, html_section, wide
 from ..plane.vec import Array
 
@@ -91,8 +90,6 @@ def _with_unique_names(columns: Sequence[Column]) -> Iterator[Column]:
         yield column
 
 
-SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "pictures.js", "plots.js", "rows.js")
-START = 'mountRows(document.getElementById("plots"), JSON.parse(document.getElementById("scene").textContent));'
 # Largest number of lines in a plot: as many as colours and dashes distinguish.
 MOST_LINES = 6
 # Largest number of plots and of points of a line. More make pages of megabytes; the CSV file has all values.
@@ -110,8 +107,7 @@ def sweep_page(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Ro
     plots = f'<section id="plots" class="values" aria-label="Plots"></section>\n{note}' if data["plots"] else ""
     unplotted = "" if data["plots"] else '<section id="plots" hidden></section>'
     body = f"{plots}{unplotted}{_table(list(values), rows, columns)}\n"
-    json_text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    return html_document(f"{name}: a sweep", about, body, json_text, SCRIPTS, START)
+    return rows_document(f"{name}: a sweep", about, body, data)
 
 
 def _plots(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], columns: Sequence[Column]) -> tuple[Any, str]:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import field, replace
 from functools import partial
-from itertools import islice
+from itertools import islice, repeat
 from pathlib import Path
 from typing import Annotated, Any
 
 from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, checked
-from ..core.errors import DesignError, GeomkinError, printable
-from ..core.processes import each
+from ..core.errors import DesignError, GeomkinError
+from ..core.processes import Runner, by, by_this_process
 from ..core.progress import report as report_progress
 from ..core.records import record
 from ..core.version import __version__
@@ -35,16 +35,10 @@ ENDING = ".sweep"
 # Combinations in a batch of a process. Smaller batches take more time for transfer; larger ones lose more work if the
 # sweep is stopped.
 BATCH_SIZE = 4
-# Largest number of batches that wait in an executor. A smaller one leaves a large cluster idle; a larger one fills its
-# memory.
-MOST_WAITING = 256
 
 # The row of a combination whose process was killed.
 KILLED = {"refused": "its process was killed, perhaps because memory ran out", "checks": [], "results": {}}
 
-Rows = Iterator[tuple[int, list[dict[str, Any]]]]
-# Evaluates batches of combinations: (task, batches) -> (index of the batch, its rows), in any order.
-BatchRunner = Callable[[SweepTask, Sequence[Sequence[Mapping[str, Any]]]], Rows]
 Values = Annotated[Mapping[str, Any], ArgumentType(lambda given: isinstance(given, Mapping), "a table, key to values")]
 Names = Annotated[
     Sequence[str],
@@ -151,7 +145,7 @@ def sweep(
         If a key or a result is unknown, there are too many combinations, or the executor fails. Rows that were
         written remain.
     """
-    return swept(recipe, values, results, out, by_this_process if executor is None else partial(_by_executor, executor))
+    return swept(recipe, values, results, out, by(executor))
 
 
 def swept(
@@ -159,9 +153,9 @@ def swept(
     values: Mapping[str, Any],
     results: Sequence[str],
     out: str | Path | None,
-    run_batches: BatchRunner,
+    run: Runner,
 ) -> Sweep:
-    """A sweep whose batches are evaluated by `run_batches`; see `sweep`."""
+    """A sweep whose batches of combinations are evaluated by `run`; see `sweep`."""
     source, name = varied(recipe)
     task, name = (
         SweepTask(source.recipe, source.file, source.folder, tuple(dict.fromkeys(results))),
@@ -181,11 +175,11 @@ def swept(
     known: dict[str, Any] = {} if ledger is None else dict(ledger.known)
     keys = [_key_of(task, values) for values in changes]
     remaining = [k for k, key in enumerate(keys) if key not in known]
-    size = 1 if run_batches is by_this_process else BATCH_SIZE
+    size = 1 if run is by_this_process else BATCH_SIZE
     batches = [remaining[k : k + size] for k in range(0, len(remaining), size)]
     done = reused = len(changes) - len(remaining)
-    for index, batch_rows in run_batches(task, [[changes[k] for k in batch] for batch in batches]):
-        new = dict(zip((keys[k] for k in batches[index]), batch_rows))
+    for index, batch_rows in run(partial(evaluate, task), [[changes[k] for k in batch] for batch in batches]):
+        new = dict(zip((keys[k] for k in batches[index]), batch_rows or map(dict, repeat(KILLED))))
         known |= new
         if ledger is not None:
             ledger.add(new)
@@ -216,43 +210,6 @@ def _check_results(task: SweepTask, candidates: Iterable[Mapping[str, Any]]) -> 
         except GeomkinError:
             continue
         return check_results(task, recipe)
-
-
-def by_this_process(task: SweepTask, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
-    """Evaluate the batches one after another."""
-    for index, batch in enumerate(batches):
-        yield index, evaluate(task, batch)
-
-
-def by_processes(task: SweepTask, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
-    """Evaluate the batches on all cores, for the command: each process starts the main program again."""
-    for index, rows in enumerate(each(partial(evaluate, task), batches)):
-        yield index, [dict(KILLED) for _ in batches[index]] if rows is None else rows
-
-
-def _by_executor(executor: Executor, task: SweepTask, batches: Sequence[Sequence[Mapping[str, Any]]]) -> Rows:
-    """Evaluate the batches by an executor, in which a limited number wait."""
-    waiting: dict[Future[list[dict[str, Any]]], int] = {}
-    remaining = iter(enumerate(batches))
-    try:
-        while True:
-            for index, batch in islice(remaining, MOST_WAITING - len(waiting)):
-                waiting[executor.submit(evaluate, task, batch)] = index
-            if not waiting:
-                return
-            done = wait(waiting, return_when=FIRST_COMPLETED).done
-            # Results first, so that they are written before an error is raised.
-            for future in sorted(done, key=lambda future: future.exception() is not None):
-                yield waiting.pop(future), future.result()
-    except GeomkinError:
-        raise
-    except Exception as error:
-        problem = f"it failed ({type(error).__name__}: {printable(error, 200)})"
-        remedy = "check the executor; a sweep with `out` continues from the rows that it has written"
-        raise DesignError("executor", problem, remedy, "internal") from error
-    finally:
-        for future in waiting:
-            future.cancel()
 
 
 def _title(task: SweepTask) -> dict[str, Any]:

@@ -182,6 +182,30 @@ def test_a_sweeps_page_opens_and_is_read_by_keys(folder, opened):
         assert number(line.inner_text()) == pytest.approx(row.checks[0].value, rel=1e-4)
 
 
+def test_a_design_of_a_front_is_chosen_by_mouse_and_by_keys(folder, opened):
+    gear = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2}}
+    front = gk.optimise(gear, {"gear.teeth": (8, 20)}, ["rim", "-tip_thickness"], "undercut <= 0", out=folder)
+    file = next(path for path in front.files if path.suffix == ".html")
+    for width in (320, 1400):
+        tab = opened(file, viewport={"width": width, "height": 800})
+        assert not tab.said and set(tab.asked.urls) <= {tab.asked.own, "data:,"}
+        assert tab.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    page = tab.page
+
+    def chosen():
+        [text] = page.locator("#designs details[open] code").all_inner_texts()
+        return gk.load(text).gear.teeth
+
+    over = page.locator("#plots .u-over").first
+    box = over.bounding_box()
+    over.click(position={"x": box["width"] - 1, "y": 20})
+    assert chosen() == front.designs[-1].values["gear.teeth"]
+    over.focus()
+    for key in ("ArrowLeft", "Enter"):
+        page.keyboard.press(key)
+    assert chosen() == front.designs[-2].values["gear.teeth"] != front.designs[-1].values["gear.teeth"]
+
+
 def test_still_scene_has_no_player(folder, opened):
     (folder / "parts.html").write_bytes(gk.show(gk.load(RECIPES / "crank-rocker.toml").parts).page)
     page = opened(folder / "parts.html").page

@@ -11,7 +11,7 @@ from geomkin.core.errors import DesignError
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
-from geomkin.making.fasteners import LENGTHS, SIZES, Fastener, fastener_of
+from geomkin.making.fasteners import SIZES, Fastener, fastener_of
 from geomkin.making.motor_faces import MOTOR_FACES
 from tests.linkage.mechanisms import BUILDABLE, TURN
 
@@ -86,7 +86,7 @@ def test_screws_hold_plates_spacers_and_nut():
             length = held.length(grip)
             if length is None:
                 continue
-            assert length in LENGTHS and size.lengths[0] <= length <= size.lengths[1]
+            assert length in size.series.lengths and size.lengths[0] <= length <= size.lengths[1]
             head, nut = held.ends(grip)
             # What is under the head: the plates, and what stands out of them with the nut on it.
             assert grip + nut == pytest.approx(length) and nut >= size.washer[1] + size.nut_height + size.pitch

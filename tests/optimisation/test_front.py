@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.cli import cli
-from geomkin.optimisation.front import even_shares
+from geomkin.optimisation.search import even_shares
 from tests.optimisation.test_independent_optima import STEP_DEG, four_bar
 
 FOUR_BAR = {
@@ -87,7 +87,7 @@ def test_command_writes_table_picture_and_recipes_of_the_front(tmp_path):
     assert len(result.output.splitlines()) == len(rows) + 1
     for number, _, _, teeth in numbers:
         assert gk.load(folder / f"wheel.front-{number:.0f}.toml").gear.teeth == teeth
-    names = {"wheel.front.csv", "wheel.front.svg", "wheel.front-mine.txt"}
+    names = {"wheel.front.csv", "wheel.front.svg", "wheel.front.html", "wheel.front-mine.txt"}
     assert {path.name for path in folder.iterdir()} == names | {f"wheel.front-{k}.toml" for k in range(1, len(rows))}
     # One dot for each design.
     picture = (folder / "wheel.front.svg").read_text()

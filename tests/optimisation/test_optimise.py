@@ -1,6 +1,7 @@
 """Optimisation finds known optima, gives the same result again, and names the constraint that nothing meets."""
 
 import signal
+from concurrent.futures import Executor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.optimisation.designs import Trials
+from tests.sweeps.test_sweep import Backwards, spawned
 
 FOUR_BAR = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}
 GEAR = {"kind": "spur-gear", "gear": {"teeth": 24, "module": 2, "profile_shift": 0.0}}
@@ -87,6 +89,37 @@ def test_path_passes_through_points_of_a_known_linkage():
 def test_same_seed_gives_the_same_result():
     first, second = (gk.optimise(FOUR_BAR, SIDES, "max(rocker_alpha)", starts=2, seed=3) for _ in range(2))
     assert first.values == second.values and first.evaluations == second.evaluations
+
+
+@pytest.mark.parametrize(
+    "made", [lambda: ThreadPoolExecutor(3), Backwards, pytest.param(spawned, marks=pytest.mark.campaign)]
+)
+@pytest.mark.parametrize("minimise", [TRANSMISSION, ["-range(rocker_angle)", "max(rocker_omega)"]])
+def test_any_executor_gives_the_same_files(tmp_path, made, minimise):
+    # At the start the rocker swings too little, so that the constraint has to be met first.
+    arguments = (
+        FOUR_BAR | {"drive": {"step_deg": 20}},
+        {"linkage.crank": (10, 32), "linkage.rocker": (60, 110)},
+        minimise,
+        "range(rocker_angle) >= 62",
+    )
+
+    def files(executor, folder):
+        best = gk.optimise(*arguments, starts=2, out=tmp_path / folder, executor=executor)
+        return best.evaluations, {path.name: path.read_bytes() for path in best.files}
+
+    with made() as executor:
+        assert files(executor, "shared") == files(None, "alone")
+
+
+def test_failure_of_the_executor_is_named(tmp_path):
+    class Failing(Executor):
+        def submit(self, *_):
+            raise RuntimeError("out of light")
+
+    with pytest.raises(gk.DesignError, match="out of light") as refused:
+        gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1, executor=Failing())
+    assert refused.value.field == "executor"
 
 
 def command(folder):

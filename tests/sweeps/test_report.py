@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.processes import each
 from geomkin.sweeps import evaluation
-from geomkin.sweeps import sweep as sweeping
 from geomkin.sweeps.evaluation import SweepTask, evaluate, file_hashes
 from geomkin.sweeps.report import sweep_columns
-from geomkin.sweeps.sweep import SweepRow
+from geomkin.sweeps.sweep import SweepRow, swept
 from tests.sweeps.test_sweep import BAR
 
 
@@ -95,12 +93,11 @@ def test_files_that_a_recipe_names_count_where_they_lie_beside_it(tmp_path, monk
     assert file_hashes("a.csv", str(home)) == []
 
 
-def test_a_process_that_was_killed_costs_its_own_combinations_alone(task, monkeypatch):
-    monkeypatch.setattr(
-        sweeping, "each", lambda work, batches: (None if k == 1 else work(b) for k, b in enumerate(batches))
-    )
-    batches = [[{"linkage.crank": 20}], [{"linkage.crank": 25}, {"linkage.crank": 28}], [{}]]
-    found = dict(sweeping.by_processes(task(), batches))
-    assert each is not sweeping.each and [len(found[k]) for k in range(3)] == [1, 2, 1]
-    assert all(row["refused"] == sweeping.KILLED["refused"] for row in found[1]) and found[1][0] is not found[1][1]
-    assert not found[0][0]["refused"] and not found[2][0]["refused"]
+def test_a_process_that_was_killed_costs_its_own_combinations_alone(task):
+    def run(work, batches):
+        return ((k, None if k == 1 else work(batch)) for k, batch in enumerate(batches))
+
+    rows = swept(task().recipe, {"linkage.crank": [20 + k for k in range(10)]}, (), None, run).rows
+    refused = [k for k, row in enumerate(rows) if row.refused]
+    assert 0 < len(refused) < len(rows) and refused == list(range(refused[0], refused[-1] + 1))
+    assert all("killed" in rows[k].refused and not rows[k].checks for k in refused)

@@ -5,7 +5,7 @@ from concurrent.futures import Executor, Future
 import pytest
 
 import geomkin as gk
-from geomkin.sweeps import sweep as sweeping
+from geomkin.core import processes
 from tests.sweeps.test_sweep import BAR
 
 SIZES = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
@@ -48,11 +48,11 @@ class Failing(Executor):
     def __init__(self):
         self.given, self.undone = [], []
 
-    def submit(self, work, task, batch):
+    def submit(self, work, batch):
         future = Future()
         self.given.append(batch)
         if len(self.given) == 1:
-            future.set_result(work(task, batch))
+            future.set_result(work(batch))
         elif len(self.given) == 2:
             future.set_exception(RuntimeError("out of light"))
         else:
@@ -61,7 +61,7 @@ class Failing(Executor):
 
 
 def test_results_are_kept_and_waiting_work_is_cancelled_on_failure(here, monkeypatch):
-    monkeypatch.setattr(sweeping, "MOST_WAITING", 4)
+    monkeypatch.setattr(processes, "MOST_WAITING", 4)
     failing = Failing()
     # Of the first four jobs one works, the second fails, the others wait without end.
     with pytest.raises(gk.DesignError) as refusal:

@@ -93,14 +93,18 @@ class Backwards(Executor):
         self.jobs = []
 
     def submit(self, function, /, *args, **kwargs):
-        self.jobs.append((Future(), function, args))
+        future = Future()
+        self.jobs.append((future, function, args))
         threading.Timer(0.05, self.work).start()
-        return self.jobs[-1][0]
+        return future
 
     def work(self):
         while self.jobs:
             future, function, args = self.jobs.pop()
-            future.set_result(function(*args))
+            try:
+                future.set_result(function(*args))
+            except Exception as error:
+                future.set_exception(error)
 
 
 def spawned():
