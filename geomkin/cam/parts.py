@@ -57,18 +57,7 @@ def cam_base(
     origin, direction = np.asarray(pose.origin)[:, None], np.asarray(pose.direction)[:, None]
     pins = np.array([hole.centre for plate in plates for hole in plate.holes if hole.key == "pivot_bore"])
     pin_paths = origin + direction * pins
-    shaft = BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"], motor=motor)
-    openings = [shaft]
-    pin = shafts["pivot_bore"]
-    bore_of_pin, collar = ("stock.pivot_bore", pin), collar_across(pin)
-    if cam.follower.oscillates:
-        pivot = complex(pin_paths[0, 0])
-        openings.append(BaseOpening("the arm's pivot", *bore_of_pin, (pivot,), LETTERS["pivot_bore"], head=collar))
-    elif len(pins) < 2:
-        raise DesignError("base", "the follower has no stem that a base could guide", "omit base", "conflict")
-    else:
-        ends = (complex(pin_paths[0, 0]), complex(pin_paths[-1, -1]))
-        openings.append(BaseOpening("the guide pins", *bore_of_pin, ends, LETTERS["pivot_bore"], head=collar))
+    openings = _openings(cam, pin_paths, shafts, motor)
     chords = CHORDS * cam.prime_radius
     bars = [origin + direction * flatten(p.outline, chords) for p in plates if p.name != "roller"]
     if cam.follower.knife_edge is not None:
@@ -79,6 +68,25 @@ def cam_base(
     points = np.concatenate([cam_box, *(z.ravel() for z in bars), *_roller_boxes(cam)])
     # The bars contain the boss of a pivot and the pins of a stem.
     return standing_plate(box_of(points), openings, base, thickness)
+
+
+def _openings(
+    cam: Cam, pin_paths: Complex, shafts: Mapping[str, float], motor: MountedMotorKey | None
+) -> list[BaseOpening]:
+    """Openings of the base: for the cam's shaft, and for the pivot of an arm or the pins of a stem.
+
+    pin_paths: positions (frames, pins) of the pins of the follower, mm.
+    """
+    pin, letter = shafts["pivot_bore"], LETTERS["pivot_bore"]
+    bore_of_pin, collar = ("stock.pivot_bore", pin), collar_across(pin)
+    openings = [BaseOpening("the cam shaft", "stock.bore", shafts["bore"], (0j,), LETTERS["bore"], motor=motor)]
+    if cam.follower.oscillates:
+        pivot = complex(pin_paths[0, 0])
+        return [*openings, BaseOpening("the arm's pivot", *bore_of_pin, (pivot,), letter, head=collar)]
+    if pin_paths.shape[1] < 2:
+        raise DesignError("base", "the follower has no stem that a base could guide", "omit base", "conflict")
+    ends = (complex(pin_paths[0, 0]), complex(pin_paths[-1, -1]))
+    return [*openings, BaseOpening("the guide pins", *bore_of_pin, ends, letter, head=collar)]
 
 
 def _lift_limits(cam: Cam) -> tuple[float, float]:

@@ -24,11 +24,6 @@ MOST_ERROR = 0.3
 BOUND_FRAMES = 72
 
 
-def write_animation(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}-animation.svg": animation(job)}
-
-
 def animation(job: Job) -> bytes:
     """The picture. A full turn repeats without a jump; any other motion goes back and forth.
 

@@ -31,11 +31,6 @@ EITHER = 7
 Shape = tuple[str, Circle | Polyline]
 
 
-def write_assembly_dxf(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}-assembly.dxf": assembly_drawing(job)}
-
-
 def assembly_drawing(job: Job) -> bytes:
     """The drawing at full size: outlines with arcs on a layer for each body; paths, pins and names on others."""
     scene = job.scene

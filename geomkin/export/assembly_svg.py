@@ -22,11 +22,6 @@ BELOW = 22.0
 SCALE = 0.3
 
 
-def write_assembly_svg(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}-assembly.svg": assembly_picture(job)}
-
-
 def assembly_picture(job: Job) -> bytes:
     """The picture; its title names the assembly and the driver position."""
     frame = frame_at(job.scene, job.assembly_at)

@@ -13,9 +13,9 @@ from ..model.table import Column, Table
 from .job import Job
 
 
-def write_csv(job: Job) -> dict[str, bytes]:
-    """The table in one file."""
-    return {f"{job.name}.csv": csv(job.table)}
+def table_file(job: Job) -> bytes:
+    """The table of the motion as CSV."""
+    return csv(job.table)
 
 
 def csv(table: Table, infinite: str = "") -> bytes:
@@ -42,9 +42,9 @@ def _harmless(text: str) -> str:
     return f"'{harmless(text)}" if text.lstrip()[:1] in tuple("=+-@\uff1d\uff0b\uff0d\uff20|") else harmless(text)
 
 
-def write_bom(job: Job) -> dict[str, bytes]:
-    """The bill of materials in one file."""
-    return {f"{job.name}-bom.csv": csv(bill(job))}
+def bill_file(job: Job) -> bytes:
+    """The bill of materials as CSV."""
+    return csv(bill(job))
 
 
 def bill(job: Job) -> Table:

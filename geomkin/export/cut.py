@@ -21,6 +21,15 @@ from .lettering import lettered
 # Finest tolerance as a share of the part's size: a finer one is below the precision of the numbers in meshes
 # and takes minutes.
 FINEST = 1e-7
+# Layers of drawings by operation: a colour index, for programs without RGB, and an RGB colour that colour-blind readers
+# can distinguish.
+LAYERS: dict[str, tuple[int, tuple[int, int, int]]] = {
+    "CUT": (1, (213, 94, 0)),
+    "HOLE": (5, (0, 114, 178)),
+    "ENGRAVE": (3, (0, 158, 115)),
+    "LABEL": (6, (204, 121, 167)),
+    "REFERENCE": (8, (110, 110, 110)),
+}
 
 
 @record(eq=False)

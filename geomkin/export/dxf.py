@@ -16,9 +16,8 @@ from ezdxf.layouts.layout import Modelspace
 
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import rounded
-from .cut import decimals
+from .cut import LAYERS, decimals
 from .dimensioned import COLOURS, dimensioned_drawing
-from .drawing_layers import LAYERS
 from .job import Job
 from .layout import Sheet
 from .text import Text
@@ -110,11 +109,6 @@ def _fixed_stamps() -> Iterator[None]:
         yield
     finally:
         options.write_fixed_meta_data_for_testing = before
-
-
-def write_sheet_dxf(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}-sheet.dxf": sheet(job)}
 
 
 def sheet(job: Job) -> bytes:

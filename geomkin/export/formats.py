@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from .job import Job
@@ -43,15 +43,22 @@ class Writer:
     opt_in: bool = False
 
 
-def _in(home: str) -> Callable[[Job], Contents]:
+def _in(home: str) -> Callable[[Job], Any]:
     """The function `module:function`, imported on first use, so that a DXF does not load the libraries for meshes."""
     module, _, name = home.partition(":")
+    return lambda job: getattr(import_module(f"geomkin.{module}"), name)(job)
 
-    def write(job: Job) -> Contents:
-        written: Contents = getattr(import_module(f"geomkin.{module}"), name)(job)
-        return written
 
-    return write
+def _one_file(
+    needs: Literal["parts", "table", "scene"],
+    home: str,
+    tail: str,
+    packages: tuple[str, ...] = (),
+    opt_in: bool = True,
+) -> Writer:
+    """A format of a single file, named after the recipe, whose content the function `home` returns."""
+    content = _in(home)
+    return Writer(needs, lambda job: {f"{job.name}{tail}": content(job)}, packages, tail=tail, opt_in=opt_in)
 
 
 # Writers by the name of the format, in the order in which files are listed. The name is mostly also the ending.
@@ -59,26 +66,20 @@ WRITERS: dict[str, Writer] = {
     "dxf": Writer("parts", _in("export.dxf:write_dxf"), ("shapely", "ezdxf"), flat=True),
     "stl": Writer("parts", _in("export.stl:write_stl"), ("shapely",)),
     "svg": Writer("parts", _in("export.svg:write_svg"), ("shapely",), flat=True),
-    "csv": Writer("table", _in("export.csv:write_csv")),
-    "bom": Writer("parts", _in("export.csv:write_bom"), ("shapely",), tail="-bom.csv"),
-    "page": Writer("scene", _in("page.page:write_page"), tail=".html"),
-    "assembly-svg": Writer("scene", _in("export.assembly_svg:write_assembly_svg"), tail="-assembly.svg"),
+    "csv": _one_file("table", "export.csv:table_file", ".csv", opt_in=False),
+    "bom": _one_file("parts", "export.csv:bill_file", "-bom.csv", ("shapely",), opt_in=False),
+    "page": _one_file("scene", "page.page:mechanism_page", ".html", opt_in=False),
+    "assembly-svg": _one_file("scene", "export.assembly_svg:assembly_picture", "-assembly.svg", opt_in=False),
     # Opt-in, since users who send a folder's DXF files to be cut send all of them.
-    "assembly-dxf": Writer(
-        "scene", _in("export.assembly_dxf:write_assembly_dxf"), ("shapely", "ezdxf"), tail="-assembly.dxf", opt_in=True
-    ),
-    "steps": Writer("scene", _in("export.steps_svg:write_steps_svg"), tail="-steps.svg", opt_in=True),
-    "animation": Writer("scene", _in("export.animation:write_animation"), tail="-animation.svg", opt_in=True),
+    "assembly-dxf": _one_file("scene", "export.assembly_dxf:assembly_drawing", "-assembly.dxf", ("shapely", "ezdxf")),
+    "steps": _one_file("scene", "export.steps_svg:steps_picture", "-steps.svg"),
+    "animation": _one_file("scene", "export.animation:animation", "-animation.svg"),
     "plots": Writer("scene", _in("export.plots:write_plots"), tail="-plot.svg", opt_in=True),
-    "glb": Writer("scene", _in("export.glb:write_glb"), ("shapely", "trimesh"), tail="-assembly.glb", opt_in=True),
-    "assembly-3mf": Writer(
-        "scene", _in("export.threemf:write_assembly_3mf"), ("shapely",), tail="-assembly.3mf", opt_in=True
-    ),
-    "sheet-dxf": Writer(
-        "parts", _in("export.dxf:write_sheet_dxf"), ("shapely", "ezdxf"), tail="-sheet.dxf", opt_in=True
-    ),
-    "sheet-svg": Writer("parts", _in("export.svg:write_sheet_svg"), ("shapely",), tail="-sheet.svg", opt_in=True),
-    "3mf": Writer("parts", _in("export.threemf:write_3mf"), ("shapely",), opt_in=True),
+    "glb": _one_file("scene", "export.glb:glb", "-assembly.glb", ("shapely", "trimesh")),
+    "assembly-3mf": _one_file("scene", "export.threemf:assembly_package", "-assembly.3mf", ("shapely",)),
+    "sheet-dxf": _one_file("parts", "export.dxf:sheet", "-sheet.dxf", ("shapely", "ezdxf")),
+    "sheet-svg": _one_file("parts", "export.svg:sheet", "-sheet.svg", ("shapely",)),
+    "3mf": _one_file("parts", "export.threemf:threemf", ".3mf", ("shapely",)),
     "step": Writer("parts", _in("export.step:write_step"), ("shapely",), opt_in=True),
 }
 # Formats that are written if a recipe names none.

@@ -14,11 +14,6 @@ from .still import InPlace, in_place, rgb
 UPRIGHT = 1e-3 * np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1e3]])
 
 
-def write_glb(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}-assembly.glb": glb(job)}
-
-
 def glb(job: Job) -> bytes:
     """The assembly: a node for each part, with its name, in the colour of its body on pages."""
     still, placements = in_place(job)

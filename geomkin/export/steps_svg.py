@@ -75,8 +75,8 @@ def layer_pictures(job: Job) -> list[LayerPicture]:
     ]
 
 
-def write_steps_svg(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
+def steps_picture(job: Job) -> bytes:
+    """The pictures of all layers in rows; they have one scale."""
     scene, pictures = job.scene, layer_pictures(job)
     stills = [picture.still for picture in pictures] or [Still(scene, np.array([frame_at(scene, job.assembly_at)]))]
     largest = max(stills, key=lambda still: still.pixel)
@@ -99,7 +99,7 @@ def write_steps_svg(job: Job) -> dict[str, bytes]:
     box = rounded(np.array(box), digits).tolist()
     about = "Layers from the lowest up; the parts to add are coloured, and letters mark their holes."
     css = style(largest, "".join(body))
-    return {f"{job.name}-steps.svg": svg_document(largest, tuple(box), f"{job.name}, assembly", about, css, body)}
+    return svg_document(largest, tuple(box), f"{job.name}, assembly", about, css, body)
 
 
 def _bare(scene: Scene, bodies: tuple[SceneBody, ...]) -> Scene:

@@ -112,8 +112,8 @@ def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, 
 
 def _versions(written: Collection[str]) -> dict[str, str]:
     """Versions of the packages that the written formats use; others may be loaded for another recipe."""
-    hands = [package for ending in WRITERS if ending in written for package in WRITERS[ending].packages]
-    return {"geomkin": __version__} | {name: _version(name) for name in (["numpy", *hands] if written else [])}
+    packages = [package for ending in WRITERS if ending in written for package in WRITERS[ending].packages]
+    return {"geomkin": __version__} | {name: _version(name) for name in (["numpy", *packages] if written else [])}
 
 
 @cache
@@ -136,8 +136,8 @@ def read_summary(folder: Path) -> dict[str, object]:
             return {}
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
-        found = json.loads(content) if len(content) <= LARGEST else {}
-        return found if isinstance(found, dict) else {}
+        data = json.loads(content) if len(content) <= LARGEST else {}
+        return data if isinstance(data, dict) else {}
     except (OSError, ValueError, RecursionError):
         return {}
 

@@ -9,8 +9,8 @@ import numpy as np
 from ..core.errors import harmless
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real, rounded
+from .cut import LAYERS
 from .dimensioned import COLOURS, dimensioned_drawing
-from .drawing_layers import LAYERS
 from .job import Job
 from .layout import Sheet
 
@@ -90,11 +90,6 @@ def _plain(text: str) -> str:
 DIGITS = 3
 # Height of capitals over that of the font.
 CAPITAL = 0.72
-
-
-def write_sheet_svg(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}-sheet.svg": sheet(job)}
 
 
 def sheet(job: Job) -> bytes:

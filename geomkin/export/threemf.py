@@ -31,11 +31,6 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def write_3mf(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}.3mf": threemf(job)}
-
-
 def threemf(job: Job) -> bytes:
     """The parts as a 3MF package, mm; the same parts give the same bytes."""
     sheet, items = lay_out(job.solids), []
@@ -77,11 +72,6 @@ def _mesh(points: Real, faces: Whole) -> str:
 # Decimals of a direction: a ten-thousandth of a mm on a part of ten metres. Further digits differ between
 # processors.
 TURN = 9
-
-
-def write_assembly_3mf(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}-assembly.3mf": assembly_package(job)}
 
 
 def assembly_package(job: Job) -> bytes:

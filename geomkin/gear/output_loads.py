@@ -26,7 +26,7 @@ class RackLoads(LoadFactors):
     force_n : float
         Force on the rack against its travel, N, above 0.
     application_factor, dynamic_factor, face_load_factor : float, optional
-        As of `GearLoads`.
+        As of `LoadFactors`.
     """
 
     force_n: float = quantity("force on the rack against its travel", "N", above=0, at_most=1e12, example=50)
@@ -106,7 +106,7 @@ class TrainLoads(LoadFactors):
     output_torque_n_mm : float
         Torque on the last gear against its rotation, N mm, above 0.
     application_factor, dynamic_factor, face_load_factor : float, optional
-        As of `GearLoads`.
+        As of `LoadFactors`.
     """
 
     output_torque_n_mm: float = quantity(

@@ -91,15 +91,11 @@ def conjugate_scene(
         SceneMark("fixed pin", still + away, "construction", f"axis of the {other}"),
         *contact_marks(np.array(places)),
     ]
-    followed = {n: touching.at(frames.since, np.asarray(contacts[n]))[0] for n in ("pressure_angle", "sliding")}
-    table = Table(
-        (
-            Column(f"{name}_turn", "deg", f"rotation of the {name}, 0 with a tooth on +y", np.degrees(turn)),
-            Column(f"{other}_turn", "deg", f"rotation of the {other}", np.degrees(ratio * turn)),
-            Column("pressure_angle", "deg", "pressure angle of a tooth's contact", followed["pressure_angle"].real),
-            Column("sliding", "mm/rad", "sliding on the mate's flank, per rad of the gear", followed["sliding"].real),
-            Column("contacts", "", "number of contacts of right-hand flanks", np.isfinite(places).sum(axis=0)),
-        )
+    columns = (
+        Column(f"{name}_turn", "deg", f"rotation of the {name}, 0 with a tooth on +y", np.degrees(turn)),
+        Column(f"{other}_turn", "deg", f"rotation of the {other}", np.degrees(ratio * turn)),
+        *touching.columns(frames.since),
+        Column("contacts", "", "number of contacts of right-hand flanks", np.isfinite(places).sum(axis=0)),
     )
     plots = (
         Plot("pressure angle", ("pressure_angle",)),
@@ -113,7 +109,7 @@ def conjugate_scene(
     if pins:
         layers = {name: 1, other: 2} if any(part.body == "ground" for part in parts) else {name: 0}
     bodies = with_motor_plate(bodies_at(parts, poses, layers=layers), motor)
-    return Scene(table, frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
+    return Scene(Table(columns), frames.time, always, bodies, tuple(curves), tuple(marks), plots, frames.cyclic)
 
 
 @record(eq=False)
@@ -169,6 +165,15 @@ class _Touching:
         frame, k = np.nonzero(between)
         contacts[number[frame, k], frame] = values[k] + share[frame, k] * (values[k + 1] - values[k])
         return contacts
+
+    def columns(self, since: Real) -> Iterator[Column]:
+        """Pressure angle and sliding of the first contact of one tooth; `since` as in `at`."""
+        meanings = {
+            "pressure_angle": ("deg", "pressure angle of a tooth's contact"),
+            "sliding": ("mm/rad", "sliding on the mate's flank, per rad of the gear"),
+        }
+        for id, (unit, meaning) in meanings.items():
+            yield Column(id, unit, meaning, self.at(since, np.asarray(self.contacts[id]))[0].real)
 
     def paths(self) -> Iterator[Polyline]:
         """The pieces of the path of contact."""

@@ -69,12 +69,8 @@ class GearLoads(LoadFactors):
     ----------
     torque_n_mm : float
         Torque on the driving gear, N mm, above 0.
-    application_factor : float, optional
-        For shocks of motor and machine.
-    dynamic_factor : float, optional
-        For vibration of the teeth.
-    face_load_factor : float, optional
-        For load that is uneven over the width.
+    application_factor, dynamic_factor, face_load_factor : float, optional
+        As of `LoadFactors`.
     """
 
     torque_n_mm: float = quantity("torque on the driving gear", "N mm", above=0, at_most=1e12, example=500)

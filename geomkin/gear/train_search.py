@@ -123,7 +123,7 @@ class _Candidate:
     error: float
 
 
-# An editor builds a recipe anew with each step of a drag, mostly with the same bounds.
+# Cached, since an editor makes the recipe again at each step of a drag, mostly with the same bounds.
 @lru_cache(maxsize=16)
 def _find(
     ratio: float, least: int, most: int, most_stages: int, error: float, reverted: bool, total: int | None
@@ -133,10 +133,10 @@ def _find(
     for stages in (2,) if reverted else range(1, most_stages + 1):
         # The teeth of reverted trains rise with the sum of each stage: the first candidate has the fewest.
         for pairs in _choices(least, most, reverted, total):
-            candidate, near = _search(pairs, ratio, stages, error)
+            candidate, next_best = _search(pairs, ratio, stages, error)
             if candidate is not None:
                 return candidate
-            nearest = near if nearest is None or near.error < nearest.error else nearest
+            nearest = next_best if nearest is None or next_best.error < nearest.error else nearest
     assert nearest is not None
     raise _unreachable(ratio, error, nearest, least, most, 2 if reverted else most_stages)
 
@@ -176,7 +176,9 @@ def _search(pairs: _Pairs, ratio: float, stages: int, error: float) -> tuple[_Ca
             sums = teeth[heads[inside]].sum(axis=1) + teeth[fewest[inside]]
             errors = np.abs(pairs.ratio[fewest[inside]] / wanted[inside] - 1)
             k = int(inside[np.lexsort((errors, sums))[0]])
-            best = _better(best, _candidate(pairs, (*heads[k], fewest[k]), ratio))
+            candidate = _candidate(pairs, (*heads[k], fewest[k]), ratio)
+            if best is None or (candidate.teeth, candidate.error) < (best.teeth, best.error):
+                best = candidate
         k = int(np.abs(pairs.ratio[closest] / wanted - 1).argmin())
         candidate = _candidate(pairs, (*heads[k], closest[k]), ratio)
         nearest = candidate if nearest is None or candidate.error < nearest.error else nearest
@@ -200,10 +202,6 @@ def _candidate(pairs: _Pairs, chosen: tuple[np.int64, ...], ratio: float) -> _Ca
     stages = tuple((int(pairs.driver[k]), int(pairs.driven[k])) for k in chosen)
     error = abs(float(np.prod(pairs.ratio[list(chosen)])) / ratio - 1)
     return _Candidate(stages, sum(map(sum, stages)), error)
-
-
-def _better(best: _Candidate | None, other: _Candidate) -> _Candidate:
-    return other if best is None or (other.teeth, other.error) < (best.teeth, best.error) else best
 
 
 class _Lookup:
@@ -234,7 +232,7 @@ class _Lookup:
 
 
 def _train(candidate: _Candidate, module: float, reverted: bool, centre_distance: float | None) -> GearTrain:
-    """The train of a candidate; without a common centre distance, its gears are paired anew, small with small."""
+    """The train of a candidate; without a common centre distance, its smallest gears are paired with each other."""
     stages = candidate.stages
     if not reverted and centre_distance is None:
         drivers, driven = (sorted(side) for side in zip(*stages))

@@ -337,7 +337,7 @@ class MachineRecipe(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """Steps of each mechanism, then the shafts that join them."""
+        """The shafts that join the mechanisms, then the steps of each mechanism."""
         own = (f"{name}: {step}" for name, recipe in self.recipes.items() for step in recipe.steps)
         phases = (
             f"turn the driver of {name} by {mechanism.phase_deg:g} deg before it is fixed to its shaft"
@@ -353,7 +353,7 @@ class MachineRecipe(AbstractRecipe):
             for name, mechanism in self.mechanisms.items()
             if mechanism.upside_down
         )
-        return (*own, *turned, *neighbours, *(shaft.step for shaft in self.shafts), *phases)
+        return (*(shaft.step for shaft in self.shafts), *own, *turned, *neighbours, *phases)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:

@@ -89,8 +89,8 @@ class ShaftFit:
         """The assembly step of the shaft."""
         bodies, joints = " and ".join(self.bodies), " and ".join(f"{joint} of {n}" for n, joint in self.joints.items())
         if self.is_motor:
-            return f"put the shaft of the motor, {self._long}, through {bodies}, fixed to each, instead of {joints}"
-        return f"put one shaft through {bodies}, fixed to each, with a collar at each end, instead of that of {joints}"
+            return f"the shaft of the motor, {self._long}, goes through {bodies}, fixed to each, instead of {joints}"
+        return f"one shaft goes through {bodies}, fixed to each, with a collar at each end, instead of that of {joints}"
 
     def checks(self, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
@@ -163,7 +163,7 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
                     layers.append(body.layer)
                 if body.name == full:
                     bodies[full], bores[full] = body, found[0][1][0] if found else None
-                    if found and turns_alone(graph.bodies[name], joined_body):
+                    if found and turns_with_shaft(graph.bodies[name], joined_body):
                         joints[name] = found[0][1][1] or found[0][0].name.removeprefix(f"{name}_")
         low, high = min(layers), max(layers)
         length = sum(heights[k] for k in range(low, high + 1))
@@ -174,10 +174,11 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
         yield ShaftFit(shaft, axis, bodies, bores, joints, (low, high), is_motor, length)
 
 
-def turns_alone(bodies: Mapping[str, RotatingBody], name: str) -> bool:
-    """Whether no body of the mechanism on the same axis turns at another speed, on the same shaft."""
+def turns_with_shaft(bodies: Mapping[str, RotatingBody], name: str) -> bool:
+    """Whether the shaft on the axis of a body turns with it: with the first body there, and with all of its speed."""
     body, size = bodies[name], max(abs(other.axis) for other in bodies.values())
-    return all(o.speed == body.speed for o in bodies.values() if abs(o.axis - body.axis) <= SAME_AXIS * size)
+    first = next(other for other in bodies.values() if abs(other.axis - body.axis) <= SAME_AXIS * size)
+    return first.speed == body.speed
 
 
 def motor_key(recipe: AbstractRecipe) -> str:

@@ -29,11 +29,6 @@ START = (
 CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice));'
 
 
-def write_page(job: Job) -> dict[str, bytes]:
-    """One file, named after the recipe."""
-    return {f"{job.name}.html": mechanism_page(job)}
-
-
 def mechanism_page(job: Job) -> bytes:
     """The page. The player shows the drawing and the plots; all else is in tables that do not need it."""
     about = f"<p>{text(job.about)}</p>" if job.about else ""

@@ -208,6 +208,14 @@ def test_sun_s_shaft_stays_if_the_carrier_turns_another():
     assert any(joint.startswith("set ") for joint in joints)
 
 
+def test_first_shaft_of_a_reverted_train_that_turns_another_is_one_shaft():
+    """The hour wheel of a clock turns on the shaft of its minute wheel, which goes on to the seconds."""
+    clock = 'kind = "gear-train", train = { stages = [[12, 36], [12, 36]], module = 1, arrangement = "reverted" }'
+    hours, seconds = (f"{text}, stock = {{ bore = 3, pin = 0 }}" for text in (clock, TRAIN))
+    own = parse(machine(hours=inline(hours), seconds=inline(seconds, 'turned_by = "hours.driver_1"')))
+    assert len(axes(own.scene)) == count(own, "shaft 3 mm") == 4
+
+
 def test_parts_are_those_of_the_mechanisms_and_the_shaft_passes_all_its_layers():
     own = legs()
     assert Counter({part.name: part.count for part in own.parts}) == Counter(

@@ -265,10 +265,10 @@ class LoadedCam:
             ("contact_force_N", self.contact, ("least", "largest")),
             ("contact_pressure_N_per_mm2", self.pressure, ("largest",)),
         ):
-            found = {end: self._extreme(values, -1 if end == "least" else 1) for end in ends}
-            if all(np.isfinite(value) for value, _ in found.values()):
-                sizes = {end: to_digits(value) for end, (value, _) in found.items()}
-                result[name] = sizes | {f"{end}_at_deg": to_digits(at, 5) for end, (_, at) in found.items()}
+            extremes = {end: self._extreme(values, -1 if end == "least" else 1) for end in ends}
+            if all(np.isfinite(value) for value, _ in extremes.values()):
+                sizes = {end: to_digits(value) for end, (value, _) in extremes.items()}
+                result[name] = sizes | {f"{end}_at_deg": to_digits(at, 5) for end, (_, at) in extremes.items()}
         speed = self.drive.speed
         result["jump_speed_rpm"] = to_digits(jump_speed(self.cam, self.loads) * 30 / np.pi)
         result[f"least_preload_{'N_mm' if arm else 'N'}"] = to_digits(least_preload(self.cam, self.loads, speed))

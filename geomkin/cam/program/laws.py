@@ -41,7 +41,7 @@ Ends = tuple[tuple[float, float], tuple[float, float]] | None
 
 
 def uniform(x: Real) -> Real:
-    """f = x: constant velocity. Beside a dwell the acceleration is infinite. Peaks 1, 0, 0."""
+    """f = x: constant velocity. Next to a dwell the acceleration is infinite. Peaks 1, 0, 0."""
     return np.stack([x, np.ones_like(x), np.zeros_like(x), np.zeros_like(x)])
 
 
@@ -54,7 +54,7 @@ def cycloidal(x: Real) -> Real:
 
 
 def harmonic(x: Real) -> Real:
-    """f = (1 - cos(pi x)) / 2: acceleration jumps against a dwell. Peaks pi / 2, pi^2 / 2, pi^3 / 2."""
+    """f = (1 - cos(pi x)) / 2: the acceleration jumps next to a dwell. Peaks pi / 2, pi^2 / 2, pi^3 / 2."""
     turn = np.pi * x
     # 1 - cos(turn) would lose the digits of a lift that has just begun.
     lift = 2 * np.sin(0.5 * turn) ** 2
@@ -132,7 +132,7 @@ def sine_constant_cosine(ramp: float, constant: float, swing: float) -> Waves:
         slope = c1 + width * c2 + p * w * np.cos(w * width + q)
         breaks.append(breaks[-1] + width)
     coefficients = np.array(rows).T
-    coefficients[:4] /= f  # the acceleration was taken of height 1; the lift must end at 1
+    coefficients[:4] /= f  # so far the acceleration has height 1; the lift must end at 1
     return Waves(np.array([*breaks[:-1], 1.0]), coefficients)
 
 

@@ -62,15 +62,15 @@ class SolvedSegment:
 
 def solve_segments(placed: Sequence[PlacedSegment]) -> list[SolvedSegment]:
     """The segments of a programme with their laws. Segments that match their neighbours are solved after the others."""
-    alone: list[SolvedSegment | None] = []
+    independent: list[SolvedSegment | None] = []
     for segment in placed:
         with errors_named_by_segment(segment.place):
-            alone.append(_independent(segment))
+            independent.append(_independent(segment))
     n = len(placed)
-    solved = list(alone)
+    solved = list(independent)
     for k, segment in enumerate(placed):
         if solved[k] is None:
-            before, after = alone[k - 1], alone[(k + 1) % n]
+            before, after = independent[k - 1], independent[(k + 1) % n]
             start, end = before.state(1.0) if before else REST, after.state(0.0) if after else REST
             with errors_named_by_segment(segment.place):
                 solved[k] = _matched(segment, start, end, n)

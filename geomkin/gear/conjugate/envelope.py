@@ -32,7 +32,7 @@ GRAZE = 1e-9
 # lose such crossings; more have no benefit.
 MOST_STEPS = 8
 # Newton's method stops when the step of both parameters, of range 1, is below this. A larger value leaves an error;
-# with a smaller one rounding keeps it going.
+# with a smaller one it does not stop, because of rounding.
 SETTLED = 1e-12
 # Shares of an interval at which a sign change is searched at once: one call costs the same for many points.
 SHARES = np.linspace(0, 1, 33)
@@ -326,5 +326,5 @@ def _crossing(a: ConjugateCurve, b: ConjugateCurve, u: Real, v: Real, size: floa
         moving = moving[np.abs(u[moving] - before[0]) + np.abs(v[moving] - before[1]) > SETTLED]
     finite = np.isfinite(u)
     u, v = u[finite], v[finite]
-    met = np.abs(b.point(v) - a.point(u)) < 1e-11 * size
-    return u[met], v[met]
+    is_crossing = np.abs(b.point(v) - a.point(u)) < 1e-11 * size
+    return u[is_crossing], v[is_crossing]

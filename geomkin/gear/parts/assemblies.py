@@ -129,26 +129,32 @@ def planetary_assembly(
     if carrier and turning:
         builder.add_step(layer, f"{seated('each planet', f'a shaft {on_planet}'.rstrip(), planet)}, flush with it")
     builder.add_step(layer, _planets(gears, helix))
-    if not carrier:
-        return builder.build()
+    if carrier:
+        _add_carrier(builder, gears.planets, planet, top, has_base)
+    return builder.build()
+
+
+def _add_carrier(builder: AssemblyBuilder, count: int, planet: GearStock, layer: int, has_base: bool) -> None:
+    """The shafts of planets, their collars, and the carrier if it lies above the gears. count: of planets."""
+    turning = turns_with_shaft(planet)
     # Glued shafts end flush with carrier and planets; a shaft that turns, or holds a planet from above, has a collar.
-    collars, below = turning or not has_base, " below carrier" if turning and not has_base else ""
-    if below:
+    has_collars, is_free_below = turning or not has_base, turning and not has_base
+    if is_free_below:
         builder.keep_free_below(collar_width(planet.bore))
     planets = builder.joint_name("C", "planet")
-    builder.planet_shafts(planets, planet, 2 * carrier, gears.planets, collars)
+    builder.planet_shafts(planets, planet, 2 * planet.thickness, count, has_collars)
     if not turning:
-        builder.buy(planets, glue_bill(gears.planets))
-    if has_base and not turning:
-        step = f"glue {_shafts(gears.planets, 'C')} into carrier so that {planet.thickness:g} mm project below"
-        builder.add_step(top, step)
+        builder.buy(planets, glue_bill(count))
     if has_base:
-        builder.add_step(top, "lay carrier on A and C" if turning else "lay carrier on A, with C in the planets")
-    if collars:
-        several = "s" if gears.planets > 1 else ""
-        shafts = on_planet or f"the shaft{several} of planet"
-        builder.add_step(top, f"fit {gears.planets} collar{several} on {shafts}{below}")
-    return builder.build()
+        if not turning:
+            step = f"glue {_shafts(count, 'C')} into carrier so that {planet.thickness:g} mm project below"
+            builder.add_step(layer, step)
+        builder.add_step(layer, "lay carrier on A and C" if turning else "lay carrier on A, with C in the planets")
+    if has_collars:
+        plural = "s" if count > 1 else ""
+        shafts = "C" if has_base else f"the shaft{plural} of planet"
+        below = " below carrier" if is_free_below else ""
+        builder.add_step(layer, f"fit {count} collar{plural} on {shafts}{below}")
 
 
 def turns_with_shaft(stock: AbstractBored) -> bool:

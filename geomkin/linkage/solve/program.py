@@ -87,9 +87,8 @@ class LinkageProgram:
         for number, truth in self.recording.conditions.items():
             if bool(values[number]) != truth:
                 return None
-        for number in self.inputs:
-            values[number] = np.asarray(values[number])
-        return values
+        # NumPy takes twice as long to combine an array with a number as with an array of one number.
+        return {number: np.asarray(value) for number, value in values.items()}
 
     def _results(self, groups: Iterable[Group]) -> set[int]:
         """Numbers of the results of groups; those that are constants have none."""
@@ -137,7 +136,7 @@ class LinkageProgram:
             step = steps[number]
             operands = [f"v{n}" if isinstance(n, int) else n for n in step.of]
             if step.value is None:
-                # NumPy takes twice as long to combine an array with a Python number than with an array of one number.
+                # Constants are arrays of one number as well.
                 for k, n in enumerate(step.of):
                     if isinstance(n, str):
                         operands[k] = f"c{number}_{k}"
@@ -150,11 +149,7 @@ class LinkageProgram:
                 if isinstance(n, int) and last[n] == number and n in needed - wanted
             ]
             lines += [f"del {', '.join(done)}"] if done else []
-        lines += [
-            f"values[{n}] = v{n}" if steps[n].value is None else f"values[{n}] = asarray(v{n})"
-            for n in order
-            if n in wanted
-        ]
+        lines += [f"values[{n}] = v{n}" for n in order if n in wanted]
         exec("\n    ".join(["def function(values):", *lines, "return"]), namespace)
         function: Function = namespace["function"]
         return function

@@ -57,7 +57,10 @@ export class Form {
     const exists = path === "" || this.below(path).length > 0;
     if (group.within && this.values[`${path.replace(/\[\d+\]$/, "").split(".").slice(0, -1).join(".")}.kind`] !== group.within) return;
     if (isNew || !exists) {
-      const add = make(this.root, "button", { type: "button", class: "add" }, `Add ${group.title}`);
+      // The button for a table inside another one is at its end.
+      const around = group.rows ? "" : path.slice(0, Math.max(0, path.lastIndexOf(".")));
+      const place = (around && [...this.root.children].find(({ dataset }) => dataset.key === around)) || this.root;
+      const add = make(place, "button", { type: "button", class: "add" }, `Add ${group.title}`);
       add.addEventListener("click", () => { this.editor.set({ [isNew ? `${path}[${index}]` : path]: this.example(group, index) }, path); this.editor.close(); });
       return;
     }
