@@ -30,7 +30,7 @@ from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
 from ..recipe.toml import LARGEST, parsed
 from .placed import TORQUE, PlacedMechanism, joined_scene, joined_table
-from .shaft_fits import ShaftFit, motor_key, shaft_fits
+from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
 
 # Most mechanisms of a machine: what a page shows and a person tells apart. Twelve legs and their train are 13.
@@ -358,7 +358,8 @@ class MachineRecipe(AbstractRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         own = self._checks_of("design_checks")
-        return (*own, *(check for shaft in self.shafts for check in shaft.checks(self.placed)), *self.motor_checks)
+        shafts = (check for shaft in self.shafts for check in shaft.checks(self.placed))
+        return (*own, *shafts, *motor_room(self.graph, self.placed), *self.motor_checks)
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from ..core.fields import to_digits
 from ..core.records import record
 from ..making.assembly import collar_bill, collar_width
+from ..making.motor_faces import face_of
 from ..model.check import Check
 from ..model.part import Bought, HoleFit, Part
 from ..model.rotating import RotatingBody
@@ -129,6 +130,43 @@ class ShaftFit:
                     else:
                         loops = [flatten(curve, FINE) for curve in (part.outline, *part.holes)]
                         yield float(distances(loops, places).min()), body.name
+
+
+def motor_room(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
+    """Check that no body moves where a motor hangs from its plate; nothing without a motor.
+
+    The motor counts as a cylinder, as wide as its face, through all layers on its side of the plate.
+    """
+    driver = next(mechanism for mechanism in mechanisms if mechanism.name == graph.driver)
+    stock, _, key = motor_key(driver.recipe).partition(".")
+    if not key:
+        return
+    face = face_of(getattr(getattr(driver.recipe, stock), key))
+    axis = complex(driver.pose.place(next(iter(graph.bodies[driver.name].values())).axis))
+    plates = (
+        body
+        for body in driver.scene.bodies
+        for part in body.parts
+        if (bore := bore_at(part, places_on(body, axis))) and bore[0].diameter == face.boss_diameter
+    )
+    if (plate := next(plates, None)) is None:
+        return
+    middle, side = axis + face.face_offset * complex(plate.direction[0]), 1 if driver.upside_down else -1
+    rooms = (
+        (float(distances([flatten(part.outline, FINE)], places_on(body, middle)).min()), body.name)
+        for mechanism in mechanisms
+        if mechanism is not driver
+        for body in mechanism.scene.bodies
+        if (body.layer - plate.layer) * side > 0
+        for part in body.parts
+    )
+    room, name = min(rooms, default=(np.inf, ""))
+    beside = f" and {name}" if name else ""
+    advice = (
+        "put these mechanisms on the other side of the plate, or change their angle_deg or the train's directions_deg"
+    )
+    value = room - face.face_width / 2
+    yield Check("motor_room", f"distance of the motor{beside}", value, "at least", 0.0, "mm", advice)
 
 
 def places_on(body: SceneBody, axis: complex) -> Complex:

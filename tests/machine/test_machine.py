@@ -249,6 +249,29 @@ def test_shaft_that_meets_a_moving_plate_is_found(up):
         assert check.value == pytest.approx(room - 1, abs=0.02)
 
 
+@pytest.mark.parametrize(("directions", "free"), [("[-90, -60]", True), ("[0, 0]", False)])
+def test_leg_that_moves_where_the_motor_hangs_is_found(directions, free):
+    """The cylinder of the motor against the plates below it, by polygons."""
+    stock = "stock = { bore = 3, pin = 0, thickness = 3 }, last_stock = { bore = 2, thickness = 3 }"
+    motor = 'first_stock = { bore = 4, bore_form = "D", motor = "25d-75", thickness = 3 }, base = { screw = 3 }'
+    train = f"{TRAIN.replace('[-90, -60]', directions)}, {stock}, {motor}"
+    leg = 'recipe = "walking-leg.toml"\nturned_by = "train.driven_2"\nupside_down = true'
+    own = parse(machine(leg=leg, train=inline(train)), folder="recipes")
+    (check,) = (check for check in own.checks if check.id == "motor_room")
+    # The axis of the motor is that of the first gear, at the origin of the train, which is in place.
+    place = named(own.scene, "train/driver_1").origin[0]
+    cylinder = shapely.Point(place.real, place.imag).buffer(12.5, 64)
+    least = np.inf
+    for body in (body for body in own.scene.bodies if body.name.startswith("leg/")):
+        for origin, direction in zip(body.origin[::4], body.direction[::4]):
+            for part in body.parts:
+                z = origin + direction * gk.flatten(part.outline, 0.01)
+                least = min(least, shapely.Polygon(gk.plane.xy(z)).distance(cylinder))
+    assert check.passed == free == (least > 0)
+    if free:
+        assert check.value == pytest.approx(least, abs=0.3)
+
+
 def test_bores_of_another_diameter_than_the_shaft_fail_a_check():
     other = parse(machine(pair=inline(f"{PAIR}, second_stock = {{ bore = 6 }}, first_stock = {{ bore = 6 }}"),
                           pump=inline(CRANK, 'turned_by = "pair.second"')))  # fmt: skip
