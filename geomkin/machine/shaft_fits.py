@@ -160,13 +160,14 @@ def motor_room(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
         if (body.layer - plate.layer) * side > 0
         for part in body.parts
     )
-    room, name = min(rooms, default=(np.inf, ""))
-    beside = f" and {name}" if name else ""
+    if (nearest := min(rooms, default=None)) is None:
+        return
+    room, name = nearest
     advice = (
         "put these mechanisms on the other side of the plate, or change their angle_deg or the train's directions_deg"
     )
     value = room - face.face_width / 2
-    yield Check("motor_room", f"distance of the motor{beside}", value, "at least", 0.0, "mm", advice)
+    yield Check("motor_room", f"distance of the motor and {name}", value, "at least", 0.0, "mm", advice)
 
 
 def places_on(body: SceneBody, axis: complex) -> Complex:
