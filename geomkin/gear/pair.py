@@ -119,6 +119,15 @@ class GearPair:
         return self._base_distance * float(np.hypot(1, inverse_involute(angle)))
 
     @property
+    def shift_without_backlash(self) -> float:
+        """Sum of the profile shifts, modules, for which the teeth have no backlash at the centre distance.
+
+        Of a ring, its shift minus that of the pinion. Thickness allowances are not included.
+        """
+        slope, working = np.tan([self.first.pressure_angle, self.working_pressure_angle])
+        return float((involute_function(working) - involute_function(slope)) * self._teeth / (2 * slope))
+
+    @property
     def _shift(self) -> float:
         """Sum of the profile shifts, modules; their difference for a ring."""
         x1, x2 = self.first.profile_shift, self.second.profile_shift

@@ -52,7 +52,9 @@ def _text(path: Path) -> str:
             content = file.read(LARGEST + 1)
     except OSError as error:
         problem = f"cannot be read ({error.strerror})"
-        raise FileError(path, problem, "give a recipe file", "file-unreadable") from error
+        raise FileError(
+            path, problem, "give a recipe file, or in Python a text of several lines", "file-unreadable"
+        ) from error
     if len(content) > LARGEST:
         raise _whole(
             str(path), f"it is larger than {LARGEST:,} bytes", "give a recipe, a short TOML file", "too-much-work"

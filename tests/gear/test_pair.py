@@ -170,3 +170,17 @@ def test_a_distance_at_which_no_flanks_meet_is_refused_at_once_with_the_nearest(
     most = float(caught.value.remedy.split("at most ")[1].split()[0])
     pair = gk.GearPair(gk.SpurGear(24, 2), gk.SpurGear(24, 2), most)
     assert pair.contact_ratio == pytest.approx(1, abs=1e-5) and pair.contact_ratio >= 1
+
+
+@pytest.mark.parametrize(
+    ("mate", "teeth", "distance"), [(gk.SpurGear, 33, 50), (gk.SpurGear, 20, 37), (gk.RingGear, 60, 43.95)]
+)
+def test_the_shift_without_backlash_leaves_none(mate, teeth, distance):
+    """The backlash is measured by the thickness of the teeth at the working pitch circles."""
+
+    def pair(shift):
+        return gk.GearPair(gk.SpurGear(16, 2), mate(teeth, 2, shift, addendum=0.6), distance)
+
+    assert pair(0.0).backlash > 0.03
+    shift = pair(0.0).shift_without_backlash
+    assert pair(shift - 1e-9 * np.sign(shift)).backlash == pytest.approx(0, abs=1e-7)

@@ -3,6 +3,7 @@
 import numpy as np
 
 import geomkin as gk
+from geomkin.linkage.instant.curvature import crank_path
 from tests.made import Made
 
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, 40 + 25j)
@@ -24,6 +25,24 @@ def walking_leg():
         },
         driver="crank",
     )
+
+
+def crank_paths(motion):
+    """The circles on which both pins of a four-bar's coupler run."""
+    return tuple(
+        crank_path(motion.point(pin).position, motion.point(pivot).position)
+        for pin, pivot in (("crank_pin", "crank_pivot"), ("rocker_pin", "rocker_pivot"))
+    )
+
+
+def bar_that_turns_back():
+    """A six-bar whose bar turns back, and the crank angle at which it does: a dead centre of the rocker."""
+    bodies = {name: dict(points) for name, points in gk.FourBar(100, 30, 90, 70).linkage.bodies.items()}
+    bodies["ground"]["output_pivot"] = 60 - 80j
+    bodies["rocker"]["output_start"] = 40 + 25j
+    bodies |= {"bar": {"output_start": 0j, "output_pin": 110 + 0j}}
+    bodies |= {"output": {"output_pivot": 0j, "output_pin": 90 + 0j}}
+    return gk.Linkage(bodies, driver="crank"), np.arccos((120**2 + 100**2 - 70**2) / (2 * 120 * 100))
 
 
 def locked():

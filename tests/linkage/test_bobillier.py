@@ -8,17 +8,11 @@ from hypothesis import strategies as st
 import geomkin as gk
 from geomkin.linkage.instant.curvature import PathCurvature, crank_path, path_curvature
 from geomkin.linkage.instant.inflection import bobillier, bobillier_path, inflection_circle, inflection_circle_of_cranks
+from tests.linkage.examples import crank_paths
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
 FOUR_BAR = gk.FourBar(100, 30, 90, 70, origin=12 - 7j, ground_angle_deg=33.0)
 PARALLEL_CRANKS = gk.FourBar(100, 30, float(np.hypot(100, 30)), 60)
-
-
-def cranks(motion):
-    return tuple(
-        crank_path(motion.point(pin).position, motion.point(pivot).position)
-        for pin, pivot in (("crank_pin", "crank_pivot"), ("rocker_pin", "rocker_pivot"))
-    )
 
 
 def aslant(one, other):
@@ -28,7 +22,7 @@ def aslant(one, other):
 
 def test_the_tangent_is_that_of_the_motion():
     motion = gk.move(FOUR_BAR, TURN)
-    drawn, circle = bobillier(*cranks(motion)), inflection_circle(motion, "coupler")
+    drawn, circle = bobillier(*crank_paths(motion)), inflection_circle(motion, "coupler")
     assert aslant(drawn.tangent, circle.tangent).max() < 1e-12
     centre = circle.instant_centre.position
     assert np.abs(drawn.instant_centre.position / centre - 1).max() < 1e-10
@@ -44,7 +38,7 @@ def test_both_constructions_agree_with_the_motion_of_any_four_bar(lengths, angle
     assume(longest < 0.99 * (sum(lengths) - longest))
     motion = gk.move(gk.FourBar(*lengths), [angle], branch)
     assume(motion.assembled[0] and motion.transmission_angle[0] > 0.05)
-    one, two = cranks(motion)
+    one, two = crank_paths(motion)
     circle = inflection_circle(motion, "coupler")
     assume(np.isfinite(circle.tangent[0]) and abs(circle.tangent_foot[0]) < 100)
     assume(max(aslant(one.tangent, two.tangent)[0], 0) > 0.01)
@@ -61,7 +55,7 @@ def test_one_crank_and_the_tangent_give_the_path_of_any_point():
     circle = inflection_circle(motion, "coupler")
     for local in (40 + 25j, -60 - 5j):
         known = path_curvature(motion, "coupler", local)
-        for crank in cranks(motion):
+        for crank in crank_paths(motion):
             clear = aslant(1j * crank.tangent, circle.tangent) > 0.02
             found = bobillier_path(crank, circle.tangent_foot, circle.tangent, known.position)
             assert clear.sum() > 60
@@ -88,7 +82,7 @@ def test_sliders_are_cranks_like_others():
 @pytest.mark.parametrize("away", [0.0, 1e-7])
 def test_parallel_cranks_and_nearly_so(away):
     motion = gk.move(PARALLEL_CRANKS, [np.pi / 2 - away])
-    one, two = cranks(motion)
+    one, two = crank_paths(motion)
     drawn, circle = bobillier(one, two), inflection_circle(motion, "coupler")
     assert np.isnan(drawn.instant_centre.position[0]) == (away == 0)
     # Crossing of coupler and frame at x = -100; cranks at 0 and 100: so the tangent stands at x = 200.

@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.instant.centrodes import Centrodes
+from tests.linkage.examples import bar_that_turns_back
 
 TURN = np.linspace(0.003, 0.003 + 2 * np.pi, 721)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}
@@ -93,13 +94,8 @@ def test_infinity_between_two_frames_breaks_the_curve_at_any_reach():
 
 
 def test_a_body_that_turns_back_does_not_break_its_centrode():
-    bodies = {name: dict(points) for name, points in gk.FourBar(100, 30, 90, 70).linkage.bodies.items()}
-    bodies["ground"]["output_pivot"] = 60 - 80j
-    bodies["rocker"]["output_start"] = 40 + 25j
-    bodies |= {"bar": {"output_start": 0j, "output_pin": 110 + 0j}}
-    bodies |= {"output": {"output_pivot": 0j, "output_pin": 90 + 0j}}
-    limit = np.arccos((120**2 + 100**2 - 70**2) / (2 * 120 * 100))
-    motion = gk.move(gk.Linkage(bodies, driver="crank"), limit + np.linspace(-0.1, 0.1, 20))
+    linkage, limit = bar_that_turns_back()
+    motion = gk.move(linkage, limit + np.linspace(-0.1, 0.1, 20))
     assert np.count_nonzero(np.diff(np.sign(motion.bar.first))) == 1
     assert Centrodes(motion, "bar").runs(1e4) == [slice(0, 20)]
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import geomkin as gk
 from geomkin.linkage.instant.curvature import euler_savary, path_curvature
-from tests.linkage.examples import ALL, FEW
+from tests.linkage.examples import ALL, FEW, bar_that_turns_back
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}
@@ -84,13 +84,8 @@ def test_a_pin_keeps_its_cranks_circle_where_the_crank_turns_back():
 
 
 def test_where_a_floating_bar_turns_back_its_curvature_is_unknown():
-    bodies = {name: dict(points) for name, points in gk.FourBar(100, 30, 90, 70).linkage.bodies.items()}
-    bodies["ground"]["output_pivot"] = 60 - 80j
-    bodies["rocker"]["output_start"] = 40 + 25j
-    bodies |= {"bar": {"output_start": 0j, "output_pin": 110 + 0j}}
-    bodies |= {"output": {"output_pivot": 0j, "output_pin": 90 + 0j}}
-    limit = np.arccos((120**2 + 100**2 - 70**2) / (2 * 120 * 100))
-    motion = gk.move(gk.Linkage(bodies, driver="crank"), limit + np.array([-1e-2, -1e-4, -1e-8, 0, 1e-8, 1e-4, 1e-2]))
+    linkage, limit = bar_that_turns_back()
+    motion = gk.move(linkage, limit + np.array([-1e-2, -1e-4, -1e-8, 0, 1e-8, 1e-4, 1e-2]))
     assert abs(motion.bar.first[3]) < 1e-12
     bend = path_curvature(motion, "bar", 50 + 20j).curvature
     assert np.isnan(bend[2:5]).all()

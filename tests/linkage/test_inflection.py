@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import geomkin as gk
 from geomkin.linkage.instant.curvature import PathCurvature, crank_path, euler_savary, path_curvature
 from geomkin.linkage.instant.inflection import InflectionCircle, inflection_circle, inflection_circle_of_cranks
+from tests.linkage.examples import crank_paths
 
 TURN = np.linspace(0.05, 2 * np.pi + 0.05, 73)
 PLACED = {"origin": 12 - 7j, "ground_angle_deg": 33.0}
@@ -16,20 +17,13 @@ FOUR_BAR = gk.FourBar(100, 30, 90, 70, **PLACED)
 PARALLEL_CRANKS = gk.FourBar(100, 30, float(np.hypot(100, 30)), 60)
 
 
-def cranks(motion):
-    return tuple(
-        crank_path(motion.point(pin).position, motion.point(pivot).position)
-        for pin, pivot in (("crank_pin", "crank_pivot"), ("rocker_pin", "rocker_pivot"))
-    )
-
-
 @given(st.lists(st.floats(0.2, 5), min_size=4, max_size=4), st.floats(0, 6.28), st.sampled_from([1, -1]))
 def test_motion_and_cranks_alone_give_the_same_circle(lengths, angle, branch):
     longest = max(lengths)
     assume(longest < 0.99 * (sum(lengths) - longest))
     motion = gk.move(gk.FourBar(*lengths), [angle], branch)
     assume(motion.assembled[0] and motion.transmission_angle[0] > 0.05)
-    by_motion, by_cranks = inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*cranks(motion))
+    by_motion, by_cranks = inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*crank_paths(motion))
     assume(np.isfinite(by_motion.nearest[0]) and abs(by_motion.nearest[0]) < 1e3)
     # Digits that the two roads lose in common: the first by the transmission angle, both by the angle of the cranks.
     assert abs(by_cranks.nearest[0] - by_motion.nearest[0]) < 1e-6 * longest * 10
@@ -120,7 +114,7 @@ def test_parallel_cranks_make_it_a_straight_line_along_the_cranks():
     step = 1e-4
     motion = gk.move(PARALLEL_CRANKS, np.pi / 2 + np.array([-step, 0, step]))
     exact = gk.move(PARALLEL_CRANKS, [np.pi / 2])
-    for circle in (inflection_circle(exact, "coupler"), inflection_circle_of_cranks(*cranks(exact))):
+    for circle in (inflection_circle(exact, "coupler"), inflection_circle_of_cranks(*crank_paths(exact))):
         assert circle.angular_velocity[0] == 0 and circle.diameter[0] == np.inf
         assert np.isnan(circle.pole[0]) and np.isnan(circle.instant_centre.position[0])
         assert np.isnan(circle.centre_velocity[0])
@@ -139,7 +133,7 @@ def test_parallel_cranks_make_it_a_straight_line_along_the_cranks():
 def test_circle_is_continuous_through_infinity():
     steps = np.array([-1e-3, -1e-5, -1e-7, -1e-10, 0, 1e-10, 1e-7, 1e-5, 1e-3])
     motion = gk.move(PARALLEL_CRANKS, np.pi / 2 + steps)
-    for circle in (inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*cranks(motion))):
+    for circle in (inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*crank_paths(motion))):
         for places in (circle.nearest, circle.tangent_foot):
             # Both move by some 80 mm per radian of the crank.
             assert np.all(np.abs(places - places[4]) < 80 * np.abs(steps) + 1e-9)
@@ -149,7 +143,7 @@ def test_circle_is_continuous_through_infinity():
 
 def test_a_parallelogram_has_none_and_all_its_paths_are_alike():
     motion = gk.move(gk.FourBar(100, 30, 100, 30), np.linspace(0.1, 3, 9))
-    for circle in (inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*cranks(motion))):
+    for circle in (inflection_circle(motion, "coupler"), inflection_circle_of_cranks(*crank_paths(motion))):
         for part in (circle.diameter, circle.pole, circle.normal, circle.tangent, circle.nearest, circle.tangent_foot):
             assert np.isnan(part).all()
         assert np.abs(np.abs(circle.path(17 - 80j).curvature) * 30 - 1).max() < 1e-12

@@ -39,6 +39,8 @@ RING_WEIGHT = 2
 # Factor between trial tolerances, and their number: up to a thousand times the given one.
 WIDER, TRIALS = 1.25, 31
 STRAIGHT = Helix()
+# Backlash above which profile shifts are advised, modules; gears usually have a third of it.
+MUCH_BACKLASH = 0.1
 
 
 @record(checked=True, kw_only=True)
@@ -248,6 +250,16 @@ def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = ST
     return {"backlash_mm": backlash, "backlash_advice": advice}
 
 
+def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
+    """The profile shifts that leave no backlash, if there is much; empty for helical teeth."""
+    if helix.slope or pair.backlash <= MUCH_BACKLASH * pair.module:
+        return {}
+    relation = "ring's profile shift minus the pinion's" if pair.is_internal else "sum of both profile shifts"
+    # Rounded down, so that the teeth do not jam.
+    shift = np.floor(1000 * pair.shift_without_backlash) / 1000
+    return {"backlash_advice": f"none is left at this distance if the {relation} is {shift:g}"}
+
+
 def pair_quantities(pair: GearPair) -> dict[str, str]:
     """Ratio, centre distance, working pressure angle, contact ratio and backlash, by label."""
     ratio_rate, backlash_rate = (pair.sensitivity(of, by="centre_distance") for of in ("contact_ratio", "backlash"))
@@ -276,6 +288,7 @@ def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0)
         "contact_ratio": to_digits(pair.contact_ratio),
         **overlap_notes(pair.contact_ratio, pair.module, helix, face_width),
         **backlash_notes(pair, pair.centre_distance, helix),
+        **_shift_advice(pair, helix),
         "clearances_mm": [to_digits(c) for c in pair.clearances],
         "largest_specific_sliding": [to_digits(float(pair.sliding(start)[0])), to_digits(float(pair.sliding(end)[1]))],
         "interferences": list(pair.interferences),
