@@ -29,6 +29,8 @@ ALSO_BARE = re.compile(
     rf"{IN_MM.pattern}|(?<![\w#./-])({NUMBER})(?=$|[,;:)\]]|\.$| \(| (?:and|to|or|x|for|with|in mm|in a row)\b)"
 )
 ONE = re.compile(rf"({NUMBER})")
+# What the user wrote.
+QUOTED = re.compile(r"((?<!\w)'[^']*'(?!\w))")
 SCALE = re.compile(rf"1 mm is ({NUMBER}) ")
 # Ends of names of entries in summaries that are lengths, areas or volumes, such as `thickness_mm`.
 SUFFIX = re.compile(r"(?<!_[nN])(?<!_kg)(?<!_per)_mm([23]?)$")
@@ -98,7 +100,7 @@ class LengthUnit:
         return unit if self.factor(unit) == 1 else re.sub(r"\bmm", self.name, unit)
 
     def text(self, text: str, is_length: bool = False, keeps_mm: bool = False, digits: int = DIGITS_IN_TEXT) -> str:
-        """A sentence whose lengths in mm are in this unit.
+        """A sentence whose lengths in mm, except those in quotes, are in this unit.
 
         Parameters
         ----------
@@ -128,7 +130,8 @@ class LengthUnit:
 
         # A drawing that is 25.4 times as large; the quantity itself is converted below.
         text = SCALE.sub(lambda match: f"1 {self.name} is {to_digits(self.mm * float(match[1]), 3):g} ", text)
-        text = (ALSO_BARE if is_length else IN_MM).sub(with_unit, text)
+        lengths = ALSO_BARE if is_length else IN_MM
+        text = "".join(part if k % 2 else lengths.sub(with_unit, part) for k, part in enumerate(QUOTED.split(text)))
         return re.sub(r"\bin mm\b", f"in {self.plural}", text) if is_length else text
 
     def problem(self, problem: Problem, is_length: bool) -> Problem:

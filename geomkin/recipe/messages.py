@@ -303,12 +303,9 @@ def number_meant(text: str, quoted: bool = False) -> str:
     match = NUMBER.fullmatch(text)
     if not match or (not quoted and text == match[1] == _with_point(match[1])):
         return ""
-    unit = (
-        f" (lengths are in the units of the recipe, angles in deg, not in {match[2]})"
-        if match[2] not in ("", "mm", "deg", "°")
-        else ""
-    )
-    return f"write {_with_point(match[1])}, a number with a point and without unit or quotes{unit}"
+    units = "" if match[2] in ("", "mm", "deg", "°") else " (lengths are in the units of the recipe, angles in deg)"
+    # Without a comma behind it, the number is not taken for a length in mm.
+    return f"write {_with_point(match[1])} without unit or quotes, with a point{units}"
 
 
 def _with_point(number: str) -> str:

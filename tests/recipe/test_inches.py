@@ -195,7 +195,8 @@ def test_forces_torques_and_named_units_stay():
     [
         ({"linkage": {**BAR, "ground": 20}}, "linkage.ground", ("20 in", "7.5 in")),
         ({"stock": {"thickness": 100}}, "stock.thickness", ("found 100;", "39.37", "inches")),
-        ({"stock": {"thickness": "0.5"}}, "stock.thickness", ("0.5", "39.37", "inches")),
+        ({"stock": {"thickness": "0.5"}}, "stock.thickness", ("found '0.5'", "write 0.5 ", "39.37", "inches")),
+        ({"stock": {"thickness": "1,25in"}}, "stock.thickness", ("found '1,25in'", "write 1.25 ", "39.37")),
         ({"stock": {"bar_width": 0.1}}, "stock.bar_width", ("0.1 in", "0.1653543 in")),
         ({"files": {"sheet": [4, 2]}}, "files.sheet", ("found 4 x 2 in", "0.1968504 in")),
         ({"files": {"kerf": 0.3}}, "files.kerf", ("0.3 in",)),
@@ -222,6 +223,10 @@ def test_messages_are_in_inches(change, key, said, tmp_path):
         ("6.4516 mm2 at 25.4 mm/s", "0.01 in2 at 1 in/s"),
         ("1 mm is 3 mm/s", "1 in is 3 in/s"),
         ("1 mm is 3 N", "1 in is 76.2 N"),
+        (
+            "found '12.7 mm', which is the recipe's 25.4 mm, not the user's",
+            "found '12.7 mm', which is the recipe's 1 in, not the user's",
+        ),
     ],
 )
 def test_lengths_in_sentences(text, shown):
