@@ -289,11 +289,7 @@ def write(
     given = {"tolerance": tolerance, "kerf": kerf, "curves": curves}
     changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     stem = path.name[: -len(tail_of(name))]
-    job = _job(
-        stem,
-        held,
-        dataclasses.replace(files, write=(name,), **changes),
-    )
+    job = _job(stem, held, dataclasses.replace(files, write=(name,), **changes))
     contents = WRITERS[name].write(job)
     if len(contents) == 1:
         contents = {path.name: next(iter(contents.values()))}

@@ -29,6 +29,8 @@ from .recipes import (
 
 # Gradient searches of an optimisation take longer than the combinations of a sweep: fewer are worth new processes.
 FEWEST_SEARCHES = 4
+# Written files that a line names; a Pareto front has a recipe for each of its designs.
+MOST_NAMED = 3
 
 
 def _formats(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
@@ -245,7 +247,9 @@ def optimise_command(
     for line in best.lines:
         click.echo(harmless(line))
     note = ", ended before it was complete" if best.cut_short else ""
-    click.echo(f"{', '.join(map(printable, best.files))}: {best.evaluations:,} designs tried{note}")
+    files = [printable(path) for path in best.files]
+    more = f" and {len(files) - MOST_NAMED} more" if len(files) > MOST_NAMED else ""
+    click.echo(f"{', '.join(files[:MOST_NAMED])}{more}: {best.evaluations:,} designs tried{note}")
 
 
 @click.command("chart")

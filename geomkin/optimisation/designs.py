@@ -23,6 +23,8 @@ from .formulas import Condition, Formula
 
 # Violation of a constraint that counts as none, as a share of its terms.
 NO_VIOLATION = 1e-8
+# Ends of ids of columns that a recipe with a table [tolerances] has.
+OF_TOLERANCES = ("_worst_case", "_root_sum_square", "_across_path", "_lower", "_upper")
 
 
 @record(eq=False)
@@ -194,9 +196,11 @@ class _Results:
         if name in checks:
             return checks[name]
         known = list(dict.fromkeys([*(column.id for column in columns), *further, *checks]))
+        lacks_table = name.endswith(OF_TOLERANCES) and getattr(self.recipe.recipe, "tolerances", True) is None
+        near = "add a table [tolerances], or " if lacks_table else did_you_mean(name, known)
         raise DesignError(
             self.field,
             f"found {shown(name)}",
-            f"{did_you_mean(name, known)}give a column or a check: {printable(', '.join(known), 2000)}",
+            f"{near}give a column or a check: {printable(', '.join(known), 2000)}",
             "unknown-key",
         )

@@ -164,7 +164,7 @@ def _table_remedy(hint: Any, key: str) -> str:
     if not tables:
         return ""
     heading = "" if "[" in key else f", headed {_heading(hint, key)}"
-    some = "tables, each" if _is_list(hint) else "a table"
+    some = "tables, each" if _is_list(hint) or get_origin(hint) is dict else "a table"
     kinds = [str(kind_of(t)) for t in tables if kind_of(t)]
     if kinds:
         return f"give {some} with kind = {' or '.join(map(repr, kinds))}{heading}"
@@ -181,6 +181,8 @@ def _is_list(hint: Any) -> bool:
 
 
 def _heading(hint: Any, key: str) -> str:
+    if get_origin(hint) is dict:
+        return f"[{key}.NAME]"
     return f"[[{key}]]" if _is_list(hint) else f"[{key}]"
 
 
