@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import ceil
 
+from ..core.fields import to_digits
 from ..core.records import record
 from ..model.part import Bought
 from ..model.scene import layer_name
@@ -79,7 +80,7 @@ def collar_bill(diameter: float, count: int = 1) -> Bill:
 
 def tube_bill(diameter: float, height: float, count: int = 1) -> Bill:
     """Pieces of tube that keep plates on a shaft or screw apart; cut, printed or made of washers."""
-    return ((f"tube {diameter:g} mm inside, cut to {float(f'{height:.10g}'):g} mm", count),)
+    return ((f"tube {diameter:g} mm inside, cut to {_shown(height)} mm", count),)
 
 
 def glue_bill(joints: int) -> Bill:
@@ -93,7 +94,7 @@ def _at_least(length: float) -> str:
 
 
 def _shown(length: float) -> str:
-    return f"{float(f'{length:.10g}'):g}"
+    return f"{to_digits(length, 10):g}"
 
 
 def _key(shaft: float, width: float, room: float) -> str:
