@@ -45,6 +45,7 @@ class Editor {
       this.ask({}, text);
       this.whenIdle(() => this.history.end(this.text));
     }
+    this.whenIdle(() => this.announce(""));
     this.watch();
   }
 
