@@ -13,8 +13,8 @@ from geomkin.studio.edit import answer
 RECIPES = sorted(Path("recipes").glob("*.toml"))
 # Tables of what is bought, cut from and written, fits, and steps of tables are no sizes of a mechanism.
 NO_SIZES = ("stock", "base", "files", "allowance", "clearance", "backlash", "step")
-# The least share of lengths and positions with a handle; it was 0.91 when this was written.
-LEAST_SHARE = 0.88
+# The least share of lengths and positions with a handle.
+LEAST_SHARE = 0.9
 
 
 def sizes(recipe):
