@@ -73,9 +73,10 @@ def test_files_of_a_recipe_are_its_parts_and_its_table_and_those_kept(name, tmp_
     assert {check.id for check in result.checks if not check.passed} == {c.id for c in own.checks if c.expected}
     assert not own.unknown_expectations
     folder = tmp_path / name
-    drawing_and_solids_are_the_parts(own, folder)
     contours_are_apart_and_engravings_lie_on_one_part(own, folder)
-    the_csv_file_has_every_number_of_the_table(own, folder)
+    if own.units == "mm":  # tests/recipe/test_inches.py compares files in inches with those in mm
+        drawing_and_solids_are_the_parts(own, folder)
+        the_csv_file_has_every_number_of_the_table(own, folder)
     the_kept_files_are_those_that_the_recipe_makes(own, folder)
 
 

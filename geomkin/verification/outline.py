@@ -68,7 +68,8 @@ def outline_of(curve: AbstractCurve, error: float) -> Outline:
     """A polygon whose distance from a curve is at most `error`, mm: a bound, not a value at samples.
 
     A piece of a curve of length L between two points at the distance c lies within sqrt(L^2 - c^2) / 2 of its chord,
-    since it lies in the ellipse about the two points whose axis is L. Lengths are integrals of the speed.
+    since it lies in the ellipse about the two points whose axis is L. Lengths are integrals of the speed; if one is
+    shorter than its chord, its speed changes too much for the integral, and the piece is halved.
     """
     starts, ends = curve.breaks[:-1], curve.breaks[1:]
     done: list[Real] = []
@@ -78,7 +79,7 @@ def outline_of(curve: AbstractCurve, error: float) -> Outline:
         length = half * (speed @ WEIGHTS)
         # Just before a break, since at a break a curve may already be on its next piece.
         chord = np.abs(curve.point(ends) - curve.point(starts))
-        bound = np.sqrt(np.maximum(length**2 - chord**2, 0)) / 2
+        bound = np.sqrt(np.abs(length**2 - chord**2)) / 2
         fine = (bound <= error) & (length < 2 * chord + error)
         done.append(starts[fine])
         starts, middle, ends = starts[~fine], middle[~fine], ends[~fine]

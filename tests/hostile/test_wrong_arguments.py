@@ -245,7 +245,7 @@ GOOD = {
     "pair_parts": {"gear": GEAR, "mate": CONJUGATE, "stock": gk.gear.PairStock()},
     "pair_base": {"distance": 40.0, "reaches": (20.0, 24.0), "shafts": (5.0, 6.0), "thickness": 3.0, "stock": gk.making.BaseStock(), "keys": ("a", "b"), "motor": "nema17"},
     "planetary_base": {"gears": PLANETARY, "ring": PLATE, "rim": 8.0, "shaft": 6.0, "stock": gk.making.BaseStock(), "motor": "nema17"},
-    "rack_base": {"pair": RACK_PAIR, "rack": PLATE, "shaft": 6.0, "stock": gk.making.RackBaseStock(), "key": "a", "motor": "nema17"},
+    "rack_base": {"pair": RACK_PAIR, "rack": PLATE, "shaft": 6.0, "stock": gk.making.RackBaseStock(), "motor": "nema17"},
     "planetary_checks": {"gears": PLANETARY},
     "stack_links": {"motion": MOTION, "stock": gk.linkage.LinkStock()},
     "touch_check": {"mate": CONJUGATE, "module": 2.0},

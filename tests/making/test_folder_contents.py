@@ -26,8 +26,9 @@ OVER = {
     "motor-over-lantern": f'{LANTERN}stock = {{{DRIVEN}, fit = "press", mate_bore = 12, mate_bore_form = "keyed"}}\n[base]\n',
 }
 QUICK = ["gear-pair", "planetary", "rocker-cam", "walker", "shaking-force", "lantern", "motor-crank"]
-# The mechanisms of a machine have the same letters and the same spacers, each on its own parts.
-SINGLE = [path.stem for path in RECIPES.glob("*.toml") if 'kind = "machine"' not in path.read_text()]
+# Recipes of one mechanism, since those of a machine have equal letters and spacers on their own parts; files in mm.
+TEXTS = {path.stem: path.read_text() for path in RECIPES.glob("*.toml")}
+SINGLE = [name for name, text in TEXTS.items() if not any(x in text for x in ('kind = "machine"', 'units = "in"'))]
 NAMES = [
     name if name in (*QUICK, "motor-over-lantern") else pytest.param(name, marks=pytest.mark.campaign)
     for name in sorted([*OVER, *SINGLE])

@@ -16,9 +16,14 @@ def dense(curve, count=40):
     return curve.point(np.unique(np.concatenate([np.linspace(*ends, count) for ends in zip(b, b[1:])])))
 
 
+# A centre-point curve that comes from far away, at a speed that grows without bound.
+POSES = [[0, 0, 0], [40, 20, 30], [60, 57, 80], [40, 94, 110]]
+CENTRES = gk.load({"kind": "burmester-curves", "wanted": {"poses": POSES}}).parts[0].marks[0]
+
+
 @pytest.mark.parametrize("error", [1e-2, 1e-4])
 @pytest.mark.parametrize(
-    "curve", [Circle(3 + 1j, 25.0), gk.SpurGear(17, 2).outline, Polyline(np.array([0, 60, 60 + 20j, 20j]))]
+    "curve", [Circle(3 + 1j, 25.0), gk.SpurGear(17, 2).outline, Polyline(np.array([0, 60, 60 + 20j, 20j])), CENTRES]
 )
 def test_polygon_stays_within_its_error(curve, error):
     outline = outline_of(curve, error)
