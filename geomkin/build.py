@@ -321,8 +321,8 @@ def _with_file(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
 
 
 def _formats_of(recipe: AbstractRecipe) -> list[str]:
-    """The formats of a recipe; with the default formats, without those for which its kind has no data."""
-    wanted = list(recipe.files.write)
+    """The formats of a recipe, each once; with the default formats, without those for which its kind has no data."""
+    wanted = dict.fromkeys(recipe.files.write)
     bare = recipe.files.wants_all and not recipe.has_scene()
     return [name for name in wanted if not (bare and WRITERS[name].needs == "scene")]
 

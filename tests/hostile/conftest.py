@@ -186,7 +186,7 @@ def _csv(file, gaps):
 
 def _svg(file):
     drawing = ElementTree.fromstring(file.read_text(encoding="utf-8"))
-    assert drawing.get("width").endswith("mm")
+    assert drawing.get("width").endswith(("mm", "in"))
     # A part may be named nan; no number may.
     numbers = [value for element in drawing.iter() for name, value in element.attrib.items() if name != "id"]
     assert not [value for value in numbers if re.search(r"\b(nan|inf)\b", value)]
