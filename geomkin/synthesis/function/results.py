@@ -116,11 +116,11 @@ class AbstractFunctionGenerator(Found):
         """Entries for `summary.json`: peaks of the error, deg or mm, and active limits, with their multipliers."""
         # Rounding leaves only half of the digits of the position of a flat maximum.
         peaks = [
-            {name: to_digits_or_none(value, 6) for name, value in peak._asdict().items()} for peak in self.alternation
+            {name: to_digits_or_none(value, 5) for name, value in peak._asdict().items()} for peak in self.alternation
         ]
         return {
             "alternation": peaks,
-            "active_limits": {name: to_digits_or_none(value, 6) for name, value in self.active_limits.items()},
+            "active_limits": {name: to_digits_or_none(value, 5) for name, value in self.active_limits.items()},
         }
 
     def _share(self, x: float | ArrayLike) -> Real:
