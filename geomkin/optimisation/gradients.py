@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 
 import numpy as np
 
@@ -134,13 +135,9 @@ def gradient_search(trials: Trials, box: Box, start: Real, target: Target, of_vi
     solver.set_ftol_rel(CONVERGED)
     solver.set_xtol_rel(CONVERGED)
     solver.set_maxeval(MOST_STEPS)
-    try:
+    # At an optimum where many values are equal there may be no further step; the best design is known.
+    with suppress(TimeOverError, nlopt.RoundoffLimited, nlopt.ForcedStop, nlopt.runtime_error):
         solver.optimize(np.append(start, [float(objective_rows.max()) / scale] * has_bound))
-    except TimeOverError:
-        pass
-    except (nlopt.RoundoffLimited, nlopt.ForcedStop, nlopt.runtime_error):
-        # At an optimum where many values are equal there may be no further step; the best design is known.
-        pass
 
 
 def _rows(target: Target, design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 from ..core.dotted_keys import Number, key_parts, numbers_in
 from ..core.errors import Problem
 from ..core.units import MM, LengthUnit
-from .messages import field_of, hints_of, kind_of, tables_in
+from .messages import field_of, hints_of, kind_of, options_of, tables_in
 from .recipe import AbstractRecipe
 
 # A number in its unit to a number in another unit.
@@ -94,18 +93,16 @@ def _numbers(value: Any, units: Sequence[str], convert: Convert) -> Any:
 
 def _value(value: Any, hint: Any, convert: Convert, inner: Callable[[Mapping[str, Any]], Any]) -> Any:
     """A value without a unit of its own: points, tables, and lists and mappings of these."""
-    options = list(_options(hint))
+    options = list(options_of(hint))
     if isinstance(value, Mapping):
         if any(isinstance(option, type) and issubclass(option, AbstractRecipe) for option in options):
             return inner(value)
         if named := [get_args(option)[1] for option in options if get_origin(option) is dict]:
             return {name: _value(item, named[0], convert, inner) for name, item in value.items()}
         kinds = {kind_of(table): table for table in tables_in(hint)}
-        return (
-            _table(value, kinds.get(value.get("kind")) or next(iter(kinds.values())), convert, inner)
-            if kinds
-            else value
-        )
+        if not kinds:
+            return value
+        return _table(value, kinds.get(value.get("kind")) or next(iter(kinds.values())), convert, inner)
     if isinstance(value, list):
         if complex in options and not any(isinstance(item, list) for item in value):
             return _numbers(value, ("mm",), convert)
@@ -114,20 +111,6 @@ def _value(value: Any, hint: Any, convert: Convert, inner: Callable[[Mapping[str
             return [_value(item, hint, convert, inner) for item in value]
         inside = next((get_args(option) for option in options if get_origin(option) is tuple), ())
         hints = [inside[0]] * len(value) if inside[1:] == (...,) else inside
-        return (
-            [_value(item, one, convert, inner) for item, one in zip(value, hints)]
-            if len(hints) == len(value)
-            else value
-        )
+        if len(hints) == len(value):
+            return [_value(item, one, convert, inner) for item, one in zip(value, hints)]
     return value
-
-
-def _options(hint: Any) -> Iterator[Any]:
-    """The types of a union, without annotations."""
-    if get_origin(hint) is Annotated:
-        yield from _options(get_args(hint)[0])
-    elif get_origin(hint) in (Union, UnionType):
-        for part in get_args(hint):
-            yield from _options(part)
-    else:
-        yield hint

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import MISSING
 from difflib import SequenceMatcher
 from functools import cache
 from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import ValidationError
 
@@ -246,6 +246,17 @@ def tables_in(hint: Any) -> list[type]:
     if isinstance(hint, type) and hasattr(hint, "KINDS"):
         return list(hint.KINDS.values())
     return [table for part in get_args(hint) for table in tables_in(part)]
+
+
+def options_of(hint: Any) -> Iterator[Any]:
+    """The types of a union, without annotations."""
+    if get_origin(hint) is Annotated:
+        yield from options_of(get_args(hint)[0])
+    elif get_origin(hint) in (Union, UnionType):
+        for part in get_args(hint):
+            yield from options_of(part)
+    else:
+        yield hint
 
 
 def words_in(hint: Any) -> list[str]:

@@ -6,13 +6,12 @@ import dataclasses
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING
-from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from ..core.units import MM, UNITS, LengthUnit
 from ..recipe.kinds import recipe_class
 from ..recipe.lengths import names_mm
-from ..recipe.messages import hints_of, kind_of, tables_in
+from ..recipe.messages import hints_of, kind_of, options_of, tables_in
 from ..recipe.recipe import SHARED, AbstractRecipe
 from ..recipe.template import SCALE, WORKSHOP
 
@@ -144,7 +143,7 @@ def _fields(table: type, path: str, values: Mapping[str, Any]) -> Iterator[dict[
 
 
 def _described(key: str, hint: Any, about: Mapping[str, Any], default: Any, optional: bool) -> dict[str, Any]:
-    parts = list(_parts(hint))
+    parts = list(options_of(hint))
     choices = [choice for part in parts if get_origin(part) is Literal for choice in get_args(part)]
     types = [part for part in parts if get_origin(part) is not Literal and part is not type(None)]
     return {
@@ -158,17 +157,6 @@ def _described(key: str, hint: Any, about: Mapping[str, Any], default: Any, opti
         "default": None if default is MISSING else _plain(default),
         "optional": optional,
     }
-
-
-def _parts(hint: Any) -> Iterator[Any]:
-    """The types of a union, without annotations."""
-    if get_origin(hint) is Annotated:
-        yield from _parts(get_args(hint)[0])
-    elif get_origin(hint) in (Union, UnionType):
-        for part in get_args(hint):
-            yield from _parts(part)
-    else:
-        yield hint
 
 
 def _type(types: list[Any], choices: list[Any], about: Mapping[str, Any]) -> str:
