@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..model.part import Part
 from ..model.roles import Role
-from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, mm
+from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, mm, plottable
 from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre
@@ -95,7 +94,7 @@ def linkage_scene(
         bodies,
         tuple(link_dimensions(motion.linkage)) if rates else (),
         marks,
-        motion_plots(motion, table) if plots is None else _plottable(plots, table),
+        motion_plots(motion, table) if plots is None else plottable(plots, table),
         turns and travel != 0,
         dict(others or {}),
     )
@@ -248,23 +247,13 @@ def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> 
         for point in named:
             xy = tuple(f"{point}_{order}_coefficient_{axis}" for axis in "xy")
             plots.append(Plot(f"{point.replace('_', ' ')}, {order} kinematic coefficient", xy))
-    return _plottable([plot.with_limits(limits) for plot in plots], table)
+    return plottable([plot.with_limits(limits) for plot in plots], table)
 
 
 def place_plot(point: str, rate: str = "") -> Plot:
     """Plot of a point's x and y, or of those of its velocity or acceleration."""
     id = f"{point}_{rate}" if rate else point
     return Plot(f"{point.replace('_', ' ')}, {rate or 'place'}", (f"{id}_x", f"{id}_y"))
-
-
-def _plottable(plots: Iterable[Plot], table: Table) -> tuple[Plot, ...]:
-    """The plots with those of their columns that the table has and that are not all nan; the driver is no column."""
-
-    def is_known(id: str) -> bool:
-        return id in table.ids[1:] and bool(np.isfinite(table[id]).any())
-
-    known_plots = (replace(plot, columns=tuple(filter(is_known, plot.columns))) for plot in plots)
-    return tuple(plot.with_limits(plot.limits) for plot in known_plots if plot.columns)
 
 
 def _finite(values: Complex) -> Complex:

@@ -25,6 +25,7 @@ from ..model.part import Bought, Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
+from ..recipe.aspect import ALONE, Setting
 from ..recipe.load import from_table, short_table, to_toml, whole_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import SLOWEST_RPM, Files
@@ -202,24 +203,39 @@ class MachineRecipe(AbstractRecipe):
             if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
                 problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
                 raise DesignError("files.kerf", problem, f"give kerf = {kerf:g} in [files]", "conflict")
-        if not any(isinstance(recipe, AbstractGoal) for recipe in self.recipes.values()):
+        if not any(isinstance(recipe, AbstractGoal) for recipe in self._alone.values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
 
     @cached_property
+    def _alone(self) -> Mapping[str, AbstractRecipe]:
+        """The recipe of each mechanism as if it stood alone; equal ones are the same object."""
+        recipes: list[AbstractRecipe] = []
+        for mechanism in self.mechanisms.values():
+            equal = (r for r in recipes if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
+            recipes.append(next(equal, mechanism.recipe))
+        return dict(zip(self.mechanisms, recipes))
+
+    @cached_property
     def recipes(self) -> Mapping[str, AbstractRecipe]:
-        """The recipe of each mechanism; equal ones are the same object, so that their parts are computed once."""
-        recipes: dict[str, AbstractRecipe] = {}
-        for name, mechanism in self.mechanisms.items():
-            equal = (r for r in recipes.values() if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
-            recipes[name] = next(equal, mechanism.recipe)
+        """The recipe of each mechanism at its speed and in its position in this machine.
+
+        Equal ones are the same object, so that their parts are computed once.
+        """
+        placed: dict[tuple[int, Setting], AbstractRecipe] = {}
+        recipes = {}
+        for name, recipe in self._alone.items():
+            speed = float(self.graph.speeds[name]) * RPM * self.drive.speed_rpm
+            setting = Setting(speed, 0.0, complex(self.poses[name].direction))
+            key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
+            recipes[name] = placed.setdefault(key, recipe.in_setting(setting))
         return recipes
 
     @cached_property
     def graph(self) -> ShaftGraph:
         """Which mechanism turns which."""
         bodies = {}
-        for name, recipe in self.recipes.items():
+        for name, recipe in self._alone.items():
             with errors_of(name):
                 bodies[name] = recipe.rotating_bodies
             if not bodies[name]:

@@ -377,3 +377,13 @@ def mm(length: float) -> str:
 def shown_columns(scene: Scene) -> list[Column]:
     """The columns of the table that hold numbers."""
     return [column for column in scene.table.columns if np.asarray(column.values).dtype.kind in "fiub"]
+
+
+def plottable(plots: Iterable[Plot], table: Table) -> tuple[Plot, ...]:
+    """The plots with those of their columns that the table has and that are not all nan; the driver is no column."""
+
+    def is_known(id: str) -> bool:
+        return id in table.ids[1:] and bool(np.isfinite(table[id]).any())
+
+    known_plots = (replace(plot, columns=tuple(filter(is_known, plot.columns))) for plot in plots)
+    return tuple(plot.with_limits(plot.limits) for plot in known_plots if plot.columns)

@@ -25,6 +25,7 @@ from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
 from ..model.walls import thinnest_walls, wall_checks
 from ..plane.vec import Complex, Real
+from .aspect import ALONE, Setting
 from .settings import Files, OptimiseTable
 
 # Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
@@ -76,6 +77,8 @@ class AbstractRecipe(_Shared, ABC):
     name: str = ""
     # The table that the recipe was loaded from, with the values of its workshop file; None if it was made in Python.
     loaded_table: Mapping[str, Any] | None = None
+    # Where and how fast it runs; a machine places it elsewhere, see `in_setting`.
+    setting: Setting = ALONE
     # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
     can_be_scaled: ClassVar[bool] = False
     # Whether it takes the key `workshop`; a recipe of several recipes leaves it to these.
@@ -210,9 +213,23 @@ class AbstractRecipe(_Shared, ABC):
     def torque_at(self, turn: Real) -> Real | None:
         """Torque on the driver under the loads, N mm, at rotations as in `scene_at`; None without loads.
 
-        Positive in the direction in which the rotations count; inertia counts at the recipe's own speed.
+        Positive in the direction in which the rotations count.
         """
         return None
+
+    @property
+    def depends_on_setting(self) -> bool:
+        """Whether results besides rates change with the setting, as those of loads do."""
+        return False
+
+    def in_setting(self, setting: Setting) -> Self:
+        """The same recipe where it is placed; all its results are then those of this speed and position."""
+        if not self.depends_on_setting or setting == self.setting:
+            return self
+        kept = {*(field.name for field in dataclasses.fields(self)), "name", "loaded_table"}
+        other = object.__new__(type(self))
+        vars(other).update({key: value for key, value in vars(self).items() if key in kept}, setting=setting)
+        return other
 
     @property
     def quantities(self) -> Mapping[str, str]:

@@ -124,8 +124,6 @@ def copies_entry() -> Any:
 
 def check_copies(copies: tuple[Copy, ...], linkage: AbstractLinkage, input_range: Turn | Stroke) -> None:
     """Refuse copies of a linkage whose driver does not make whole turns on a fixed shaft."""
-    if not copies:
-        return
     if len(copies) > MOST:
         raise DesignError("copies", f"found {len(copies)}", f"give at most {MOST}", "out-of-range")
     if linkage.linkage.driver_pivot is None:

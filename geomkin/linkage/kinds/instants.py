@@ -101,9 +101,9 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
     def position(self) -> Motion:
         """The linkage at the drawn position, on the branch that leads there from the table's first frame."""
         general = self.linkage.linkage
-        motion = move(general, [float(self.input_range.frames[0]), self.place], self.signs)
+        motion = move(general, [float(self.input_range.frames[0]), self.place], self.made.branch)
         if not motion.assembled[1]:
-            alone = move(general, [self.place], self.signs)
+            alone = move(general, [self.place], self.made.branch)
             given = self.place if self.stroke else np.degrees(self.place)
             problem = f"found {given:g}, which is not reached: {assembly_failure(alone)}"
             raise DesignError(self.position_key, problem, "give another", "does-not-assemble")
@@ -276,7 +276,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
         """The fixed centrode and the moving one, each as its runs."""
         linkage, start = self.linkage.linkage, float(self.motion.drive[0])
         fixed, moving = (
-            [CentrodeCurve(linkage, self.body, run, moving, self.signs, start) for run in self.runs]
+            [CentrodeCurve(linkage, self.body, run, moving, self.made.branch, start) for run in self.runs]
             for moving in (False, True)
         )
         return list(fixed), list(moving)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,55 +14,94 @@ from ...making.motors import motor_check, motor_summary, smallest_motor
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.motor import Motor, MotorDuty, root_mean_square
-from ...model.scene import Hodograph, Plot, SceneMark
-from ...model.table import Column, vector_columns
+from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
+from ...model.table import Column, Table, vector_columns
 from ...plane.vec import Real, first_largest
 from ..checks import driver_at
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import Linkage
-from ..motion import Motion
+from ..parts.counterweight_plates import RoundEnd
+from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
+from .aspects import AbstractLinkageAspect
 from .copies import Copied
-from .counterweights import UNBALANCED, BalancedPlates
-from .loads import LoadsTable
+from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
+from .loads import LoadsTable, number_of_columns
 from .runs import LinkageRun, linkage_run
 
 
 @record(eq=False)
-class LoadedLinkage:
-    """The forces of a linkage in motion, and the torque of the shaft that it shares with its copies.
+class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
+    """The forces of a linkage in motion, and the torque of the shaft that it shares with its copies."""
 
-    table: the loads. masses: of the parts by body. copies: on the same shaft. given_motor: on that shaft, or None.
-    on_plate: whether a plate has the holes for a motor. balanced: plates with counterweights, or None.
-    """
+    key = "loads"
+    depends_on_setting = True
 
-    table: LoadsTable
-    motion: Motion
-    masses: Mapping[str, Mass]
-    copies: tuple[Copied, ...]
-    given_motor: Motor | None
-    on_plate: bool
-    balanced: BalancedPlates | None = None
+    @property
+    def most_columns(self) -> int:
+        return number_of_columns(self.linkage)
+
+    def check(self) -> None:
+        made, table = self.mechanism, self.given
+        table.check(made.moved(made.input_range.frames[:1]))
+        if table.counterweights:
+            table.counterweights.check(self.linkage, made.stock, table.masses)
+        if table.run:
+            friction, copies = table.has_dry_friction, bool(made.copies)
+            table.run.check(self.linkage, made.input_range, self.given_motor, friction, copies)
 
     @property
     def linkage(self) -> Linkage:
         """The linkage."""
-        return self.motion.linkage
+        return self.mechanism.linkage.linkage
+
+    @property
+    def given_motor(self) -> Motor | None:
+        """The motor of the table, or the mounted one."""
+        return self.given.motor or self.mechanism.mounted_motor
+
+    @cached_property
+    def balanced(self) -> BalancedPlates | None:
+        """Plates with counterweights; None if none are requested."""
+        made = self.mechanism
+        if self.given.counterweights is None:
+            return None
+        forces_of = partial(self.given.forces_of, made.motion, setting=made.setting)
+        return balanced_plates(self.given.counterweights, forces_of, made.fine_motion, made.stock)
+
+    @property
+    def round_ends(self) -> Mapping[str, RoundEnd]:
+        return self.balanced.ends if self.balanced else {}
+
+    @property
+    def masses(self) -> Mapping[str, Mass]:
+        """Masses of the parts by body."""
+        return self.mechanism.masses if self.mechanism.stock.material else {}
 
     @cached_property
     def analysis(self) -> ForceAnalysis:
         """Driver effort and joint forces of one linkage."""
-        return self.table.forces_of(self.motion, self.masses)
+        return self.given.forces_of(self.mechanism.motion, self.masses, self.mechanism.setting)
 
     @cached_property
     def effort(self) -> Real:
         """Torque of the driver, N mm, with those of the copies; the force if a slide drives, N."""
-        total = self.analysis.driver
-        for copy in self.copies:
+        return self._effort(self.analysis, self.mechanism.moving_copies)
+
+    def _effort(self, analysis: ForceAnalysis, copies: Sequence[Copied]) -> Real:
+        total, setting = analysis.driver, self.mechanism.setting
+        for copy in copies:
             turned_over = copy.mirror is not None
-            torque = self.table.forces_of(copy.motion, self.masses, turned_over).driver[copy.rows]
+            setting_of_copy = setting.turned_over if turned_over else setting
+            torque = self.given.forces_of(copy.motion, self.masses, setting_of_copy).driver[copy.rows]
             total = total - torque if turned_over else total + torque
         return total
+
+    def torque_at(self, turn: Real) -> Real:
+        made = self.mechanism
+        motion, rows = made.moved_at(turn)
+        analysis = self.given.forces_of(motion, self.masses, made.setting)
+        return self._effort(analysis, made.copies_of(motion))[rows]
 
     @property
     def duty(self) -> MotorDuty:
@@ -78,19 +117,18 @@ class LoadedLinkage:
     @cached_property
     def run(self) -> LinkageRun | None:
         """The motion that follows from a torque or the given motor; None if none is requested."""
-        if self.table.run is None:
+        if self.given.run is None:
             return None
-        return linkage_run(self.table.run, self.motion, self.analysis.loads, self.given_motor)
+        return linkage_run(self.given.run, self.mechanism.motion, self.analysis.loads, self.given_motor)
 
-    @property
-    def columns(self) -> Iterator[Column]:
+    def columns(self, table: Table) -> Iterator[Column]:
         """Driver effort, joint forces, and the force and moment by which the masses shake the ground."""
         analysis, linkage = self.analysis, self.linkage
         if linkage.driven_slider is None:
             yield Column("driver_torque", "N mm", "torque of the driver, counterclockwise positive", analysis.driver)
         else:
             yield Column("driver_force", "N", "force of the driver along its line", analysis.driver)
-        if self.copies:
+        if self.mechanism.copies:
             meaning = "torque of the shaft: that of the linkage and its copies"
             yield Column("shaft_torque", "N mm", meaning, self.effort)
         for pin, bodies in linkage.pins.items():
@@ -112,20 +150,19 @@ class LoadedLinkage:
         if self.run:
             yield from self.run.columns
 
-    @property
-    def plots(self) -> tuple[Plot, ...]:
+    def plots(self, table: Table) -> Iterator[Plot]:
         """Plots of the columns."""
         linkage = self.linkage
         effort = "torque" if linkage.driven_slider is None else "force"
         plots = [
-            Plot(f"driver {effort}", (f"driver_{effort}", *(("shaft_torque",) if self.copies else ()))),
+            Plot(f"driver {effort}", (f"driver_{effort}", *(("shaft_torque",) if self.mechanism.copies else ()))),
             Plot("pin forces", _pin_forces(linkage)),
             Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
             Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
             Plot("shaking force", ("shaking_force",)),
         ]
-        runs = self.run.plots if self.run else ()
-        return (*runs, *(plot for plot in plots if plot.columns))
+        yield from self.run.plots if self.run else ()
+        yield from (plot for plot in plots if plot.columns)
 
     @property
     def hodographs(self) -> tuple[Hodograph, ...]:
@@ -143,35 +180,54 @@ class LoadedLinkage:
             for body in bodies[1:]:
                 force = self.analysis.pin(pin, body)
                 if np.isfinite(force).any():
-                    arrows[f"{pin} on {body}"] = self.motion.point(pin).position, force
-        yield from vector_marks(self.motion, arrows, "force", "N")
+                    arrows[f"{pin} on {body}"] = self.mechanism.motion.point(pin).position, force
+        yield from vector_marks(self.mechanism.motion, arrows, "force", "N")
+
+    def on_scene(self, scene: Scene) -> Scene:
+        return replace(scene, marks=(*scene.marks, *self.marks), hodographs=self.hodographs)
 
     @property
-    def checks(self) -> tuple[Check, ...]:
-        """Checks of the motor, the counterweights and the run, if there are any."""
-        others: tuple[Check, ...] = (self.balanced.check(self.analysis),) if self.balanced else ()
-        others += self.run.checks if self.run else ()
+    def handles(self) -> Iterator[SceneHandle]:
+        yield from self.given.handles(self.mechanism.motion)
+
+    @property
+    def checks(self) -> Iterator[Check]:
+        """Checks of the motor, the counterweights and the run, and of pins and plates if the material is known."""
+        stock = self.mechanism.stock
+        yield from self._motor_checks
+        if self.balanced:
+            yield self.balanced.check(self.analysis)
+        yield from self.run.checks if self.run else ()
+        if stock.material:
+            yield from linkage_strength_checks(self.analysis, stock, self.mechanism.stack)
+
+    @property
+    def _motor_checks(self) -> Iterator[Check]:
         if self.motor is None:
-            return others
+            return
         known = np.isfinite(self.effort).any()
-        at = driver_at(self.motion, first_largest(np.abs(self.effort))) if known else None
-        column = "shaft_torque" if self.copies else "driver_torque"
-        return (motor_check(self.motor, self.duty, column, at, self.on_plate), *others)
+        at = driver_at(self.mechanism.motion, first_largest(np.abs(self.effort))) if known else None
+        column = "shaft_torque" if self.mechanism.copies else "driver_torque"
+        yield motor_check(self.motor, self.duty, column, at, self.mechanism.stock.motor is not None)
+
+    @property
+    def entries(self) -> Mapping[str, object]:
+        return {"loads": self.summary}
 
     @property
     def summary(self) -> Mapping[str, object]:
         """Peak and rms driver effort, largest pin forces and the motor; without unknown ones."""
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
-        efforts = {effort: analysis.driver, **({"shaft_torque_N_mm": self.effort} if self.copies else {})}
+        efforts = {effort: analysis.driver, **({"shaft_torque_N_mm": self.effort} if self.mechanism.copies else {})}
         result: dict[str, object] = {}
         for key, values in efforts.items():
             if np.isfinite(values).any():
                 peak = first_largest(np.abs(values))
                 result[key] = {
                     "peak": to_digits(values[peak]),
-                    f"peak_at_{unit}": to_digits(driver_at(self.motion, peak)),
-                    "rms": to_digits(root_mean_square(values, self.motion.drive)),
+                    f"peak_at_{unit}": to_digits(driver_at(self.mechanism.motion, peak)),
+                    "rms": to_digits(root_mean_square(values, self.mechanism.motion.drive)),
                 }
         sizes = {
             pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])

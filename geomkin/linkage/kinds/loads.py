@@ -15,6 +15,7 @@ from ...making.motors import MotorKey, motor_entry
 from ...model.handles import point_handle
 from ...model.mass import Mass
 from ...model.scene import SceneHandle
+from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
@@ -191,15 +192,15 @@ class LoadsTable:
             problem = f"found {self.motor.name}, but the driver turns on no fixed shaft"
             raise DesignError("loads.motor", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
 
-    def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass], turned_over: bool = False) -> ForceAnalysis:
+    def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE) -> ForceAnalysis:
         """Driver effort and joint forces.
 
-        part_masses: of the parts, for bodies without an entry in `masses`. turned_over: whether the motion is that of a
-        copy seen from its front, which hangs left for right.
+        part_masses: of the parts, for bodies without an entry in `masses`. setting: of the linkage, by which gravity is
+        that of the world; the forces of the table keep their direction in the linkage.
         """
-        return forces(motion, self.loads_of(motion, part_masses, turned_over))
+        return forces(motion, self.loads_of(motion, part_masses, setting))
 
-    def loads_of(self, motion: Motion, part_masses: Mapping[str, Mass], turned_over: bool = False) -> Loads:
+    def loads_of(self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE) -> Loads:
         """The loads as the library has them, as for `forces_of`."""
         self.check(motion)
         given = {body: mass.mass for body, mass in self.masses.items()}
@@ -210,9 +211,7 @@ class LoadsTable:
         if not masses and not any(loads.values()):
             problem = "no body has a mass, and nothing else acts"
             raise DesignError("loads", problem, 'give material = "steel-S235" in [stock], or masses', "missing-key")
-        gravity = 1000 * complex(*self.gravity_m_per_s2)
-        if turned_over:
-            gravity = -gravity.conjugate()
+        gravity = setting.of_world(1000 * complex(*self.gravity_m_per_s2))
         return Loads(gravity, masses, friction=friction, **loads)
 
 

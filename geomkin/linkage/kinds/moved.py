@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
+from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal
@@ -15,15 +15,15 @@ from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, che
 from ...core.names import check_names
 from ...core.records import record
 from ...model.scene import SceneHandle
-from ...plane.vec import Complex, Real, Whole
+from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage, Linkage, Slider
 from ..measures import motion_quantities
 from ..motion import Motion
-from ..moving import move
 from ..scene_handles import handle_position, linkage_handles, stroke_handles
-from ..solve.branch import BranchSpec, as_branch_spec
+from ..solve.branch import BranchSpec
+from .made import DrivenLinkage
 
 # The branch of all dyads; the same with "follow"; the branches of single joints.
 Side = Annotated[Literal[1, -1], NotBoolean()]
@@ -63,14 +63,6 @@ def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | com
     signs = {name: value for name, value in branches.items() if not isinstance(value, complex)}
     points = {name: value for name, value in branches.items() if isinstance(value, complex)}
     return BranchSpec(1 if branch == "follow" else branch, signs, points, branch == "follow", "branches")
-
-
-# Largest number of dyads of a linkage whose other assembly mode is shown.
-MOST_DYADS = 2
-
-
-# Decimals of rad to which angles of the driver count as one.
-SAME_ANGLE = 12
 
 
 class AbstractMovedRecipe(AbstractRecipe):
@@ -115,29 +107,14 @@ class AbstractMovedRecipe(AbstractRecipe):
         return self.stroke or self.drive
 
     @cached_property
-    def signs(self) -> BranchSpec:
-        """The requested branch."""
-        return branch_of(self.branch, self.branches)
+    def made(self) -> DrivenLinkage:
+        """The linkage on its branch, over the range of its driver."""
+        return DrivenLinkage(self.linkage, branch_of(self.branch, self.branches), self.input_range, self.setting)
 
-    def moved(self, frames: Real, signs: BranchSpec) -> Motion:
-        """The linkage at some frames on a branch, with the driver's speed and acceleration."""
-        return move(self.linkage, frames, signs, self.input_range.speed, self.input_range.acceleration)
-
-    @cached_property
+    @property
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
-        return self.moved(self.input_range.frames, self.signs)
-
-    def moved_at(self, turn: Real) -> tuple[Motion, Whole]:
-        """The motion over one turn of the driver, and its frames at rotations from the first position, rad, (frames,).
-
-        The motion has the recipe's own steps too, so that it stays on its branch.
-        """
-        first, steps = self.drive.frames[0], self.drive.frames - self.drive.frames[0]
-        angles, rows = np.unique(
-            np.round(np.abs(np.concatenate([steps, np.remainder(turn, steps[-1])])), SAME_ANGLE), return_inverse=True
-        )
-        return self.moved(first + np.sign(steps[-1]) * angles, self.signs), rows[len(steps) :]
+        return self.made.motion
 
     @property
     def further_values(self) -> dict[str, Real]:
@@ -164,24 +141,6 @@ class AbstractMovedRecipe(AbstractRecipe):
     def quantities(self) -> Mapping[str, str]:
         """Grashof type, distances between the pins of each body, and the range of the transmission angle."""
         return motion_quantities(self.linkage, self.motion)
-
-    @cached_property
-    def other(self) -> tuple[str, Motion] | None:
-        """The joint of the last of one or two dyads, and the motion with its other branch; None if that is open."""
-        branches = self.motion.branches
-        if not 1 <= len(branches) <= MOST_DYADS:
-            return None
-        joint, sides = list(branches.items())[-1]
-        if joint in (slider.name for slider in self.motion.linkage.sliders):
-            # The other branch is the same lever turned by 180 deg, which would need another slot.
-            return None
-        # The sign is 0 where both branches meet; a followed branch starts on the first other sign.
-        signs, spec = sides[sides != 0], as_branch_spec(self.signs)
-        points = {name: place for name, place in spec.branch_points.items() if name != joint}
-        opposite = {**spec.branch, joint: -int(signs[0]) if signs.size else -1}
-        other = replace(spec, branch=opposite, branch_points=points)
-        motion = self.moved(self.input_range.frames, other)
-        return (joint, motion) if motion.assembled.any() else None
 
 
 def both_modes_entry() -> Any:

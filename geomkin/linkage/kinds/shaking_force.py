@@ -55,6 +55,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         Masses and centres of mass of the moving links.
     """
 
+    aspect_kinds = ()
     kind: Literal["shaking-force"] = "shaking-force"
     linkage: SliderCrank
     masses: SliderCrankMasses
@@ -120,7 +121,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     @cached_property
     def scene(self) -> Scene:
         """The moving plates, and the force on the ground at the crank's pivot."""
-        scene = linkage_scene(self.motion, self.table, self.parts, self.stack.layers)
+        scene = linkage_scene(self.motion, self.table, self.parts, self.made.stack.layers)
         roles: dict[str, Role] = {"none": "construction", "given": "traced", "best": "wanted"}
         forces = {
             role: np.asarray(self.table[f"force_{name}_x"] + 1j * self.table[f"force_{name}_y"])
@@ -166,20 +167,20 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
                 advice,
                 at=driver_at(self.motion, first_largest(self.table["force_given"])),
             ),
-            collision_check(len(self.stack.collisions), "see summary.json"),
+            collision_check(len(self.made.stack.collisions), "see summary.json"),
             *self.drive.checks,
         )
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        return (*link_parts(self.fine_motion, self.stock, self.stack), *self._counterweight())
+        return (*link_parts(self.made.fine_motion, self.stock, self.made.stack), *self._counterweight())
 
     @property
     def steps(self) -> tuple[str, ...]:
         if all(part.name != "counterweight" for part in self.parts):
-            return self.stack.steps
+            return self.made.stack.steps
         shaft = "a shaft of yours that turns with crank, instead of the screw"
-        return (*self.stack.steps, f"glue counterweight on {shaft} A, below ground, its middle opposite to B")
+        return (*self.made.stack.steps, f"glue counterweight on {shaft} A, below ground, its middle opposite to B")
 
     def _counterweight(self) -> list[Part]:
         """An eccentric disc with the best product: its shaft hole at half its radius, opposite the crank pin."""
@@ -219,5 +220,5 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             "best_counterbalance_kg_mm": to_digits(self.best.product.real),
             "largest_force_N": {name: to_digits(force) for name, force in self.largest.items()},
             **self.mass_summary,
-            "stack": {**self.stack.summary(), "steps": list(self.steps)},
+            "stack": {**self.made.stack.summary(), "steps": list(self.steps)},
         }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -16,9 +16,9 @@ from ...plane.vec import Complex, Real
 from ..checks import driver_at
 from ..linkage import Linkage
 from ..motion import Motion
-from ..parts.stack import Stack
 from ..standing import ground_slopes, support_margin
-from .copies import Copied, Shared
+from .aspects import AbstractLinkageAspect
+from .copies import Copied
 
 # Least number of feet that carry a frame.
 FEWEST_FEET = 3
@@ -45,10 +45,8 @@ def foot_entry() -> Any:
     )
 
 
-def check_foot(foot: str | None, linkage: Linkage, count: int) -> None:
+def check_foot(foot: str, linkage: Linkage, count: int) -> None:
     """Refuse a foot that is no point of a moving body, or too few feet. count: number of linkages."""
-    if foot is None:
-        return
     fixed = linkage.bodies[linkage.ground]
     points = dict.fromkeys(point for names in linkage.bodies.values() for point in names if point not in fixed)
     if foot not in points:
@@ -122,27 +120,46 @@ class Stance:
         return {"least_margin_mm": to_digits(self.margin.min()), **tilts}
 
 
-def stance_of(
-    foot: str, motion: Motion, copies: Sequence[Copied], shared: Sequence[Shared], stacks: Sequence[Stack], sheet: float
-) -> Stance | None:
-    """How a linkage with copies stands on its feet, down being -y; None if the distances of copies are unknown.
+@record(eq=False)
+class StandingAspect(AbstractLinkageAspect[str]):
+    """How a walker stands on the feet of the linkage and its copies, down being -y."""
 
-    foot: a point. motion: of the first linkage. shared, stacks: of all linkages. sheet: thickness, mm.
-    """
-    if any(not rod.pin for rod in shared):
-        return None
-    linkage = motion.linkage
-    body = next(name for name, points in linkage.bodies.items() if foot in points)
-    pivots = [pin for pin, bodies in linkage.pins.items() if linkage.ground in bodies]
-    first = Copied(motion, np.arange(len(motion.drive)), None)
-    feet, height, fixed, start = [], [], [], 0.0
-    for copy, stack, room in zip((first, *copies), stacks, (*(rod.room for rod in shared), 0.0)):
-        total = (1 + max(stack.layers.values())) * sheet
-        layer = next(stack.layers[name] for name, plate in stack.plates.items() if plate.body == body)
-        inside = (layer + 0.5) * sheet
-        place = copy.place(copy.motion.point(foot).position)
-        feet.append(place.real + 1j * (start + (inside if copy.mirror is None else total - inside)))
-        height.append(place.imag)
-        fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
-        start += total + room
-    return Stance(np.array(feet), np.array(height), complex(np.mean(fixed), start / 2), motion)
+    key = "foot"
+
+    def check(self) -> None:
+        check_foot(self.given, self.mechanism.linkage.linkage, 1 + len(self.mechanism.copies))
+
+    @cached_property
+    def stance(self) -> Stance | None:
+        """The feet over a turn; None if the distances of the copies are unknown."""
+        made, motion = self.mechanism, self.mechanism.motion
+        if any(not rod.pin for rod in made.shared):
+            return None
+        linkage, sheet = motion.linkage, made.stock.thickness
+        body = next(name for name, points in linkage.bodies.items() if self.given in points)
+        pivots = [pin for pin, bodies in linkage.pins.items() if linkage.ground in bodies]
+        first = Copied(motion, np.arange(len(motion.drive)), None)
+        feet, height, fixed, start = [], [], [], 0.0
+        rooms = (*(rod.room for rod in made.shared), 0.0)
+        for copy, stack, room in zip((first, *made.moving_copies), made.stacks, rooms):
+            total = (1 + max(stack.layers.values())) * sheet
+            layer = next(stack.layers[name] for name, plate in stack.plates.items() if plate.body == body)
+            inside = (layer + 0.5) * sheet
+            place = copy.place(copy.motion.point(self.given).position)
+            feet.append(place.real + 1j * (start + (inside if copy.mirror is None else total - inside)))
+            height.append(place.imag)
+            fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
+            start += total + room
+        return Stance(np.array(feet), np.array(height), complex(np.mean(fixed), start / 2), motion)
+
+    @property
+    def checks(self) -> Iterator[Check]:
+        yield from self.stance.checks if self.stance else ()
+
+    @property
+    def remarks(self) -> Iterator[str]:
+        yield from self.stance.remarks if self.stance else (UNKNOWN_STANCE,)
+
+    @property
+    def entries(self) -> Mapping[str, object]:
+        return {"stance": self.stance.summary} if self.stance else {}

@@ -14,7 +14,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, AsWritten, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
-from ...model.scene import Limit, Plot, SceneRegion
+from ...model.scene import Limit, Plot, Scene, SceneRegion
 from ...model.table import Column, Table
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Real, first_largest, unit
@@ -23,6 +23,7 @@ from ..motion import Motion
 from ..moving import move
 from ..sensitivity import quantities
 from ..tolerance_analysis import SampledDeviations, ToleranceAnalysis, tolerances
+from .aspects import AbstractLinkageAspect
 
 # Frames at which random linkages are compared: more would only take longer, since deviations change slowly.
 SAMPLED_FRAMES = 72
@@ -98,19 +99,23 @@ NUMBER_OF_COLUMNS = 4
 
 
 @record(eq=False)
-class OutputDeviation:
-    """The deviation of a recipe's output, in the unit of its column.
+class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
+    """The deviation of an output by tolerances, in the unit of its column."""
 
-    Parameters
-    ----------
-    given : TolerancesTable
-        The table of the recipe.
-    analysis : ToleranceAnalysis
-        Its analysis.
-    """
+    key = "tolerances"
 
-    given: TolerancesTable
-    analysis: ToleranceAnalysis
+    @property
+    def most_columns(self) -> int:
+        return NUMBER_OF_COLUMNS
+
+    def check(self) -> None:
+        made = self.mechanism
+        self.given.analysis(made.moved(made.input_range.frames[:1]), made.stock.clearance)
+
+    @cached_property
+    def analysis(self) -> ToleranceAnalysis:
+        """The analysis of the motion."""
+        return self.given.analysis(self.mechanism.motion, self.mechanism.stock.clearance)
 
     @cached_property
     def unit(self) -> str:
@@ -173,16 +178,16 @@ class OutputDeviation:
                 yield Plot(f"{words} within its deviation", (of, f"{of}_lower", f"{of}_upper"))
 
     @property
-    def checks(self) -> tuple[Check, ...]:
+    def checks(self) -> Iterator[Check]:
         """The largest worst-case deviation, if there is a limit."""
         limit = self.given.limit
         if limit is None:
-            return ()
+            return
         worst, _, frame = self.largest
         at = driver_at(self.analysis.motion, frame) if np.isfinite(worst) else None
         name = f"worst-case deviation of {self.given.of}"
         column = f"{self.given.of}_worst_case"
-        return (Check("deviation", name, worst, "at most", limit, self.unit, self._advice(limit), column, at),)
+        yield Check("deviation", name, worst, "at most", limit, self.unit, self._advice(limit), column, at)
 
     def _advice(self, limit: float) -> str:
         if not np.isfinite(self.largest[0]):
@@ -245,9 +250,15 @@ class OutputDeviation:
             f"in 99.7 % of all linkages.{band}"
         )
 
+    def on_scene(self, scene: Scene) -> Scene:
+        return replace(scene, regions=self.regions())
+
     @property
-    def summary(self) -> Mapping[str, object]:
-        """Entries of the summary."""
+    def remarks(self) -> Iterator[str]:
+        yield self.remark
+
+    @property
+    def entries(self) -> Mapping[str, object]:
         worst, squares, frame = self.largest
         unit = self.unit.replace("/", "_per_")
         if not np.isfinite(worst):

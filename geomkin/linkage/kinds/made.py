@@ -1,0 +1,251 @@
+"""A linkage in its setting: its motion over the driver's range, and its plates with those of its copies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from ...core.fields import to_digits
+from ...core.records import record
+from ...making.fasteners import gathered
+from ...making.motors import MOTORS
+from ...model.mass import Mass
+from ...model.motor import Motor
+from ...model.part import Bought, Part
+from ...model.table import Table
+from ...plane.vec import Real, Whole
+from ...recipe.aspect import Setting
+from ...recipe.recipe import part_masses
+from ...recipe.settings import Stroke, Turn
+from ..drive_limits import driver_limits
+from ..linkage import AbstractLinkage
+from ..motion import Motion, motion_table
+from ..moving import move
+from ..parts.counterweight_plates import RoundEnd
+from ..parts.frame import frame_places, with_frame
+from ..parts.stack import Stack, fastener_masses, link_parts
+from ..parts.stock import LinkStock
+from ..solve.branch import BranchSpec, as_branch_spec
+from .copies import Copied, Copy, Shared, copied, copying, counted, joint_bills, shared_rods, without_motor
+from .counterweights import stack_with_ends
+
+# Largest number of dyads of a linkage whose other assembly mode is shown.
+MOST_DYADS = 2
+# Decimals of rad to which angles of the driver count as one.
+SAME_ANGLE = 12
+
+
+@record(eq=False)
+class DrivenLinkage:
+    """A linkage that moves on a branch over the range of its driver, at the speed of its setting.
+
+    has_coefficients: whether its tables have kinematic coefficients.
+    """
+
+    linkage: AbstractLinkage
+    branch: BranchSpec
+    input_range: Turn | Stroke
+    setting: Setting
+    has_coefficients: bool = False
+
+    @property
+    def speed(self) -> float:
+        """Of the driver, rad/s, or mm/s if it slides."""
+        return self.input_range.speed if self.setting.speed is None else self.setting.speed
+
+    @property
+    def acceleration(self) -> float:
+        """Of the driver, rad/s2, or mm/s2 if it slides."""
+        given = self.setting.acceleration
+        return self.input_range.acceleration if given is None else given
+
+    def moved(self, frames: Real, branch: BranchSpec | None = None) -> Motion:
+        """The linkage at some frames; branch: by default its own."""
+        return move(self.linkage, frames, branch or self.branch, self.speed, self.acceleration)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The linkage at the frames of the table."""
+        return self.moved(self.input_range.frames)
+
+    @cached_property
+    def fine_motion(self) -> Motion:
+        """The motion in steps so small that no collision of plates is missed."""
+        return self.moved(self.input_range.collision_samples)
+
+    def table_of(self, motion: Motion) -> Table:
+        """The table of one of its motions."""
+        return motion_table(motion, self.has_coefficients)
+
+    @property
+    def most_columns(self) -> int:
+        """Upper limit of the columns of such a table."""
+        linkage = self.linkage.linkage
+        points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
+        columns_each = np.array([4, 5, 6]) + self.has_coefficients * np.array([2, 2, 4])
+        return 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + len(linkage.pins)
+
+    def reaches(self, branch: BranchSpec) -> Mapping[str, object]:
+        """The ranges of the driver in which the linkage closes on a branch, as an entry of summary.json."""
+        drives, in_deg = self.input_range.collision_samples, isinstance(self.input_range, Turn)
+        limits = driver_limits(self.linkage, branch, (float(drives[0]), float(drives[-1])))
+        reached = [[to_digits(np.degrees(q) if in_deg else q, 10) for q in part] for part in limits]
+        return {f"driver_reaches_{'deg' if in_deg else 'mm'}": reached}
+
+    def moved_at(self, turn: Real) -> tuple[Motion, Whole]:
+        """The motion over one turn of the driver, and its frames at rotations from the first position, rad, (frames,).
+
+        The motion has the recipe's own steps too, so that it stays on its branch.
+        """
+        first, steps = self.input_range.frames[0], self.input_range.frames - self.input_range.frames[0]
+        angles, rows = np.unique(
+            np.round(np.abs(np.concatenate([steps, np.remainder(turn, steps[-1])])), SAME_ANGLE), return_inverse=True
+        )
+        return self.moved(first + np.sign(steps[-1]) * angles), rows[len(steps) :]
+
+    @cached_property
+    def other(self) -> tuple[str, Motion] | None:
+        """The joint of the last of one or two dyads, and the motion with its other branch; None if that is open."""
+        branches = self.motion.branches
+        if not 1 <= len(branches) <= MOST_DYADS:
+            return None
+        joint, sides = list(branches.items())[-1]
+        if joint in (slider.name for slider in self.motion.linkage.sliders):
+            # The other branch is the same lever turned by 180 deg, which would need another slot.
+            return None
+        # The sign is 0 where both branches meet; a followed branch starts on the first other sign.
+        signs, spec = sides[sides != 0], as_branch_spec(self.branch)
+        points = {name: place for name, place in spec.branch_points.items() if name != joint}
+        opposite = {**spec.branch, joint: -int(signs[0]) if signs.size else -1}
+        motion = self.moved(self.input_range.frames, replace(spec, branch=opposite, branch_points=points))
+        return (joint, motion) if motion.assembled.any() else None
+
+
+@record(eq=False)
+class MadeLinkage(DrivenLinkage):
+    """A linkage with its copies as plates in layers.
+
+    stock: sheet and pins. has_feet: whether rods join the grounds of its copies. round_ends: the counterweights of
+    bodies, which may depend on the plates without them.
+    """
+
+    stock: LinkStock = LinkStock()
+    copies: tuple[Copy, ...] = ()
+    has_feet: bool = False
+    round_ends: Callable[[], Mapping[str, RoundEnd]] = dict
+
+    @property
+    def mounted_motor(self) -> Motor | None:
+        """The motor for which a plate has holes."""
+        return MOTORS.get(str(self.stock.motor))
+
+    @cached_property
+    def _unframed(self) -> tuple[Stack, Stack]:
+        """The stacks of the first linkage and of a copy, without the frame of a walker."""
+        ends = self.round_ends()
+        own = stack_with_ends(self.fine_motion, self.stock, ends)
+        return own, own if self.stock.motor is None else stack_with_ends(self.fine_motion, self.copy_stock, ends)
+
+    @cached_property
+    def frame(self) -> tuple[complex, ...]:
+        """Places of the rods that join the grounds of a walker, mm; empty without feet, or if they are not known."""
+        if not self.has_feet or any(not rod.pin for rod in self.shared):
+            return ()
+        return frame_places(self.fine_motion, self.stock, self._unframed[0].plates)
+
+    @cached_property
+    def stack(self) -> Stack:
+        """The plates in layers."""
+        return with_frame(self._unframed[0], self.linkage.linkage.ground, self.frame)
+
+    @cached_property
+    def copy_stack(self) -> Stack:
+        """The plates of a copy in layers; the motor is in the first linkage only."""
+        if self.stock.motor is None:
+            return self.stack
+        return without_motor(with_frame(self._unframed[1], self.linkage.linkage.ground, self.frame), self.stack)
+
+    @property
+    def copy_stock(self) -> LinkStock:
+        """Sheet and pins of a copy."""
+        return self.stock if self.stock.motor is None else replace(self.stock, motor=None, fit="running")
+
+    @property
+    def stacks(self) -> tuple[Stack, ...]:
+        """Those of the first linkage and of its copies."""
+        return (self.stack, *(self.copy_stack for _ in self.copies))
+
+    @cached_property
+    def shared(self) -> tuple[Shared, ...]:
+        """The rods by which neighbouring copies drive each other."""
+        stacks = (self._unframed[0], *(self._unframed[1] for _ in self.copies))
+        return tuple(shared_rods(self.copies, self.linkage, stacks, self.stock.thickness))
+
+    def copies_of(self, motion: Motion) -> tuple[Copied, ...]:
+        """The motion of each copy; motion: of the first linkage, over one turn."""
+        return tuple(copied(self.copies, motion, self.linkage, self.branch))
+
+    @cached_property
+    def moving_copies(self) -> tuple[Copied, ...]:
+        """The motion of each copy at the frames of the table."""
+        return self.copies_of(self.motion)
+
+    @cached_property
+    def own_parts(self) -> tuple[Part, ...]:
+        """The parts of the first linkage."""
+        return link_parts(self.fine_motion, self.stock, self.stack)
+
+    @cached_property
+    def copy_parts(self) -> tuple[Part, ...]:
+        """The parts of a copy."""
+        if self.stock.motor is None:
+            return self.own_parts
+        own = {part.name: part for part in self.own_parts}
+        parts = link_parts(self.fine_motion, self.copy_stock, self.copy_stack)
+        return tuple(replace(own.get(part.name, part), count=part.count) for part in parts)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """The parts of the linkage and its copies, equal ones once."""
+        return counted(self.own_parts, self.copy_parts, len(self.copies)) if self.copies else self.own_parts
+
+    @cached_property
+    def masses(self) -> Mapping[str, Mass]:
+        """Mass of each body, with its screws or rods, of one linkage; empty without a material."""
+        bodies = part_masses(self.own_parts)
+        if bodies:
+            for body, mass in fastener_masses(self.fine_motion, self.stock, self.stack).items():
+                bodies[body] = bodies[body] + mass if body in bodies else mass
+        return bodies
+
+    @property
+    def bought(self) -> tuple[Bought, ...]:
+        """Screws, rods, tubes and glue."""
+        return gathered(joint_bills(self.stacks, self.shared, self.stock.thickness))
+
+    @property
+    def shaft_items(self) -> tuple[Bought, ...]:
+        """Items of `bought` that a shaft through their joint replaces, each for one joint."""
+        motors = {stack.letters[pin.name] for stack in self.stacks for pin in stack.pins if pin.motor}
+        bills = joint_bills(self.stacks, self.shared, self.stock.thickness)
+        return tuple(Bought(name, n, (joint,)) for joint, bill in bills if joint not in motors for name, n in bill)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """Assembly steps from the bottom up."""
+        if not self.copies:
+            return self.stack.steps
+        return copying(self.copies, self.shared, self.stacks, self.stock.thickness)
+
+    @property
+    def stack_summary(self) -> dict[str, object]:
+        """Layers, items to buy and assembly steps, as an entry of summary.json."""
+        entry = dict(self.stack.summary())
+        if self.copies:
+            entry |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
+            if self.stock.motor:
+                entry["copy"] = self.copy_stack.summary()
+        return entry
