@@ -23,7 +23,7 @@ from .extrema import largest
 # N per kg mm/s2, N mm per kg mm2/s2, and W per N mm/s.
 MILLI = 1e-3
 
-CamSpeed = Annotated[float, between(0, FARTHEST, "rad/s")]
+CamSpeed = Annotated[float, between(-FARTHEST, FARTHEST, "rad/s")]
 
 
 @record(checked=True)
@@ -120,7 +120,7 @@ class CamForces:
     contact : ndarray
         Force between cam and follower along their normal, N, with the sign of `stroke_force`; nan if the guide jams.
     torque : ndarray
-        Torque on the camshaft, N mm, positive in the direction in which the cam turns: below 0 the cam must be braked.
+        Torque on the camshaft, N mm, positive in the direction of the programme, in which the speed is positive.
     guide_share : ndarray
         Contact force without friction of the guide, over that with friction; 1 without friction. Towards 0 the guide
         jams.
@@ -199,8 +199,8 @@ def cam_forces(
     angle : float or array_like
         Cam angles, rad, any shape.
     speed : float
-        Angular velocity of the cam, rad/s, in the direction in which it turns. With 0 the result is that of statics,
-        with friction as if the cam turned slowly.
+        Angular velocity of the cam, rad/s, positive in the direction of its programme. With 0 the result is that of
+        statics, with friction as if the cam turned slowly in that direction.
     acceleration : float, optional
         Angular acceleration of the cam, rad/s2.
 
@@ -238,7 +238,8 @@ def cam_forces(
     share = np.ones(angle.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
         if loads.friction:
-            share = 1 - np.sign(velocity * stroke) * _guide_resistance(cam, loads.friction, angle) / lever
+            along = -velocity if speed < 0 else velocity
+            share = 1 - np.sign(along * stroke) * _guide_resistance(cam, loads.friction, angle) / lever
         contact: Real = np.where((lever > 0) & (share > 0), stroke / (lever * share), np.nan)
     torque = contact * cam.sense * cross(at.point, at.normal)
     return CamForces(cam, angle, float(speed), stroke, contact, torque, share)

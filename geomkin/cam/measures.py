@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.arguments import FloatRow, PositiveFloat, checked
+from ..core.arguments import FloatRow, NonZeroFloat, checked
 from ..core.errors import DesignError
 from ..core.records import record
 from ..model.table import Column, Table, finite, xy_columns
@@ -166,7 +166,7 @@ def contact_travel(cam: Cam) -> tuple[float, float]:
 
 @checked
 def cam_table(
-    cam: Cam, speed: PositiveFloat, angle: FloatRow, cut: Undercut | None = None, acceleration: float = 0.0
+    cam: Cam, speed: NonZeroFloat, angle: FloatRow, cut: Undercut | None = None, acceleration: float = 0.0
 ) -> Table:
     """Follower motion, pressure angle and coordinates at given cam angles.
 
@@ -175,7 +175,7 @@ def cam_table(
     cam : Cam
         The cam and its follower.
     speed : float
-        Angular velocity of the cam at every row, rad/s, above 0 in the direction in which the cam turns.
+        Angular velocity of the cam at every row, rad/s, positive in the direction of its programme.
     angle : array_like, shape (rows,)
         Cam angles, rad.
     cut : Undercut, optional
@@ -213,7 +213,7 @@ def cam_table(
     curvature = finite(-cam.sense * cam.profile.curvature(angle))
     columns = [
         Column("cam_angle", "deg", "rotation of the cam", np.degrees(angle)),
-        Column("time", "s", "time at the recipe's speed", angle / (np.nan if acceleration else speed)),
+        Column("time", "s", "time at the recipe's speed", angle / (np.nan if acceleration else abs(speed))),
         Column("lift", unit, "lift of the follower", motion.lift * size),
         _rate("velocity", f"{rate}/s", motion.velocity * speed),
         _rate("acceleration", f"{rate}/s2", np.where(velocity_jumps, np.inf, second)),

@@ -39,9 +39,6 @@ SMALL_LIFT = 1e-6
 
 # Title of each plot and the names of its columns, the most important plot first.
 PLOTS = {
-    "torque of the camshaft": "camshaft_torque",
-    "force between cam and follower": "contact_force",
-    "pressure of the contact": "contact_pressure",
     "lift": "lift",
     "velocity": "velocity",
     "acceleration": "acceleration",

@@ -326,3 +326,6 @@ ComplexRow = Annotated[
 ]
 PositiveInt = Annotated[int, ArgumentType(lambda value: is_whole(value) and value > 0, "a whole number above 0", REAL)]
 PositiveFloat = Annotated[float, ArgumentType(lambda value: is_real(value) and value > 0, "a number above 0", REAL)]
+NonZeroFloat = Annotated[
+    float, ArgumentType(lambda value: is_real(value) and value != 0, "a number other than 0", REAL)
+]

@@ -15,7 +15,6 @@ from ..plane.vec import Real
 from .aspect import AbstractAspect
 from .recipe import AbstractAssembledRecipe
 
-
 AspectKinds = tuple[type[AbstractAspect[Any, Any]], ...]
 
 
@@ -38,6 +37,10 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
         """The aspects whose keys are given."""
         given = ((kind, getattr(self, kind.key, None)) for kind in self.aspect_kinds)
         return tuple(kind(self.made, value) for kind, value in given if value)
+
+    def aspect(self, key: str) -> Any:
+        """The aspect of a key, such as that of `loads` with its forces; None if the key is not given."""
+        return next((aspect for aspect in self.aspects if aspect.key == key), None)
 
     @property
     def depends_on_setting(self) -> bool:

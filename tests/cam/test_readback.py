@@ -63,7 +63,7 @@ def test_a_follower_on_the_finished_polygon_has_the_programmed_lift(name):
     cam, corners = recipe.cam, polygon(recipe)
     angle = np.radians(np.arange(0, 360))
     turn = np.exp(1j * cam.sense * angle)
-    programmed = cam.program.motion(angle).lift - recipe.cut.lost_lift(angle)
+    programmed = cam.program.motion(angle).lift - recipe.made.cut.lost_lift(angle)
     # A lift's share of the room is at least cos(pressure angle); an arm's radians count by its length.
     size = getattr(cam.follower, "arm_length", getattr(cam.follower, "pivot_distance", 1.0))
     reach = 2 * recipe.files.tolerance / np.cos(gk.pressure_angle(cam, angle)).min() / size
@@ -74,4 +74,4 @@ def test_a_follower_on_the_finished_polygon_has_the_programmed_lift(name):
         low, high = np.where(free, low, middle), np.where(free, middle, high)
     assert np.abs(high - programmed).max() < reach
     if name == "undercut-cam":
-        assert recipe.cut.lost_lift(angle).max() > 10 * reach
+        assert recipe.made.cut.lost_lift(angle).max() > 10 * reach

@@ -79,7 +79,7 @@ def test_an_assembly_has_every_plate_where_the_motion_has_it(recipe, tmp_path):
         # Metres, y up: back to millimetres, z up.
         origin = 1e3 * transform[:3, 3] @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
         assert origin[0] + 1j * origin[1] == pytest.approx(body.origin.position[0], abs=1e-6)
-        assert origin[2] == pytest.approx(recipe.stack.layers[name] * part.thickness)
+        assert origin[2] == pytest.approx(recipe.made.stack.layers[name] * part.thickness)
         ahead = transform[:3, 0] * 1e3
         assert ahead[0] - 1j * ahead[2] == pytest.approx(body.direction[0], abs=1e-9)
         assert mesh.volume == pytest.approx(volume(part), rel=2e-3)

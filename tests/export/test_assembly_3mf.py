@@ -75,7 +75,7 @@ def test_every_plate_is_where_the_motion_has_it(tmp_path):
     assert set(found) == set(parts)
     for name, part in parts.items():
         corners, body = found[name], motion.bodies[part.body]
-        low = recipe.stack.layers[name] * part.thickness
+        low = recipe.made.stack.layers[name] * part.thickness
         assert (corners[..., 2].min(), corners[..., 2].max()) == pytest.approx((low, low + part.thickness))
         z = gk.flatten(part.outline, 1e-3)
         placed = body.origin.position[0] + body.direction[0] * z

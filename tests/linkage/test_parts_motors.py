@@ -78,26 +78,28 @@ def test_the_crank_has_the_shaft_s_d_with_its_fit_and_the_flat_faces_its_pin(tmp
 def over_pivot(recipe):
     """Plates other than the crank that come over the shaft at some place of the driver, and their layers."""
     motion = gk.move(
-        recipe.linkage, np.linspace(*np.radians([recipe.drive.start_deg, recipe.drive.end_deg]), 181), recipe.signs
+        recipe.linkage,
+        np.linspace(*np.radians([recipe.drive.start_deg, recipe.drive.end_deg]), 181),
+        recipe.made.branch,
     )
     linkage = recipe.linkage.linkage
     pivot = motion.point(linkage.driver_pivot).position
     for part in recipe.parts:
-        if part.body and part.name in recipe.stack.layers and part.body not in (linkage.driver, linkage.ground):
+        if part.body and part.name in recipe.made.stack.layers and part.body not in (linkage.driver, linkage.ground):
             body = motion.bodies[part.body]
             seen = ((pivot - body.origin.position) * np.conj(body.direction))[motion.assembled]
             z = gk.flatten(part.outline, 0.05)
             plate = shapely.Polygon(np.column_stack([z.real, z.imag]))
             if (shapely.distance(plate, shapely.points(seen.real, seen.imag)) < 2.5).any():
-                yield part.name, recipe.stack.layers[part.name]
+                yield part.name, recipe.made.stack.layers[part.name]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_nothing_passes_through_the_shaft_and_it_is_cut_where_something_passes_over_it(name):
     recipe = driven(name)
-    crank = recipe.stack.layers[recipe.linkage.linkage.driver]
+    crank = recipe.made.stack.layers[recipe.linkage.linkage.driver]
     passing = dict(over_pivot(recipe))
-    assert recipe.stack.collisions == () and recipe.stack.layers["ground"] == 0
+    assert recipe.made.stack.collisions == () and recipe.made.stack.layers["ground"] == 0
     assert all(layer > crank for layer in passing.values())
     # The motor's shaft is as long as that.
     assert f" {(crank + 1) * recipe.stock.thickness:g} mm " in recipe.bought[0].name

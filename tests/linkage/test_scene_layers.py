@@ -34,8 +34,8 @@ def test_plates_without_a_stack_lie_in_one_layer_and_those_of_one_in_its_layers(
 linkage = { ground = 30, crank = 100, coupler = 90, rocker = 70 }""")
     plain = gk.linkage.linkage_scene(recipe.motion, recipe.table, recipe.parts)
     assert {body.layer for body in plain.bodies} == {0} and len(plain.bodies) == 5
-    assert {body.name: body.layer for body in recipe.scene.bodies} == recipe.stack.layers
-    assert recipe.stack.layers["bridge"] == max(recipe.stack.layers.values()) > 1
+    assert {body.name: body.layer for body in recipe.scene.bodies} == recipe.made.stack.layers
+    assert recipe.made.stack.layers["bridge"] == max(recipe.made.stack.layers.values()) > 1
 
 
 def test_many_linkages_or_no_frames_are_refused():

@@ -68,13 +68,13 @@ def test_six_legs_of_alternating_phase_rock_little_and_four_stand_on_two_feet_at
         checks = {check.id: check for check in recipe.checks}
         assert checks["support_margin"].passed and len(recipe.remarks) == 1 + rocks
         assert checks["tilt_across"].passed == checks["tilt_along"].passed == (not rocks)
-        stance = recipe.stance
+        stance = recipe.aspect("foot").stance
         # The same from the back: the copies are arranged as in a mirror.
         assert stance.feet.imag + stance.feet.imag[::-1] == pytest.approx(2 * stance.centre.imag)
         assert recipe.notes["stance"]["least_margin_mm"] == pytest.approx(stance.margin.min())
     # Of four feet the lowest two are at opposite corners, and the centre is above the line between them.
-    low = np.argsort(four.stance.height, axis=0)[:2]
-    pairs = np.take_along_axis(four.stance.feet, low, axis=0) - four.stance.centre
+    low = np.argsort(four.aspect("foot").stance.height, axis=0)[:2]
+    pairs = np.take_along_axis(four.aspect("foot").stance.feet, low, axis=0) - four.aspect("foot").stance.centre
     off = abs((pairs[0] * pairs[1].conj()).imag) / abs(pairs[0] - pairs[1])
     assert off.min() < 1e-6
 
@@ -95,7 +95,7 @@ def test_walker_on_three_feet_in_phase_falls_over_and_without_rods_its_stance_is
     assert not checks["support_margin"].passed and checks["support_margin"].value < 0
     assert np.isnan(checks["tilt_along"].value) and "tilt_along_deg" not in falling.notes["stance"]
     unknown = walker((0, False), (180, False))
-    assert unknown.stance is None and len(unknown.remarks) == 1 and "stance" not in unknown.notes
+    assert unknown.aspect("foot").stance is None and len(unknown.remarks) == 1 and "stance" not in unknown.notes
     assert not {"support_margin", "tilt_along"} & {check.id for check in unknown.checks}
 
 

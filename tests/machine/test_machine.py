@@ -66,7 +66,7 @@ def test_legs_stand_where_they_stand_when_moved_by_themselves():
     shaft = gk.GearTrain(((12, 36), (12, 48)), 1, (-90, -60)).axes[2]
     for name, phase, angle in (("left", 0, 0), ("right", 70, 25)):
         for k in some(scene):
-            motion = gk.move(leg.linkage, [float(crank[k]) + np.radians(phase)], leg.signs)
+            motion = gk.move(leg.linkage, [float(crank[k]) + np.radians(phase)], leg.made.branch)
             for body in ("crank", "leg"):
                 turned = np.exp(1j * np.radians(angle))
                 found = named(scene, f"{name}/{body}")

@@ -48,9 +48,9 @@ def test_table_has_the_stroke_and_the_lifted_load(lift):
 def test_rod_and_cylinder_are_plates_and_the_slot_is_as_long_as_the_stroke(lift):
     parts = {part.name: part for part in lift.parts}
     assert {"cylinder", "rod"} <= set(parts)
-    pins = {pin.name: pin for pin in lift.stack.pins}
+    pins = {pin.name: pin for pin in lift.made.stack.pins}
     assert all(pins[f"lift_guide_{k}"].slots == ("cylinder",) for k in (1, 2))
-    rod, cylinder = lift.stack.plates["rod"], lift.stack.plates["cylinder"]
+    rod, cylinder = lift.made.stack.plates["rod"], lift.made.stack.plates["cylinder"]
     places = [rod.openings[f"lift_guide_{k}"][0].real for k in (1, 2)]
     slot = [end.real for end in cylinder.openings["lift_guide_1"]]
     # One slot for both pins, from where the inner one is at first to where the outer one is at last.

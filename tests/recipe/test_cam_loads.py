@@ -161,4 +161,4 @@ def test_a_follower_of_unknown_mass_is_refused(stock):
     with pytest.raises(gk.RecipeError) as error:
         cam({"preload_n": 20}, stock=stock)
     assert [(problem.key, problem.id) for problem in error.value.problems] == [("loads.follower", "missing-key")]
-    assert cam({"preload_n": 20}, stock={"material": "POM"}, base={}).loaded.loads.mass.mass > 0
+    assert cam({"preload_n": 20}, stock={"material": "POM"}, base={}).aspect("loads").loads.mass.mass > 0

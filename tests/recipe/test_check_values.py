@@ -40,6 +40,6 @@ program = [{kind = "dwell", end_deg = 60}, {kind = "rise", law = "3-4-5", rise_d
            {kind = "dwell", end_deg = 120}, {kind = "return", law = "cycloidal", end_deg = 175},
            {kind = "dwell", end_deg = 360}]
 """)
-    most = np.degrees(recipe.cut.lost_lift(np.linspace(0, 2 * np.pi, 20001)).max())
+    most = np.degrees(recipe.made.cut.lost_lift(np.linspace(0, 2 * np.pi, 20001)).max())
     found = checks(recipe)["lift lost to undercut"]
     assert found.unit == "deg" and found.value == pytest.approx(most, rel=1e-4) and most > 0.1

@@ -74,7 +74,7 @@ def test_rates_are_those_of_a_driver_that_speeds_up_at_its_place(kind):
     t = np.array([-2, -1, 0, 1, 2]) * h
     for k in (0, len(way.frames) // 2, -1):
         q = way.frames[k] + way.speed * t + way.acceleration * t**2 / 2
-        moved = gk.move(recipe.linkage, q, recipe.signs)
+        moved = gk.move(recipe.linkage, q, recipe.made.branch)
         for name, body in moved.bodies.items():
             angle = np.unwrap(np.angle(body.direction))
             omega = angle @ [1, -8, 0, 8, -1] / (12 * h)

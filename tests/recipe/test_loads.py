@@ -117,7 +117,7 @@ def test_friction_of_a_pin_makes_the_driver_work_more():
     turn = {"speed_rpm": 60, "step_deg": 2}
     linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
     without, with_friction = (
-        gk.load({"kind": "four-bar", "linkage": linkage, "drive": turn, "loads": loads}).loaded.analysis
+        gk.load({"kind": "four-bar", "linkage": linkage, "drive": turn, "loads": loads}).aspect("loads").analysis
         for loads in (force, force | friction)
     )
     # Over a turn the weight gives back what it took.
@@ -238,21 +238,25 @@ def test_the_motor_is_the_one_named_or_mounted_or_the_smallest_that_suffices():
         return recipe, check
 
     recipe, check = motor({})
-    duty = recipe.loaded.analysis.duty
-    lighter = [one for one in gk.making.MOTORS.values() if one.mass_g < recipe.motor.mass_g]
+    duty = recipe.aspect("loads").analysis.duty
+    lighter = [one for one in gk.making.MOTORS.values() if one.mass_g < recipe.aspect("loads").motor.mass_g]
     assert check.passed and check.value >= 1.5 and lighter and all(one.margin(duty) < 1.5 for one in lighter)
     assert recipe.notes["loads"]["motor"] == {
-        "motor": next(key for key, one in gk.making.MOTORS.items() if one == recipe.motor),
-        "name": recipe.motor.name,
+        "motor": next(key for key, one in gk.making.MOTORS.items() if one == recipe.aspect("loads").motor),
+        "name": recipe.aspect("loads").motor.name,
         "margin": pytest.approx(check.value, rel=1e-5),
     }
     weak, check = motor({"motor": "28byj-48"})
-    assert weak.motor.name.startswith("28BYJ-48") and not check.passed and recipe.motor.name in check.advice
+    assert (
+        weak.aspect("loads").motor.name.startswith("28BYJ-48")
+        and not check.passed
+        and recipe.aspect("loads").motor.name in check.advice
+    )
     own = {"name": "own", "torque_n_mm": 4000, "speed_rpm": 120, "lasting_torque_n_mm": 5000, "mass_g": 1}
     recipe, check = motor({"motor": own}, scale=2)
     # At half of the speed without load half of the torque is left, for twice the torque of the smaller linkage.
     assert check.value == pytest.approx(2000 / (2 * np.abs(duty.torque).max()), rel=1e-9)
-    assert motor({}, stock={"motor": "nema17"})[0].motor == gk.making.motor("nema17")
+    assert motor({}, stock={"motor": "nema17"})[0].aspect("loads").motor == gk.making.motor("nema17")
     with pytest.raises(gk.RecipeError, match="shaft"):
         loads = {"masses": {"slider": {"mass_kg": 1}}, "motor": "nema17"}
         slider_crank(loads, stroke={"start": 110, "end": 170}, linkage={"driver": "slider"})
@@ -265,7 +269,7 @@ def test_pins_and_plates_are_checked_if_the_material_is_known():
     checks = {check.id: check for check in recipe.checks}
     assert holds <= set(checks) and not holds & {check.id for check in four_bar(force).checks}
     at = [abs(value - checks["pin_pressure"].at) for value in np.degrees(recipe.motion.drive)]
-    largest = max(abs(recipe.loaded.analysis.pin(pin, body)).max() for pin, body in
+    largest = max(abs(recipe.aspect("loads").analysis.pin(pin, body)).max() for pin, body in
                   [("crank_pivot", "crank"), ("rocker_pivot", "rocker"), ("crank_pin", "crank"), ("rocker_pin", "rocker"),
                    ("crank_pin", "coupler"), ("rocker_pin", "coupler")])  # fmt: skip
     assert min(at) < 1e-9 and checks["pin_pressure"].value == pytest.approx(largest / (4 * 3))

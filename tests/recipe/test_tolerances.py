@@ -63,7 +63,7 @@ def test_the_band_holds_the_enlarged_deviation_of_every_position():
     area = shapely.Polygon()
     for curve in region.curves:
         area = area.symmetric_difference(shapely.Polygon([(z.real, z.imag) for z in curve.vertices]))
-    enlarged = recipe.output_deviation.enlarged
+    enlarged = recipe.aspect("tolerances").enlarged
     point = MOTION.point("coupler_point")
     normal = 1j * point.first / np.abs(point.first)
     deviation = enlarged * gk.tolerances(MOTION, "coupler_point", 0.1, 0.05).worst_case_along(normal)

@@ -38,7 +38,7 @@ def searches():
     cases = [("two walking legs", legs(361)), ("two walking legs in tenths of a degree", legs(3601))]
     for path in ("walking-leg", "sieve", "cognates"):
         recipe = gk.load(Path(__file__).parents[2] / "recipes" / f"{path}.toml")
-        cases.append((path, recipe.figure if path == "cognates" else recipe.fine_motion))
+        cases.append((path, recipe.figure if path == "cognates" else recipe.made.fine_motion))
     stock, seen = LinkStock(), []
 
     def noted(motion, pairs):

@@ -16,7 +16,6 @@ from ...core.names import read_text_file
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
-from ...making.motors import MOTORS
 from ...model.check import Check
 from ...model.mass import Mass
 from ...model.part import Part
@@ -24,7 +23,7 @@ from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
-from ...recipe.recipe import AbstractAssembledRecipe, part_masses
+from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
 from ..base_circle import least_base_circle
@@ -32,7 +31,7 @@ from ..cam import Cam
 from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
 from ..followers.follower import FOLLOWERS
 from ..measures import cam_table
-from ..parts import CamStock, cam_assembly, cam_parts, follower_plates, pin_masses
+from ..parts import CamStock
 from ..program.program import Program
 from ..program.segments import (
     Dwell,
@@ -47,8 +46,8 @@ from ..program.segments import (
 )
 from ..scene import cam_handles, cam_scene
 from ..scene_sizes import with_size_plot
-from ..undercut import Undercut, undercut
-from .loads import CamLoadsTable, LoadedCam, follower_mass
+from .loads import CamLoadsAspect, CamLoadsTable
+from .made import MadeCam
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
@@ -67,7 +66,7 @@ LIFTS: dict[str, Segment] = {
 
 
 @record(kw_only=True)
-class DiskCamRecipe(AbstractAssembledRecipe):
+class DiskCamRecipe(AbstractComposedRecipe):
     """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates.
 
     Parameters
@@ -87,6 +86,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     """
 
     can_be_scaled: ClassVar[bool] = True
+    aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)
     kind: Literal["disk-cam"] = "disk-cam"
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
@@ -110,73 +110,45 @@ class DiskCamRecipe(AbstractAssembledRecipe):
                 "drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy, "out-of-range"
             )
         self.drive.check_rows()
-        if self.loads is not None:
-            given = self.loads.follower
-            self.loads.of_follower(self.cam, given.mass if given else Mass(0.0))
-            plates = follower_plates(self.cam, self.stock, self.base)
-            if given is None and (self.stock.material is None or all(plate.name == "roller" for plate in plates)):
-                remedy = "give mass_kg in loads.follower"
-                if self.stock.material is None:
-                    problem, remedy = "is missing, and no material is given", f"{remedy}, or material in [stock]"
-                else:
-                    problem = "is missing, and the follower has no parts besides its roller"
-                raise DesignError("loads.follower", problem, remedy, "missing-key")
+        for aspect in self.aspects:
+            aspect.check()
 
     @property
     def design(self) -> Cam:
         return self.cam
 
     @cached_property
-    def cut(self) -> Undercut:
-        """The undercut of the cam and its trimmed outline."""
-        return undercut(self.cam)
-
-    @cached_property
-    def loaded(self) -> LoadedCam | None:
-        """Cam and follower under the loads; None without loads."""
-        if self.loads is None:
-            return None
-        given, stock = self.loads.follower, self.stock
-        mass = given.mass if given else follower_mass(self.cam, self.body_masses)
-        loads = self.loads.of_follower(self.cam, mass or Mass(0.0))
-        motor = self.loads.motor or MOTORS.get(str(stock.motor))
-        return LoadedCam(self.cam, loads, self.drive, stock.thickness, stock.material, motor, stock.motor is not None)
-
-    @cached_property
-    def table(self) -> Table:
-        drive = self.drive
-        table = cam_table(self.cam, drive.speed, drive.angles, self.cut, drive.acceleration_rad_per_s2)
-        return Table((*table.columns, *self.loaded.columns)) if self.loaded else table
+    def made(self) -> MadeCam:
+        """The cam in its setting."""
+        return MadeCam(self.cam, self.drive, self.stock, self.base, self.setting)
 
     @property
-    def design_checks(self) -> tuple[Check, ...]:
-        return (*cam_checks(self.cam, self.cut), *(self.loaded.checks if self.loaded else ()))
+    def own_table(self) -> Table:
+        made = self.made
+        return cam_table(self.cam, made.speed, self.drive.angles, made.cut, made.acceleration)
 
-    @cached_property
+    @property
+    def own_checks(self) -> tuple[Check, ...]:
+        return cam_checks(self.cam, self.made.cut)
+
+    @property
     def parts(self) -> tuple[Part, ...]:
-        """The plates of cam, follower and base."""
-        return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
+        return self.made.parts
 
-    @cached_property
+    @property
     def body_masses(self) -> Mapping[str, Mass]:
-        """Mass of cam, roller and follower; that of the follower with the pins that are glued into it."""
-        bodies = part_masses(self.parts)
-        if bodies:
-            for body, mass in pin_masses(self.cam, self.stock, self.base).items():
-                bodies[body] += mass
-        return bodies
+        return self.made.masses
 
-    @cached_property
+    @property
     def assembly(self) -> Assembly:
         """Shafts, pins and collars of cam and follower, and the steps of assembly."""
-        return cam_assembly(self.cam, self.stock, self.base)
+        return self.made.assembly
 
-    @cached_property
-    def scene(self) -> Scene:
+    @property
+    def own_scene(self) -> Scene:
         """Cam and follower in contact."""
-        scene = cam_scene(self.cam, self.table, self.parts, self.cut, self._limits())
-        scene = with_size_plot(scene, self.cam)
-        return replace(scene, marks=(*scene.marks, *self.loaded.arrow)) if self.loaded else scene
+        scene = cam_scene(self.cam, self.table, self.parts, self.made.cut, self._limits())
+        return with_size_plot(scene, self.cam)
 
     @property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
@@ -184,11 +156,8 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return {"cam": RotatingBody(0j, Fraction(self.cam.sense))}
 
     def scene_at(self, turn: Real) -> Scene:
-        table = cam_table(self.cam, self.drive.speed, np.remainder(turn, 2 * np.pi), self.cut)
-        return cam_scene(self.cam, table, self.parts, self.cut)
-
-    def torque_at(self, turn: Real) -> Real | None:
-        return self.loaded.forces_at(np.remainder(turn, 2 * np.pi)).torque if self.loaded else None
+        table = cam_table(self.cam, self.made.speed, np.remainder(turn, 2 * np.pi), self.made.cut)
+        return cam_scene(self.cam, table, self.parts, self.made.cut)
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:
@@ -198,7 +167,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
     def quantities(self) -> Mapping[str, str]:
         """Largest lift, range of the pressure angle, and the lift lost to undercut."""
         angle, (unit, size) = np.asarray(self.table["pressure_angle"]), self.cam.follower.lift_unit
-        lost = self.cut.worst[0] * size
+        lost = self.made.cut.worst[0] * size
         return {
             "largest lift": f"{np.max(self.table['lift']):.4g} {unit}",
             "pressure angle": f"{np.min(angle):.3g} to {np.max(angle):.3g} deg",
@@ -213,7 +182,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
             else Limit("profile_curvature", 1 / LEAST_CONVEX_RADIUS, "sharper edges wear")
         )
         angles = (Limit("pressure_angle", side * most, f"at most {most:g} deg") for side in (1.0, -1.0))
-        return (*angles, curvature, *(self.loaded.limits if self.loaded else ()))
+        return (*angles, curvature)
 
     @property
     def sources(self) -> Mapping[str, str]:
@@ -221,8 +190,8 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         names = [segment.file for segment in program.segments if isinstance(segment, LiftTable) and segment.file]
         return {name: read_text_file(name, program.folder, "a CSV file") for name in names}
 
-    @cached_property
-    def notes(self) -> Mapping[str, object]:
+    @property
+    def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Peaks of each segment, least base circle for the usual pressure angle, optimised segments and undercut."""
         cam = self.cam
         notes: dict[str, object] = {"peaks": self._peaks()}
@@ -242,9 +211,7 @@ class DiskCamRecipe(AbstractAssembledRecipe):
                 }
                 for k, best in sorted(cam.program.optima.items())
             ]
-        notes |= {"loads": self.loaded.summary} if self.loaded else {}
-        notes |= self.assembly_summary
-        return notes | ({"undercut": self._undercut()} if self.cut.found else {})
+        return notes, {**self.assembly_summary, **({"undercut": self._undercut()} if self.made.cut.found else {})}
 
     def _peaks(self) -> dict[str, dict[str, object]]:
         """For each segment that moves: the peaks of its derivatives by cam angle, and its peak factors."""
@@ -276,11 +243,11 @@ class DiskCamRecipe(AbstractAssembledRecipe):
         return "" if self.loads else "Contact force and camshaft torque are computed with the table loads."
 
     def _undercut(self) -> Mapping[str, object]:
-        (lost, at), (unit, size) = self.cut.worst, self.cam.follower.lift_unit
+        (lost, at), (unit, size) = self.made.cut.worst, self.cam.follower.lift_unit
         return {
             f"lost_lift_{unit}": to_digits(lost * size),
             "worst_at_deg": to_digits(np.degrees(at), 5),  # the angle of a flat peak has no more certain digits
-            "spans_deg": [[to_digits(np.degrees(a)) for a in span] for span in self.cut.spans],
+            "spans_deg": [[to_digits(np.degrees(a)) for a in span] for span in self.made.cut.spans],
         }
 
     @classmethod

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,10 +16,11 @@ from ...model.check import Check
 from ...model.mass import Mass
 from ...model.material import Material
 from ...model.motor import Motor, root_mean_square
-from ...model.scene import Limit, SceneMark, drawn_at
-from ...model.table import Column
+from ...model.scene import Limit, Plot, Scene, SceneMark, drawn_at
+from ...model.table import Column, Table
 from ...plane.vec import Real, first_largest
-from ...recipe.settings import BodyMass, Drive, Gravity, gravity_entry
+from ...recipe.aspect import ALONE, AbstractAspect, Setting
+from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..cam import Cam
 from ..dynamics import (
     CamForces,
@@ -32,6 +34,8 @@ from ..dynamics import (
 )
 from ..extrema import largest
 from ..measures import at_jumps
+from ..parts import follower_plates
+from .made import MadeCam
 
 # Least contact force without friction of the guide over that with friction: at 0 the guide jams, and below a half
 # friction takes more than the load; chosen here.
@@ -91,7 +95,7 @@ class CamLoadsTable:
     )
     motor: MotorKey | None = motor_entry("the cam")
 
-    def of_follower(self, cam: Cam, mass: Mass) -> FollowerLoads:
+    def of_follower(self, cam: Cam, mass: Mass, setting: Setting = ALONE) -> FollowerLoads:
         """The loads as the library has them. DesignError if the follower cannot have them."""
         keys, others = (ARM, STRAIGHT) if cam.follower.oscillates else (STRAIGHT, ARM)
         for other, key in zip(others, keys):
@@ -100,7 +104,7 @@ class CamLoadsTable:
                 problem = f"found {getattr(self, other):g}, but the cam has {what}"
                 raise DesignError(f"loads.{other}", problem, f"give {key} instead", "conflict")
         values = {field: getattr(self, key) for key, field in keys.items()}
-        gravity = 1000 * complex(*self.gravity_m_per_s2)
+        gravity = setting.of_world(1000 * complex(*self.gravity_m_per_s2))
         loads = FollowerLoads(mass, gravity=gravity, friction=self.friction, **values)
         check_follower_loads(cam, loads)
         return loads
@@ -120,39 +124,53 @@ def follower_mass(cam: Cam, bodies: Mapping[str, Mass]) -> Mass | None:
 
 
 @record(eq=False)
-class LoadedCam:
-    """A cam with its follower under loads, at the cam angles of a recipe.
+class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
+    """The forces of a cam and its follower under loads, at the cam angles of a recipe."""
 
-    Parameters
-    ----------
-    cam : Cam
-        The cam and its follower.
-    loads : FollowerLoads
-        Of the follower.
-    drive : Drive
-        Speed and cam angles.
-    face_width : float
-        Width of the contact, mm.
-    material : Material or None
-        Of cam and follower.
-    given_motor : Motor or None
-        The motor on the camshaft; the smallest that suffices if None.
-    on_plate : bool
-        Whether a plate has the holes for it.
-    """
+    key = "loads"
+    depends_on_setting = True
 
-    cam: Cam
-    loads: FollowerLoads
-    drive: Drive
-    face_width: float
-    material: Material | None
-    given_motor: Motor | None
-    on_plate: bool
+    @property
+    def cam(self) -> Cam:
+        """The cam and its follower."""
+        return self.mechanism.cam
+
+    def check(self) -> None:
+        made, given = self.mechanism, self.given.follower
+        self.given.of_follower(self.cam, given.mass if given else Mass(0.0))
+        plates = follower_plates(self.cam, made.stock, made.base)
+        if given is None and (made.stock.material is None or all(plate.name == "roller" for plate in plates)):
+            remedy = "give mass_kg in loads.follower"
+            if made.stock.material is None:
+                problem, remedy = "is missing, and no material is given", f"{remedy}, or material in [stock]"
+            else:
+                problem = "is missing, and the follower has no parts besides its roller"
+            raise DesignError("loads.follower", problem, remedy, "missing-key")
+
+    @cached_property
+    def loads(self) -> FollowerLoads:
+        """Loads of the follower, with its own mass or that of its parts."""
+        given = self.given.follower
+        mass = given.mass if given else follower_mass(self.cam, self.mechanism.masses)
+        return self.given.of_follower(self.cam, mass or Mass(0.0), self.mechanism.setting)
+
+    @property
+    def angles(self) -> Real:
+        """Cam angles of the table, rad."""
+        return self.mechanism.drive.angles
+
+    @property
+    def material(self) -> Material | None:
+        """Of cam and follower."""
+        return self.mechanism.stock.material
 
     def forces_at(self, angle: Real) -> CamForces:
         """The forces at any cam angles, rad."""
-        acceleration = self.drive.acceleration_rad_per_s2
-        return cam_forces(self.cam, self.loads, angle, speed=self.drive.speed, acceleration=acceleration)
+        made = self.mechanism
+        return cam_forces(self.cam, self.loads, angle, speed=made.speed, acceleration=made.acceleration)
+
+    def torque_at(self, turn: Real) -> Real:
+        return self.forces_at(np.remainder(turn, 2 * np.pi)).torque
 
     def contact(self, angle: Real) -> Real:
         """Contact force, N."""
@@ -162,18 +180,19 @@ class LoadedCam:
         """Hertz pressure of the contact, N/mm2; nan if it is unknown."""
         if self.material is None:
             return np.full(np.shape(angle), np.nan)
-        return self.forces_at(angle).pressure(self.face_width, self.material)
+        return self.forces_at(angle).pressure(self.mechanism.stock.thickness, self.material)
 
     @cached_property
     def forces(self) -> CamForces:
         """The forces at the angles of the table."""
-        return self.forces_at(self.drive.angles)
+        return self.forces_at(self.angles)
 
     @cached_property
     def motor(self) -> Motor | None:
         """The given motor; without one the smallest that suffices, None if no motor can drive the cam."""
         known = np.isfinite(self.forces.torque).any()
-        return self.given_motor or (smallest_motor(self.forces.duty) if known else None)
+        given = self.given.motor or self.mechanism.mounted_motor
+        return given or (smallest_motor(self.forces.duty) if known else None)
 
     def _extreme(self, values: Callable[[Real], Real], sign: int = 1) -> tuple[float, float]:
         """Largest known value over a turn, with sign -1 the least, and its cam angle, deg; nan if none is known."""
@@ -185,33 +204,37 @@ class LoadedCam:
         top, at = largest(self.cam.program.breaks, known)
         return (np.nan if top == -np.inf else sign * top), float(np.degrees(at))
 
-    @property
-    def columns(self) -> Iterator[Column]:
+    def columns(self, table: Table) -> Iterator[Column]:
         """Torque, contact force and pressure; unknown where the velocity of the follower jumps."""
-        jump, _ = at_jumps(self.cam, self.drive.angles)
+        jump, _ = at_jumps(self.cam, self.angles)
         torque = "torque on the camshaft, positive in the direction in which the cam turns"
         yield Column("camshaft_torque", "N mm", torque, np.where(jump, np.nan, self.forces.torque))
         contact = "force between cam and follower along their normal, below 0 if the follower leaves the cam"
         yield Column("contact_force", "N", contact, np.where(jump, np.nan, self.forces.contact))
-        pressure = self.pressure(self.drive.angles)
+        pressure = self.pressure(self.angles)
         if np.isfinite(pressure).any():
             yield Column(
                 "contact_pressure", "N/mm2", "pressure of cam and follower by Hertz", np.where(jump, np.nan, pressure)
             )
 
-    @property
-    def limits(self) -> Iterator[Limit]:
-        """Limit lines of the plots."""
-        yield Limit("contact_force", 0.0, "below, the follower leaves the cam")
-        if self.material is not None and np.isfinite(self.material.yielding_pressure):
-            yield Limit("contact_pressure", self.material.yielding_pressure, "above, the material yields")
+    def plots(self, table: Table) -> Iterator[Plot]:
+        """A plot of each column, with the limits of the contact."""
+        yield Plot("torque of the camshaft", ("camshaft_torque",))
+        lost = Limit("contact_force", 0.0, "below, the follower leaves the cam")
+        yield Plot("force between cam and follower", ("contact_force",), (lost,))
+        most = self.material.yielding_pressure if self.material else np.nan
+        yields = (Limit("contact_pressure", most, "above, the material yields"),) if np.isfinite(most) else ()
+        yield Plot("pressure of the contact", ("contact_pressure",), yields)
+
+    def on_scene(self, scene: Scene) -> Scene:
+        return replace(scene, marks=(*scene.marks, *self.arrow))
 
     @property
     def arrow(self) -> Iterator[SceneMark]:
         """The contact force at each frame, at one scale; nothing if it is unknown."""
         force = np.nan_to_num(np.maximum(self.forces.contact, 0.0))
         if force.any():
-            at, scale = self.cam.contact(self.drive.angles), LONGEST_ARROW * self.cam.prime_radius / force.max()
+            at, scale = self.cam.contact(self.angles), LONGEST_ARROW * self.cam.prime_radius / force.max()
             label = f"contact force, {drawn_at(float(scale), 'N')}"
             yield SceneMark("vector", at.point, "force", label, vector=scale * force * at.normal)
 
@@ -236,20 +259,26 @@ class LoadedCam:
             yield Check("contact_safety", name, safety, "at least", least, "", advice, "contact_pressure", at)
         if self.motor is not None:
             torque = np.abs(self.forces.torque)
-            at = float(np.degrees(self.drive.angles[first_largest(torque)])) if np.isfinite(torque).any() else np.nan
+            at = float(np.degrees(self.angles[first_largest(torque)])) if np.isfinite(torque).any() else np.nan
             position = at if np.isfinite(at) else None
-            yield motor_check(self.motor, self.forces.duty, "camshaft_torque", position, self.on_plate)
+            yield motor_check(
+                self.motor, self.forces.duty, "camshaft_torque", position, self.mechanism.stock.motor is not None
+            )
 
     def _contact_advice(self) -> str:
         """What keeps the follower on the cam: keys of the recipe with values that do."""
         if self.cam.program.jumps.velocity.any():
             return "the velocity of the follower jumps: start and end the motion with a law that rests there"
         rate, preload, _ = ARM if self.cam.follower.oscillates else STRAIGHT
-        speed = self.drive.speed
+        speed = self.mechanism.speed
         values = {preload: least_preload(self.cam, self.loads, speed)}
         values[rate] = least_stiffness(self.cam, self.loads, speed)
         choices = [f"{key} = {rounded_up(value, 4)}" for key, value in values.items() if np.isfinite(value)]
         return f"give {', '.join([*choices, 'a lighter follower or a lower speed'])}"
+
+    @property
+    def entries(self) -> Mapping[str, object]:
+        return {"loads": self.summary}
 
     @property
     def summary(self) -> Mapping[str, object]:
@@ -259,7 +288,7 @@ class LoadedCam:
         peak, at = self._extreme(lambda t: np.abs(self.forces_at(t).torque))
         if np.isfinite(peak):
             size = float(self.forces_at(np.radians([at])).torque[0])
-            rms = to_digits(root_mean_square(torque, self.drive.angles))
+            rms = to_digits(root_mean_square(torque, self.angles))
             result["camshaft_torque_N_mm"] = {"peak": to_digits(size), "peak_at_deg": to_digits(at, 5), "rms": rms}
         for name, values, ends in (
             ("contact_force_N", self.contact, ("least", "largest")),
@@ -269,7 +298,7 @@ class LoadedCam:
             if all(np.isfinite(value) for value, _ in extremes.values()):
                 sizes = {end: to_digits(value) for end, (value, _) in extremes.items()}
                 result[name] = sizes | {f"{end}_at_deg": to_digits(at, 5) for end, (_, at) in extremes.items()}
-        speed = self.drive.speed
+        speed = self.mechanism.speed
         result["jump_speed_rpm"] = to_digits(jump_speed(self.cam, self.loads) * 30 / np.pi)
         result[f"least_preload_{'N_mm' if arm else 'N'}"] = to_digits(least_preload(self.cam, self.loads, speed))
         rate = f"least_spring_rate_{'N_mm_per_rad' if arm else 'N_per_mm'}"
