@@ -1,0 +1,234 @@
+"""Every kind with every aspect, in every way of placing it, against the same thing computed apart.
+
+A new kind is found in the table of kinds; a new aspect is one row of `ASPECTS`, a new way of placing one function of
+`WAYS`. By default each pair of kind and aspect is placed in one of the ways in turn; the others are campaigns.
+"""
+
+import dataclasses
+import tomllib
+from functools import cache
+from zlib import crc32
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.core.dotted_keys import numbers_in
+from geomkin.core.errors import RecipeError
+from geomkin.recipe.kinds import kind_names, recipe_class
+from geomkin.recipe.load import from_table
+from geomkin.studio.edit import answer
+from tests.recipe.test_inches import in_inches, power
+from tests.texts import template_of
+
+# A value of each aspect by its key; None is that of the kind's template.
+ASPECTS = {
+    "loads": None,
+    "tolerances": None,
+    "dwell": None,
+    "both_modes": True,
+    "copies": None,
+    "coefficients": True,
+    "base": None,
+    "stroke": None,
+    "foot": "B",
+}
+# Aspects that need others.
+WITH = {"foot": {"copies": [{"phase_deg": 120}, {"phase_deg": 240}]}}
+# Kinds that search for their mechanism take long.
+SLOW = {"path-generator", "function-generator", "slider-function-generator"}
+PAIR = {"kind": "gear-pair", "first": {"teeth": 12, "module": 2, "profile_shift": 0.3},
+        "second": {"teeth": 36, "module": 2}}  # fmt: skip
+# The machine turns each mechanism at minus a third of this speed, and places it at this angle.
+SPEED_RPM, ANGLE_DEG = 540, 37.0
+
+
+def takes(kind, aspect):
+    return aspect in (field.name for field in dataclasses.fields(recipe_class(kind)))
+
+
+@cache
+def text_of(kind, aspect):
+    is_table = aspect and ASPECTS[aspect] is None
+    return template_of(kind, [aspect] if is_table else [])
+
+
+def table_of(kind, aspect):
+    table = tomllib.loads(text_of(kind, aspect))
+    if aspect and ASPECTS[aspect] is not None:
+        table |= {aspect: ASPECTS[aspect], **WITH.get(aspect, {})}
+    return table
+
+
+def read(table):
+    try:
+        return from_table(table)
+    except RecipeError as error:
+        if error.problems[0].id == "conflict":
+            pytest.skip(f"refused by name: {error.problems[0].key}")
+        raise
+
+
+def values(checks):
+    return {check.id: (check.value, check.limit) for check in checks}
+
+
+def assert_same_checks(ours, theirs, rel=1e-7):
+    assert ours.keys() == theirs.keys()
+    for id, pair in ours.items():
+        assert pair == pytest.approx(theirs[id], rel=rel, abs=1e-7, nan_ok=True), id
+
+
+def assert_same_places(ours, theirs, factor=1.0):
+    assert [body.name for body in ours.bodies] == [body.name for body in theirs.bodies]
+    size = max(1e-9, *(np.nanmax(np.abs(body.origin)) for body in theirs.bodies))
+    for one, other in zip(ours.bodies, theirs.bodies):
+        assert np.allclose(one.origin, factor * np.asarray(other.origin), rtol=0, atol=1e-7 * size, equal_nan=True)
+        assert np.allclose(one.direction, other.direction, rtol=0, atol=1e-7, equal_nan=True)
+
+
+def alone(table, tmp_path):
+    """An aspect adds to the results of the mechanism and changes none of them, but the counts of copies."""
+    recipe = read(table)
+    key = next((key for key in ASPECTS if key in table and takes(table["kind"], key)), None)
+    plain = read({name: value for name, value in table.items() if name not in {key, *WITH.get(key, ())}})
+    if key == "stroke" or plain.scene is None:
+        return
+    for id in plain.table.ids:
+        assert np.array_equal(recipe.table[id], plain.table[id], equal_nan=True), id
+    assert set(values(plain.checks)) <= set(values(recipe.checks))
+
+
+def in_machine(table, tmp_path):
+    """The checks are those of the recipe at that speed, and the bodies lie where its own are turned to."""
+    recipe = read(table)
+    if not recipe.rotating_bodies:
+        pytest.skip("it has no driver on a shaft")
+    body = {"recipe": table, "turned_by": "pair.second", "angle_deg": ANGLE_DEG}
+    machine = read({"kind": "machine", "mechanisms": {"pair": {"recipe": PAIR}, "own": body},
+                    "drive": {"speed_rpm": SPEED_RPM}})  # fmt: skip
+    pose = machine.poses["own"]
+    (placed,) = (mechanism for mechanism in machine.placed if mechanism.name == "own")
+    scene = recipe.scene_at(placed.turn)
+    for one, other in zip(placed.scene.bodies, scene.bodies, strict=True):
+        assert np.allclose(one.origin, pose.place(other.origin), atol=1e-9)
+    turned = {**table, "drive": {**table.get("drive", {}), "speed_rpm": SPEED_RPM / 3, "end_deg": 360}}
+    if not isinstance(table.get("loads"), dict) or "gravity_m_per_s2" not in str(recipe.loads):
+        return
+    x, y = table["loads"].get("gravity_m_per_s2", (0, -9.81))
+    gravity = complex(x, y) * np.exp(-1j * np.radians(ANGLE_DEG))
+    loads = {**table["loads"], "gravity_m_per_s2": [gravity.real, gravity.imag]}
+    if table["kind"] == "disk-cam":
+        turned["drive"].pop("end_deg")
+    apart = read({**turned, "loads": loads})
+    frames = np.linspace(0, 2 * np.pi, len(apart.table.columns[0].values))
+    # A steady mechanism that runs backwards has the same torque, unless it has friction.
+    driver = next(id for id in ("shaft_torque", "driver_torque", "camshaft_torque") if id in apart.table.ids)
+    expected = np.nan_to_num(apart.table[driver])
+    torque = np.nan_to_num(machine.recipes["own"].torque_at(frames))
+    known = np.isfinite(apart.table[driver])
+    assert torque[known] == pytest.approx(expected[known], abs=1e-8 * (1 + np.abs(expected).max()))
+
+
+def scaled(table, tmp_path):
+    """Twice the size: positions are doubled."""
+    recipe = read(table)
+    if not recipe.can_be_scaled or recipe.scene is None:
+        pytest.skip("it takes no scale")
+    larger = read({"scale": 2, **table})
+    assert_same_places(larger.scene, recipe.scene, 2.0)
+
+
+def inches(table, tmp_path):
+    """The same mechanism."""
+    recipe = read(table)
+    inch = read(in_inches(table, recipe))
+    assert_same_checks(values(inch.checks), values(recipe.checks))
+    if recipe.scene is not None:
+        assert_same_places(inch.scene, recipe.scene)
+
+
+def sheet(recipe):
+    """The key of a number that every kind with plates has, and another value for it."""
+    for number in numbers_in(recipe):
+        if number.key.endswith("thickness"):
+            return number.key, 1.5 * number.value
+    return None, None
+
+
+def with_value(table, key, value):
+    *parents, last = key.split(".")
+    table = dict(table)
+    place = table
+    for parent in parents:
+        place[parent] = dict(place.get(parent, {}))
+        place = place[parent]
+    place[last] = value
+    return table
+
+
+def swept(table, tmp_path):
+    """A sweep of one value has the checks of the recipe with that value."""
+    recipe = read(table)
+    key, value = sheet(recipe)
+    if key is None:
+        pytest.skip("it has no sheet")
+    (row,) = gk.sweep(recipe, {key: [value]}).rows
+    apart = read(with_value(table, key, value))
+    assert not row.refused
+    assert_same_checks(values(row.checks), values(apart.checks))
+
+
+def optimised(table, tmp_path):
+    """The best design has the results that its own recipe has."""
+    recipe = read(table)
+    key, value = sheet(recipe)
+    checks = [check.id for check in recipe.checks if np.isfinite(check.value)]
+    if key is None or not checks:
+        pytest.skip("it has no sheet")
+    best = gk.optimise(recipe, {key: (0.9 * value, value)}, checks[-1], starts=1, time_limit=600)
+    assert values(best.recipe.checks)[checks[-1]][0] == pytest.approx(best.value, rel=1e-6, abs=1e-9)
+
+
+def in_studio(table, tmp_path):
+    """The studio shows the checks of the recipe."""
+    recipe = read(table)
+    reply = answer(gk.recipe.to_toml(recipe), {}, {"lane": "checks"})
+    assert not reply["problems"]
+    assert [check["id"] for check in reply["checks"]] == [check.id for check in recipe.checks]
+
+
+def certified(table, tmp_path):
+    """The certificate passes for the files that were made."""
+    recipe = read({**table, "files": {**table.get("files", {}), "write": ["dxf", "svg", "csv", "bom"]}})
+    gk.make(recipe, tmp_path)
+    assert all(certificate.passed for certificate in gk.verify(tmp_path))
+
+
+WAYS = (alone, in_machine, scaled, inches, swept, optimised, in_studio, certified)
+PAIRS = [(kind, aspect) for kind in kind_names() for aspect in (None, *ASPECTS) if not aspect or takes(kind, aspect)]
+
+
+def cases():
+    for kind, aspect in PAIRS:
+        start = crc32(f"{kind} {aspect}".encode())
+        for k, way in enumerate(WAYS):
+            is_default = k == start % len(WAYS) and kind not in SLOW and way is not optimised
+            marks = () if is_default else pytest.mark.campaign
+            yield pytest.param(kind, aspect, way, marks=marks, id=f"{kind}-{aspect or 'plain'}-{way.__name__}")
+
+
+@pytest.mark.parametrize(("kind", "aspect", "way"), list(cases()))
+def test_kind_with_aspect_in_a_place_is_what_it_is_apart(kind, aspect, way, tmp_path):
+    way(table_of(kind, aspect), tmp_path)
+
+
+@pytest.mark.parametrize("aspect", ASPECTS)
+def test_aspect_of_another_kind_is_refused_by_its_name(aspect):
+    others = [kind for kind in kind_names() if not takes(kind, aspect) and kind not in SLOW]
+    assert others
+    for kind in others:
+        value = {} if ASPECTS[aspect] is None else ASPECTS[aspect]
+        with pytest.raises(RecipeError) as caught:
+            from_table({**tomllib.loads(template_of(kind)), aspect: value})
+        assert [problem.key for problem in caught.value.problems] == [aspect], kind
