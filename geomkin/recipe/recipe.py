@@ -17,6 +17,7 @@ from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..core.units import UNITS, LengthUnit, Units
+from ..model.beam import beam_checks
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
@@ -161,13 +162,12 @@ class AbstractRecipe(_Shared, ABC):
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
-        """Checks of the mechanism and of the walls of its parts."""
+        """Checks of the mechanism, of the walls of its parts, and of the corners that a cutting beam does not reach."""
         # Parts first, since they may raise an error.
         walls = wall_checks(self.parts, self.files.kerf, self.walls)
+        checks = (*self.design_checks, *walls, *beam_checks(self.parts, self.files.kerf, self.files.tolerance))
         reasons = self.expected_failures
-        return tuple(
-            replace(check, expected=reasons.get(check.id, check.expected)) for check in (*self.design_checks, *walls)
-        )
+        return tuple(replace(check, expected=reasons.get(check.id, check.expected)) for check in checks)
 
     @property
     def unknown_expectations(self) -> tuple[str, ...]:
