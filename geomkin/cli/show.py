@@ -10,37 +10,32 @@ from .recipes import (
     end,
     ended_if_refused,
     json_option,
-    made_of,
     one_recipe,
     option_errors,
     outcomes_of,
-    print_refusals,
+    print_results,
     recipe_arguments,
     recipe_files,
+    source_of,
+    strict_option,
 )
 
 
 @click.command("check")
 @recipe_arguments
+@strict_option
 @json_option
-def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
-    """Validate recipes and show their checks; write nothing."""
+def check_command(recipes: tuple[Path, ...], strict: bool, as_json: bool) -> None:
+    """Check recipes as `run` does, and write nothing.
+
+    `-` reads a recipe from the standard input. Of several recipes only failed checks and advice are listed.
+    """
     from ..build import check_recipe
-    from ..core.errors import harmless, printable
 
     outcomes = outcomes_of(recipe_files(recipes), check_recipe)
-    if as_json:
-        end(outcomes, as_json)
-    print_refusals(outcomes)
-    for result in made_of(outcomes):
-        click.echo(printable(result.name))
-        for check in result.checks:
-            click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
-        for fact in result.facts:
-            click.echo(f"        {printable(fact, 200)}")
-        for remark in result.remarks:
-            click.echo(f"        {printable(remark)}")
-    end(outcomes)
+    if not as_json:
+        print_results(outcomes)
+    end(outcomes, as_json, strict)
 
 
 @click.command("columns")
@@ -55,7 +50,7 @@ def columns_command(recipe: Path) -> None:
     from ..recipe.shown import ShownRecipe
 
     with ended_if_refused(recipe):
-        loaded = load(recipe)
+        loaded = load(source_of(recipe))
         with errors_named_by_key(str(recipe), loaded):
             lines = [(column.id, column.unit, column.meaning) for column in ShownRecipe(loaded).table.columns]
     wide, units = (max(len(line[k]) for line in lines) for k in (0, 1))

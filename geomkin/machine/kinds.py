@@ -409,6 +409,11 @@ class MachineRecipe(AbstractRecipe):
         return {"period_turns": {"driver": str(graph.period), **turns}, **self.assembly_summary}
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """Those of each mechanism."""
+        return tuple(f"{name}: {remark}" for name, recipe in self.recipes.items() for remark in recipe.remarks)
+
+    @property
     def facts(self) -> tuple[str, ...]:
         """The speed of each mechanism and the period."""
         speeds = (f"{name} {speed}" for name, speed in self.graph.speeds.items())

@@ -273,7 +273,7 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def facts(self) -> tuple[str, ...]:
-        """Lines that `geomkin check` prints below the checks."""
+        """Lines that `geomkin run` and `geomkin check` print below the checks."""
         return ()
 
     @property
@@ -427,6 +427,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def forces_missing(self) -> str:
         return "The search computes no driver effort and no joint forces; add the table loads to the found recipe."
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return self.design.remarks
 
     @property
     def scene(self) -> Scene | None:

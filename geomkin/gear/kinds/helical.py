@@ -96,6 +96,10 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
             return about.replace("spur gear", f"{form} gear")
         return f"{about} Its teeth are {'herringbones' if self.herringbone else form}."
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return backlash_remarks(self.notes)
+
     def check_faces(self, thicknesses: Mapping[str, float]) -> None:
         """Refuse a herringbone whose gears reverse at different heights. thicknesses: of each stock by key, mm."""
         (_, first), *others = thicknesses.items()
@@ -250,6 +254,15 @@ def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = ST
     return {"backlash_mm": backlash, "backlash_advice": advice}
 
 
+def backlash_remarks(notes: Mapping[str, object]) -> tuple[str, ...]:
+    """Advice on backlash as sentences: that of each mesh, under the mesh's name if there are several."""
+    key = "backlash_advice"
+    meshes = {"pair": notes, **{name: entries for name, entries in notes.items() if isinstance(entries, Mapping)}}
+    advice = {name: str(entries[key]) for name, entries in meshes.items() if key in entries}
+    named = (text if name == "pair" else f"{name.replace('_', ' ')}: {text}" for name, text in advice.items())
+    return tuple(f"{text[0].upper()}{text[1:]}." for text in named)
+
+
 def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
     """The profile shifts that leave no backlash, if there is much; empty for helical teeth."""
     if helix.slope or pair.backlash <= MUCH_BACKLASH * pair.module:
@@ -257,7 +270,7 @@ def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
     relation = "ring's profile shift minus the pinion's" if pair.is_internal else "sum of both profile shifts"
     # Rounded down, so that the teeth do not jam.
     shift = np.floor(1000 * pair.shift_without_backlash) / 1000
-    return {"backlash_advice": f"none is left at this distance if the {relation} is {shift:g}"}
+    return {"backlash_advice": f"no backlash is left at this distance if the {relation} is {shift:g}"}
 
 
 def pair_quantities(pair: GearPair) -> dict[str, str]:
