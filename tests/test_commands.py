@@ -1,6 +1,7 @@
 """What the commands print and write of recipes that pass, fail a check, or cannot be made; each recipe once."""
 
 import pickle
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,8 +13,11 @@ import geomkin as gk
 from geomkin import cli as commands
 from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
+from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
+from geomkin.recipe.messages import did_you_mean
 
+GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
 GEAR = 'kind = "spur-gear"\nfiles = {{ write = ["csv", "svg"] }}\n[gear]\nteeth = {}\nmodule = 2\n'
 
@@ -129,6 +133,32 @@ def test_check_accepts_what_run_accepts(tmp_path):
                     results.append(error.problems)
             assert results[0] == results[1]
             assert bool(helical) or not isinstance(results[0][0], Problem)
+
+
+def names_listed(command, *words):
+    return {line.split()[0] for line in command("list", *words)[1].splitlines() if line.startswith("  ")}
+
+
+def test_list_searches_names_and_descriptions_of_kinds_and_recipes_of_the_gallery(command):
+    assert names_listed(command) == set(kind_names())
+    recipes = {path.name: tomllib.loads(path.read_text())["kind"] for path in GALLERY.glob("*.toml")}
+    for words in (["planetary"], ["scotch-yoke"], ["SCOTCH", "yoke"]):
+        found = names_listed(command, *words)
+        kind = "-".join(words).lower()
+        assert {kind, *(name for name, other in recipes.items() if other == kind)} <= found < {*recipes, *kind_names()}
+    # In the description only: a kind, and the first sentence of a recipe.
+    assert "slider-crank-stroke" in names_listed(command, "stroke", "time ratio")
+    assert "motor-walker.toml" in names_listed(command, "plywood")
+    code, printed, wrong = command("list", "no such thing")
+    assert code == 2 and not printed and wrong
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("planetary-gear", "planetary"), ("four-bar-linkage", "four-bar"), ("worm-gear", ""), ("bevel-gear", "")],
+)
+def test_a_longer_name_of_a_kind_is_recognised_and_another_mechanism_is_not(name, kind):
+    assert did_you_mean(name, kind_names()).rstrip("? ").removeprefix("did you mean ") == kind
 
 
 def test_the_command_alone_prints_its_help(command):

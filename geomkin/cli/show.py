@@ -59,16 +59,38 @@ def columns_command(recipe: Path) -> None:
 
 
 @click.command("list")
-def list_command() -> None:
-    """List the kinds of mechanism."""
-    from ..recipe.kinds import all_kinds, recipe_class
+@click.argument("words", nargs=-1, metavar="[WORD]...")
+def list_command(words: tuple[str, ...]) -> None:
+    """List the kinds of mechanism.
 
-    kinds = all_kinds()
-    width = max(map(len, kinds))
-    for group in dict.fromkeys(row.group for row in kinds.values()):
-        click.echo(group)
-        for name in (name for name, row in kinds.items() if row.group == group):
-            click.echo(f"  {name:<{width}}  {recipe_class(name).about()}")
+    With a WORD, only those with this word in their name or description, and the recipes of the gallery with it.
+    """
+    import re
+
+    from ..core.errors import harmless, printable
+    from ..recipe.kinds import all_kinds, gallery, recipe_class
+
+    # The words of `planetary-gear` are two.
+    wanted = re.findall(r"\w+", " ".join(words).casefold())
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for kind, row in all_kinds().items():
+        groups.setdefault(row.group, []).append((kind, recipe_class(kind).about()))
+    if words:
+        folder, recipes = gallery()
+        groups[f"gallery, in {folder}"] = [(name, f"{kind}: {about}") for name, (kind, about) in recipes.items()]
+
+    def has_words(line: tuple[str, str]) -> bool:
+        return all(word in " ".join(line).casefold() for word in wanted)
+
+    groups = {group: found for group, lines in groups.items() if (found := [*filter(has_words, lines)])}
+    if not groups:
+        problem = f"no kind and no recipe of the gallery has {printable(' '.join(words))!r}"
+        raise click.BadParameter(f"{problem}; `geomkin list` shows all kinds", param_hint="WORD")
+    width = max(len(name) for lines in groups.values() for name, _ in lines)
+    for group, lines in groups.items():
+        click.echo(harmless(group))
+        for name, about in lines:
+            click.echo(harmless(f"  {name:<{width}}  {about}"))
 
 
 @click.command()
@@ -91,7 +113,7 @@ def new(name: str, options: tuple[str, ...]) -> None:
         from ..recipe.messages import did_you_mean
 
         kinds = kind_names()
-        remedy = f"{did_you_mean(name, kinds)}choose from {', '.join(kinds)}"
+        remedy = f"{did_you_mean(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
     from ..recipe.template import template
 
