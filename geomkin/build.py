@@ -419,9 +419,9 @@ def _key(recipe: AbstractRecipe, field: str) -> str:
     if field in (f.name for f in dataclasses.fields(recipe.files)):
         return f"files.{field}"
     # The mechanism is the first table; texts and numbers, such as a helix angle, are skipped.
-    scalars = str | float | bool
-    mechanism = next(n for n in keys if n not in ("kind", *SHARED) and not isinstance(getattr(recipe, n), scalars))
-    table = getattr(recipe, mechanism)
+    scalars, others = str | float | bool, ("kind", "files", *SHARED)
+    mechanism = next((n for n in keys if n not in others and not isinstance(getattr(recipe, n), scalars)), "")
+    table = getattr(recipe, mechanism or "files")
     # A field that the recipe leaves out was computed, such as the linkage of a goal.
     is_field = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None
     is_field = is_field and field in (f.name for f in dataclasses.fields(table))

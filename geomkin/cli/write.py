@@ -141,6 +141,30 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
     return results
 
 
+@click.command("new-kind")
+@click.argument("kind")
+@click.option(
+    "--out", default=".", show_default=True, type=click.Path(path_type=Path), help="Folder for that of the package."
+)
+def new_kind(kind: str, out: Path) -> None:
+    """Write a Python package that adds a KIND of recipe.
+
+    The package OUT/geomkin-KIND has a small mechanism that runs, to be changed into yours, a recipe of it and a test.
+    """
+    from ..core.errors import printable
+    from ..export.files import write_whole
+    from ..recipe.template import kind_package
+
+    with option_errors("KIND"):
+        contents = kind_package(kind)
+    folder = out / f"geomkin-{kind}"
+    if folder.exists():
+        raise click.BadParameter(f"{printable(folder, 200)} exists; give another name or --out", param_hint="KIND")
+    write_whole(folder, contents)
+    click.echo(f"{printable(folder, 200)}: {', '.join(contents)}")
+    click.echo(f"next: pip install -e {printable(folder, 200)} && geomkin run {printable(folder, 200)}/{kind}.toml")
+
+
 @click.command("sweep")
 @one_recipe
 @click.option(
