@@ -369,6 +369,14 @@ class MachineRecipe(AbstractRecipe):
     def motion_checks(self) -> tuple[Check, ...]:
         return (*self._checks_of("motion_checks"), *self.motor_checks)
 
+    def wall_advice(self, part: Part) -> str:
+        owners = [name for name in self.recipes if part.name.startswith(f"{name}_".replace(" ", "_"))]
+        if not owners:
+            return super().wall_advice(part)
+        name = max(owners, key=len)
+        own = part.name.removeprefix(f"{name}_".replace(" ", "_"))
+        return f"{name}: {self.recipes[name].wall_advice(replace(part, name=own))}"
+
     def _checks_of(self, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
         """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
         for name, recipe in self.recipes.items():

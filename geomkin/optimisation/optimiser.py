@@ -344,7 +344,9 @@ def _best(trials: Trials) -> TriedDesign:
     """The best design; DesignError if there is none, or it violates a constraint."""
     if not trials.designs:
         remedy = "give more time" if trials.is_cut else "give ranges in which the mechanism can be assembled"
-        problem = f"none of {trials.count} designs works, the first for this: {printable(trials.refusal, 300)}"
+        problem = f"none of {trials.count:,} designs works; the first was refused: {printable(trials.refusal, 300)}"
+        if not trials.refusal:
+            problem = "it ended before a first design was evaluated"
         raise DesignError("time_limit" if trials.is_cut else "vary", problem, remedy, "does-not-assemble")
     design = min(trials.designs, key=Target().rank)
     if design.violation > 0:
