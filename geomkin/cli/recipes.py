@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO, TypeVar
 
 import click
 
@@ -79,7 +79,7 @@ class Refused(NamedTuple):
 Outcomes = list[tuple[Path, "R | Refused"]]
 
 
-def outcomes_of(files: list[Path], action: Callable[[Path | str], R]) -> Outcomes[R]:
+def outcomes_of(files: list[Path], action: Callable[[Any], R]) -> Outcomes[R]:
     """The outcome of each recipe, in the order of the files."""
     from ..core.errors import Problem, printable
     from ..core.processes import each
@@ -110,7 +110,7 @@ def outcomes_of(files: list[Path], action: Callable[[Path | str], R]) -> Outcome
     return list(zip(files, outcomes))
 
 
-def _tried(action: Callable[[Path | str], R], source: Path | str) -> R | Refused:
+def _tried(action: Callable[[Any], R], source: Path | str) -> R | Refused:
     """The result of an action on a recipe, or the reason why there is none."""
     try:
         return action(source)

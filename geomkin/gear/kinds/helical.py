@@ -242,13 +242,18 @@ def overlap_notes(contact_ratio: float, module: float, helix: Helix, face_width:
     return {"overlap_ratio": to_digits(overlap), "total_contact_ratio": to_digits(contact_ratio + overlap)}
 
 
+def least_backlash(distance: float, module: float) -> float:
+    """Least normal backlash by ISO/TR 10064-2, mm, for steel, from the distance of the axes and the normal module."""
+    return 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * module)
+
+
 def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = STRAIGHT) -> Mapping[str, object]:
     """Backlash of two gears, mm, and advice if there is none. distance: of the axes, mm."""
     backlash = round(pair.backlash, 9) + 0.0
     if backlash:
         return {"backlash_mm": backlash}
-    # Least normal backlash by ISO/TR 10064-2, mm, for steel; along the pitch circle it is larger.
-    least = 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * helix.normal_module(pair.module))
+    # Along the pitch circle it is larger.
+    least = least_backlash(distance, helix.normal_module(pair.module))
     along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
     advice = f"teeth without backlash jam: give tooth_thickness_allowance to both gears, about {along / 2:.2f} mm each"
     return {"backlash_mm": backlash, "backlash_advice": advice}
