@@ -76,10 +76,12 @@ def imports(file):
     for node in ast.walk(tree(file)):
         if isinstance(node, ast.Import):
             found += [(name.name.split(".")[0], ()) for name in node.names]
-        elif isinstance(node, ast.ImportFrom) and not node.level:
-            found.append(((node.module or "").split(".")[0], ()))
         elif isinstance(node, ast.ImportFrom):
-            base = here[: len(here) - node.level] + tuple((node.module or "").split(".") if node.module else ())
+            named = tuple(node.module.split(".")) if node.module else ()
+            if not node.level and named[0] != "geomkin":
+                found.append((named[0], ()))
+                continue
+            base = here[: len(here) - node.level] + named if node.level else named[1:]
             for name in node.names:
                 module = (*base, name.name)
                 whole = PACKAGE.joinpath(*module).with_suffix(".py").exists() or PACKAGE.joinpath(*module).is_dir()

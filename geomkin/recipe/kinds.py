@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from importlib.metadata import entry_points
+from itertools import takewhile
+from pathlib import Path
 
 from ..core.errors import GeomkinError, printable
 from ..core.named import KINDS_BY_GROUP, named
@@ -66,6 +69,22 @@ def recipe_class(kind: str) -> type[AbstractRecipe]:
 def all_kinds() -> dict[str, KindRow]:
     """The rows of all kinds by name: those of the table, then those of installed packages."""
     return KINDS | {kind: row for kind, row in _installed().items() if kind not in KINDS}
+
+
+def gallery() -> tuple[Path, dict[str, tuple[str, str]]]:
+    """The folder of the gallery, and the kind and the description of its recipes by file name.
+
+    An installed package holds the gallery; in a copy of the project it is next to the package.
+    """
+    package = Path(__file__).parents[1]
+    folder = next((f for f in (package / "gallery", package.parent / "recipes") if f.is_dir()), package)
+    recipes: dict[str, tuple[str, str]] = {}
+    for file in sorted(folder.glob("*.toml")):
+        text = file.read_text("utf-8")
+        comment = takewhile(lambda line: line.startswith("# "), text.splitlines())
+        first = " ".join(line[2:] for line in comment).partition(". ")[0].rstrip(".:")
+        recipes[file.name] = str(tomllib.loads(text)["kind"]), first
+    return folder, recipes
 
 
 def kind_names() -> list[str]:
