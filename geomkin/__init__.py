@@ -12,6 +12,7 @@ counterclockwise positive. Recipes need more than NumPy and are loaded only by `
 
 import lazy_loader
 
+from . import face as face
 from .core.version import __version__ as __version__
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -11,6 +11,7 @@ from . import plane as plane
 from . import recipe as recipe
 from . import synthesis as synthesis
 from . import tradeoff as tradeoff
+from .build import FailedChecksError as FailedChecksError
 from .build import index as index
 from .build import load as load
 from .build import make as make

@@ -8,13 +8,12 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from textwrap import wrap
 from typing import Annotated, Any, Literal
 
 from .core.arguments import ArgumentType, checked
-from .core.errors import DesignError, Problem, RecipeError, printable
+from .core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable
 from .core.fields import to_digits
-from .core.names import file_name_flaw
+from .core.names import PathName, file_name_flaw
 from .core.records import record
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
@@ -32,8 +31,6 @@ from .recipe.shown import ShownRecipe
 
 # Largest number of bytes of a recipe's name, so that a name with an ending suits every file system.
 LONGEST_NAME = 200
-# Width of a line of facts, in letters: the terminal shows at most 80.
-FACT_WIDTH = 72
 # A path, a TOML text, or a mapping such as a TOML parser returns.
 Readable = str | Path | Annotated[Mapping[str, Any], ArgumentType(lambda value: isinstance(value, Mapping), "a table")]
 
@@ -51,9 +48,9 @@ class Made:
     files : mapping of Path to int
         Size of each written file in bytes; empty if nothing was to be written.
     facts : tuple of str
-        Further results of `check_recipe`, one line each, such as the peak factors of a cam's segments.
+        Further results, one line each, such as the peak factors of a cam's segments.
     remarks : tuple of str
-        Sentences on the result, for example that a list may be incomplete.
+        Advice and other sentences on the result, for example that a list may be incomplete.
     """
 
     name: str
@@ -62,6 +59,28 @@ class Made:
     files: Mapping[Path, int]
     facts: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    @property
+    def failed_checks(self) -> tuple[Check, ...]:
+        """The checks that failed, without those that the recipe expects to fail."""
+        return tuple(check for check in self.checks if not check.passed and not check.expected)
+
+
+class FailedChecksError(GeomkinError):
+    """Checks failed that a recipe does not expect to fail; raised by `make(strict=True)` after its files are written.
+
+    Parameters
+    ----------
+    made : Made
+        The files, and all checks.
+    """
+
+    def __init__(self, made: Made):
+        super().__init__("\n".join(f"{printable(made.name)}: {harmless(check)}" for check in made.failed_checks))
+        self.made = made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.made,)
 
 
 @checked
@@ -101,7 +120,12 @@ def load(source: Readable) -> AbstractRecipe:
 
 
 @checked
-def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Sequence[Format] | None = None) -> Made:
+def make(
+    recipe: AbstractRecipe | Readable,
+    out: PathName = "out",
+    only: Sequence[Format] | None = None,
+    strict: bool = False,
+) -> Made:
     """Write the files of a recipe to the folder `out`/<name>/.
 
     The files of another recipe made under the same name are replaced. Only results that the checks and the requested
@@ -117,6 +141,8 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         Formats to write, out of those that the recipe names, or out of all formats if it names none. By default all
         formats of the recipe are written (the default formats of its kind if it names none), and files that an earlier
         run wrote and the recipe no longer has are removed.
+    strict : bool, optional
+        Whether failed checks raise an error after the files are written, except those in `expected_failures`.
 
     Returns
     -------
@@ -129,40 +155,19 @@ def make(recipe: AbstractRecipe | Readable, out: str | Path = "out", only: Seque
         If the recipe is invalid or cannot be made.
     FileError
         If a file cannot be written. After either error each file is the old one or the complete new one.
+    FailedChecksError
+        If `strict` and a check failed.
     """
-    file, recipe = _with_file(recipe)
-    offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
-    wanted = [name for name in offered if only is None or name in only]
-    if only is not None and not wanted:
-        found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} was requested"
-        raise RecipeError(
-            file,
-            [
-                Problem(
-                    "files.write", found, "request a format that the recipe writes, or add it to the recipe", "conflict"
-                )
-            ],
-        )
-    name = valid_recipe_name(file, recipe.name or recipe.kind)
-    with errors_named_by_key(file, recipe):
-        results = ShownRecipe(recipe)
-        checks, job = results.checks, _job(name, recipe, recipe.files)
-        wanted = wanted if only else _formats_of(recipe)
-        written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
-        contents = {file: content for files in written.values() for file, content in files.items()}
-        found_recipe = recipe.found_recipe
-        found_file = {}
-        if found_recipe is not None:
-            found_recipe = dataclasses.replace(found_recipe, units=recipe.units)
-            found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
-        contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
-    folder = Path(out) / name
+    made, contents = _computed(recipe, only)
+    folder = Path(out) / made.name
     before = listed_files(folder) if only is None else set()
     write_whole(folder, contents)
     for path in (*sorted(before - set(contents)), *CERTIFICATE):
         remove(folder / path)
-    files = {folder / path: len(content) for path, content in contents.items()}
-    return Made(name, recipe.kind, checks, files, (), _remarks(results))
+    made = dataclasses.replace(made, files={folder / path: len(content) for path, content in contents.items()})
+    if strict and made.failed_checks:
+        raise FailedChecksError(made)
+    return made
 
 
 @checked
@@ -184,31 +189,47 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
     RecipeError, FileError
         As for `make`.
     """
+    return _computed(recipe)[0]
+
+
+def _computed(
+    recipe: AbstractRecipe | Readable, only: Sequence[Format] | None = None
+) -> tuple[Made, Mapping[str, bytes]]:
+    """The results of a recipe, and the contents of its files by name."""
     file, recipe = _with_file(recipe)
+    offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
+    wanted = [name for name in offered if only is None or name in only]
+    if only is not None and not wanted:
+        found = f"found {', '.join(recipe.files.write)}, but only {', '.join(only)} was requested"
+        remedy = "request a format that the recipe writes, or add it to the recipe"
+        raise RecipeError(file, [Problem("files.write", found, remedy, "conflict")])
     name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
         results = ShownRecipe(recipe)
         checks, job = results.checks, _job(name, recipe, recipe.files)
-        for writer in (WRITERS[name] for name in _formats_of(recipe)):
-            if writer.needs == "parts":
-                _ = job.sheets if writer.flat else job.solids
-            else:
-                writer.write(job)
-        # Notes are part of the summary and may raise too.
-        _ = recipe.notes
-        facts = results.texts((*recipe.facts, *([recipe.forces_missing] if recipe.forces_missing else [])))
-        if assumed := ", ".join(f"{key} {value:.7g} {recipe.units}" for key, value in results.assumed_fits.items()):
-            facts = (*facts, *wrap(f"assumed, not measured: {assumed}", FACT_WIDTH))
-        remarks = _remarks(results)
-    return Made(name, recipe.kind, checks, {}, facts, remarks)
+        wanted = wanted if only else _formats_of(recipe)
+        written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
+        contents = {file: content for files in written.values() for file, content in files.items()}
+        found_recipe = recipe.found_recipe
+        found_file = {}
+        if found_recipe is not None:
+            found_recipe = dataclasses.replace(found_recipe, units=recipe.units)
+            found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
+        contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
+        facts, remarks = _facts(results), results.texts((*recipe.remarks, *recipe.unknown_expectations))
+    return Made(name, recipe.kind, checks, {}, facts, remarks), contents
 
 
-def _remarks(results: ShownRecipe) -> tuple[str, ...]:
-    return results.texts((*results.recipe.remarks, *results.recipe.unknown_expectations))
+def _facts(results: ShownRecipe) -> tuple[str, ...]:
+    """Further results, why there are no forces, and the fits that nobody stated."""
+    missing = results.recipe.forces_missing
+    assumed = ", ".join(f"{key} {value:.7g} {results.unit.name}" for key, value in results.assumed_fits.items())
+    more = f"assumed, not measured: {assumed}" if assumed else ""
+    return results.texts(filter(None, (*results.recipe.facts, missing, more)))
 
 
 @checked
-def index(out: str | Path = "out") -> dict[Path, int]:
+def index(out: PathName = "out") -> dict[Path, int]:
     """Write `out`/index.html, a page with a card for each recipe made into `out`.
 
     A card shows the assembly, the kind and the number of passed checks, with links to the page and the files. Other
@@ -241,7 +262,7 @@ def index(out: str | Path = "out") -> dict[Path, int]:
 @checked
 def write(
     source: AbstractRecipe | Table | Part | Sequence[Part],
-    path: str | Path,
+    path: PathName,
     tolerance: float | None = None,
     kerf: float | None = None,
     curves: Literal["chords", "arcs"] | None = None,
@@ -398,9 +419,9 @@ def _key(recipe: AbstractRecipe, field: str) -> str:
     if field in (f.name for f in dataclasses.fields(recipe.files)):
         return f"files.{field}"
     # The mechanism is the first table; texts and numbers, such as a helix angle, are skipped.
-    scalars = str | float | bool
-    mechanism = next(n for n in keys if n not in ("kind", *SHARED) and not isinstance(getattr(recipe, n), scalars))
-    table = getattr(recipe, mechanism)
+    scalars, others = str | float | bool, ("kind", "files", *SHARED)
+    mechanism = next((n for n in keys if n not in others and not isinstance(getattr(recipe, n), scalars)), "")
+    table = getattr(recipe, mechanism or "files")
     # A field that the recipe leaves out was computed, such as the linkage of a goal.
     is_field = dataclasses.is_dataclass(table) and getattr(table, field, None) is not None
     is_field = is_field and field in (f.name for f in dataclasses.fields(table))

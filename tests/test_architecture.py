@@ -1,6 +1,7 @@
 """The plan of the code as tests: who may import whom, and what is loaded for what."""
 
 import ast
+import re
 import subprocess
 import sys
 from functools import cache
@@ -25,6 +26,7 @@ ORDER = (
     ("build",),
     ("sweeps", "tradeoff", "optimisation", "studio", "verification"),
     ("cli",),
+    ("face",),
     ("__init__", "__main__"),
 )
 RANK = {name: k for k, row in enumerate(ORDER) for name in row}
@@ -55,21 +57,37 @@ def tree(file):
     return ast.parse(file.read_text())
 
 
+def modules_by_text(file):
+    """Modules of the package that a file's texts name in full, but for docstrings."""
+    docstrings = {node.value for node in ast.walk(tree(file)) if isinstance(node, ast.Expr)}
+    texts = [node for node in ast.walk(tree(file)) if isinstance(node, ast.Constant) and node not in docstrings]
+    named = [re.match(r"geomkin((?:\.\w+)+)", text.value) for text in texts if isinstance(text.value, str)]
+    paths = [PACKAGE.joinpath(*name[1].split(".")[1:]) for name in named if name]
+    return [path for path in paths if path.is_dir() or path.with_suffix(".py").exists()]
+
+
 @cache
 def imports(file):
-    """Each import of a file, in functions and for type checkers too: ("geomkin", path parts) or (library, ())."""
+    """Each import of a file, in functions and for type checkers too: ("geomkin", path parts) or (library, ()).
+
+    The table of formats names modules of its own folder by text, as `module:function`; these count too.
+    """
     here, found = file.relative_to(PACKAGE).with_suffix("").parts, []
     for node in ast.walk(tree(file)):
         if isinstance(node, ast.Import):
             found += [(name.name.split(".")[0], ()) for name in node.names]
-        elif isinstance(node, ast.ImportFrom) and not node.level:
-            found.append(((node.module or "").split(".")[0], ()))
         elif isinstance(node, ast.ImportFrom):
-            base = here[: len(here) - node.level] + tuple((node.module or "").split(".") if node.module else ())
+            named = tuple(node.module.split(".")) if node.module else ()
+            if not node.level and named[0] != "geomkin":
+                found.append((named[0], ()))
+                continue
+            base = here[: len(here) - node.level] + named if node.level else named[1:]
             for name in node.names:
                 module = (*base, name.name)
                 whole = PACKAGE.joinpath(*module).with_suffix(".py").exists() or PACKAGE.joinpath(*module).is_dir()
                 found.append(("geomkin", module if whole else base or ("__init__",)))
+        elif isinstance(node, ast.Constant) and (name := re.fullmatch(r"(\w+):\w+", str(node.value))):
+            found += [("geomkin", (*here[:-1], name[1]))] * file.with_name(f"{name[1]}.py").exists()
     return tuple(found)
 
 
@@ -100,6 +118,11 @@ def test_imports_follow_the_plan():
             if library in ALONE and str(file.relative_to(PACKAGE)) not in ALONE[library]:
                 wrong["/".join(here), library] = "one file alone imports it"
     assert not wrong
+
+
+def test_only_the_face_names_modules_by_text():
+    assert not {str(file): named for file in FILES if file.name != "face.py" and (named := modules_by_text(file))}
+    assert len(modules_by_text(PACKAGE / "face.py")) > 40
 
 
 def test_no_circle_of_imports():

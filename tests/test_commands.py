@@ -1,54 +1,176 @@
 """What the commands print and write of recipes that pass, fail a check, or cannot be made; each recipe once."""
 
+import pickle
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
 import pytest
 from click.testing import CliRunner
 
+import geomkin as gk
 from geomkin import cli as commands
 from geomkin.build import check_recipe
+from geomkin.core.errors import Problem
+from geomkin.recipe.kinds import kind_names
+from geomkin.recipe.load import plain_table
+from geomkin.recipe.messages import did_you_mean
 
-GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n'
+GALLERY = Path(__file__).parent.parent / "recipes"
+PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
+GEAR = 'kind = "spur-gear"\nfiles = {{ write = ["csv", "svg"] }}\n[gear]\nteeth = {}\nmodule = 2\n'
 
 
 @pytest.fixture
 def command(tmp_path, monkeypatch):
-    """command(*words): exit status, stdout and stderr of a run in a folder with three gears.
+    """command(*words, given=): exit status, stdout and stderr of a run in a folder with three gears.
 
     `a` passes, `b` fails a check, `c` cannot be made.
     """
     monkeypatch.chdir(tmp_path)
+    # New processes would take longer than the recipes.
+    monkeypatch.setattr("geomkin.core.processes.worker_count", lambda: 1)
     (tmp_path / "in").mkdir()
     for name, teeth in {"a": 24, "b": 9, "c": 1}.items():
         (tmp_path / f"in/{name}.toml").write_text(GEAR.format(teeth))
 
-    def call(*words):
-        result = CliRunner().invoke(commands.cli, words)
+    def call(*words, given=None):
+        result = CliRunner().invoke(commands.cli, words, input=given)
         return result.exit_code, result.stdout, result.stderr
 
     return call
 
 
-def test_check_prints_every_check_with_its_verdict_and_writes_nothing(command, tmp_path):
+def lines_of(made, every=True):
+    """The lines of a recipe: its checks, remarks and facts; of several recipes, without passed checks and facts."""
+    passed = sum(check.passed for check in made.checks)
+    checks = [f"  {'pass' if c.passed else 'FAIL'}  {c}" for c in made.checks if every or not c.passed]
+    remarks, facts = [f"  note  {remark}" for remark in made.remarks], [f"        {fact}" for fact in made.facts]
+    return [f"{made.name}: {passed} of {len(made.checks)} checks passed", *checks, *remarks, *(facts if every else [])]
+
+
+def test_check_prints_every_check_of_one_recipe_and_those_that_failed_of_several(command, tmp_path):
+    made = [check_recipe(tmp_path / f"in/{name}.toml") for name in "ab"]
+    assert command("check", "in/b.toml") == (0, "\n".join([*lines_of(made[1]), ""]), "")
+    several = [line for one in made for line in lines_of(one, every=False)]
     code, output, wrong = command("check", "in/a.toml", "in/b.toml")
-    expected = []
-    for name in "ab":
-        made = check_recipe(tmp_path / f"in/{name}.toml")
-        expected += [name, *(f"  {'pass' if check.passed else 'FAIL'}  {check}" for check in made.checks)]
-        expected += [f"        {fact}" for fact in made.facts]
-    assert (code, wrong, output.splitlines()) == (0, "", expected)
-    assert "  FAIL  " in output and "  pass  " in output and [path.name for path in tmp_path.iterdir()] == ["in"]
+    assert (code, wrong, output.splitlines()) == (0, "", several)
+    assert "  FAIL  " in output and "  pass  " not in output and [path.name for path in tmp_path.iterdir()] == ["in"]
     code, output, wrong = command("check", "in")
-    assert code == 1 and output.splitlines() == expected and wrong.startswith("in/c.toml: gear.teeth: found 1; give ")
+    assert code == 1 and output.splitlines() == several and wrong.startswith("in/c.toml: gear.teeth: found 1; give ")
+
+
+def test_run_prints_the_lines_of_check_and_where_the_files_are(command):
+    for recipes in ([PAIR], ["in/b.toml"], ["in/a.toml", "in/b.toml", PAIR]):
+        _, checked, _ = command("check", *recipes)
+        code, printed, wrong = command("run", *recipes, "--only", "csv")
+        lines = printed.splitlines()
+        made = [line for line in lines if line.startswith("  made  ")]
+        assert code == 0 and wrong == "" and [line for line in lines if line not in made] == checked.splitlines()
+        assert [line.split()[1] for line in made] == [f"out/{Path(name).stem}:" for name in recipes]
+
+
+def test_the_place_of_the_page_over_all_recipes_is_printed(command, tmp_path):
+    _, printed, _ = command("run", "in/a.toml", "in/b.toml", "--out", "all")
+    assert printed.splitlines()[-1].startswith("all/index.html") and (tmp_path / "all/index.html").is_file()
+
+
+def test_a_pair_without_backlash_is_advised_an_allowance_that_leaves_some(command):
+    (advice,) = check_recipe(PAIR).remarks
+    for words in (["check"], ["run", "--only", "csv"]):
+        assert f"  note  {advice}" in command(*words, PAIR)[1].splitlines()
+    pair = gk.load(PAIR)
+    thinner = {key: replace(getattr(pair, key), tooth_thickness_allowance=0.05) for key in ("first", "second")}
+    assert "tooth_thickness_allowance" in advice and not replace(pair, **thinner).remarks
+    machine = gk.recipe.recipe_class("machine").remarks.fget
+    assert machine(SimpleNamespace(recipes={"gears": pair})) == (f"gears: {advice}",)
+
+
+def test_strict_gives_failed_checks_an_exit_status_of_their_own(command, tmp_path):
+    for words in (("check",), ("run", "--only", "csv"), ("check", "--json")):
+        assert command(*words, "--strict", "in/a.toml")[0] == 0
+        code, printed, _ = command(*words, "--strict", "in/b.toml")
+        assert code == 3 and printed == command(*words, "in/b.toml")[1]
+        # A recipe that cannot be made counts for more.
+        assert command(*words, "--strict", "in")[0] == 1
+    assert (tmp_path / "out/b/b.csv").is_file()
+    with pytest.raises(gk.FailedChecksError) as failed:
+        gk.make("in/b.toml", "made", ["csv"], strict=True)
+    made = failed.value.made
+    assert made.failed_checks and all(path.is_file() for path in made.files)
+    assert str(pickle.loads(pickle.dumps(failed.value))) == str(failed.value)
+    expected = "".join(f'{check.id} = "so few teeth"\n' for check in made.failed_checks)
+    (tmp_path / "in/b.toml").write_text(f"{GEAR.format(9)}[expected_failures]\n{expected}")
+    assert command("check", "--strict", "in/b.toml")[0] == 0
+    assert not gk.make("in/b.toml", "made", ["csv"], strict=True).failed_checks
+
+
+@pytest.mark.parametrize(
+    "words", [["check"], ["run", "--only", "csv"], ["columns"], ["sweep", "--set", "gear.module=2"]]
+)
+def test_a_recipe_is_read_from_the_standard_input(command, tmp_path, words):
+    for text in (GEAR.format(24), GEAR.format(24).strip(), GEAR.format(24).replace("\n", "\r\n")):
+        code, printed, wrong = command(*words, "-", given=text)
+        assert (code, wrong) == (0, "") and printed
+    assert words[0] in ("check", "columns") or (tmp_path / "out/spur-gear").is_dir()
+    code, printed, wrong = command(*words, "-", given=GEAR.format(1))
+    assert code == 1 and "gear.teeth" in wrong + printed
+    assert command(*words, "-", given=b"\xff")[0] == 2
+
+
+def test_check_accepts_what_run_accepts(tmp_path):
+    """A herringbone has no smooth faces, as STEP needs them: both refuse it."""
+    pair = plain_table(gk.load(PAIR))
+    for helical in ({}, {"helix_angle_deg": 20, "herringbone": True}):
+        for format in ("csv", "dxf", "step"):
+            recipe = {**pair, **helical, "files": {"write": [format]}}
+            results = []
+            for action in (check_recipe, lambda given: gk.make(given, tmp_path)):
+                try:
+                    results.append(action(recipe).remarks)
+                except gk.RecipeError as error:
+                    results.append(error.problems)
+            assert results[0] == results[1]
+            assert bool(helical) or not isinstance(results[0][0], Problem)
+
+
+def names_listed(command, *words):
+    return {line.split()[0] for line in command("list", *words)[1].splitlines() if line.startswith("  ")}
+
+
+def test_list_searches_names_and_descriptions_of_kinds_and_recipes_of_the_gallery(command):
+    assert names_listed(command) == set(kind_names())
+    recipes = {path.name: tomllib.loads(path.read_text())["kind"] for path in GALLERY.glob("*.toml")}
+    for words in (["planetary"], ["scotch-yoke"], ["SCOTCH", "yoke"]):
+        found = names_listed(command, *words)
+        kind = "-".join(words).lower()
+        assert {kind, *(name for name, other in recipes.items() if other == kind)} <= found < {*recipes, *kind_names()}
+    # In the description only: a kind, and the first sentence of a recipe.
+    assert "slider-crank-stroke" in names_listed(command, "stroke", "time ratio")
+    assert "motor-walker.toml" in names_listed(command, "plywood")
+    code, printed, wrong = command("list", "no such thing")
+    assert code == 2 and not printed and wrong
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("planetary-gear", "planetary"), ("four-bar-linkage", "four-bar"), ("worm-gear", ""), ("bevel-gear", "")],
+)
+def test_a_longer_name_of_a_kind_is_recognised_and_another_mechanism_is_not(name, kind):
+    assert did_you_mean(name, kind_names()).rstrip("? ").removeprefix("did you mean ") == kind
+
+
+def test_the_command_alone_prints_its_help(command):
+    assert command() == command("--help") and command()[0] == 0
 
 
 def test_a_recipe_that_is_named_twice_is_made_once_and_a_folder_has_a_page_over_all(command, tmp_path):
     code, output, wrong = command("run", "in/b.toml", "in", "in/a.toml", "--out", "made", "--only", "csv")
     # In the order in which they are named, those of a folder by name.
-    assert [line.partition(":")[0] for line in output.splitlines()] == ["made/b", "made/a"]
+    assert [line[0] for line in output.splitlines() if line[0] != " "] == ["b", "a"]
     assert code == 1 and wrong.splitlines()[0].startswith("in/c.toml: gear.teeth")
     (tmp_path / "in/c.toml").unlink()
-    for name in "ab":
-        with (tmp_path / f"in/{name}.toml").open("a") as file:
-            file.write('[files]\nwrite = ["csv"]\n')
     for words, index in ((["in/a.toml"], False), (["in/a.toml", "in/b.toml"], True)):
         folder = f"made{len(words)}{index}"
         assert command("run", *words, "--out", folder)[0] == 0

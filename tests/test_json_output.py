@@ -6,6 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 import geomkin as gk
+from geomkin.build import check_recipe
 from geomkin.cli import cli
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = {}\nmodule = 2\n[files]\nwrite = ["csv"]\n'
@@ -41,10 +42,20 @@ def test_a_recipe_is_one_object(command, name, tmp_path):
             check.passed,
         )
         assert entry["value"] == pytest.approx(check.value) and entry["limit"] == pytest.approx(check.limit)
+    assert made["facts"] == list(check_recipe(tmp_path / "a.toml").facts) != []
     assert sorted(made["files"]) == (["out/a/a.csv", "out/a/summary.json"] if name == "run" else [])
     assert "checks" not in refused
     assert [(one["id"], one["key"]) for one in refused["problems"]] == [("out-of-range", "gear.teeth")]
     assert all(one["problem"] and one["remedy"] for one in refused["problems"])
+
+
+def test_a_missing_file_is_an_object_too(command):
+    for name in ("run", "check"):
+        code, (made, missing), wrong = command(name, "--json", "a.toml", "missing.toml")
+        assert (code, wrong, made["name"]) == (1, "", "a")
+        assert [problem["id"] for problem in missing["problems"]] == ["file-unreadable"]
+    code, (missing,), wrong = command("sweep", "--json", "missing.toml", "--set", "gear.teeth=2")
+    assert (code, wrong) == (1, "") and [problem["id"] for problem in missing["problems"]] == ["file-unreadable"]
 
 
 def test_a_sweep_is_one_object_with_a_row_for_each_combination(command):

@@ -6,6 +6,7 @@ import re
 import shlex
 import shutil
 import tokenize
+from contextlib import chdir
 from pathlib import Path
 
 import numpy as np
@@ -98,3 +99,14 @@ def test_readme_is_short_and_starts_with_the_two_commands():
     assert len(text.splitlines()) <= 150
     gallery, tests, *_ = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
     assert "geomkin run recipes" in gallery and "pytest" in tests
+
+
+def test_the_readme_shows_what_is_printed(tmp_path):
+    """Except the size of the files, which changes with the page."""
+    (shown, *_) = re.findall(r"```text\n(.*?)```", PAGES[0].read_text("utf-8"), re.DOTALL)
+    recipe = str(PAGES[0].parent / "recipes/spur-gear.toml")
+    with chdir(tmp_path):
+        printed = CliRunner().invoke(cli, ["run", recipe]).stdout
+    assert [re.sub(r"\d+ kB$", "", line) for line in printed.splitlines()] == [
+        re.sub(r"\d+ kB$", "", line) for line in shown.splitlines()
+    ]

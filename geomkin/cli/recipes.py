@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO, TypeVar
 
 import click
 
@@ -19,13 +20,16 @@ if TYPE_CHECKING:
 
 
 R = TypeVar("R")
+# Exit status if checks failed, with --strict.
+FAILED = 3
 # Remedy if memory runs out.
 LARGER = "give a larger tolerance"
 
+# A missing file is refused as any other recipe is, so that a program reads the reason as JSON.
 recipe_arguments = click.argument(
-    "recipes", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path), metavar="RECIPE_OR_FOLDER..."
+    "recipes", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RECIPE_OR_FOLDER..."
 )
-one_recipe = click.argument("recipe", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+one_recipe = click.argument("recipe", type=click.Path(dir_okay=False, path_type=Path))
 out_folder = click.option(
     "--out", default="out", show_default=True, type=click.Path(path_type=Path), help="Folder for the files."
 )
@@ -33,6 +37,23 @@ json_option = click.option(
     "--json", "as_json", is_flag=True,
     help='Print one JSON object per recipe instead of text; nan is null, infinite is "inf".',
 )  # fmt: skip
+strict_option = click.option(
+    "--strict", is_flag=True, help="End with exit status 3 if a check failed that the recipe does not expect to fail."
+)
+# Stands for the standard input.
+STDIN = Path("-")
+
+
+def source_of(recipe: Path) -> Path | str:
+    """A recipe's file, or the text that the standard input holds if its name is `-`."""
+    if recipe != STDIN:
+        return recipe
+    content = sys.stdin.buffer.read()
+    try:
+        # A text ends with a line break; without one it would be a path.
+        return content.decode("utf-8-sig").replace("\r\n", "\n") + "\n"
+    except UnicodeDecodeError as error:
+        raise click.UsageError(f"byte {error.start} of the standard input is not UTF-8; give a recipe") from None
 
 
 def recipe_files(paths: Iterable[Path]) -> list[Path]:
@@ -41,7 +62,7 @@ def recipe_files(paths: Iterable[Path]) -> list[Path]:
 
     files: list[Path] = []
     for path in paths:
-        inside = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+        inside = sorted(path.glob("*.toml")) if os.path.isdir(path) else [path]
         if not inside:
             raise click.UsageError(f"no recipe (*.toml) in {printable(path)}")
         files += [f for f in inside if f not in files]
@@ -58,7 +79,7 @@ class Refused(NamedTuple):
 Outcomes = list[tuple[Path, "R | Refused"]]
 
 
-def outcomes_of(files: list[Path], action: Callable[[Path], R]) -> Outcomes[R]:
+def outcomes_of(files: list[Path], action: Callable[[Any], R]) -> Outcomes[R]:
     """The outcome of each recipe, in the order of the files."""
     from ..core.errors import Problem, printable
     from ..core.processes import each
@@ -82,19 +103,20 @@ def outcomes_of(files: list[Path], action: Callable[[Path], R]) -> Outcomes[R]:
     with counted as bar, progress_shown() if hidden else progress_to(show):
         bar.update(0, files[0])
         killed = Problem("", "its process was killed", LARGER, "too-much-work")
-        for file, following, outcome in zip(files, [*files[1:], None], each(partial(_tried, action), files)):
+        results = each(partial(_tried, action), [*map(source_of, files)])
+        for file, following, outcome in zip(files, [*files[1:], None], results):
             outcomes.append(outcome or Refused(f"{printable(file)}: {killed.problem}; {LARGER}", (killed,)))
             bar.update(1, following)
     return list(zip(files, outcomes))
 
 
-def _tried(action: Callable[[Path], R], file: Path) -> R | Refused:
+def _tried(action: Callable[[Any], R], source: Path | str) -> R | Refused:
     """The result of an action on a recipe, or the reason why there is none."""
     try:
-        return action(file)
+        return action(source)
     except Exception as error:
         # An internal error is reported too, and the other recipes are made.
-        return refusal(file, error)
+        return refusal(source if isinstance(source, Path) else STDIN, error)
 
 
 def refusal(file: Path, error: Exception) -> Refused:
@@ -155,8 +177,11 @@ def print_refusals(outcomes: Outcomes[R]) -> None:
             click.secho(outcome.text, fg="red", err=True)
 
 
-def end(outcomes: Outcomes[Made], as_json: bool = False) -> NoReturn:
-    """End the command with the exit status of the outcomes; with `as_json` print them first."""
+def end(outcomes: Outcomes[Made], as_json: bool = False, strict: bool = False, sound: bool = True) -> NoReturn:
+    """End the command with the exit status of the outcomes; with `as_json` print them first.
+
+    sound: whether all written files are as designed.
+    """
     for file, outcome in outcomes if as_json else ():
         if isinstance(outcome, Refused):
             names = ("id", "key", "problem", "remedy")
@@ -165,8 +190,11 @@ def end(outcomes: Outcomes[Made], as_json: bool = False) -> NoReturn:
         else:
             about = {"name": outcome.name, "kind": outcome.kind, "file": str(file)}
             checks = [check.to_dict() for check in outcome.checks]
-            print_json({**about, "checks": checks, "files": list(map(str, outcome.files)), "remarks": outcome.remarks})
-    sys.exit(1 if len(made_of(outcomes)) < len(outcomes) else 0)
+            texts = {"remarks": outcome.remarks, "facts": outcome.facts}
+            print_json({**about, "checks": checks, "files": list(map(str, outcome.files)), **texts})
+    made = made_of(outcomes)
+    failed = strict and any(result.failed_checks for result in made)
+    sys.exit(1 if len(made) < len(outcomes) or not sound else FAILED if failed else 0)
 
 
 def print_json(data: dict[str, object]) -> None:
@@ -194,29 +222,27 @@ def _is_terminal(stream: TextIO | None) -> bool:
     return stream is not None and stream.isatty()
 
 
-def _row(result: Made) -> tuple[str, str, str, str]:
-    """Cells of a recipe in the report: folder, endings and size of its files, and the checks that passed."""
-    from ..core.errors import printable
+def print_results(outcomes: Outcomes[Made]) -> None:
+    """Print the results of recipes, and to the stream of errors the reasons of those that were refused.
 
-    endings = list(dict.fromkeys(path.suffix[1:] for path in result.files))
-    size = sum(result.files.values()) / 1000
-    passed = sum(c.passed for c in result.checks)
-    folder = next(iter(result.files)).parent if result.files else ""
-    return printable(folder), " ".join(endings), f"{size:,.0f} kB", f"{passed} of {len(result.checks)} passed"
+    `check` and `run` print the same lines. Of several recipes, only checks that failed, advice and files are printed.
+    """
+    from ..core.errors import harmless, printable
 
-
-def _line(result: Made) -> str:
-    """The result of a recipe on one line, for files and other programs."""
-    folder, endings, size, checks = _row(result)
-    return f"{folder}: {endings}, {size}, checks {checks}"
-
-
-def print_made(made: list[Made]) -> None:
-    """Print a line for each recipe; on a terminal, a table."""
-    if not _is_terminal(sys.stdout):
-        click.echo("\n".join(map(_line, made)))
-        return
-    rows = [("recipe", "files", "size", "checks"), *map(_row, made)]
-    widths = [max(len(row[k]) for row in rows) for k in range(4)]
-    for row in rows:
-        click.echo("  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip())
+    print_refusals(outcomes)
+    for result in made_of(outcomes):
+        passed, all_lines = sum(check.passed for check in result.checks), len(outcomes) == 1
+        click.echo(f"{printable(result.name)}: {passed} of {len(result.checks)} checks passed")
+        for check in result.checks:
+            if not check.passed:
+                click.secho(f"  FAIL  {harmless(check)}", fg="yellow")
+            elif all_lines:
+                click.echo(f"  pass  {harmless(check)}")
+        for remark in result.remarks:
+            click.secho(f"  note  {harmless(remark)}", fg="yellow")
+        for fact in result.facts if all_lines else ():
+            click.echo(f"        {harmless(fact)}")
+        if result.files:
+            folder, size = next(iter(result.files)).parent, sum(result.files.values()) / 1000
+            endings = " ".join(dict.fromkeys(path.suffix[1:] for path in result.files))
+            click.echo(f"  made  {printable(folder, 200)}: {endings}, {size:,.0f} kB")

@@ -10,37 +10,32 @@ from .recipes import (
     end,
     ended_if_refused,
     json_option,
-    made_of,
     one_recipe,
     option_errors,
     outcomes_of,
-    print_refusals,
+    print_results,
     recipe_arguments,
     recipe_files,
+    source_of,
+    strict_option,
 )
 
 
 @click.command("check")
 @recipe_arguments
+@strict_option
 @json_option
-def check_command(recipes: tuple[Path, ...], as_json: bool) -> None:
-    """Validate recipes and show their checks; write nothing."""
+def check_command(recipes: tuple[Path, ...], strict: bool, as_json: bool) -> None:
+    """Check recipes as `run` does, and write nothing.
+
+    `-` reads a recipe from the standard input. Of several recipes only failed checks and advice are listed.
+    """
     from ..build import check_recipe
-    from ..core.errors import harmless, printable
 
     outcomes = outcomes_of(recipe_files(recipes), check_recipe)
-    if as_json:
-        end(outcomes, as_json)
-    print_refusals(outcomes)
-    for result in made_of(outcomes):
-        click.echo(printable(result.name))
-        for check in result.checks:
-            click.echo(f"  {'pass' if check.passed else 'FAIL'}  {harmless(check)}")
-        for fact in result.facts:
-            click.echo(f"        {printable(fact, 200)}")
-        for remark in result.remarks:
-            click.echo(f"        {printable(remark)}")
-    end(outcomes)
+    if not as_json:
+        print_results(outcomes)
+    end(outcomes, as_json, strict)
 
 
 @click.command("columns")
@@ -55,7 +50,7 @@ def columns_command(recipe: Path) -> None:
     from ..recipe.shown import ShownRecipe
 
     with ended_if_refused(recipe):
-        loaded = load(recipe)
+        loaded = load(source_of(recipe))
         with errors_named_by_key(str(recipe), loaded):
             lines = [(column.id, column.unit, column.meaning) for column in ShownRecipe(loaded).table.columns]
     wide, units = (max(len(line[k]) for line in lines) for k in (0, 1))
@@ -64,16 +59,38 @@ def columns_command(recipe: Path) -> None:
 
 
 @click.command("list")
-def list_command() -> None:
-    """List the kinds of mechanism."""
-    from ..recipe.kinds import all_kinds, recipe_class
+@click.argument("words", nargs=-1, metavar="[WORD]...")
+def list_command(words: tuple[str, ...]) -> None:
+    """List the kinds of mechanism.
 
-    kinds = all_kinds()
-    width = max(map(len, kinds))
-    for group in dict.fromkeys(row.group for row in kinds.values()):
-        click.echo(group)
-        for name in (name for name, row in kinds.items() if row.group == group):
-            click.echo(f"  {name:<{width}}  {recipe_class(name).about()}")
+    With a WORD, only those with this word in their name or description, and the recipes of the gallery with it.
+    """
+    import re
+
+    from ..core.errors import harmless, printable
+    from ..recipe.kinds import all_kinds, gallery, recipe_class
+
+    # The words of `planetary-gear` are two.
+    wanted = re.findall(r"\w+", " ".join(words).casefold())
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for kind, row in all_kinds().items():
+        groups.setdefault(row.group, []).append((kind, recipe_class(kind).about()))
+    if words:
+        folder, recipes = gallery()
+        groups[f"gallery, in {folder}"] = [(name, f"{kind}: {about}") for name, (kind, about) in recipes.items()]
+
+    def has_words(line: tuple[str, str]) -> bool:
+        return all(word in " ".join(line).casefold() for word in wanted)
+
+    groups = {group: found for group, lines in groups.items() if (found := [*filter(has_words, lines)])}
+    if not groups:
+        problem = f"no kind and no recipe of the gallery has {printable(' '.join(words))!r}"
+        raise click.BadParameter(f"{problem}; `geomkin list` shows all kinds", param_hint="WORD")
+    width = max(len(name) for lines in groups.values() for name, _ in lines)
+    for group, lines in groups.items():
+        click.echo(harmless(group))
+        for name, about in lines:
+            click.echo(harmless(f"  {name:<{width}}  {about}"))
 
 
 @click.command()
@@ -96,7 +113,7 @@ def new(name: str, options: tuple[str, ...]) -> None:
         from ..recipe.messages import did_you_mean
 
         kinds = kind_names()
-        remedy = f"{did_you_mean(name, kinds)}choose from {', '.join(kinds)}"
+        remedy = f"{did_you_mean(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
     from ..recipe.template import template
 

@@ -20,11 +20,13 @@ from .recipes import (
     out_folder,
     outcomes_of,
     print_json,
-    print_made,
     print_refusals,
+    print_results,
     progress_shown,
     recipe_arguments,
     recipe_files,
+    source_of,
+    strict_option,
 )
 
 # Gradient searches of an optimisation take longer than the combinations of a sweep: fewer are worth new processes.
@@ -54,40 +56,34 @@ def _formats(context: click.Context, parameter: click.Parameter, value: str | No
     is_flag=True,
     help="Afterwards read the files back and measure them, as `geomkin verify` does.",
 )
+@strict_option
 @json_option
-def run(recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: bool, as_json: bool) -> None:
+def run(
+    recipes: tuple[Path, ...], out: Path, only: list[str] | None, verified: bool, strict: bool, as_json: bool
+) -> None:
     """Write the files of recipes into OUT/<recipe>/.
 
-    A folder stands for all recipes in it. With several recipes it also writes OUT/index.html, a page with a card for
-    each.
+    A folder stands for all recipes in it, `-` for one on the standard input. With several recipes it also writes
+    OUT/index.html, a page with a card for each, and only failed checks and advice are listed.
     """
     from ..build import index, make
-    from ..core.errors import FileError, harmless, printable
+    from ..core.errors import FileError, printable
 
     files = recipe_files(recipes)
     _refuse_twins(files)
     outcomes = outcomes_of(files, partial(make, out=out, only=only))
     made = made_of(outcomes)
+    if not as_json:
+        print_results(outcomes)
     sound = not verified or all(_verified([out / result.name for result in made], as_json))
-    if made and only is None and (len(files) > 1 or recipes[0].is_dir()):
+    if made and only is None and files != [*recipes[:1]]:
         try:
-            index(out)
+            pages = index(out)
+            if not as_json:
+                click.echo(f"{', '.join(printable(page, 200) for page in pages)}: a card for each recipe")
         except FileError as error:
             click.secho(str(error), fg="yellow", err=True)
-    if as_json:
-        end(outcomes, as_json)
-    print_refusals(outcomes)
-    if made:
-        print_made(made)
-    for result in made:
-        for remark in result.remarks:
-            click.echo(f"{printable(result.name)}: {remark}", err=True)
-        for check in result.checks:
-            if not check.passed:
-                click.secho(f"{printable(result.name)}: check failed: {harmless(check)}", fg="yellow", err=True)
-    if not sound:
-        sys.exit(1)
-    end(outcomes)
+    end(outcomes, as_json, strict, sound)
 
 
 def _refuse_twins(files: list[Path]) -> None:
@@ -145,6 +141,30 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
     return results
 
 
+@click.command("new-kind")
+@click.argument("kind")
+@click.option(
+    "--out", default=".", show_default=True, type=click.Path(path_type=Path), help="Folder for that of the package."
+)
+def new_kind(kind: str, out: Path) -> None:
+    """Write a Python package that adds a KIND of recipe.
+
+    The package OUT/geomkin-KIND has a small mechanism that runs, to be changed into yours, a recipe of it and a test.
+    """
+    from ..core.errors import printable
+    from ..export.files import write_whole
+    from ..recipe.template import kind_package
+
+    with option_errors("KIND"):
+        contents = kind_package(kind)
+    folder = out / f"geomkin-{kind}"
+    if folder.exists():
+        raise click.BadParameter(f"{printable(folder, 200)} exists; give another name or --out", param_hint="KIND")
+    write_whole(folder, contents)
+    click.echo(f"{printable(folder, 200)}: {', '.join(contents)}")
+    click.echo(f"next: pip install -e {printable(folder, 200)} && geomkin run {printable(folder, 200)}/{kind}.toml")
+
+
 @click.command("sweep")
 @one_recipe
 @click.option(
@@ -172,7 +192,7 @@ def sweep_command(recipe: Path, settings: tuple[str, ...], results: tuple[str, .
     with option_errors("--set"):
         values = texts_by_key("set", settings, "KEY=VALUES")
     with ended_if_refused(recipe, as_json):
-        result = swept(recipe, values, results, out, by_processes)
+        result = swept(source_of(recipe), values, results, out, by_processes)
     if result.is_restarted:
         why = "the earlier run is of another recipe, other results or another version, or damaged"
         click.echo(f"started again: {why}", err=True)
@@ -243,7 +263,7 @@ def optimise_command(
     signal.signal(signal.SIGINT, signal.default_int_handler)
     with ended_if_refused(recipe):
         run = partial(by_processes, fewest=FEWEST_SEARCHES)
-        best = optimised(recipe, vary, minimise, constraints or None, starts, seed, time_limit, out, run)
+        best = optimised(source_of(recipe), vary, minimise, constraints or None, starts, seed, time_limit, out, run)
     for line in best.lines:
         click.echo(harmless(line))
     note = ", ended before it was complete" if best.cut_short else ""

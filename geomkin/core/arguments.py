@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal, ParamSpec, TypeVar, Union, get_args,
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import DesignError, ProblemId, shown
+from .errors import DesignError, ProblemId, shown, with_article
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -131,8 +131,7 @@ def argument_type(hint: Any) -> ArgumentType | None:
     if hint in PLAIN:
         return PLAIN[hint]
     if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
-        name = hint.__name__.removeprefix("Abstract")
-        return ArgumentType(lambda value: isinstance(value, hint), f"{'an' if name[0] in 'AEIOU' else 'a'} {name}")
+        return ArgumentType(lambda value: isinstance(value, hint), with_article(hint.__name__.removeprefix("Abstract")))
     return None
 
 

@@ -155,4 +155,9 @@ def shown(value: object) -> str:
     try:
         return printable(repr(value))
     except (ValueError, RecursionError):
-        return f"a {type(value).__name__} too long to print"
+        return f"{with_article(type(value).__name__)} too long to print"
+
+
+def with_article(word: str) -> str:
+    """The word after `a`, or after `an` if it begins with a vowel."""
+    return f"{'an' if word[:1].lower() in ('a', 'e', 'i', 'o', 'u') else 'a'} {word}"

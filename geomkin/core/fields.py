@@ -47,7 +47,7 @@ def quantity(
     metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
     metadata |= {name: limit for name, limit in limits.items() if limit is not None}
     metadata |= {"whole": True, "strict": True} if whole else {"strict": True, "allow_inf_nan": False}
-    metadata["examples"] = [example if example is not None else default]
+    metadata["examples"] = [_example(example, default)]
     metadata["filled_in"] = filled_in
     return dataclasses.field(default=default, metadata=metadata)
 
@@ -64,10 +64,9 @@ def entry(
 
     units: of the numbers in a row, or in each of several rows.
     """
-    shown = example if example is not None else default
     metadata: dict[str, Any] = {
         "description": meaning,
-        "examples": [shown if default_factory is MISSING else default_factory()],
+        "examples": [_example(example, default) if default_factory is MISSING else default_factory()],
     }
     if units is not None:
         metadata["units"] = units
@@ -76,6 +75,11 @@ def entry(
     if default_factory is not MISSING:
         return dataclasses.field(default_factory=default_factory, metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
+
+
+def _example(example: Any, default: Any) -> Any:
+    """The example, else the default; None if there is neither, since MISSING is no value of JSON."""
+    return example if example is not None or default is MISSING else default
 
 
 def allowed(metadata: Any) -> str:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import csv
+import errno
+import os
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
+from typing import Annotated, Any
 
+from .arguments import ArgumentType
 from .errors import DesignError, printable, shown
 
 # Largest number of letters of a name. With a suffix such as `_mechanical_advantage` it still fits a column and a file.
@@ -28,6 +32,24 @@ UNSEEN = "\u115f\u1160\u3164\uffa0"
 ALLOWED = f"letters, digits, spaces, _ and -, beginning with a letter or digit, at most {LONGEST} letters"
 
 
+def _is_path(value: Any) -> bool:
+    """Whether a value is a path that the file system can look for, whatever is there."""
+    if not isinstance(value, (str, Path)):
+        return False
+    try:
+        os.lstat(value)
+    except OSError as error:
+        return error.errno != errno.ENAMETOOLONG
+    except ValueError:
+        # A zero byte, or a letter that has no bytes.
+        return False
+    return True
+
+
+# A file or folder given as an argument.
+PathName = Annotated[
+    str | Path, ArgumentType(_is_path, "a path without zero bytes, not longer than the file system allows", (str, Path))
+]
 # Source of the files that a recipe names: a folder and those below it, any folder (None), or a mapping of name to text.
 Folder = str | Path | Mapping[str, str] | None
 

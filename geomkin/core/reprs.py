@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from .errors import harmless, shown
+from .named import VIEWS, named
 
 # Most characters of a whole line, and of one of its fields. A longer line wraps in a terminal; a longer field leaves no
 # room for the others.
@@ -63,11 +63,11 @@ def short(value: object) -> str:
 
 def moving_picture(self: Any) -> str:
     """The moving drawing as HTML, or why there is none; a class has it by `_repr_html_ = moving_picture`."""
-    html: str = import_module("geomkin.studio.notebook").inline(self)
+    html: str = named(VIEWS["moving"])(self)
     return html
 
 
 def still_picture(self: Any, curves: Sequence[Any], marks: Sequence[Any] = ()) -> str | None:
     """Curves and engraved marks of an object as SVG, for `_repr_svg_`; None if they cannot be drawn."""
-    svg: str | None = import_module("geomkin.export.svg_path").picture(repr(self), curves, marks)
+    svg: str | None = named(VIEWS["still"])(repr(self), curves, marks)
     return svg

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal
+
+from ..core.named import VIEWS, named
 
 if TYPE_CHECKING:
     from .job import Job
@@ -44,9 +45,11 @@ class Writer:
 
 
 def _in(home: str) -> Callable[[Job], Any]:
-    """The function `module:function`, imported on first use, so that a DXF does not load the libraries for meshes."""
-    module, _, name = home.partition(":")
-    return lambda job: getattr(import_module(f"geomkin.{module}"), name)(job)
+    """The function `module:function` of this folder, or a view of the face.
+
+    It is imported on first use, so that a DXF does not load the libraries for meshes.
+    """
+    return lambda job: named(VIEWS.get(home, f"{__package__}.{home}"))(job)
 
 
 def _one_file(
@@ -63,24 +66,24 @@ def _one_file(
 
 # Writers by the name of the format, in the order in which files are listed. The name is mostly also the ending.
 WRITERS: dict[str, Writer] = {
-    "dxf": Writer("parts", _in("export.dxf:write_dxf"), ("shapely", "ezdxf"), flat=True),
-    "stl": Writer("parts", _in("export.stl:write_stl"), ("shapely",)),
-    "svg": Writer("parts", _in("export.svg:write_svg"), ("shapely",), flat=True),
-    "csv": _one_file("table", "export.csv:table_file", ".csv", opt_in=False),
-    "bom": _one_file("parts", "export.csv:bill_file", "-bom.csv", ("shapely",), opt_in=False),
-    "page": _one_file("scene", "page.page:mechanism_page", ".html", opt_in=False),
-    "assembly-svg": _one_file("scene", "export.assembly_svg:assembly_picture", "-assembly.svg", opt_in=False),
+    "dxf": Writer("parts", _in("dxf:write_dxf"), ("shapely", "ezdxf"), flat=True),
+    "stl": Writer("parts", _in("stl:write_stl"), ("shapely",)),
+    "svg": Writer("parts", _in("svg:write_svg"), ("shapely",), flat=True),
+    "csv": _one_file("table", "csv:table_file", ".csv", opt_in=False),
+    "bom": _one_file("parts", "csv:bill_file", "-bom.csv", ("shapely",), opt_in=False),
+    "page": _one_file("scene", "page", ".html", opt_in=False),
+    "assembly-svg": _one_file("scene", "assembly_svg:assembly_picture", "-assembly.svg", opt_in=False),
     # Opt-in, since users who send a folder's DXF files to be cut send all of them.
-    "assembly-dxf": _one_file("scene", "export.assembly_dxf:assembly_drawing", "-assembly.dxf", ("shapely", "ezdxf")),
-    "steps": _one_file("scene", "export.steps_svg:steps_picture", "-steps.svg"),
-    "animation": _one_file("scene", "export.animation:animation", "-animation.svg"),
-    "plots": Writer("scene", _in("export.plots:write_plots"), tail="-plot.svg", opt_in=True),
-    "glb": _one_file("scene", "export.glb:glb", "-assembly.glb", ("shapely", "trimesh")),
-    "assembly-3mf": _one_file("scene", "export.threemf:assembly_package", "-assembly.3mf", ("shapely",)),
-    "sheet-dxf": _one_file("parts", "export.dxf:sheet", "-sheet.dxf", ("shapely", "ezdxf")),
-    "sheet-svg": _one_file("parts", "export.svg:sheet", "-sheet.svg", ("shapely",)),
-    "3mf": _one_file("parts", "export.threemf:threemf", ".3mf", ("shapely",)),
-    "step": Writer("parts", _in("export.step:write_step"), ("shapely",), opt_in=True),
+    "assembly-dxf": _one_file("scene", "assembly_dxf:assembly_drawing", "-assembly.dxf", ("shapely", "ezdxf")),
+    "steps": _one_file("scene", "steps_svg:steps_picture", "-steps.svg"),
+    "animation": _one_file("scene", "animation:animation", "-animation.svg"),
+    "plots": Writer("scene", _in("plots:write_plots"), tail="-plot.svg", opt_in=True),
+    "glb": _one_file("scene", "glb:glb", "-assembly.glb", ("shapely", "trimesh")),
+    "assembly-3mf": _one_file("scene", "threemf:assembly_package", "-assembly.3mf", ("shapely",)),
+    "sheet-dxf": _one_file("parts", "dxf:sheet", "-sheet.dxf", ("shapely", "ezdxf")),
+    "sheet-svg": _one_file("parts", "svg:sheet", "-sheet.svg", ("shapely",)),
+    "3mf": _one_file("parts", "threemf:threemf", ".3mf", ("shapely",)),
+    "step": Writer("parts", _in("step:write_step"), ("shapely",), opt_in=True),
 }
 # Formats that are written if a recipe names none.
 DEFAULT_FORMATS = tuple(name for name, writer in WRITERS.items() if not writer.opt_in)

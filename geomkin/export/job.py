@@ -16,7 +16,7 @@ from ..model.scene import Scene
 from ..model.table import Table
 from .cut import Cut, cut
 from .layout import Sheet, lay_out, lay_out_on
-from .mesh import solid_cut
+from .mesh import is_solid_cut, solid_cut
 from .text import Title
 
 
@@ -138,9 +138,11 @@ class Job:
     @cached_property
     def solids(self) -> Sequence[Cut]:
         """The parts at their true size."""
-        if self.kerf == 0 and not any(part.twist for part in self._parts):
-            return self.flats
-        return [solid_cut(part, self.tolerance) for part in self._parts]
+        flats = self.flats if self.kerf == 0 else [None] * len(self._parts)
+        return [
+            flat if flat and is_solid_cut(flat) else solid_cut(part, self.tolerance)
+            for part, flat in zip(self._parts, flats)
+        ]
 
     @cached_property
     def exact(self) -> Sequence[Cut]:

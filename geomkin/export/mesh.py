@@ -7,30 +7,56 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.errors import DesignError, GeomkinError
-from ..core.fields import to_digits
+from ..core.fields import rounded_up, to_digits
 from ..model.part import Part, Twist
 from ..plane import region as region
+from ..plane.curve import extent
 from ..plane.vec import Complex, Mask, Real, Whole, dot, rounded, xy
-from .cut import Cut, check_scale, cut, polygon_area
+from .cut import FINEST, Cut, check_scale, cut, polygon_area
 
 # Most triangles of the moving loops of a part: such a file has 50 MB and is written in seconds. Programs take
 # minutes to show more; a lower limit would refuse fine gears.
 MOST = 1_000_000
 # Ratio of successive tolerances that are tried, and their number, up to a thousand times the given one.
 WIDER, TRIALS = 1.25, 31
+# Share of the tolerance below which the rounding of a mesh's numbers is neglected, and that by which corners may differ
+# from a straight line that replaces them. Verification allows both together.
+NEGLECTED, STRAIGHT = 0.02, 0.05
 # Relative difference by which a diagonal must be shorter to be chosen, so that rounding does not decide.
 SHORTER = 1e-9
+
+
+def rounding_error(cut_part: Cut) -> float:
+    """Largest distance by which single-precision numbers, which meshes are made of, move a corner of a part, mm."""
+    farthest = max(abs(side) for corner in cut_part.box for side in (corner.real, corner.imag))
+    return float(np.spacing(np.float32(farthest))) / 2**0.5
+
+
+def is_solid_cut(cut_part: Cut) -> bool:
+    """Whether the loops of a drawing of the part's true size are those of its solid."""
+    return cut_part.part.twist is None and rounding_error(cut_part) <= NEGLECTED * cut_part.tolerance
 
 
 def solid_cut(part: Part, tolerance: float) -> Cut:
     """The loops of a solid within `tolerance`, mm; for a twisted part half of it is left for the slices.
 
-    DesignError if moving and fixed loops could meet, or the part needs too many triangles.
+    If the rounding of the mesh's numbers takes a share of the tolerance, the chords are finer. DesignError if it takes
+    too much, moving and fixed loops could meet, or the part needs too many triangles.
     """
+    share = 0.5 if part.twist else 1.0
+    check_scale(part, tolerance, share)
+    cut_part = cut(part, share * tolerance)
+    if (error := rounding_error(cut_part)) > NEGLECTED * tolerance:
+        if tolerance < (least := error + max(error, FINEST * extent(part.outline) / share)):
+            raise DesignError(
+                "tolerance",
+                f"found {tolerance:g} mm, but solids store the corners of the {part.name} only within {error:.2g} mm",
+                f"give at least {rounded_up(least, 2)} mm, or write neither stl, glb nor 3mf",
+                "out-of-range",
+            )
+        cut_part = cut(part, share * (tolerance - error))
     if part.twist is None:
-        return cut(part, tolerance)
-    check_scale(part, tolerance, 0.5)
-    cut_part = cut(part, tolerance / 2)
+        return cut_part
     _check_apart(cut_part, part.twist)
     if (count := moving_triangles(cut_part, part.twist)) > MOST:
         # Slightly less, so that the rounded number still works.
@@ -103,7 +129,8 @@ def twisted(cut_part: Cut, twist: Twist, loops: list[Complex]) -> tuple[Real, Wh
     faces: list[Whole] = []
     lids: tuple[list[Complex], list[Complex]] = ([], [])
     numbers: tuple[list[Whole], list[Whole]] = ([], [])
-    for shares, section in _sections(cut_part, twist, loops):
+    for shares, exact in _sections(cut_part, twist, loops):
+        section = _single(exact)
         first = sum(map(len, corners))
         rows = first + np.arange(section.size).reshape(section.shape)
         corners.append(
@@ -183,7 +210,7 @@ def solid(cut: Cut) -> tuple[Real, Whole]:
     Raises GeomkinError for a mesh that is not closed or whose volume differs from that of its sections; inverted hole
     walls would pass as watertight.
     """
-    loops = [_distinct(loop) for loop in _boundaries(cut)]
+    loops = [_distinct(_single(loop), cut.tolerance) for loop in _boundaries(cut)]
     if twist := cut.part.twist:
         points, faces = twisted(cut, twist, loops)
         expected = twisted_volume(cut, twist, loops)
@@ -246,9 +273,14 @@ def _boundary(faces: Whole, points: int) -> Whole:
     return edges[:0] if alike else edges[first[met == 1]]
 
 
-def _distinct(z: Complex) -> Complex:
+def _single(z: Complex) -> Complex:
+    """The points with coordinates that single-precision numbers have exactly, so that no file moves them."""
+    return z.astype(np.complex64).astype(complex)
+
+
+def _distinct(z: Complex, tolerance: float) -> Complex:
     """The corners that single-precision numbers distinguish from a straight line; others would give flat triangles."""
-    finest = 4 * np.finfo(np.float32).eps * np.abs(z).max()
+    finest = min(4 * np.finfo(np.float32).eps * np.abs(z).max(), STRAIGHT * tolerance)
     z = z[np.abs(z - np.roll(z, 1)) > finest]
     before, after = np.roll(z, 1), np.roll(z, -1)
     straight = np.abs(np.imag((z - before) * np.conj(after - before))) <= finest * np.abs(after - before)

@@ -9,6 +9,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from ..core.errors import DesignError
+from ..core.named import VIEWS, named
 from ..core.records import record
 from ..model.part import Part
 from ..model.roles import ROLES
@@ -37,17 +38,10 @@ PIXELS = 420
 MOST_POINTS = 400
 
 
-def colours() -> str:
-    """The colours and fonts at the start of the page's style sheet."""
-    from importlib.resources import files
-
-    return files("geomkin.page.player").joinpath("style.css").read_text("utf-8").strip().partition("\n* {")[0]
-
-
 @cache
 def palette() -> dict[str, str]:
     """The colours of the page on white, by name."""
-    return dict(re.findall(r"--(\w+): (#[0-9a-f]{3,6});", colours().split("}")[0]))
+    return dict(re.findall(r"--(\w+): (#[0-9a-f]{3,6});", named(VIEWS["colours"])().split("}")[0]))
 
 
 def rgb(name: str) -> tuple[int, int, int]:

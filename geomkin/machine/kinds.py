@@ -385,6 +385,14 @@ class MachineRecipe(AbstractRecipe):
     def motion_checks(self) -> tuple[Check, ...]:
         return (*self._checks_of("motion_checks"), *self.motor_checks)
 
+    def wall_advice(self, part: Part) -> str:
+        owners = [name for name in self.recipes if part.name.startswith(f"{name}_".replace(" ", "_"))]
+        if not owners:
+            return super().wall_advice(part)
+        name = max(owners, key=len)
+        own = part.name.removeprefix(f"{name}_".replace(" ", "_"))
+        return f"{name}: {self.recipes[name].wall_advice(replace(part, name=own))}"
+
     def _checks_of(self, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
         """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
         for name, recipe in self.recipes.items():
@@ -423,6 +431,11 @@ class MachineRecipe(AbstractRecipe):
         graph = self.graph
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
         return {"period_turns": {"driver": str(graph.period), **turns}, **self.assembly_summary}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Those of each mechanism."""
+        return tuple(f"{name}: {remark}" for name, recipe in self.recipes.items() for remark in recipe.remarks)
 
     @property
     def facts(self) -> tuple[str, ...]:

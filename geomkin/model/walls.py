@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 
@@ -29,6 +29,8 @@ ACCURACY = 1e-3
 FINEST, COARSEST = 2e-6, 1e-4
 # Largest width of a reported neck, in limits. Wider necks take longer to find and are strong enough.
 NECKS = 2.0
+# Advice about a wall if it is unknown which sizes make it.
+ADVICE = "give the part smaller openings, more width or a smaller thickness"
 # Number of cached plates. With fewer, a recipe whose sizes are varied measures its unchanged plates again; more need
 # memory.
 CACHED = 16
@@ -138,7 +140,12 @@ def _sections(part: Part) -> tuple[Part, ...]:
     return replace(part, holes=(), hole_names=(), fits=()), inner
 
 
-def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] | None = None) -> tuple[Check, ...]:
+def wall_checks(
+    parts: Iterable[Part],
+    kerf: float,
+    walls: Mapping[str, float] | None = None,
+    advice: Callable[[Part], str] = lambda part: ADVICE,
+) -> tuple[Check, ...]:
     """Checks of the thinnest wall of each flat part; twisted parts are not cut from a sheet.
 
     Parameters
@@ -149,6 +156,8 @@ def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] |
         Width of the cut, mm.
     walls : mapping of str to float, optional
         The result of `thinnest_walls`, if it is known already.
+    advice : callable, optional
+        Returns what to change if the wall of a part is too thin.
 
     Returns
     -------
@@ -161,7 +170,6 @@ def wall_checks(parts: Iterable[Part], kerf: float, walls: Mapping[str, float] |
     for part in flat:
         limit, wall = least_wall(part.thickness, kerf), walls[part.name]
         if wall < np.inf:
-            advice = "make openings smaller, move them apart or from the edge, or cut a thinner sheet"
             name = f"thinnest wall of the {part.name}"
-            checks.append(Check(f"wall_{part.name}", name, wall, "at least", limit, "mm", advice))
+            checks.append(Check(f"wall_{part.name}", name, wall, "at least", limit, "mm", advice(part)))
     return tuple(checks)

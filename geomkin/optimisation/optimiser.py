@@ -17,6 +17,7 @@ from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
 from ..core.dotted_keys import key_parts, texts_by_key
 from ..core.errors import DesignError, printable, shown
+from ..core.names import PathName
 from ..core.processes import Runner, by
 from ..core.progress import report as report_progress
 from ..core.records import record
@@ -113,7 +114,7 @@ def optimise(
     starts: int = 6,
     seed: int = 0,
     time_limit: float = 60,
-    out: str | Path | None = None,
+    out: PathName | None = None,
     executor: Executor | None = None,
 ) -> OptimisedDesign: ...
 @overload
@@ -125,7 +126,7 @@ def optimise(
     starts: int = 6,
     seed: int = 0,
     time_limit: float = 60,
-    out: str | Path | None = None,
+    out: PathName | None = None,
     executor: Executor | None = None,
 ) -> OptimisedDesign | ParetoFront: ...
 @checked
@@ -137,7 +138,7 @@ def optimise(
     starts: Annotated[int, whole_between(1, 1000)] = 6,
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
     time_limit: PositiveFloat = 60,
-    out: str | Path | None = None,
+    out: PathName | None = None,
     executor: Executor | None = None,
 ) -> OptimisedDesign | ParetoFront:
     """Find the values of a recipe's keys that make a result least within constraints.
@@ -343,7 +344,9 @@ def _best(trials: Trials) -> TriedDesign:
     """The best design; DesignError if there is none, or it violates a constraint."""
     if not trials.designs:
         remedy = "give more time" if trials.is_cut else "give ranges in which the mechanism can be assembled"
-        problem = f"none of {trials.count} designs works, the first for this: {printable(trials.refusal, 300)}"
+        problem = f"none of {trials.count:,} designs works; the first was refused: {printable(trials.refusal, 300)}"
+        if not trials.refusal:
+            problem = "it ended before a first design was evaluated"
         raise DesignError("time_limit" if trials.is_cut else "vary", problem, remedy, "does-not-assemble")
     design = min(trials.designs, key=Target().rank)
     if design.violation > 0:

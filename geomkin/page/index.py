@@ -11,10 +11,9 @@ from urllib.parse import quote
 from ..core.errors import FileError
 from ..core.names import file_name_flaw, folded_name
 from ..export.formats import tail_of
-from ..export.still import colours
 from ..export.summary import listed_files, read_summary
 from ..export.text import text
-from .page import head, player_file
+from .page import colours, head, player_file
 from .sections import picture_address
 
 NAME = "index.html"

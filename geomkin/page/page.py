@@ -12,6 +12,7 @@ from importlib.resources import files
 from ..export.job import Job
 from ..export.still import MOST_FRAMES
 from ..export.text import capital, text
+from . import player
 from .scene_json import scene_json
 from .sections import all_of, verdict
 
@@ -94,7 +95,12 @@ def _without_links(source: str) -> str:
 
 def player_file(name: str) -> str:
     """The text of a file of the player."""
-    return files("geomkin.page.player").joinpath(name).read_text("utf-8").strip()
+    return files(player).joinpath(name).read_text("utf-8").strip()
+
+
+def colours() -> str:
+    """The colours and fonts at the start of the page's style sheet."""
+    return player_file("style.css").partition("\n* {")[0]
 
 
 def head(title: str, style: str, script: str = "", mark: str = "") -> str:

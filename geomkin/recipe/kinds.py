@@ -1,12 +1,15 @@
-"""The table of kinds: the name of each kind of recipe, and where its classes are."""
+"""The table of kinds: those of the face, `geomkin/face.py`, and those of installed packages."""
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
-from importlib import import_module
 from importlib.metadata import entry_points
+from itertools import takewhile
+from pathlib import Path
 
 from ..core.errors import GeomkinError, printable
+from ..core.named import KINDS_BY_GROUP, named
 from .recipe import AbstractRecipe
 
 # Other packages add kinds by entry points of this group, each `name = "module:RecipeClass"`.
@@ -30,46 +33,7 @@ class KindRow:
 
 
 KINDS: dict[str, KindRow] = {
-    "four-bar": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:FourBarRecipe"),
-    "slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:SliderCrankRecipe"),
-    "inverted-slider-crank": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:InvertedSliderCrankRecipe"),
-    "stephenson-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:StephensonSixBarRecipe"),
-    "watt-six-bar": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:WattSixBarRecipe"),
-    "shaper": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:ShaperRecipe"),
-    "pantograph": KindRow("linkages", "geomkin.linkage.kinds.pantograph:PantographRecipe"),
-    "elliptic-trammel": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:EllipticTrammelRecipe"),
-    "scotch-yoke": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:ScotchYokeRecipe"),
-    "oldham-coupling": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:OldhamCouplingRecipe"),
-    "linkage": KindRow("linkages", "geomkin.linkage.kinds.linkage_kinds:LinkageRecipe"),
-    "four-bar-atlas": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:FourBarAtlasRecipe"),
-    "slider-crank-atlas": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:SliderCrankAtlasRecipe"),
-    "cognates": KindRow("linkages", "geomkin.linkage.kinds.coupler_curves:CognatesRecipe"),
-    "inflection-circle": KindRow("linkages", "geomkin.linkage.kinds.instants:InflectionCircleRecipe"),
-    "centrodes": KindRow("linkages", "geomkin.linkage.kinds.instants:CentrodesRecipe"),
-    "polygons": KindRow("linkages", "geomkin.linkage.kinds.polygons:PolygonsRecipe"),
-    "shaking-force": KindRow("linkages", "geomkin.linkage.kinds.shaking_force:ShakingForceRecipe"),
-    "crank-rocker-synthesis": KindRow("synthesis", "geomkin.synthesis.kinds.rockers:CrankRockerRecipe"),
-    "double-rocker-synthesis": KindRow("synthesis", "geomkin.synthesis.kinds.rockers:DoubleRockerRecipe"),
-    "slider-crank-stroke": KindRow("synthesis", "geomkin.synthesis.kinds.rockers:SliderCrankStrokeRecipe"),
-    "burmester-curves": KindRow("synthesis", "geomkin.synthesis.kinds.burmester_curves:BurmesterCurvesRecipe"),
-    "body-guidance": KindRow("synthesis", "geomkin.synthesis.kinds.body_guidance:BodyGuidanceRecipe"),
-    "function-generator": KindRow("synthesis", "geomkin.synthesis.kinds.function_generators:FunctionGeneratorRecipe"),
-    "slider-function-generator": KindRow(
-        "synthesis", "geomkin.synthesis.kinds.function_generators:SliderFunctionGeneratorRecipe"
-    ),
-    "path-generator": KindRow("synthesis", "geomkin.synthesis.kinds.path_generator:PathGeneratorRecipe"),
-    "disk-cam": KindRow("cams", "geomkin.cam.kinds.disk_cam:DiskCamRecipe"),
-    "spur-gear": KindRow("gears", "geomkin.gear.kinds.single_gears:SpurGearRecipe"),
-    "ring-gear": KindRow("gears", "geomkin.gear.kinds.single_gears:RingGearRecipe"),
-    "gear-pair": KindRow("gears", "geomkin.gear.kinds.gear_pairs:GearPairRecipe"),
-    "rack-and-pinion": KindRow("gears", "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe"),
-    "planetary": KindRow("gears", "geomkin.gear.kinds.planetary:PlanetaryRecipe"),
-    "gear-train": KindRow("gears", "geomkin.gear.kinds.gear_trains:GearTrainRecipe"),
-    "straight-sided-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe"),
-    "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
-    "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),
-    "fit-test": KindRow("coupons", "geomkin.coupon.kinds.fit_test:FitTestRecipe"),
-    "machine": KindRow("machines", "geomkin.machine.kinds:MachineRecipe"),
+    kind: KindRow(group, home) for group, kinds in KINDS_BY_GROUP.items() for kind, home in kinds.items()
 }
 
 
@@ -94,9 +58,8 @@ def recipe_class(kind: str) -> type[AbstractRecipe]:
         If the class of another package cannot be imported.
     """
     row = KINDS.get(kind) or _installed()[kind]
-    module, _, name = row.recipe.partition(":")
     try:
-        recipe: type[AbstractRecipe] = getattr(import_module(module), name)
+        recipe: type[AbstractRecipe] = named(row.recipe)
     except Exception as error:
         fault = printable(f"{type(error).__name__}: {error}", 200)
         raise GeomkinError(f"kind {kind}: {row.recipe} cannot be imported ({fault}); correct its package") from error
@@ -106,6 +69,22 @@ def recipe_class(kind: str) -> type[AbstractRecipe]:
 def all_kinds() -> dict[str, KindRow]:
     """The rows of all kinds by name: those of the table, then those of installed packages."""
     return KINDS | {kind: row for kind, row in _installed().items() if kind not in KINDS}
+
+
+def gallery() -> tuple[Path, dict[str, tuple[str, str]]]:
+    """The folder of the gallery, and the kind and the description of its recipes by file name.
+
+    An installed package holds the gallery; in a copy of the project it is next to the package.
+    """
+    package = Path(__file__).parents[1]
+    folder = next((f for f in (package / "gallery", package.parent / "recipes") if f.is_dir()), package)
+    recipes: dict[str, tuple[str, str]] = {}
+    for file in sorted(folder.glob("*.toml")):
+        text = file.read_text("utf-8")
+        comment = takewhile(lambda line: line.startswith("# "), text.splitlines())
+        first = " ".join(line[2:] for line in comment).partition(". ")[0].rstrip(".:")
+        recipes[file.name] = str(tomllib.loads(text)["kind"]), first
+    return folder, recipes
 
 
 def kind_names() -> list[str]:

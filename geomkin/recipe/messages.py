@@ -68,8 +68,8 @@ RENAMED = {
 def did_you_mean(name: object, known: Iterable[str]) -> str:
     """The start of a remedy, `did you mean ...? `, if a known name is similar; otherwise "".
 
-    Two names are similar if they are spelt alike, or if each word of one is similar to a word of the other. A single
-    common word is not enough: a worm gear is no spur gear.
+    Two names are similar if they are spelt alike, or if each word of the shorter one is similar to a word of the other:
+    a planetary gear is a planetary. A single common word is not enough: a worm gear is no spur gear.
     """
     if not isinstance(name, str) or not (words := WORD.findall(name[:100].lower())):
         return ""
@@ -90,7 +90,9 @@ def _similarity(words: list[str], others: list[str]) -> float:
 
     whole = ratio("".join(words), "".join(others))
     has_all_words = all(any(is_similar(word, other) for other in others) for word in words)
-    return whole if has_all_words or whole >= 0.85 else 0.0
+    # One of several words may be the name of something else.
+    is_within = whole >= 0.6 and all(any(is_similar(word, other) for word in words) for other in others)
+    return whole if has_all_words or is_within or whole >= 0.85 else 0.0
 
 
 def _unsupported(key: object) -> str:

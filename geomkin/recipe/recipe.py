@@ -17,19 +17,23 @@ from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..core.units import UNITS, LengthUnit, Units
+from ..model.beam import beam_checks
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
 from ..model.rotating import RotatingBody
 from ..model.scene import Candidate, Scene, SceneHandle
 from ..model.table import Table
-from ..model.walls import thinnest_walls, wall_checks
+from ..model.walls import ADVICE, thinnest_walls, wall_checks
 from ..plane.vec import Complex, Real
 from .aspect import ALONE, Setting
 from .settings import Files, OptimiseTable
 
 # Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
 UNSCALED = ("stock", "base", "files", "tolerances", "optimise")
+# Keys of stocks and bases that make a wall thicker: of openings and the sheet, and of the material around openings.
+SMALLER = ("bore", "mate_bore", "roller_bore", "pivot_bore", "pin_diameter", "pin", "screw", "thickness")
+LARGER = ("bar_width", "rim", "edge", "margin")
 # Keys of stocks and bases that a workshop file has for each material.
 FITS = frozenset({"clearance", "interference"})
 
@@ -161,13 +165,25 @@ class AbstractRecipe(_Shared, ABC):
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
-        """Checks of the mechanism and of the walls of its parts."""
+        """Checks of the mechanism, of the walls of its parts, and of the corners that a cutting beam does not reach."""
         # Parts first, since they may raise an error.
-        walls = wall_checks(self.parts, self.files.kerf, self.walls)
+        walls = wall_checks(self.parts, self.files.kerf, self.walls, self.wall_advice)
+        checks = (*self.design_checks, *walls, *beam_checks(self.parts, self.files.kerf, self.files.tolerance))
         reasons = self.expected_failures
-        return tuple(
-            replace(check, expected=reasons.get(check.id, check.expected)) for check in (*self.design_checks, *walls)
+        return tuple(replace(check, expected=reasons.get(check.id, check.expected)) for check in checks)
+
+    def wall_advice(self, part: Part) -> str:
+        """What makes the walls of a part thicker: keys of the stock that is named after it, or else of all stocks."""
+        stocks = [field.name for field in dataclasses.fields(self) if is_stock(field.name)]
+        own = [key for key in stocks if key.removesuffix("stock").strip("_") == part.name]
+        own = own or [key for key in stocks if key != "base"] or stocks
+        smaller, larger = (
+            " or ".join(f"{key}.{name}" for key in own for name in names if hasattr(getattr(self, key), name))
+            for names in (SMALLER, LARGER)
         )
+        if not smaller:
+            return ADVICE
+        return f"give a smaller {smaller}" + (f", or a larger {larger}" if larger else "")
 
     @property
     def unknown_expectations(self) -> tuple[str, ...]:
@@ -290,7 +306,7 @@ class AbstractRecipe(_Shared, ABC):
 
     @property
     def facts(self) -> tuple[str, ...]:
-        """Lines that `geomkin check` prints below the checks."""
+        """Lines that `geomkin run` and `geomkin check` print below the checks."""
         return ()
 
     @property
@@ -444,6 +460,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def forces_missing(self) -> str:
         return "The search computes no driver effort and no joint forces; add the table loads to the found recipe."
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return self.design.remarks
 
     @property
     def scene(self) -> Scene | None:

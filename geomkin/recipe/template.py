@@ -6,15 +6,17 @@ import dataclasses
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.resources import files
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter
 
-from ..core.errors import DesignError, printable
+from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.fields import allowed
-from .kinds import kind_names, recipe_class
+from ..core.names import LONGEST
+from .kinds import ENTRY_POINTS, kind_names, recipe_class
 from .load import adapter, short_table, table_lines
-from .messages import did_you_mean, kind_of, tables_in, words_in
+from .messages import did_you_mean, kind_of, options_of, tables_in, words_in
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
 
@@ -34,8 +36,14 @@ def template(recipe: type[AbstractRecipe], options: Sequence[str] = ()) -> str:
     offered, chosen = choices(recipe), chosen_tables(recipe, options)
     values = recipe.example_values(chosen)
     tables = {key: example(offered[key][kind]) for key, kind in chosen.items() if not _is_given(key, values)}
-    shown = example(recipe, {**tables, **values})
-    return "\n".join([*_head(recipe, offered), *_table("", shown, offered)]).rstrip() + "\n"
+    try:
+        filled = example(recipe, {**tables, **values})
+    except DesignError as error:
+        if options:
+            raise
+        kind = kind_of(recipe)
+        raise GeomkinError(f"kind {kind}: the examples of its fields make no recipe ({error}); correct them") from None
+    return "\n".join([*_head(recipe, offered), *_table("", filled, offered)]).rstrip() + "\n"
 
 
 def _is_given(key: str, values: Mapping[str, Any]) -> bool:
@@ -52,19 +60,36 @@ def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None)
     values = {}
     for field in dataclasses.fields(cls):
         inside = {key.partition(".")[2]: value for key, value in given.items() if key.startswith(f"{field.name}.")}
-        shown = field.metadata.get("examples", [None])[0] if base is None else getattr(base, field.name)
+        value = field.metadata.get("examples", [None])[0] if base is None else getattr(base, field.name)
         if field.name == "kind" and base is None:
             values["kind"] = field.default
         elif field.name in given:
             values[field.name] = given[field.name]
         elif inside:
-            table = type(shown) if dataclasses.is_dataclass(shown) else hints[field.name]
-            values[field.name] = example(table, given=inside, base=shown if dataclasses.is_dataclass(shown) else None)
-        elif base is not None or (shown is not None and shown is not dataclasses.MISSING):
-            values[field.name] = shown
-        elif field.default is dataclasses.MISSING:
-            values[field.name] = example(hints[field.name])
+            table = type(value) if dataclasses.is_dataclass(value) else hints[field.name]
+            values[field.name] = example(table, given=inside, base=value if dataclasses.is_dataclass(value) else None)
+        elif base is not None or value is not None:
+            values[field.name] = value
+        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
+            values[field.name] = _value_of(cls, field, hints[field.name])
     return cls(**values)
+
+
+def _value_of(cls: type, field: dataclasses.Field[Any], hint: Any) -> Any:
+    """A value of a required field without an example: a table of examples, a word, or a number within the limits."""
+    hint = next(options_of(hint))
+    if dataclasses.is_dataclass(hint):
+        return example(hint)  # type: ignore[arg-type]
+    if get_origin(hint) is Literal:
+        return get_args(hint)[0]
+    if hint not in (int, float):
+        problem = f"{cls.__name__}.{field.name} is required and has no example"
+        raise GeomkinError(f"{problem}; declare it by `entry(..., example=...)`")
+    about = field.metadata
+    least, most = about.get("ge", about.get("gt")), about.get("le", about.get("lt"))
+    if least is None:
+        return hint(1 if most is None else min(1, most - 1))
+    return hint(least + 1 if most is None else min(least + 1, (least + most) / 2))
 
 
 def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]]) -> list[str]:
@@ -262,3 +287,58 @@ def _plain(node: Any) -> Any:
         if default is not None and not isinstance(default, dict):
             node["default"] = default
     return node
+
+
+# Name of the kind in the module that a new package copies.
+EXAMPLE_KIND = "example-kind"
+PROJECT = """\
+[build-system]
+requires = ["hatchling"]
+build-backend = "hatchling.build"
+
+[project]
+name = "geomkin-{kind}"
+version = "0.1"
+dependencies = ["geomkin"]
+
+[project.entry-points."{group}"]
+{kind} = "{module}:ExampleRecipe"
+
+[tool.hatch.build.targets.wheel]
+only-include = ["{module}.py"]
+"""
+TEST = '''\
+"""Run it with `python -m pytest` after `pip install -e .`."""
+
+import geomkin as gk
+
+
+def test_the_lift_is_twice_the_eccentricity():
+    recipe = gk.load({{"kind": "{kind}", "eccentric": {{"radius": 30, "eccentricity": 10}}}})
+    assert abs(recipe.table["lift"].max() - 20) < 1e-9 and all(check.passed for check in recipe.checks)
+'''
+
+
+def kind_package(kind: str) -> dict[str, bytes]:
+    """Files of a package with one kind of recipe, by name: its module, its project file, a recipe and a test.
+
+    DesignError for a name that is no name of a kind, or that of a known kind.
+    """
+    if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", kind) or len(kind) > LONGEST or kind in kind_names():
+        remedy = (
+            f"give a new name of at most {LONGEST} small letters and digits, in words joined by -, such as geneva-drive"
+        )
+        raise DesignError(
+            "KIND", f"found {shown(kind)}", remedy, "conflict" if kind in kind_names() else "out-of-range"
+        )
+    module = f"geomkin_{kind.replace('-', '_')}"
+    source = files("geomkin.recipe").joinpath("example_kind.py").read_text("utf-8")
+    words = {"kind": kind, "module": module, "group": ENTRY_POINTS}
+    recipe = f'kind = "{kind}"\n\n[eccentric]\nradius = 30\neccentricity = 10\n'
+    contents = {
+        f"{module}.py": source.replace(EXAMPLE_KIND, kind),
+        "pyproject.toml": PROJECT.format(**words),
+        f"{kind}.toml": recipe,
+        f"test_{module}.py": TEST.format(**words),
+    }
+    return {name: content.encode() for name, content in contents.items()}

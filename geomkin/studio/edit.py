@@ -140,8 +140,8 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         reply["problems"] = [_entry(Problem(error.field, error.problem, error.remedy, error.id))]
     except GeomkinError as error:
         reply["problems"] = [_entry(Problem("", str(error), ""))]
-    except (MemoryError, RecursionError) as error:
-        reply["problems"] = [_entry(Problem("", f"too much work ({type(error).__name__})", "", "too-much-work"))]
+    except (MemoryError, RecursionError):
+        reply["problems"] = [_entry(Problem("", "it takes too much memory", "give smaller numbers", "too-much-work"))]
     if reply["problems"]:
         reply["scene"] = None
     return reply

@@ -17,6 +17,7 @@ from ..cam.kinds.disk_cam import DiskCamRecipe
 from ..cam.parts import CamStock
 from ..core.arguments import ArgumentType, checked, refused
 from ..core.errors import DesignError, GeomkinError, printable
+from ..core.names import PathName
 from ..core.records import record
 from ..export.files import write_whole
 from ..export.job import Job, StaticSource
@@ -88,7 +89,7 @@ class Shown:
         return f'<iframe title="{escape(self.name)}" {sandbox} style="{style}" srcdoc="{html}"></iframe>'
 
     @checked
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: PathName) -> Path:
         """Write the page to a file, which opens in any browser.
 
         Parameters

@@ -19,6 +19,7 @@ from threading import BoundedSemaphore, Event, Lock, Thread
 from typing import Any
 from urllib.parse import parse_qsl, unquote, urlsplit
 
+from .. import page
 from ..build import make
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, printable
 from ..core.names import file_name_flaw
@@ -474,7 +475,7 @@ def _json(data: Any) -> tuple[bytes, str]:
 def _page_file(name: str) -> tuple[bytes, str]:
     """A file of the editor's page or of the player."""
     folder, *inner = (name or "editor/index.html").split("/")
-    path = files("geomkin.page").joinpath(folder, *inner)
+    path = files(page).joinpath(folder, *inner)
     known = folder in ("editor", "player") and inner and not any(map(file_name_flaw, inner))
     if not known or Path(inner[-1]).suffix not in TYPES or not path.is_file():
         if name:

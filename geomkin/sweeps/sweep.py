@@ -15,6 +15,7 @@ from typing import Annotated, Any
 from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, checked
 from ..core.errors import DesignError, GeomkinError
+from ..core.names import PathName
 from ..core.processes import Runner, by, by_this_process
 from ..core.progress import report as report_progress
 from ..core.records import record
@@ -109,7 +110,7 @@ def sweep(
     recipe: AbstractRecipe | Readable,
     values: Values,
     results: Names = (),
-    out: str | Path | None = None,
+    out: PathName | None = None,
     executor: Executor | None = None,
 ) -> Sweep:
     """Evaluate a recipe for all combinations of values of some of its keys.

@@ -13,7 +13,7 @@ from ..build import errors_named_by_key
 from ..core.arguments import checked
 from ..core.errors import FileError, GeomkinError, harmless, printable
 from ..core.fields import to_digits
-from ..core.names import file_name_flaw
+from ..core.names import PathName, file_name_flaw
 from ..core.progress import report
 from ..core.records import record
 from ..core.units import MM, LengthUnit
@@ -158,7 +158,7 @@ class Certificate:
 
 
 @checked
-def verify(folder: str | Path) -> list[Certificate]:
+def verify(folder: PathName) -> list[Certificate]:
     """Read the files of recipes back and measure them against the exact curves.
 
     Parameters

@@ -10,6 +10,7 @@ from math import nan
 import numpy as np
 
 from ..core.records import record
+from ..model.beam import beam_checks
 from ..model.part import Part
 from ..plane.region import Edges, is_simple, offset
 from .drawing import Drawing, UnreadableError
@@ -26,11 +27,15 @@ MOST_LINES, MOST_PLATES = (10, 1000), (2, 20)
 
 @record(eq=False)
 class ExactPart:
-    """A part with its exact curves as polygons: those of the solid, and those of a drawing, half a kerf off them."""
+    """A part with its exact curves as polygons: those of the solid, and those of a drawing, half a kerf off them.
+
+    left: a sentence on the corner or gap that the beam does not reach; "" if it cuts the part as designed.
+    """
 
     part: Part
     solid: Shape
     drawn: Shape
+    left: str = ""
 
 
 @record(eq=False)
@@ -84,7 +89,12 @@ def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
     regions = offset([outline.points, *(hole.points[::-1] for hole in holes)], kerf / 2, error)
     grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
     drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), solid.marks) for loops in grown]
-    return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid)
+    left = "".join(
+        f"a beam {kerf:g} mm wide leaves {check.value:g} mm of a corner or gap, and {check.limit:g} mm are allowed"
+        for check in beam_checks([part], kerf, tolerance)
+        if not check.passed
+    )
+    return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid, left)
 
 
 def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: float) -> list[Measured]:
@@ -112,9 +122,9 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
             continue
         plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
         result = _best_part(plate, parts, tolerance)
-        part = next(exact.part for exact in parts if exact.part.name == result.part)
-        layers = {cuts[loops[0]].layer} - {part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
-        problems += [f"it is on layer {layer}" for layer in sorted(layers)]
+        exact = next(exact for exact in parts if exact.part.name == result.part)
+        layers = {cuts[loops[0]].layer} - {exact.part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
+        problems += [*[f"it is on layer {layer}" for layer in sorted(layers)], *[exact.left] * bool(exact.left)]
         measured.append(_with(result, problems))
     return measured
 

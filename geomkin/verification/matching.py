@@ -21,6 +21,9 @@ CLEAR = 1e-3
 SAMPLES = 240
 # Steps of the fit of a position, which converges quadratically.
 STEPS = 12
+# Share of the tolerance by which the mean distances of two positions may differ if both fit equally. A smaller one is
+# within the rounding of files.
+SAME = 1e-3
 # Number of parts that are tried if none has the area of the loops: those of the nearest areas.
 TRIED = 2
 
@@ -98,7 +101,11 @@ def likely_positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[t
         return float(edges.nearest((samples - here) / turn + there)[1].mean())
 
     rotations = _rotations(found, exact, tolerance)
-    turn = min(rotations, key=misfit) if len(rotations) > 1 else rotations[0]
+    misfits = np.array([misfit(turn) for turn in rotations] if len(rotations) > 1 else [0.0])
+    # A symmetric part fits equally in several positions. The least rotation is chosen, counterclockwise before
+    # clockwise, so that rounding does not decide.
+    fitting = [turn for turn, off in zip(rotations, misfits) if off <= misfits.min() + SAME * tolerance]
+    turn = max(fitting, key=lambda turn: (round(turn.real, 6), turn.imag))
     shift = here - turn * there
     if rounded := _whole(turn, shift, there, exact.size, tolerance):
         yield rounded
@@ -121,9 +128,10 @@ def _whole(
 
 def candidates(found: Shape, exact: Sequence[Shape], tolerance: float) -> list[int]:
     """Indices of the exact plates with the area of a plate in a file; if none has it, those of the nearest areas."""
-    differences = [abs(plate.area - found.area) for plate in exact]
-    order = sorted(range(len(exact)), key=lambda k: differences[k])
-    equal = [k for k in order if differences[k] <= 2 * tolerance * exact[k].length]
+    # In tolerances along the loops. Of plates with equal areas the first one is tried first, whatever the rounding.
+    differences = [abs(plate.area - found.area) / (tolerance * plate.length) for plate in exact]
+    order = sorted(range(len(exact)), key=lambda k: round(differences[k] / SAME))
+    equal = [k for k in order if differences[k] <= 2]
     return equal or order[:TRIED]
 
 

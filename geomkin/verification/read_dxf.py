@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from ezdxf.filemanagement import readfile
 
+from ..core.errors import with_article
 from .drawing import Drawing, Line, UnreadableError, circle, collected, polyline
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
@@ -42,7 +43,7 @@ def _lines(entities: list[Any], error: float, problems: list[str], unit: float) 
         if kind == "CIRCLE":
             yield Line(circle(unit * _point(entity.dxf.center), unit * float(entity.dxf.radius), error), layer)
         elif kind != "LWPOLYLINE":
-            problems.append(f"it has a {kind} on layer {layer}, which is not a closed polyline or circle")
+            problems.append(f"it has {with_article(kind)} on layer {layer}, which is not a closed polyline or circle")
         elif len(entity) < 2:
             problems.append(f"a polyline on layer {layer} has fewer than two vertices")
         else:

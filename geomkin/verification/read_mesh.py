@@ -58,7 +58,7 @@ def _loaded(path: Path) -> Any:
             raise ValueError("not finite")
     except Exception as fault:
         # The library lets many kinds of error through when a file is damaged.
-        raise UnreadableError(f"trimesh cannot read it ({type(fault).__name__})") from fault
+        raise UnreadableError(f"it is damaged, or has another format than {path.suffix[1:].upper()}") from fault
     return loaded
 
 

@@ -37,11 +37,16 @@ def test_whatever_a_value_is_it_is_shown_on_one_line():
         def __repr__(self):
             raise RecursionError
 
-    assert errors.shown("a\x1b\u202eb") == "'a\\x1b\\u202eb'" and errors.shown(10**5000) == "a int too long to print"
+    assert errors.shown("a\x1b\u202eb") == "'a\\x1b\\u202eb'" and errors.shown(10**5000) == "an int too long to print"
     assert errors.shown(Deep()) == "a Deep too long to print" and len(errors.shown("x" * 500)) <= 80
     assert errors.harmless("a\x1b\n\u202e\u2028é 漢") == "a????é 漢"
     assert repr(errors.Problem("k", "found\n1", "x" * 300)).startswith("Problem(k: found?1; xxx")
     assert len(repr(errors.Problem("k", "", "x" * 300))) <= 120
+
+
+def test_the_article_suits_the_word():
+    words = ["ellipse", "Offset", "image", "rect", "Circle", "LWPOLYLINE", "ARC"]
+    assert [len(errors.with_article(word).split()[0]) for word in words] == [2, 2, 2, 1, 1, 1, 2]
 
 
 def test_ids_of_problems_are_those_listed_and_each_is_in_use():

@@ -1,5 +1,7 @@
 """Backlash of conjugate mates by second roads: the thick cutter rolled, finished outlines turned till they overlap."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ import geomkin as gk
 from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.shaping_gears import FlankGear
 from geomkin.plane import region
+from geomkin.recipe import recipe_class
+from geomkin.recipe.template import template
 
 from .sweeping import inner_points, least_clearance
 from .test_conjugate import off_straight_tooth
@@ -131,3 +135,20 @@ def test_the_distance_named_where_teeth_jam_leaves_them_no_play(internal, tooth_
     named = float(caught.value.remedy.split("to " if internal else "at least ")[1].split(" ")[0])
     assert gk.GearPair(first, second, named).backlash == pytest.approx(0, abs=1e-4)
     assert gk.GearPair(first, second).backlash == pytest.approx(tooth_thickness_allowance, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["straight-sided-gears", "point-tooth-gears", "lantern-gears"])
+def test_teeth_of_other_forms_without_backlash_are_advised_an_amount_that_is_accepted(kind):
+    recipe = gk.load(template(recipe_class(kind)))
+    jams = replace(recipe, mate=replace(recipe.mate, backlash=0.0))
+    (advice,) = jams.remarks
+    amount = float(advice.split("about ")[1].split(" mm")[0])
+    assert 0 < amount < 0.1 * recipe.design.pitch_radius
+    loose = replace(recipe, mate=replace(recipe.mate, backlash=amount))
+    assert not loose.remarks and all(check.passed for check in loose.checks)
+
+
+def test_advice_names_each_of_several_meshes():
+    recipe = gk.load(template(recipe_class("planetary")))
+    first, second = recipe.remarks
+    assert first.startswith("Sun and planet") and second.startswith("Planet and ring")

@@ -308,7 +308,7 @@ MADE = {
     "AbstractCurve", "AbstractFace", "AbstractFlankGear", "AbstractFollower", "AbstractGear", "AbstractInvoluteGear", "AbstractLinkage", "AbstractRoller", "AbstractShaper", "FOLLOWERS", "Hole", "FollowerPlate",
     "CrankRocker", "DoubleRocker", "Family", "Found", "StrokeCrank",
     "Burmester", "BurmesterCurve", "Dyads", "SliderCircle", "StateFourBar",
-    "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FileError",
+    "BaseCircle", "Bobillier", "Body", "Cognate", "Conjugate", "Contact", "Counterbalance", "FailedChecksError", "FileError",
     "BodyGuide", "Rectification", "GeomkinError", "InflectionCircle", "Motion", "AssemblyFailure", "PointMotion", "SampledRates", "VectorPolygon", "RecipeError", "Root", "SegmentLimits", "SlideMotion", "Undercut", "Untouched",
     "FunctionGenerator", "Peak", "SliderFunctionGenerator",
     "Chart", "FAMILIES", "FamilyChart", "Measurement", "MethodFamily", "chart", "chart_files", "Stability", "stability",
@@ -426,6 +426,29 @@ def test_an_array_is_held_to_the_kind_of_number_that_it_is_declared_to_hold():
         "Mask": {"true"},
     }
     assert not any(argument_type(hint).fits(row["real"].tolist()) for hint in taken.values())
+
+
+@pytest.mark.parametrize("path", ["a" * 300, "\x00", "\ud800", 3, None], ids=["long", "zero byte", "half", "3", "None"])
+def test_a_path_that_no_file_system_has_is_refused_by_the_name_of_its_argument(path):
+    gear = {"kind": "spur-gear", "gear": {"teeth": 20, "module": 2}}
+    calls = {
+        "folder": (gk.verify,),
+        "out": (gk.index, lambda out: gk.make(gear, out)),
+        "path": (lambda path: gk.write(gk.load(gear), path), gk.show(FOUR_BAR).save),
+    }
+    if path is not None:
+        ranges = {"gear.profile_shift": (0, 0.1)}
+        calls["out"] += (
+            lambda out: gk.sweep(gear, {"gear.teeth": [20]}, out=out),
+            lambda out: gk.optimise(gear, ranges, "max(along)", out=out),
+        )
+    for argument, functions in calls.items():
+        for function in functions:
+            with pytest.raises(gk.DesignError) as refused:
+                function(path)
+            assert refused.value.field == argument
+    with pytest.raises(gk.GeomkinError):
+        gk.load(path)
 
 
 PLACES = [

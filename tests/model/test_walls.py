@@ -166,6 +166,30 @@ def test_breaking_wall_fails_a_check(tmp_path, text, names, wall):
     assert all(c.value == pytest.approx(wall, abs=1e-3) and c.advice for c in failed.values())
 
 
+@pytest.mark.parametrize(
+    ("text", "names", "key"),
+    [(FOUR_BAR, {"ground", "crank"}, "stock.bar_width"), (CAM, {"cam"}, "stock.bore"), (WEB, {"gear"}, "stock.bore")],
+    ids=["links", "cam", "gear"],
+)
+def test_advice_names_keys_of_the_recipe_that_make_the_wall_thicker(text, names, key):
+    recipe = gk.load(text)
+    advised = {c.id: c.advice for c in recipe.checks if c.id.removeprefix("wall_") in names}
+    assert len(advised) == len(names) and all(key in advice for advice in advised.values())
+    change = -0.5 if key.endswith("bore") else 0.5
+    table, name = key.split(".")
+    stock = getattr(recipe, table)
+    other = replace(recipe, **{table: replace(stock, **{name: getattr(stock, name) + change})})
+    assert all(other.walls[name] > recipe.walls[name] + 0.2 for name in names)
+
+
+def test_advice_on_a_part_of_a_machine_names_its_mechanism():
+    machine = gk.load("recipes/geared-legs.toml")
+    (legs, *_) = [name for name in machine.recipes if name != "pair"]
+    ground = next(part for part in machine.parts if part.name == f"{legs}_ground")
+    own = machine.recipes[legs].wall_advice(replace(ground, name="ground"))
+    assert machine.wall_advice(ground) == f"{legs}: {own}" and "stock." in own
+
+
 def plate_in_file(one, path):
     """A part as the file that is cut has it, to a thousandth of a mm."""
     gk.write(replace(one, count=1), path / "one.dxf", tolerance=1e-3)

@@ -254,6 +254,12 @@ def test_interruption_keeps_the_best_design(monkeypatch, tmp_path):
     assert (tmp_path / "bar" / "bar.optimum.toml").exists()
 
 
+def test_a_search_without_time_for_one_design_has_a_reason():
+    with pytest.raises(gk.DesignError) as refused:
+        gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, time_limit=1e-9)
+    assert refused.value.field == "time_limit" and refused.value.problem[-1].isalpha()
+
+
 def test_time_limit_ends_the_search():
     best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1000, time_limit=2.0)
     assert best.cut_short and best.constraints == ()

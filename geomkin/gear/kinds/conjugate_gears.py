@@ -32,7 +32,7 @@ from ..parts.assemblies import Wheel, lantern_assembly, pair_assembly
 from ..parts.bases import pair_base
 from ..parts.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
 from ..scene_pairs import conjugate_handles, conjugate_scene
-from .helical import boss_checks, check_tooth_points
+from .helical import backlash_remarks, boss_checks, check_tooth_points, least_backlash
 from .strength_notes import NO_INVOLUTE
 
 
@@ -102,7 +102,8 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
     def notes(self) -> Mapping[str, object]:
         """Derived sizes, and the parts of the tooth that never touch, by their distance from the gear's axis."""
         mate = self.design
-        jams = "teeth without backlash jam: give mate.backlash, mm"
+        least = least_backlash(mate.distance, 2 * mate.pitch_radius / mate.teeth)
+        jams = f"teeth without backlash jam: give mate.backlash, about {least:.2f} mm"
         return {
             "ratio": to_digits(mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1), 10),
             **({} if self.mate.backlash else {"backlash_advice": jams}),
@@ -119,6 +120,10 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
             ],
             **self.assembly_summary,
         }
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return backlash_remarks(self.notes)
 
     @property
     def forces_missing(self) -> str:

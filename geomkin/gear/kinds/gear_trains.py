@@ -29,7 +29,7 @@ from ..parts.trains import ArborStock, TrainStocks, arbor_check, train_assembly,
 from ..scene_train import train_handles, train_scene, turned_train_scene
 from ..train import FEWEST_TEETH, MOST_TEETH, Direction, GearTrain, Stages, train_table
 from ..train_search import LARGEST_RATIO, MOST_SEARCHED, gear_train
-from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
+from .helical import backlash_remarks, boss_checks, check_tooth_points, gear_notes, mesh_notes
 from .strength_notes import forces_missing, loaded_materials, train_strength_notes
 
 
@@ -290,6 +290,10 @@ class GearTrainRecipe(AbstractAssembledRecipe):
             **({"loads": train_strength_notes(self.strength)} if self.strength else {}),
             **self.assembly_summary,
         }
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return backlash_remarks(self.notes)
 
     @property
     def facts(self) -> tuple[str, ...]:

@@ -96,6 +96,10 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
             return about.replace("spur gear", f"{form} gear")
         return f"{about} Its teeth are {'herringbones' if self.herringbone else form}."
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return backlash_remarks(self.notes)
+
     def check_faces(self, thicknesses: Mapping[str, float]) -> None:
         """Refuse a herringbone whose gears reverse at different heights. thicknesses: of each stock by key, mm."""
         (_, first), *others = thicknesses.items()
@@ -238,16 +242,30 @@ def overlap_notes(contact_ratio: float, module: float, helix: Helix, face_width:
     return {"overlap_ratio": to_digits(overlap), "total_contact_ratio": to_digits(contact_ratio + overlap)}
 
 
+def least_backlash(distance: float, module: float) -> float:
+    """Least normal backlash by ISO/TR 10064-2, mm, for steel, from the distance of the axes and the normal module."""
+    return 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * module)
+
+
 def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = STRAIGHT) -> Mapping[str, object]:
     """Backlash of two gears, mm, and advice if there is none. distance: of the axes, mm."""
     backlash = round(pair.backlash, 9) + 0.0
     if backlash:
         return {"backlash_mm": backlash}
-    # Least normal backlash by ISO/TR 10064-2, mm, for steel; along the pitch circle it is larger.
-    least = 2 / 3 * (0.06 + 0.0005 * distance + 0.03 * helix.normal_module(pair.module))
+    # Along the pitch circle it is larger.
+    least = least_backlash(distance, helix.normal_module(pair.module))
     along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
     advice = f"teeth without backlash jam: give tooth_thickness_allowance to both gears, about {along / 2:.2f} mm each"
     return {"backlash_mm": backlash, "backlash_advice": advice}
+
+
+def backlash_remarks(notes: Mapping[str, object]) -> tuple[str, ...]:
+    """Advice on backlash as sentences: that of each mesh, under the mesh's name if there are several."""
+    key = "backlash_advice"
+    meshes = {"pair": notes, **{name: entries for name, entries in notes.items() if isinstance(entries, Mapping)}}
+    advice = {name: str(entries[key]) for name, entries in meshes.items() if key in entries}
+    named = (text if name == "pair" else f"{name.replace('_', ' ')}: {text}" for name, text in advice.items())
+    return tuple(f"{text[0].upper()}{text[1:]}." for text in named)
 
 
 def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
@@ -257,7 +275,7 @@ def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
     relation = "ring's profile shift minus the pinion's" if pair.is_internal else "sum of both profile shifts"
     # Rounded down, so that the teeth do not jam.
     shift = np.floor(1000 * pair.shift_without_backlash) / 1000
-    return {"backlash_advice": f"none is left at this distance if the {relation} is {shift:g}"}
+    return {"backlash_advice": f"no backlash is left at this distance if the {relation} is {shift:g}"}
 
 
 def pair_quantities(pair: GearPair) -> dict[str, str]:

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ...core.errors import DesignError
+from ...core.errors import DesignError, with_article
 from ...core.progress import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole
@@ -248,7 +248,10 @@ def of_chosen(
         raise DesignError("fixed_points", "are given together with moving_points", "give only one of them", "conflict")
     if fixed is not None and kind != "four-bar":
         raise DesignError(
-            "fixed_points", f"are given for a {kind}, which does not have two", "give moving_points", "conflict"
+            "fixed_points",
+            f"are given for {with_article(kind)}, which does not have two",
+            "give moving_points",
+            "conflict",
         )
     if len(body.origins) > 3:
         poses = list(zip(body.origins.tolist(), np.angle(body.directions).tolist()))

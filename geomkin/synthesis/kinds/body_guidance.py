@@ -325,7 +325,8 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         given = self.wanted.moving_points or self.wanted.fixed_points
         if given is None or not np.isfinite(self.found.pins).all():
             return ()
-        driving, driven = (f"[{pin.real:.6g}, {pin.imag:.6g}]" for pin in self.found.pins)
+        # To a micrometre: the lengths of the found linkage are rounded.
+        driving, driven = (f"({pin.real:.7g}, {pin.imag:.7g}) mm" for pin in rounded(np.array(self.found.pins), 3))
         return (f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",)
 
     @property

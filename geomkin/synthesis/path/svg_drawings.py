@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ...core.errors import DesignError, printable, shown
+from ...core.errors import DesignError, printable, shown, with_article
 from ...core.fields import FARTHEST
 from ...plane.vec import Complex
 from .points import evenly_spaced, first_subpath
@@ -79,7 +79,7 @@ def drawing_points(text: str, count: int) -> Complex:
     found = _Drawing(root).first_path()
     if found is None:
         tags = {tag_of(element) for element in root.iter()}
-        other = next((f", but a {shape}" for shape in SHAPES if shape in tags), "")
+        other = next((f", but {with_article(shape)}" for shape in SHAPES if shape in tags), "")
         raise _refused(f"it has no visible path{other}", "turn an object into a path")
     data, placement = found
     try:

@@ -1,0 +1,64 @@
+"""The tables of the face: modules by name, which only here are text. A new kind of recipe is one row."""
+
+from __future__ import annotations
+
+from .core.named import KINDS_BY_GROUP, VIEWS
+
+VIEWS.update({
+    "page": "geomkin.page.page:mechanism_page",
+    "colours": "geomkin.page.page:colours",
+    "moving": "geomkin.studio.notebook:inline",
+    "still": "geomkin.export.svg_path:picture",
+})  # fmt: skip
+KINDS_BY_GROUP.update({
+    "linkages": {
+        "four-bar": "geomkin.linkage.kinds.linkage_kinds:FourBarRecipe",
+        "slider-crank": "geomkin.linkage.kinds.linkage_kinds:SliderCrankRecipe",
+        "inverted-slider-crank": "geomkin.linkage.kinds.linkage_kinds:InvertedSliderCrankRecipe",
+        "stephenson-six-bar": "geomkin.linkage.kinds.linkage_kinds:StephensonSixBarRecipe",
+        "watt-six-bar": "geomkin.linkage.kinds.linkage_kinds:WattSixBarRecipe",
+        "shaper": "geomkin.linkage.kinds.linkage_kinds:ShaperRecipe",
+        "pantograph": "geomkin.linkage.kinds.pantograph:PantographRecipe",
+        "elliptic-trammel": "geomkin.linkage.kinds.linkage_kinds:EllipticTrammelRecipe",
+        "scotch-yoke": "geomkin.linkage.kinds.linkage_kinds:ScotchYokeRecipe",
+        "oldham-coupling": "geomkin.linkage.kinds.linkage_kinds:OldhamCouplingRecipe",
+        "linkage": "geomkin.linkage.kinds.linkage_kinds:LinkageRecipe",
+        "four-bar-atlas": "geomkin.linkage.kinds.coupler_curves:FourBarAtlasRecipe",
+        "slider-crank-atlas": "geomkin.linkage.kinds.coupler_curves:SliderCrankAtlasRecipe",
+        "cognates": "geomkin.linkage.kinds.coupler_curves:CognatesRecipe",
+        "inflection-circle": "geomkin.linkage.kinds.instants:InflectionCircleRecipe",
+        "centrodes": "geomkin.linkage.kinds.instants:CentrodesRecipe",
+        "polygons": "geomkin.linkage.kinds.polygons:PolygonsRecipe",
+        "shaking-force": "geomkin.linkage.kinds.shaking_force:ShakingForceRecipe",
+    },
+    "synthesis": {
+        "crank-rocker-synthesis": "geomkin.synthesis.kinds.rockers:CrankRockerRecipe",
+        "double-rocker-synthesis": "geomkin.synthesis.kinds.rockers:DoubleRockerRecipe",
+        "slider-crank-stroke": "geomkin.synthesis.kinds.rockers:SliderCrankStrokeRecipe",
+        "burmester-curves": "geomkin.synthesis.kinds.burmester_curves:BurmesterCurvesRecipe",
+        "body-guidance": "geomkin.synthesis.kinds.body_guidance:BodyGuidanceRecipe",
+        "function-generator": "geomkin.synthesis.kinds.function_generators:FunctionGeneratorRecipe",
+        "slider-function-generator": "geomkin.synthesis.kinds.function_generators:SliderFunctionGeneratorRecipe",
+        "path-generator": "geomkin.synthesis.kinds.path_generator:PathGeneratorRecipe",
+    },
+    "cams": {
+        "disk-cam": "geomkin.cam.kinds.disk_cam:DiskCamRecipe",
+    },
+    "gears": {
+        "spur-gear": "geomkin.gear.kinds.single_gears:SpurGearRecipe",
+        "ring-gear": "geomkin.gear.kinds.single_gears:RingGearRecipe",
+        "gear-pair": "geomkin.gear.kinds.gear_pairs:GearPairRecipe",
+        "rack-and-pinion": "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe",
+        "planetary": "geomkin.gear.kinds.planetary:PlanetaryRecipe",
+        "gear-train": "geomkin.gear.kinds.gear_trains:GearTrainRecipe",
+        "straight-sided-gears": "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe",
+        "point-tooth-gears": "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe",
+        "lantern-gears": "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe",
+    },
+    "coupons": {
+        "fit-test": "geomkin.coupon.kinds.fit_test:FitTestRecipe",
+    },
+    "machines": {
+        "machine": "geomkin.machine.kinds:MachineRecipe",
+    },
+})  # fmt: skip
