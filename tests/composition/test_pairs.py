@@ -18,8 +18,8 @@ from geomkin.core.errors import RecipeError
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.load import from_table
 from geomkin.studio.edit import answer
-from tests.recipe.test_inches import in_inches, power
-from tests.texts import template_of
+from tests.recipe.test_inches import in_inches
+from tests.texts import choices_of, template_of
 
 # A value of each aspect by its key; None is that of the kind's template.
 ASPECTS = {
@@ -49,14 +49,14 @@ def takes(kind, aspect):
 
 @cache
 def text_of(kind, aspect):
-    is_table = aspect and ASPECTS[aspect] is None
+    is_table = aspect and ASPECTS[aspect] is None and aspect in choices_of(kind)
     return template_of(kind, [aspect] if is_table else [])
 
 
 def table_of(kind, aspect):
     table = tomllib.loads(text_of(kind, aspect))
-    if aspect and ASPECTS[aspect] is not None:
-        table |= {aspect: ASPECTS[aspect], **WITH.get(aspect, {})}
+    if aspect and aspect not in table:
+        table |= {aspect: {} if ASPECTS[aspect] is None else ASPECTS[aspect], **WITH.get(aspect, {})}
     return table
 
 
@@ -79,23 +79,24 @@ def assert_same_checks(ours, theirs, rel=1e-7):
         assert pair == pytest.approx(theirs[id], rel=rel, abs=1e-7, nan_ok=True), id
 
 
-def assert_same_places(ours, theirs, factor=1.0):
+def assert_same_places(ours, theirs, factor=1.0, digits=1e-7):
     assert [body.name for body in ours.bodies] == [body.name for body in theirs.bodies]
-    size = max(1e-9, *(np.nanmax(np.abs(body.origin)) for body in theirs.bodies))
+    size = max([1e-9, *(np.nanmax(np.abs(body.origin)) for body in theirs.bodies)])
     for one, other in zip(ours.bodies, theirs.bodies):
-        assert np.allclose(one.origin, factor * np.asarray(other.origin), rtol=0, atol=1e-7 * size, equal_nan=True)
-        assert np.allclose(one.direction, other.direction, rtol=0, atol=1e-7, equal_nan=True)
+        assert np.allclose(one.origin, factor * np.asarray(other.origin), rtol=0, atol=digits * size, equal_nan=True)
+        assert np.allclose(one.direction, other.direction, rtol=0, atol=digits, equal_nan=True)
 
 
 def alone(table, tmp_path):
     """An aspect adds to the results of the mechanism and changes none of them, but the counts of copies."""
     recipe = read(table)
     key = next((key for key in ASPECTS if key in table and takes(table["kind"], key)), None)
+    if key == "stroke":
+        pytest.skip("another driver is another mechanism")
     plain = read({name: value for name, value in table.items() if name not in {key, *WITH.get(key, ())}})
-    if key == "stroke" or plain.scene is None:
-        return
-    for id in plain.table.ids:
-        assert np.array_equal(recipe.table[id], plain.table[id], equal_nan=True), id
+    for ours, theirs in zip(recipe.table.columns, plain.table.columns):
+        assert ours.id == theirs.id
+        np.testing.assert_array_equal(ours.values, theirs.values, err_msg=ours.id)
     assert set(values(plain.checks)) <= set(values(recipe.checks))
 
 
@@ -136,7 +137,8 @@ def scaled(table, tmp_path):
     if not recipe.can_be_scaled or recipe.scene is None:
         pytest.skip("it takes no scale")
     larger = read({"scale": 2, **table})
-    assert_same_places(larger.scene, recipe.scene, 2.0)
+    # A goal rounds the lengths that it finds to six digits.
+    assert_same_places(larger.scene, recipe.scene, 2.0, 1e-7 if recipe.found_recipe is None else 3e-5)
 
 
 def inches(table, tmp_path):
@@ -183,11 +185,14 @@ def optimised(table, tmp_path):
     """The best design has the results that its own recipe has."""
     recipe = read(table)
     key, value = sheet(recipe)
-    checks = [check.id for check in recipe.checks if np.isfinite(check.value)]
+    # The id of a check may also be that of a column, which needs another formula.
+    ids = set(recipe.table.ids)
+    checks = [check.id for check in recipe.checks if np.isfinite(check.value) and check.id not in ids]
     if key is None or not checks:
         pytest.skip("it has no sheet")
     best = gk.optimise(recipe, {key: (0.9 * value, value)}, checks[-1], starts=1, time_limit=600)
-    assert values(best.recipe.checks)[checks[-1]][0] == pytest.approx(best.value, rel=1e-6, abs=1e-9)
+    apart = values(read(with_value(table, key, best.values[key])).checks)
+    assert apart[checks[-1]][0] == pytest.approx(best.objective, rel=1e-9, abs=1e-9)
 
 
 def in_studio(table, tmp_path):

@@ -405,6 +405,17 @@ def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:
     return axes
 
 
+def pins_on_axes(linkage: Linkage) -> dict[str, list[str]]:
+    """By the name of an axis, the pins of the linkage that lie on it: joints of coincident points share a screw."""
+
+    def lies_on(pin: str, places: Mapping[str, complex]) -> bool:
+        body = linkage.pins[pin][0]
+        return body in places and _equal(places[body], complex(linkage.bodies[body][pin]))
+
+    axes = _axes(linkage)
+    return {axis: [pin for pin in linkage.pins if lies_on(pin, places)] for axis, places in axes.items()}
+
+
 def _travel(path: PointPaths, direction: complex) -> tuple[complex, complex]:
     """Ends of a straight path along a direction."""
     front, back = path.extent(direction), -path.extent(-direction)

@@ -21,6 +21,7 @@ from ..checks import driver_at
 from ..dynamics.inverse import ForceAnalysis
 from ..dynamics.wrenches import Wrenches
 from ..motion import Motion
+from .plates import pins_on_axes
 from .stack import Stack, link_parts, stack_links
 from .stock import LinkStock
 
@@ -170,12 +171,23 @@ def plate_stress(loads: PlateLoads, part: Part, places: Complex, tolerance: floa
     return worst
 
 
+def _screw_forces(analysis: ForceAnalysis) -> dict[tuple[str, str], Complex]:
+    """Force of each screw on each body, N, by axis and body: the sum of all joints on that axis."""
+    forces: dict[tuple[str, str], Complex] = {}
+    for axis, pins in pins_on_axes(analysis.motion.linkage).items():
+        for pin in pins:
+            for body in analysis.motion.linkage.pins[pin]:
+                forces[axis, body] = forces.get((axis, body), 0) + analysis.pin(pin, body)
+    return forces
+
+
 def pin_shears(analysis: ForceAnalysis, stack: Stack) -> Iterator[tuple[str, Real]]:
     """The largest shear force in each pin, N at each frame: between two layers, all forces on the pin below add up.
 
     So a pin that joins two plates is in single shear, and one between two plates of a body in double shear. A shaft of
     a motor and guide pins in slots are left out.
     """
+    forces = _screw_forces(analysis)
     for pin in stack.pins:
         bodies = [stack.plates[name].body for name in pin.holes]
         if pin.motor or pin.slots or pin.name not in analysis.motion.linkage.pins:
@@ -183,20 +195,21 @@ def pin_shears(analysis: ForceAnalysis, stack: Stack) -> Iterator[tuple[str, Rea
         below, largest = np.zeros(analysis.motion.assembled.shape, dtype=complex), np.zeros(1)
         for name in sorted(pin.holes, key=stack.layers.__getitem__):
             body = stack.plates[name].body
-            below = below - analysis.pin(pin.name, body) / bodies.count(body)
+            below = below - forces[pin.name, body] / bodies.count(body)
             largest = np.maximum(largest, np.abs(below))
         yield pin.name, largest
 
 
 def pin_pressures(analysis: ForceAnalysis, stack: Stack, stock: LinkStock) -> Iterator[tuple[str, Real]]:
     """The pressure of each pin in each hole, force over diameter and thickness, N/mm2 at each frame."""
+    forces = _screw_forces(analysis)
     for pin in stack.pins:
         bodies = [stack.plates[name].body for name in pin.holes]
         if pin.name not in analysis.motion.linkage.pins:
             continue
         diameter = stock.shaft.bore if pin.motor and stock.shaft else stock.pin_diameter
         for name, body in zip(pin.holes, bodies):
-            force = np.abs(analysis.pin(pin.name, body)) / bodies.count(body)
+            force = np.abs(forces[pin.name, body]) / bodies.count(body)
             yield f"{pin.name} in the {name}", force / (diameter * stock.thickness)
 
 
