@@ -106,9 +106,10 @@ class Motion:
         """Largest displacement of any joint per unit error of a length or of the drive.
 
         It is 1/sin of the transmission angle: inf at a limit, nan if there is no such angle. Near a limit the relative
-        error of velocities and accelerations grows with its square. It does not cover one case: if the pins of two
-        bodies that slide on each other nearly meet, the error of their direction is their size over the slide's
-        displacement.
+        error of velocities and accelerations grows with its square. Rounding of sizes and drive to doubles, 1.1e-16 of
+        the largest length, displaces the joints by so many times as much, and turns a body by that over its length. It
+        does not cover one case: if the pins of two bodies that slide on each other nearly meet, the error of their
+        direction is their size over the slide's displacement.
 
         Notes
         -----
@@ -119,8 +120,12 @@ class Motion:
 
     @cached_property
     def residual(self) -> Real:
-        """Closure error of the loops, mm: the largest distance between points that a joint keeps together."""
+        """Closure error, mm: the largest distance between points that a joint keeps together, or stretch of a body."""
         largest = np.zeros(self.assembled.shape)
+        for name, points in self.linkage.bodies.items():
+            stretch = np.abs(np.abs(self.bodies[name].direction) - 1)
+            for place in points.values():
+                largest = np.maximum(largest, stretch * np.abs(place))
         for pin, bodies in self.linkage.pins.items():
             places = [self.bodies[b].point(self.linkage.bodies[b][pin]).position for b in bodies]
             for other in places[1:]:

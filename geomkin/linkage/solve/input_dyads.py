@@ -97,12 +97,14 @@ class DrivenRRR(CrankDriven):
         a, b, c, d = np.abs(self.rotating), np.abs(self.dyad.arms[0]), np.abs(self.dyad.arms[1]), np.abs(self.constant)
         d1 = gap_of(self.follow, b, c, -a, -d) * (a + b + c + d)
         d2 = gap_of(self.follow, d, -a, -b, c) * gap_of(self.follow, d, -a, b, -c)
+        g1 = gap_of(self.follow, b, c, d, -a) * gap_of(self.follow, b, c, -d, a)
+        g2 = gap_of(self.follow, d, a, -b, c) * gap_of(self.follow, d, a, b, -c)
         nearest, unequal = gap_of(self.follow, d, -a), gap_of(self.follow, b, -c)
         kite = (nearest == 0) & (unequal == 0)
         c_direction = self.constant / d
         half_turn = np.sqrt(-self.rotating * np.conj(self.constant) / (a * d) + 0j)
         return _Sizes(
-            gaps=Gaps.of(d1, d2, 2 * np.sqrt(a * d), self.follow),
+            gaps=Gaps.of(d1, d2, g1, g2, 2 * np.sqrt(a * d), self.follow),
             half_turn=half_turn,
             straight=bool(np.all(half_turn == 1)),
             a=a,
@@ -205,7 +207,8 @@ class DrivenRRP(CrankDriven):
         c, k, length = (rail * self.constant).imag, np.abs(self.rotating), np.abs(self.dyad.arm)
         rotation = rail * self.rotating / k
         d1, d2 = gap_of(self.follow, length, -c, -k), gap_of(self.follow, length, c, -k)
-        return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, rotation
+        g1, g2 = gap_of(self.follow, length, -c, k), gap_of(self.follow, length, c, k)
+        return Gaps.of(d1, d2, g1, g2, np.sqrt(2 * k), self.follow), c, rotation
 
     def _turned(self, q: Real) -> tuple[Real, Real]:
         """Cosine and sine of t; the cosine keeps its digits near zero."""
