@@ -22,8 +22,8 @@ from .timing import Timing
 
 # Threshold that separates rotation from rounding noise in a body that only translates (rotation x size / displacement).
 TRANSLATING = 1e-9
-# Share of the linkage's motion below which a rate counts as rounding, so that a quotient by it is infinite. It is far
-# above the last bits, in which processors differ, so that all give the same columns, and far below what a drawing shows.
+# Share of the linkage's motion below which a rate counts as rounding, and a quotient by it is infinite. It is far above
+# the last bits, in which processors differ, so that all give the same columns, and far below what a drawing shows.
 ROUNDING = 1e-12
 
 
@@ -352,7 +352,8 @@ def fastest(motion: Motion) -> Real:
     size = motion.linkage.size
     with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
         speeds = [np.abs(body.origin.first) + np.abs(body.first) * size for body in motion.bodies.values()]
-    return np.fmax.reduce([np.where(np.isfinite(speed), speed, 0.0) for speed in speeds])
+    largest: Real = np.fmax.reduce([np.where(np.isfinite(speed), speed, 0.0) for speed in speeds])
+    return largest
 
 
 def is_translating(motion: Motion, body: str) -> Mask:

@@ -337,6 +337,7 @@ BAD = {
     "zero": 0,
     "negative": -7.5,
     "huge": 1e300,
+    "huge array": np.full(3, 1e300),
     "endless": 10**400,
     "complex": 3 + 4j,
 }

@@ -186,7 +186,9 @@ def test_other_bodies_keep_their_advantage_where_one_runs_away():
 
 
 def test_the_error_amplification_of_flat_parallelograms_is_infinite():
-    assert np.isinf(gk.move(gk.FourBar(80, 30, 80, 30), np.radians([0, 180, 360, 540]), "follow").error_amplification).all()
+    assert np.isinf(
+        gk.move(gk.FourBar(80, 30, 80, 30), np.radians([0, 180, 360, 540]), "follow").error_amplification
+    ).all()
 
 
 def test_a_coupler_curve_is_the_path_of_its_point_exactly():

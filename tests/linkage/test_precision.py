@@ -112,7 +112,9 @@ def test_the_residual_shows_bodies_that_close_but_are_not_rigid():
     for body, length in (("coupler", 90), ("rocker", 70)):
         motion.solution._values["direction", body] = motion[body].direction + apart / length
     residual = gk.linkage.Motion(motion.linkage, motion.drive, motion.timing, motion.solution, motion.given).residual
-    stretch = max(abs(abs(motion[body].direction[0]) - 1) * length for body, length in (("coupler", 90), ("rocker", 70)))
+    stretch = max(
+        abs(abs(motion[body].direction[0]) - 1) * length for body, length in (("coupler", 90), ("rocker", 70))
+    )
     assert residual == pytest.approx([stretch]) and stretch > 0.01
 
 

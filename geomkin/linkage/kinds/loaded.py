@@ -160,7 +160,7 @@ class LoadedLinkage:
 
     @property
     def summary(self) -> Mapping[str, object]:
-        """Peak and rms driver effort, largest pin forces and the motor; without unknown ones."""
+        """Peak and rms driver effort, largest pin forces, efficiency and motor; without unknown ones."""
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
         efforts = {effort: analysis.driver, **({"shaft_torque_N_mm": self.effort} if self.copies else {})}
@@ -180,6 +180,8 @@ class LoadedLinkage:
         result["largest_pin_force_N"] = {
             pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
         }
+        if np.isfinite(analysis.efficiency) and analysis.loads.friction:
+            result["efficiency"] = to_digits(analysis.efficiency)
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
         if self.balanced:
