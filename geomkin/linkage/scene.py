@@ -17,6 +17,7 @@ from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, 
 from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre
+from .instant.components import RATES, component_vectors
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def linkage_scene(
     plots: Sequence[Plot] | None = None,
     others: Mapping[str, Scene] | None = None,
     rates: bool = True,
+    components: bool = False,
 ) -> Scene:
     """A moving linkage as a scene, at the frames of its motion.
 
@@ -61,6 +63,8 @@ def linkage_scene(
         Scenes of the same linkage in other assembly modes.
     rates : bool
         Whether velocities, accelerations, instant centres and dimensions are included.
+    components : bool
+        Whether velocities and accelerations also have their effective components, along and across each link.
 
     Returns
     -------
@@ -82,7 +86,7 @@ def linkage_scene(
     bodies = tuple(placed_bodies(motion, parts, layers or {}))
     marks = (*_lines(motion, {body.name for body in bodies if body.parts}), *_joints(motion), *traced_points(motion))
     if rates:
-        marks += (*_vectors(motion), *_centres(motion))
+        marks += (*_vectors(motion, components), *_centres(motion))
     travel = motion.drive[-1] - motion.drive[0]
     turns = motion.linkage.driven_slider is None and bool(np.isclose(travel % (2 * np.pi), 0, atol=1e-9))
     # If the speed changes the time is unknown: the motion is then shown in two seconds.
@@ -160,16 +164,18 @@ def traced_points(motion: Motion) -> Iterator[SceneMark]:
         yield SceneMark("point", place, "traced", name, trail=True)
 
 
-def _vectors(motion: Motion) -> Iterator[SceneMark]:
-    """Velocities and accelerations of moving pins and free points, each at its own scale."""
+def _vectors(motion: Motion, components: bool) -> Iterator[SceneMark]:
+    """Velocities and accelerations of moving pins and free points, each at its own scale; also their components."""
     tracks = {name: (place, velocity, acceleration) for name, place, velocity, acceleration in _free_points(motion)}
     for pin, bodies in motion.linkage.pins.items():
         if motion.linkage.ground not in bodies:
             point = motion.point(pin)
             tracks[pin] = point.position, point.velocity, point.acceleration
-    for k, (role, unit) in enumerate((("velocity", "mm/s"), ("acceleration", "mm/s2")), 1):
+    for k, (rate, unit) in enumerate(RATES.items(), 1):
         arrows = {name: (track[0], track[k]) for name, track in tracks.items()}
-        yield from vector_marks(motion, arrows, role, unit)  # type: ignore[arg-type]
+        for part in component_vectors(motion, rate) if components else ():
+            arrows[f"{part.point} {part.side} {part.link}"] = part.position, part.vector
+        yield from vector_marks(motion, arrows, rate, unit)
 
 
 def vector_marks(

@@ -175,7 +175,7 @@ NO_FORCE = 1e-200
 
 
 @checked
-def polygons_scene(motion: Motion, table: Table) -> Scene:
+def polygons_scene(motion: Motion, table: Table, components: bool = False) -> Scene:
     """A linkage with its velocity and acceleration polygons at each frame.
 
     Parameters
@@ -184,6 +184,8 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
         Motion of one linkage.
     table : Table
         Of the motion's frames.
+    components : bool
+        As for `linkage_scene`.
 
     Returns
     -------
@@ -195,7 +197,7 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
     -----
     Derived here.
     """
-    scene = linkage_scene(motion, table)
+    scene = linkage_scene(motion, table, components=components)
     low, high = scene.box
     size = max(abs(high - low), float(np.max(motion.linkage.size)))
     drawn = []

@@ -27,6 +27,7 @@ from ...recipe.recipe import part_masses
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
+from ..instant.components import component_columns, component_plots, components_check, number_of_components
 from ..linkage import AbstractLinkage
 from ..measures import least_transmission_angle, steady_bodies
 from ..motion import Motion, motion_table
@@ -65,6 +66,7 @@ from .moved import (
     branch_entry,
     branches_entry,
     coefficients_entry,
+    components_entry,
 )
 from .stance import UNKNOWN_STANCE, Stance, check_foot, stance_of
 from .tolerances import NUMBER_OF_COLUMNS, OutputDeviation, TolerancesTable, tolerances_entry
@@ -76,6 +78,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     stock: LinkStock
     # Defaults for kinds without these keys.
     coefficients: bool = False
+    effective_components: bool = False
     both_modes: bool = False
     dwell: DwellBand | None = None
     copies: tuple[Copy, ...] = ()
@@ -93,6 +96,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         joints = len(linkage.pins)
         columns_each = np.array([4, 5, 6]) + self.coefficients * np.array([2, 2, 4])
         columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + joints
+        columns += number_of_components(linkage) if self.effective_components else 0
         columns = columns * (2 if self.both_modes else 1) + (number_of_columns(linkage) if self.loads else 0)
         columns += NUMBER_OF_COLUMNS if self.tolerances else 0
         self.input_range.check_rows(columns)
@@ -235,7 +239,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
 
     @cached_property
     def table(self) -> Table:
-        table = motion_table(self.motion, self.coefficients)
+        table = self._motion_table(self.motion)
         if self.loaded:
             table = Table((*table.columns, *self.loaded.columns))
         if self.output_deviation:
@@ -243,10 +247,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if not (self.both_modes and self.other):
             return table
         # Both modes have the same columns of driver and time.
-        others = motion_table(self.other[1], self.coefficients).columns[2:]
+        others = self._motion_table(self.other[1]).columns[2:]
         words = "in the other mode, "
         renamed = (dataclasses.replace(c, id=f"other_{c.id}", meaning=words + c.meaning) for c in others)
         return Table((*table.columns, *renamed))
+
+    def _motion_table(self, motion: Motion) -> Table:
+        columns = motion_table(motion, self.coefficients).columns
+        return Table((*columns, *component_columns(motion))) if self.effective_components else Table(columns)
 
     @cached_property
     def scene(self) -> Scene:
@@ -254,6 +262,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         least = LEAST_TRANSMISSION_ANGLE_DEG
         limit = Limit("transmission_angle", least, f"at least {least:g} deg")
         plots = motion_plots(self.motion, self.table, [limit])
+        if self.effective_components:
+            plots = (*plots, *component_plots(self.motion))
         if self.loaded:
             plots = (*self.loaded.plots, *plots)
         if self.output_deviation:
@@ -262,7 +272,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         effects = size_columns(self.motion)
         table, plots = Table((*self.table.columns, *effects)), (*plots, *size_plot(effects))
         layers = {MOTOR_PLATE: -1, **self.stack.layers}
-        scene = linkage_scene(self.motion, table, self.own_parts, layers, plots, self._others())
+        components = self.effective_components
+        scene = linkage_scene(self.motion, table, self.own_parts, layers, plots, self._others(), True, components)
         if self.loaded:
             marks = (*scene.marks, *self.loaded.marks)
             scene = dataclasses.replace(scene, marks=marks, hodographs=self.loaded.hodographs)
@@ -323,6 +334,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
             *(self.stance.checks if self.stance else ()),
             *(self.output_deviation.checks if self.output_deviation else ()),
             *self.input_range.checks,
+            *((components_check(self.motion),) if self.effective_components else ()),
             *self._load_checks(),
         )
 
@@ -430,6 +442,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     coefficients: bool = coefficients_entry()
+    effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
@@ -450,6 +463,7 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     coefficients: bool = coefficients_entry()
+    effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())

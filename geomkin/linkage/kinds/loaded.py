@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...core.fields import to_digits
+from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...making.motors import motor_check, motor_summary, smallest_motor
 from ...model.check import Check
@@ -180,8 +180,9 @@ class LoadedLinkage:
         result["largest_pin_force_N"] = {
             pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
         }
-        if np.isfinite(analysis.efficiency) and analysis.loads.friction:
-            result["efficiency"] = to_digits(analysis.efficiency)
+        efficiency = to_digits_or_none(float(analysis.efficiency)) if analysis.loads.friction else None
+        if efficiency is not None:
+            result["efficiency"] = efficiency
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
         if self.balanced:
