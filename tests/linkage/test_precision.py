@@ -89,6 +89,29 @@ def test_short_coupler_and_rocker_keep_their_digits_at_any_ratio(ratio):
             assert np.abs(np.array(values) - exact).max() < 1e-14 * max(1.0, *np.abs(exact))
 
 
+@pytest.mark.parametrize("ratio", [1e3, 1e6])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_short_rod_keeps_its_digits_on_a_long_crank_with_a_large_offset(ratio, side):
+    rng = np.random.default_rng(2)
+    for _ in range(10):
+        crank, coupler = ratio * rng.uniform(1.0, 2.0), rng.uniform(1.0, 2.0)
+        offset, angle = (
+            side * (crank + rng.uniform(-0.5, 0.4)),
+            side * np.pi / 2 + rng.uniform(-0.3, 0.3) / np.sqrt(ratio),
+        )
+        motion = gk.move(gk.SliderCrank(crank, coupler, offset), [angle])
+        (direction, _), (first, slide), (second, slide_second) = slider_crank(crank, coupler, offset, angle, 1)
+        assert abs(motion.coupler.direction[0] - direction) < 2e-15
+        slider = motion.slider.origin
+        for found, exact in (
+            (motion.coupler.first[0], first),
+            (slider.first[0].real, slide),
+            (motion.coupler.second[0], second),
+            (slider.second[0].real, slide_second),
+        ):
+            assert found == pytest.approx(exact, rel=2e-14, abs=1e-14 * ratio)
+
+
 def test_many_linkages_choose_their_form_one_by_one():
     ground, crank, coupler, rocker, angle = long_crank_and_ground(1e6, 1)
     sizes = [np.append(size, usual) for size, usual in zip((ground, crank, coupler, rocker), (100, 30, 90, 70))]

@@ -241,8 +241,11 @@ class DrivenRRP(CrankDriven):
     def place(self, p0: Poses, branch: Whole | int) -> None:
         gaps, c, _ = self._sizes
         roots = p0.cache[self] = self.roots(p0, branch)
-        bar = paired(roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1])
-        p0.direction[self.dyad.body] = bar * (self.dyad.rail.direction / self.dyad.arm)
+        n = c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1]
+        if gaps.far_1 is not False or gaps.far_2 is not False:
+            # The squares of the roots are l - n and l + n, whose terms are then smaller than c and k.
+            n = np.where(gaps.far_1 | gaps.far_2, 0.5 * (roots.square_2 - roots.square_1), n)
+        p0.direction[self.dyad.body] = paired(roots.r, n) * (self.dyad.rail.direction / self.dyad.arm)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.theta_prime[self.dyad.body] = p0.cache[self].tau
