@@ -55,6 +55,20 @@ def test_the_textbook_method_gives_the_velocity_of_the_rocker_and_of_the_slider(
         assert components.difference == pytest.approx(np.zeros(50), abs=1e-12 * np.abs(along).max())
 
 
+def test_components_do_not_depend_on_the_direction_of_the_ground_and_are_those_of_each_of_many_linkages():
+    drive = np.linspace(0.1, 6.2, 20)
+    plain = gk.linkage.effective_components(at(gk.FourBar(100, 30, 90, 70), drive))
+    turned = gk.linkage.effective_components(at(gk.FourBar(100, 30, 90, 70, ground_angle_deg=40), drive))
+    many = gk.linkage.effective_components(at(gk.FourBar(100, np.array([20.0, 30.0]), 90, 70), drive))
+    for link, line in plain.items():
+        for pin in line.velocity:
+            for rate in ("velocity", "acceleration"):
+                values = getattr(line, rate)[pin]
+                close = {"rel": 1e-9, "abs": 1e-9 * max(1.0, np.abs(values).max())}
+                assert getattr(turned[link], rate)[pin] == pytest.approx(values, **close)
+                assert getattr(many[link], rate)[pin][:, 1] == pytest.approx(values, **close)
+
+
 def test_accelerations_differ_by_the_normal_and_the_tangential_part():
     motion = at(gk.FourBar(100, 30, 90, 70), np.linspace(0, 6, 30))
     coupler, (one, two) = motion["coupler"], ("crank_pin", "rocker_pin")
