@@ -251,7 +251,8 @@ def _bounded(array: NDArray[Any] | None, gaps: bool = False) -> bool:
         row = array.reshape(-1)
         return all(_bounded(row[start : start + CHUNK]) for start in range(0, row.size, CHUNK))
     # The sum of squares takes one pass and is not below the limit if there is a nan or infinity.
-    squares = array.dot(array) if array.ndim == 1 and array.dtype.kind == "f" else np.vdot(array, array).real
+    with np.errstate(over="ignore"):
+        squares = array.dot(array) if array.ndim == 1 and array.dtype.kind == "f" else np.vdot(array, array).real
     return bool(squares < LARGEST**2)
 
 
@@ -272,12 +273,15 @@ def are_points(value: Any) -> bool:
     return _bounded(array)
 
 
-def is_place(value: Any) -> bool:
-    """Whether a value is a finite complex number or an array of them; a list is not, since it cannot be multiplied."""
+def is_place(value: Any, gaps: bool = False) -> bool:
+    """Whether a value is a finite complex number or an array of them; a list is not, since it cannot be multiplied.
+
+    With `gaps` numbers of an array may also be nan.
+    """
     if isinstance(value, (float, complex)) or type(value) is int:
         # The usual case; NumPy's functions take ten times as long for one number.
         return bool(-LARGEST < value.real < LARGEST and -LARGEST < value.imag < LARGEST)
-    return not isinstance(value, (list, tuple)) and are_points(value)
+    return not isinstance(value, (list, tuple)) and (_bounded(numbers(value), True) if gaps else are_points(value))
 
 
 REAL, COMPLEX = (int, float, np.integer, np.floating), (complex, np.complexfloating)

@@ -44,6 +44,8 @@ from .instant.centres import instant_centre as instant_centre
 from .instant.centres import instant_centres as instant_centres
 from .instant.centrodes import CentrodeCurve as CentrodeCurve
 from .instant.centrodes import Centrodes as Centrodes
+from .instant.components import EffectiveComponents as EffectiveComponents
+from .instant.components import effective_components as effective_components
 from .instant.curvature import DirectContact as DirectContact
 from .instant.curvature import PathCurvature as PathCurvature
 from .instant.curvature import crank_path as crank_path

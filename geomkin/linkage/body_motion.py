@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import field
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
+from ..core.arguments import ArgumentType, checked, is_place
 from ..core.records import record
 from ..core.reprs import short
 from ..plane.vec import Complex, Real
 from .solve.program import first_of, second_of
 from .solve.solution import LinkageSolution
 from .timing import Timing
+
+PointOrPoints = Annotated[
+    complex | Complex, ArgumentType(lambda value: is_place(value, True), "a point x + yj, or an array of them")
+]
 
 
 @record(eq=False)
@@ -132,7 +138,8 @@ class Body:
         """Motion of the origin of the body's frame."""
         return self.point(0j)
 
-    def point(self, local: complex | Complex) -> PointMotion:
+    @checked
+    def point(self, local: PointOrPoints) -> PointMotion:
         """Motion of any point of the body.
 
         Parameters
@@ -143,6 +150,11 @@ class Body:
         Returns
         -------
         PointMotion
+
+        Raises
+        ------
+        DesignError
+            If `local` is no point.
         """
         return PointMotion(self, local)
 

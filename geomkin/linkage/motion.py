@@ -22,8 +22,8 @@ from .timing import Timing
 
 # Threshold that separates rotation from rounding noise in a body that only translates (rotation x size / displacement).
 TRANSLATING = 1e-9
-# Share of the linkage's motion below which a rotation counts as rounding. It is far above the last bits, in which
-# processors differ, so that all give the same columns, and far below what a drawing shows.
+# Share of the linkage's motion below which a rate counts as rounding, and a quotient by it is infinite. It is far above
+# the last bits, in which processors differ, so that all give the same columns, and far below what a drawing shows.
 ROUNDING = 1e-12
 
 
@@ -106,21 +106,27 @@ class Motion:
         """Largest displacement of any joint per unit error of a length or of the drive.
 
         It is 1/sin of the transmission angle: inf at a limit, nan if there is no such angle. Near a limit the relative
-        error of velocities and accelerations grows with its square. It does not cover one case: if the pins of two
-        bodies that slide on each other nearly meet, the error of their direction is their size over the slide's
-        displacement.
+        error of velocities and accelerations grows with its square. Rounding of sizes and drive to doubles, 1.1e-16 of
+        the largest length, displaces the joints by so many times as much, and turns a body by that over its length. It
+        does not cover one case: if the pins of two bodies that slide on each other nearly meet, the error of their
+        direction is their size over the slide's displacement.
 
         Notes
         -----
         Derived here.
         """
+        sine = np.sin(self.transmission_angle)
         with np.errstate(divide="ignore"):
-            return 1 / np.sin(self.transmission_angle)
+            return 1 / np.where(is_rounding(sine, 1.0), 0.0, sine)
 
     @cached_property
     def residual(self) -> Real:
-        """Closure error of the loops, mm: the largest distance between points that a joint keeps together."""
+        """Closure error, mm: the largest distance between points that a joint keeps together, or stretch of a body."""
         largest = np.zeros(self.assembled.shape)
+        for name, points in self.linkage.bodies.items():
+            stretch = np.abs(np.abs(self.bodies[name].direction) - 1)
+            for place in points.values():
+                largest = np.maximum(largest, stretch * np.abs(place))
         for pin, bodies in self.linkage.pins.items():
             places = [self.bodies[b].point(self.linkage.bodies[b][pin]).position for b in bodies]
             for other in places[1:]:
@@ -302,7 +308,8 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
         For a body that turns: its torque per unit of the driver's torque or force. For a body that slides on the
         ground: its force along the line, per N mm if the driver turns. Negative if it acts against the driver's sense.
         For any other body that translates, such as a platform on two cranks: the force along the path of its points,
-        positive. inf where the output is momentarily at rest (a dead centre of the output), 0 where the driver is.
+        positive. inf where the output is momentarily at rest, within rounding (a dead centre of the output), 0 where
+        the driver is.
 
     Raises
     ------
@@ -327,18 +334,35 @@ def mechanical_advantage(motion: Motion, output: str) -> Real:
         along = dot(line, body.origin.first)
     else:
         along = np.abs(body.origin.first)
-    coefficient = np.where(is_translating(motion, output), along, body.first)
+    translating = is_translating(motion, output)
+    coefficient = np.where(translating, along, body.first)
+    at_rest = is_rounding(np.where(translating, along, body.first * motion.linkage.size), fastest(motion))
     with np.errstate(divide="ignore"):
-        advantage: Real = 1 / coefficient
+        advantage: Real = 1 / np.where(at_rest, 0.0, coefficient)
     return advantage
+
+
+def is_rounding(rate: Real | Complex, scale: Real | float) -> Mask:
+    """Whether a rate is only rounding compared with a scale of its unit, so that its exact value may be 0."""
+    return np.isfinite(scale) & (np.abs(rate) <= ROUNDING * scale)
+
+
+def fastest(motion: Motion) -> Real:
+    """Largest finite first coefficient of any point of the linkage at each frame, mm per unit of drive."""
+    size = motion.linkage.size
+    with np.errstate(invalid="ignore"):  # rates are infinite at a dead centre of the driver
+        speeds = [np.abs(body.origin.first) + np.abs(body.first) * size for body in motion.bodies.values()]
+    largest: Real = np.fmax.reduce([np.where(np.isfinite(speed), speed, 0.0) for speed in speeds])
+    return largest
 
 
 def is_translating(motion: Motion, body: str) -> Mask:
     """Whether a body only translates over all frames, apart from rounding; bool, shape () or (linkages,)."""
     moving = motion.bodies[body]
+    # Second coefficients too, so that a body does not count as translating because all frames are its dead centres.
     rotation, displacement = (
-        np.abs(np.nan_to_num(rate, nan=0.0, posinf=0.0, neginf=0.0)).max(axis=0, initial=0.0)
-        for rate in (moving.first, moving.origin.first)
+        np.max([np.abs(np.where(np.isfinite(rate), rate, 0.0)).max(axis=0, initial=0.0) for rate in rates], axis=0)
+        for rates in ((moving.first, moving.second), (moving.origin.first, moving.origin.second))
     )
     size = np.where(motion.linkage.size > 0, motion.linkage.size, 1.0)
     translating: Mask = rotation * size <= TRANSLATING * displacement

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, 
 from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre
+from .instant.components import RATES, component_vectors
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -159,16 +161,37 @@ def traced_points(motion: Motion) -> Iterator[SceneMark]:
         yield SceneMark("point", place, "traced", name, trail=True)
 
 
-def _vectors(motion: Motion) -> Iterator[SceneMark]:
-    """Velocities and accelerations of moving pins and free points, each at its own scale."""
+def with_components(scene: Scene, motion: Motion) -> Scene:
+    """The scene of a motion whose velocities and accelerations also have their components along and across each link.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of `linkage_scene`.
+    motion : Motion
+        Its motion.
+
+    Returns
+    -------
+    Scene
+    """
+    # Arrows of a role have one scale, so those of the whole vectors are drawn again.
+    others = (mark for mark in scene.marks if mark.role not in RATES)
+    return replace(scene, marks=(*others, *_vectors(motion, has_components=True)))
+
+
+def _vectors(motion: Motion, has_components: bool = False) -> Iterator[SceneMark]:
+    """Velocities and accelerations of moving pins and free points, each at its own scale; also their components."""
     tracks = {name: (place, velocity, acceleration) for name, place, velocity, acceleration in _free_points(motion)}
     for pin, bodies in motion.linkage.pins.items():
         if motion.linkage.ground not in bodies:
             point = motion.point(pin)
             tracks[pin] = point.position, point.velocity, point.acceleration
-    for k, (role, unit) in enumerate((("velocity", "mm/s"), ("acceleration", "mm/s2")), 1):
+    for k, (rate, unit) in enumerate(RATES.items(), 1):
         arrows = {name: (track[0], track[k]) for name, track in tracks.items()}
-        yield from vector_marks(motion, arrows, role, unit)  # type: ignore[arg-type]
+        for part in component_vectors(motion, rate) if has_components else ():
+            arrows[f"{part.point} {part.side} {part.link}"] = part.position, part.vector
+        yield from vector_marks(motion, arrows, rate, unit)
 
 
 def vector_marks(

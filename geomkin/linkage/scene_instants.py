@@ -18,7 +18,7 @@ from .instant.curvature import path_curvature
 from .instant.inflection import bobillier, inflection_circle
 from .instant.polygons import polygon_parts, round_scale
 from .motion import Motion
-from .scene import FARTHEST_CENTRE, LONGEST_ARROW, linkage_scene, place_plot
+from .scene import FARTHEST_CENTRE, LONGEST_ARROW, linkage_scene, place_plot, with_components
 
 # Size of an inflection circle, relative to the largest distance of a drawn centre, beyond which it is omitted.
 LARGEST_CIRCLE = 100.0
@@ -175,7 +175,7 @@ NO_FORCE = 1e-200
 
 
 @checked
-def polygons_scene(motion: Motion, table: Table) -> Scene:
+def polygons_scene(motion: Motion, table: Table, components: bool = False) -> Scene:
     """A linkage with its velocity and acceleration polygons at each frame.
 
     Parameters
@@ -184,6 +184,8 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
         Motion of one linkage.
     table : Table
         Of the motion's frames.
+    components : bool
+        Whether velocities and accelerations also have their components along and across each link.
 
     Returns
     -------
@@ -196,6 +198,8 @@ def polygons_scene(motion: Motion, table: Table) -> Scene:
     Derived here.
     """
     scene = linkage_scene(motion, table)
+    if components:
+        scene = with_components(scene, motion)
     low, high = scene.box
     size = max(abs(high - low), float(np.max(motion.linkage.size)))
     drawn = []

@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..core.arguments import ArgumentType, PositiveFloat, between, checked, is_real, whole_between
+from ..core.arguments import ArgumentType, ComplexOrNan, PositiveFloat, between, checked, is_real, whole_between
 from ..core.errors import DesignError, shown
 from ..core.fields import FARTHEST
 from ..core.records import record
@@ -188,13 +187,13 @@ class ToleranceAnalysis:
         return _largest(np.sqrt(sum((term**2 for term in self._all_terms.values()), self._zeros)))
 
     @checked
-    def worst_case_along(self, direction: complex | ArrayLike) -> Real:
+    def worst_case_along(self, direction: ComplexOrNan) -> Real:
         """Worst-case deviation of a point in one direction, such as across its path.
 
         Parameters
         ----------
         direction : complex or array_like, shape (frames,)
-            The direction; its length has no influence.
+            The direction; its length has no influence. nan where there is none, as where the linkage is open.
 
         Returns
         -------

@@ -332,7 +332,7 @@ def kind_package(kind: str) -> dict[str, bytes]:
             "KIND", f"found {shown(kind)}", remedy, "conflict" if kind in kind_names() else "out-of-range"
         )
     module = f"geomkin_{kind.replace('-', '_')}"
-    source = files("geomkin.recipe").joinpath("example_kind.py").read_text("utf-8")
+    source = files(__package__).joinpath("example_kind.py").read_text("utf-8")
     words = {"kind": kind, "module": module, "group": ENTRY_POINTS}
     recipe = f'kind = "{kind}"\n\n[eccentric]\nradius = 30\neccentricity = 10\n'
     contents = {

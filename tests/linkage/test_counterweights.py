@@ -203,6 +203,9 @@ REFUSALS = [
     ({"motion": gk.move(gk.FourBar(100, 50, np.array([150.0, 151.0]), 111), TURN, speed=1.0)}, "motion", "wrong-type"),
     ({"objective": "driver", "loads": gk.Loads(masses=BARS, friction=[gk.PinFriction("crank_pin", 0.1, 2)])},
      "loads.friction", "conflict"),
+    ({"max_radius": 1e-320}, "max_radius", "out-of-range"),
+    ({"max_radius": 1e59}, "max_radius", "out-of-range"),
+    ({"max_mass": 1e-320}, "max_mass", "out-of-range"),
 ]  # fmt: skip
 
 
@@ -210,5 +213,5 @@ REFUSALS = [
 def test_what_cannot_be_balanced_is_refused(changed, field, id):
     good = {"motion": gk.move(FOUR_BAR, TURN, speed=5.0), "loads": gk.Loads(masses=BARS), "bodies": ["crank"]}
     with pytest.raises(gk.DesignError) as refused:
-        gk.balance(**good | changed, max_mass=1.0, max_radius=10.0)
+        gk.balance(**good | {"max_mass": 1.0, "max_radius": 10.0} | changed)
     assert (refused.value.field, refused.value.id) == (field, id)

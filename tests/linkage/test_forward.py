@@ -91,6 +91,14 @@ def test_the_motion_ends_where_the_given_range_ends():
         ({"loads": gk.Loads(masses=PENDULUM.masses, friction=[gk.PinFriction("O", 0.1, 2)])}, "loads.friction"),
         ({"torque": gk.making.motor("nema17")}, "torque"),
         ({"steps": 10**7}, "steps"),
+        ({"speed": 10**30}, "speed"),
+        (
+            {
+                "motion": gk.move(gk.FourBar(20, 30, 100, 70), TURN),
+                "loads": gk.Loads(masses={"crank": gk.Mass(1.0, 9)}),
+            },
+            "start",
+        ),
         # Steps of 0.1 s, but viscous friction stops the pendulum within a millisecond.
         (
             {

@@ -160,6 +160,37 @@ def test_a_platform_on_two_cranks_gives_a_force_along_its_path(size, coupler, ro
     assert advantage * way == pytest.approx(np.ones(way.shape), rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("linkage", "output", "dead_centres"),
+    [
+        (gk.SliderCrank(150, 600), "slider", np.radians([0, 180, -180, -360, 360, 720])),
+        (gk.SliderCrank(150, 600), "coupler", np.radians([90, 270, -90])),
+        (gk.ScotchYoke(30, 90), "yoke", np.radians([0, 180, 360])),
+        # Crank and coupler in line, by the law of cosines.
+        (gk.FourBar(4, 1, 4, 3), "rocker", [np.arccos(32 / 40), np.pi + np.arccos(16 / 24)]),
+        (gk.InvertedSliderCrank(80, 30, 0), "rocker", [np.arccos(30 / 80), -np.arccos(30 / 80)]),
+    ],
+)
+def test_the_advantage_is_infinite_at_every_dead_centre_and_finite_next_to_it(linkage, output, dead_centres):
+    advantage = gk.linkage.mechanical_advantage(gk.move(linkage, dead_centres), output)
+    assert np.all(advantage == np.inf)
+    near = [gk.linkage.mechanical_advantage(gk.move(linkage, np.add(dead_centres, d)), output) for d in (-1e-9, 1e-9)]
+    assert np.isfinite(near).all() and np.all(np.sign(near[0]) != np.sign(near[1]))
+
+
+def test_other_bodies_keep_their_advantage_where_one_runs_away():
+    """A sled at the dead centre of its driver: the rates of the crank are infinite, those of the rail are not."""
+    motion = gk.move(gk.SliderCrank(30, 90, driver="slider"), [120.0, 100.0])
+    assert gk.linkage.mechanical_advantage(motion, "crank")[0] == 0
+    assert gk.linkage.mechanical_advantage(motion, "slider")[0] == 1
+
+
+def test_the_error_amplification_of_flat_parallelograms_is_infinite():
+    assert np.isinf(
+        gk.move(gk.FourBar(80, 30, 80, 30), np.radians([0, 180, 360, 540]), "follow").error_amplification
+    ).all()
+
+
 def test_a_coupler_curve_is_the_path_of_its_point_exactly():
     curve = gk.CouplerCurve(FOUR_BAR, "coupler_point")
     t = np.linspace(0, 2 * np.pi, 50)

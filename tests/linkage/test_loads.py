@@ -133,6 +133,33 @@ def test_efficiency_is_the_useful_share_of_the_work():
     assert result.work == pytest.approx(1000 * np.trapezoid(result.power, motion.drive / 20), rel=1e-12)
 
 
+@pytest.mark.parametrize("speed", [20.0, -20.0])
+@pytest.mark.parametrize("pin", [0.0, 0.1])
+def test_efficiency_of_an_engine_is_the_work_of_its_shaft_over_that_of_its_gas(pin, speed):
+    motion = gk.move(gk.SliderCrank(40, 140), np.linspace(0, np.sign(speed) * 2 * np.pi, 721), speed=speed)
+    slide, inwards = motion.slide("slide"), np.arange(721) <= 360
+    friction = [gk.SlideFriction("slide", coefficient=0.1), gk.PinFriction("crank_pin", coefficient=pin, radius=5)]
+    result = gk.forces(
+        motion, gk.Loads(forces=[gk.Force("slider", force=np.where(inwards, -250.0, 0.0))], friction=friction)
+    )
+    # The gas acts over the whole stroke of 80 mm; the shaft receives what friction leaves.
+    gas, lost = 250 * 80, np.trapezoid(result.friction_power, motion.drive / speed) * 1000
+    assert result.efficiency == pytest.approx((gas - lost) / gas, rel=1e-4)
+    assert 0.9 < result.efficiency < 0.98 and np.ptp(slide.displacement) == pytest.approx(80)
+
+
+def test_efficiency_is_unknown_if_nothing_is_taken_out():
+    motion = gk.move(SLIDER_CRANK, TURN, speed=20.0)
+    weights = {"coupler": gk.Mass(0.5, 30 + 8j, 900.0)}
+    assert np.isnan(gk.forces(motion, gk.Loads(-9810j, weights, friction=PIN_FRICTION)).efficiency)
+    assert np.isnan(gk.forces(motion, gk.Loads(-9810j, weights)).efficiency)
+    # A load that friction holds back: the driver has to help it.
+    stuck = [gk.PinFriction("crank_pivot", 5.0, 100.0)]
+    load = gk.Loads(forces=[gk.Force("slider", 0j, 60.0 * np.sign(motion.slide("slide").velocity))], friction=stuck)
+    result = gk.forces(motion, load)
+    assert result.work > 0 and np.isnan(result.efficiency)
+
+
 def test_friction_locks_near_a_dead_centre():
     """A rocker that drives the crank of a four-bar: friction grows without limit, and 1.2 deg before it locks."""
     linkage = gk.FourBar(100, 50, 151, 111, driver="rocker")

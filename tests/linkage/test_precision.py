@@ -67,6 +67,80 @@ def test_slider_crank_keeps_eight_units_at_every_toggle_gap_and_size(branch, awa
     assert np.all(worst < ULPS)
 
 
+def long_crank_and_ground(ratio, count=10):
+    """Arrays (ground, crank, coupler, rocker, angle) that close, crank and ground longer than the others by a ratio."""
+    rng = np.random.default_rng(1)
+    coupler, rocker = rng.uniform(1.0, 2.0, (2, 100))
+    crank = ratio * rng.uniform(1.0, 2.0, 100)
+    ground = crank + rng.uniform(-1.0, 1.0, 100)
+    angle = rng.uniform(-0.6, 0.6, 100) / ratio
+    apart = np.abs(ground - crank * np.exp(1j * angle))
+    closes = (apart > np.abs(coupler - rocker) + 0.1) & (apart < coupler + rocker - 0.1)
+    return tuple(sizes[closes][:count] for sizes in (ground, crank, coupler, rocker, angle))
+
+
+@pytest.mark.parametrize("ratio", [1e3, 1e4, 1e5, 1e6])
+def test_short_coupler_and_rocker_keep_their_digits_at_any_ratio(ratio):
+    for ground, crank, coupler, rocker, angle in zip(*long_crank_and_ground(ratio)):
+        motion = gk.move(gk.FourBar(ground, crank, coupler, rocker), [angle])
+        for body, *exact in zip((motion.coupler, motion.rocker), *four_bar(ground, crank, coupler, rocker, angle, 1)):
+            values = body.direction[0], body.first[0], body.second[0]
+            # 1e-14 allows for the angle between coupler and rocker, which is not controlled.
+            assert np.abs(np.array(values) - exact).max() < 1e-14 * max(1.0, *np.abs(exact))
+
+
+@pytest.mark.parametrize("ratio", [1e3, 1e6])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_short_rod_keeps_its_digits_on_a_long_crank_with_a_large_offset(ratio, side):
+    rng = np.random.default_rng(2)
+    for _ in range(10):
+        crank, coupler = ratio * rng.uniform(1.0, 2.0), rng.uniform(1.0, 2.0)
+        offset, angle = (
+            side * (crank + rng.uniform(-0.5, 0.4)),
+            side * np.pi / 2 + rng.uniform(-0.3, 0.3) / np.sqrt(ratio),
+        )
+        motion = gk.move(gk.SliderCrank(crank, coupler, offset), [angle])
+        (direction, _), (first, slide), (second, slide_second) = slider_crank(crank, coupler, offset, angle, 1)
+        assert abs(motion.coupler.direction[0] - direction) < 2e-15
+        slider = motion.slider.origin
+        for found, exact in (
+            (motion.coupler.first[0], first),
+            (slider.first[0].real, slide),
+            (motion.coupler.second[0], second),
+            (slider.second[0].real, slide_second),
+        ):
+            assert found == pytest.approx(exact, rel=2e-14, abs=1e-14 * ratio)
+
+
+def test_many_linkages_choose_their_form_one_by_one():
+    ground, crank, coupler, rocker, angle = long_crank_and_ground(1e6, 1)
+    sizes = [np.append(size, usual) for size, usual in zip((ground, crank, coupler, rocker), (100, 30, 90, 70))]
+    both = gk.move(gk.FourBar(*sizes), angle)
+    for k in range(2):
+        alone = gk.move(gk.FourBar(*(float(size[k]) for size in sizes)), angle)
+        assert both.rocker.direction[:, k] == pytest.approx(alone.rocker.direction, rel=1e-15)
+
+
+def test_limits_of_a_driver_that_hardly_turns_are_exact():
+    """At the limit coupler and rocker are in line: 4 a d sin^2(t / 2) = (b + c)^2 - (d - a)^2."""
+    ground, crank, coupler, rocker = 1e6, 1e6 + 0.75, 1.25, 1.75
+    exact = 2 * np.arcsin(np.sqrt((3.0**2 - 0.75**2) / (4 * crank * ground)))
+    limits = gk.driver_limits(gk.FourBar(ground, crank, coupler, rocker), span=(-1.0, 1.0))
+    assert limits == (pytest.approx((-exact, exact), rel=1e-14),)
+
+
+def test_the_residual_shows_bodies_that_close_but_are_not_rigid():
+    motion = gk.move(gk.FourBar(100, 30, 90, 70), [1.0])
+    apart = 0.1 * motion.point("rocker_pin").position / np.abs(motion.point("rocker_pin").position)
+    for body, length in (("coupler", 90), ("rocker", 70)):
+        motion.solution._values["direction", body] = motion[body].direction + apart / length
+    residual = gk.linkage.Motion(motion.linkage, motion.drive, motion.timing, motion.solution, motion.given).residual
+    stretch = max(
+        abs(abs(motion[body].direction[0]) - 1) * length for body, length in (("coupler", 90), ("rocker", 70))
+    )
+    assert residual == pytest.approx([stretch]) and stretch > 0.01
+
+
 @pytest.mark.parametrize("scale", [1e-7, 1e7])
 @pytest.mark.parametrize("away", [1e-15, 1e-3])
 def test_equal_crank_and_rod_in_line_keep_their_digits_to_the_singular_point(scale, away):

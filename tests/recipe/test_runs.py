@@ -71,6 +71,14 @@ def test_a_torque_that_does_not_lift_the_weight_stalls():
     assert not check.passed and reached[0] and not reached[-1] and not np.any(np.diff(reached.astype(int)) > 0)
 
 
+@pytest.mark.parametrize("linkage", [{"ground": 20, "coupler": 60}, {"ground": 100, "coupler": 100}])
+def test_a_run_needs_a_start_at_which_the_linkage_closes_and_can_move(linkage):
+    recipe = run({"torque_n_mm": 15}, linkage=FOUR_BAR | {"rocker": 30} | linkage)
+    with pytest.raises(gk.DesignError) as refused:
+        recipe.table
+    assert refused.value.field == "drive.start_deg"
+
+
 def test_what_a_run_cannot_have_is_named_by_its_key():
     stepper = {"motor": "nema17"}
     dry = {"pin_friction": [{"pin": "crank_pin", "coefficient": 0.1, "radius": 2}]}

@@ -14,7 +14,8 @@ KNOWN = {"of": "coupler_point", "tolerance": 0.1, "clearance": 0.05}
 
 
 def four_bar(tolerances, **more):
-    return gk.load({"kind": "four-bar", "linkage": BARS, "drive": {"step_deg": 5}, "tolerances": tolerances, **more})
+    recipe = {"kind": "four-bar", "linkage": BARS, "drive": {"step_deg": 5}, "tolerances": tolerances}
+    return gk.load({**recipe, **more})
 
 
 def test_columns_are_those_of_the_library_in_the_units_of_the_table():
@@ -29,6 +30,12 @@ def test_columns_are_those_of_the_library_in_the_units_of_the_table():
     assert table["rocker_angle_upper_deg"] - table["rocker_angle"] == pytest.approx(deviation, rel=1e-9)
     assert table["rocker_angle"] - table["rocker_angle_lower_deg"] == pytest.approx(deviation, rel=1e-9)
     assert "rocker_omega_worst_case_rad_per_s" in four_bar(KNOWN | {"of": "rocker_omega"}).table.to_columns()
+
+
+def test_a_linkage_that_is_open_at_some_positions_has_deviations_at_the_others():
+    recipe = four_bar(KNOWN, linkage=BARS | {"crank": 60, "rocker": 55})
+    known = np.isfinite(recipe.table["coupler_point_across_path_mm"])
+    assert 0 < known.sum() < known.size and np.array_equal(known, recipe.motion.assembled)
 
 
 def test_single_lengths_and_the_clearance_of_the_stock():

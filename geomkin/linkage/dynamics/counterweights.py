@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from ...core.arguments import PositiveFloat, checked
+from ...core.arguments import between, checked
 from ...core.errors import DesignError, shown
+from ...core.fields import FARTHEST, SMALLEST, Size
 from ...core.records import record
 from ...model.mass import Mass
 from ...plane.vec import Complex, Mask, Real
@@ -66,8 +67,8 @@ def balance(
     bodies: Sequence[str],
     objective: BalanceObjective = "shaking_force",
     *,
-    max_mass: PositiveFloat,
-    max_radius: PositiveFloat,
+    max_mass: Annotated[float, between(SMALLEST, FARTHEST, "kg")],
+    max_radius: Size,
     about: AboutPoint = None,
 ) -> Balance:
     """The counterweights that minimise shaking force, shaking moment or the variation of the driver's effort.
@@ -154,6 +155,8 @@ def balance(
         # The search keeps the bounds to its tolerance only.
         radius = min(max(inertia / product, product / max_mass), max_radius) if product else 0.0
         mass = min(product / radius, max_mass) if radius else 0.0
+        # Nothing weighs less; such a counterweight has no effect.
+        mass = mass if mass >= SMALLEST else 0.0
         direction = moment / product if mass else 0j
         counterweights[body] = Mass(float(mass), complex(pivots[body] + radius * direction))
         masses[body] = masses.get(body, Mass(0.0)) + counterweights[body]

@@ -23,6 +23,8 @@ EVEN = 1e-9
 FEWEST = 8
 # Largest number of time steps; they take a minute.
 MOST_STEPS = 1_000_000
+# Turns of the driver in a step, above which inertia and loads would be taken at random.
+MOST_TURNS = 1
 
 DriverTorque = Annotated[
     Any,
@@ -183,8 +185,8 @@ def forward_dynamics(
     Raises
     ------
     DesignError
-        If the driver's steps are unequal, nothing has a mass, there is dry friction, the motor is a stepper, or the
-        time steps are too long.
+        If the driver's steps are unequal, nothing has a mass, there is dry friction, the motor is a stepper, the start
+        is not reached, or the time steps are too long.
 
     Notes
     -----
@@ -210,7 +212,14 @@ def forward_dynamics(
         return speed, (force - change * speed**2) / inertia, force * speed
 
     dt = duration / steps
-    state = np.array([motion.drive[0] if start is None else start, speed, 0.0])
+    state = np.array([motion.drive[0] if start is None else start, speed, 0.0], dtype=float)
+    turns = abs(state[1]) * dt / (reduced.period or np.ptp(motion.drive))
+    if turns > MOST_TURNS:
+        problem = f"found {state[1]:g}, so that the driver passes its whole range {turns:.3g} times in a step"
+        raise DesignError("speed", problem, "give a lower one, or shorter steps", "out-of-range")
+    if np.isnan(reduced.at(state[0])[0]):
+        problem = f"found {state[0]:g}, where the linkage is open or its motion is not given"
+        raise DesignError("start", problem, "give a drive that the motion reaches", "out-of-range")
     rows = [state]
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(steps):

@@ -19,8 +19,8 @@ from .wrenches import NEWTON, Wrenches, known_place
 
 # N mm/s in W.
 WATT = 1e-3
-# Ratio of a sum to its terms below which it is rounding noise.
-ROUNDING = 1e-13
+# Ratio of a sum to its terms below which it is rounding noise; of works, which are integrals, the same.
+ROUNDING, NO_WORK = 1e-13, 1e-9
 AboutPoint = Annotated[
     Any,
     ArgumentType(
@@ -244,16 +244,21 @@ class ForceAnalysis:
 
     @cached_property
     def efficiency(self) -> Real:
-        """Mechanical efficiency over all frames: 1 less the energy dissipated over the energy that the driver supplies.
+        """Mechanical efficiency over all frames: work taken out over work put in, whichever of driver and loads drives.
 
-        nan if it supplies none.
+        The work of the loads is what the driver would supply or take without friction, with the opposite sign. nan if
+        both put work in, as where friction nearly locks, or if loads take as much as they give, as weights over a turn.
         """
-        drive, speed = self.motion.drive, self.motion.timing.speed
+        without = ForceAnalysis(self.motion, self.loads.without_friction)
+        sense, drive = np.sign(self.motion.timing.speed), self.motion.drive
+        passed = np.append(0.0, np.cumsum(np.abs(np.diff(drive))))
+        driver, loads, exchanged = (
+            np.trapezoid(effort, passed, axis=0)
+            for effort in (self.driver * sense, -without.driver * sense, np.abs(without.driver))
+        )
+        put_in, taken = np.maximum(driver, loads), -np.minimum(driver, loads)
         with np.errstate(invalid="ignore", divide="ignore"):
-            seconds = 1 / speed + np.zeros_like(self.power)
-            supplied = np.trapezoid(np.maximum(self.power, 0) * seconds, drive, axis=0)
-            lost = np.trapezoid(self.friction_power * seconds, drive, axis=0)
-            return np.asarray(1 - lost / supplied)
+            return np.where(taken > NO_WORK * exchanged, taken / put_in, np.nan)
 
     @property
     def self_locking(self) -> Mask:

@@ -14,7 +14,7 @@ from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, PointXY, entry, quantity
 from ...core.records import record
 from ...model.mass import Mass
-from ...plane.vec import Array, Real
+from ...plane.vec import Array, Real, unit
 from ..motion import Motion
 from .friction import PinFriction, SlideFriction
 from .wrenches import Wrenches, known_body, known_place
@@ -234,7 +234,7 @@ class _TwoPoints(AbstractLoad):
             raise DesignError(
                 "springs", f"the spring from {one} to {two} has no length at a frame, so no direction", "move an end"
             )
-        pull = self.tension(length) * apart / length
+        pull = self.tension(length) * unit(apart)
         wrenches.add_force(one, here, pull)
         wrenches.add_force(two, there, -pull)
 

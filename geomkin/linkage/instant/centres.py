@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import reduce
 from itertools import combinations
 
 import numpy as np
@@ -11,13 +10,9 @@ import numpy as np
 from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.records import record
-from ...plane.vec import Complex, Mask, Real, known, unit
+from ...plane.vec import Complex, Real, known, unit
 from ..linkage import Linkage, Slider
-from ..motion import Motion
-
-# Distance, in sizes of the linkage, beyond which a centre counts as at infinity. Rates have 16 digits, so that larger
-# distances are rounding.
-FAR = 1e12
+from ..motion import Motion, fastest, is_rounding
 
 
 @record(checked=True, eq=False)
@@ -103,7 +98,7 @@ def instant_centre(motion: Motion, body: str, other: str) -> InstantCentre:
             apart = reference - two.origin.position
             arm = 1j * (one.origin.first - two.origin.first - 1j * two.first * apart)
             weight = one.first - two.first
-            rest = _at_rest(motion, arm, weight)
+            rest = is_rounding(abs(arm) + abs(weight) * motion.linkage.size, fastest(motion))
             if np.any(rest):
                 # Where both bodies reverse together this is 0 / 0, and the ratio is that of the derivatives.
                 rotation = 1j * two.second - two.first**2
@@ -132,15 +127,7 @@ def instant_centres(motion: Motion) -> Mapping[tuple[str, str], InstantCentre]:
 
 def zero_at_infinity(weight: Real, arm: Real, size: Real) -> Real:
     """`weight`, but 0 where a point `arm` / `weight` away, mm, counts as at infinity; arm is a length."""
-    far = np.isfinite(arm) & (abs(weight) * size * FAR <= arm)
-    return np.where(far, 0.0, weight)
-
-
-def _at_rest(motion: Motion, slide: Complex, rotation: Real) -> Mask:
-    """Whether a relative motion is only rounding compared with the fastest body, (frames,)."""
-    extent = motion.linkage.size
-    fastest = reduce(np.maximum, [abs(b.origin.first) + abs(b.first) * extent for b in motion.bodies.values()])
-    return np.less_equal((abs(slide) + abs(rotation) * extent) * FAR, fastest)
+    return np.where(is_rounding(weight * size, arm), 0.0, weight)
 
 
 def pin_between(linkage: Linkage, body: str, other: str) -> str | None:

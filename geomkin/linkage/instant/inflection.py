@@ -344,8 +344,10 @@ def _line(normal: Complex, place: Complex) -> Real:
 
 
 def _centre(path: PathCurvature, base: Complex) -> Real:
-    """The path's centre of curvature, at infinity if it is straight."""
-    return _point((path.position - base) * path.curvature + 1j * np.asarray(path.tangent), path.curvature)
+    """The path's centre of curvature: at infinity if it is straight, the point itself at a cusp."""
+    cusp = np.isinf(path.curvature)
+    curvature, normal = np.where(cusp, 1.0, path.curvature), np.where(cusp, 0.0, 1j * np.asarray(path.tangent))
+    return _point((path.position - base) * curvature + normal, curvature)
 
 
 def _crossing(one: Real, two: Real, extent: Real) -> Real:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import ClassVar
 
 from ...core.fields import entry
@@ -28,6 +28,7 @@ from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
 from ..scene_sizes import size_columns, size_plot
 from .aspects import BothModesAspect, CopiesAspect, DwellAspect, other_mode_scene
+from .components import ComponentsAspect
 from .copies import Copy, copies_entry, is_whole_turn
 from .dwell_bands import DwellBand
 from .loaded import LoadsAspect
@@ -42,6 +43,7 @@ from .moved import (
     branch_of,
     branches_entry,
     coefficients_entry,
+    components_entry,
 )
 from .stance import StandingAspect
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
@@ -51,6 +53,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     """Base class of recipes whose linkage is moved, checked, stacked and cut."""
 
     aspect_kinds: ClassVar[AspectKinds] = (
+        ComponentsAspect,
         DwellAspect,
         LoadsAspect,
         TolerancesAspect,
@@ -69,10 +72,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     @cached_property
     def made(self) -> MadeLinkage:
         """The linkage in its setting, with its copies as plates in layers."""
-        branch, coefficients = branch_of(self.branch, self.branches), getattr(self, "coefficients", False)
-        copies, has_feet = getattr(self, "copies", ()), bool(getattr(self, "foot", None))
-        driven = (self.linkage, branch, self.input_range, self.setting, coefficients)
-        return MadeLinkage(*driven, self.stock, copies, has_feet, self._round_ends)
+        branch, given = branch_of(self.branch, self.branches), partial(getattr, self)
+        columns = given("coefficients", False), given("effective_components", False)
+        driven = (self.linkage, branch, self.input_range, self.setting, *columns)
+        return MadeLinkage(*driven, self.stock, given("copies", ()), bool(given("foot", None)), self._round_ends)
 
     def _round_ends(self) -> dict[str, RoundEnd]:
         return {body: end for aspect in self.aspects for body, end in aspect.round_ends.items()}
@@ -170,6 +173,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     coefficients: bool = coefficients_entry()
+    effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())
@@ -190,6 +194,7 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     coefficients: bool = coefficients_entry()
+    effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
     drive: Turn = entry("how the driver turns", default=Turn())

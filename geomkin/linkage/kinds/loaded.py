@@ -8,7 +8,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ...core.fields import to_digits
+from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...making.motors import motor_check, motor_summary, smallest_motor
 from ...model.check import Check
@@ -216,7 +216,7 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
 
     @property
     def summary(self) -> Mapping[str, object]:
-        """Peak and rms driver effort, largest pin forces and the motor; without unknown ones."""
+        """Peak and rms driver effort, largest pin forces, efficiency and motor; without unknown ones."""
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
         efforts = {effort: analysis.driver, **({"shaft_torque_N_mm": self.effort} if self.mechanism.copies else {})}
@@ -236,6 +236,9 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         result["largest_pin_force_N"] = {
             pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
         }
+        efficiency = to_digits_or_none(float(analysis.efficiency)) if analysis.loads.friction else None
+        if efficiency is not None:
+            result["efficiency"] = efficiency
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
         if self.balanced:

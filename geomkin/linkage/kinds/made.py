@@ -21,6 +21,7 @@ from ...recipe.aspect import Setting
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Stroke, Turn
 from ..drive_limits import driver_limits
+from ..instant.components import component_columns, number_of_components
 from ..linkage import AbstractLinkage
 from ..motion import Motion, motion_table
 from ..moving import move
@@ -42,7 +43,7 @@ SAME_ANGLE = 12
 class DrivenLinkage:
     """A linkage that moves on a branch over the range of its driver, at the speed of its setting.
 
-    has_coefficients: whether its tables have kinematic coefficients.
+    has_coefficients, has_components: whether its tables have kinematic coefficients, and effective components.
     """
 
     linkage: AbstractLinkage
@@ -50,6 +51,7 @@ class DrivenLinkage:
     input_range: Turn | Stroke
     setting: Setting
     has_coefficients: bool = False
+    has_components: bool = False
 
     @property
     def speed(self) -> float:
@@ -78,7 +80,8 @@ class DrivenLinkage:
 
     def table_of(self, motion: Motion) -> Table:
         """The table of one of its motions."""
-        return motion_table(motion, self.has_coefficients)
+        table = motion_table(motion, self.has_coefficients)
+        return Table((*table.columns, *component_columns(motion))) if self.has_components else table
 
     @property
     def most_columns(self) -> int:
@@ -86,7 +89,8 @@ class DrivenLinkage:
         linkage = self.linkage.linkage
         points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
         columns_each = np.array([4, 5, 6]) + self.has_coefficients * np.array([2, 2, 4])
-        return 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + len(linkage.pins)
+        columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + len(linkage.pins)
+        return columns + (number_of_components(linkage) if self.has_components else 0)
 
     def reaches(self, branch: BranchSpec) -> Mapping[str, object]:
         """The ranges of the driver in which the linkage closes on a branch, as an entry of summary.json."""

@@ -49,6 +49,15 @@ def coefficients_entry() -> Any:
     )
 
 
+def components_entry() -> Any:
+    """Field that adds effective components."""
+    return entry(
+        "whether table, plots and page also have the effective components of each pin: its velocity and acceleration "
+        "along and across its link; a check then compares those along rigid links, which are equal",
+        default=False,
+    )
+
+
 def branches_entry() -> Any:
     """Field for the branches of single joints."""
     return entry(

@@ -24,13 +24,14 @@ from ..assembly_failures import assembly_failure
 from ..body_motion import Body
 from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG, driver_at
 from ..instant.centres import instant_centres
-from ..instant.polygons import VectorPolygon, acceleration_polygon, velocity_polygon
+from ..instant.components import RATES, component_columns, component_plots, component_vectors, components_check
+from ..instant.polygons import POLE, VectorPolygon, acceleration_polygon, velocity_polygon
 from ..motion import Motion, motion_table
 from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..scene_handles import handle_position, linkage_handles
 from ..scene_instants import polygons_scene
-from .moved import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry
+from .moved import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry, components_entry
 
 # Distance from the linkage's middle, in sizes of it, beyond which instant centres are listed but not drawn.
 REACH = 2.0
@@ -64,6 +65,7 @@ class PolygonsRecipe(AbstractRecipe):
     size: float = quantity("longest side that a polygon may have", "mm", default=100.0, at_least=10, at_most=5000)
     branch: Side = entry("branch of every dyad that is not named below", default=1)
     branches: Branches = branches_entry()
+    effective_components: bool = components_entry()
     stock: PlateStock = entry("the plates", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 
@@ -97,21 +99,30 @@ class PolygonsRecipe(AbstractRecipe):
 
     @cached_property
     def table(self) -> Table:
-        rows = [(name, unit, v) for name, (polygon, unit) in self.polygons.items() for v in polygon.vectors]
+        rows = [
+            (name, unit, v.kind, v.body, v.start, v.end, v.value)
+            for name, (polygon, unit) in self.polygons.items()
+            for v in polygon.vectors
+        ]
+        if self.effective_components:
+            rows += [
+                (rate, unit, part.side, part.link, POLE, part.point, complex(part.vector[0]))
+                for rate, unit in RATES.items()
+                for part in component_vectors(self.motion, rate)
+            ]
         words = {
             "polygon": "velocity or acceleration",
-            "kind": "absolute, difference, normal, tangential, sliding or coriolis",
-            "body": "the body",
+            "kind": "absolute, difference, normal, tangential, sliding, coriolis, or component along or across a link",
+            "body": "the body, or the link of a component",
             "from": "the point at its tail",
             "to": "the point at its tip",
         }
-        texts = zip(*[(name, v.kind, v.body, v.start, v.end) for name, _, v in rows])
-        values = np.array([v.value for _, _, v in rows])
+        polygons, units, *texts, values = (np.array(column) for column in zip(*rows))
         return Table(
             (
                 Column("number", "", "number of the vector", np.arange(1, len(rows) + 1)),
-                *(Column(name, "", about, np.array(text)) for (name, about), text in zip(words.items(), texts)),
-                Column("unit", "", "unit of its size", np.array([unit for _, unit, _ in rows])),
+                *(Column(name, "", about, text) for (name, about), text in zip(words.items(), (polygons, *texts))),
+                Column("unit", "", "unit of its size", units),
                 Column("size", "", "its size in that unit", np.abs(values)),
                 Column("direction", "deg", "its direction from +x", np.degrees(np.angle(values))),
             )
@@ -129,7 +140,11 @@ class PolygonsRecipe(AbstractRecipe):
     @cached_property
     def scene(self) -> Scene:
         """The polygons over that motion."""
-        return polygons_scene(self.shown_motion, motion_table(self.shown_motion))
+        motion, table = self.shown_motion, motion_table(self.shown_motion)
+        if not self.effective_components:
+            return polygons_scene(motion, table)
+        scene = polygons_scene(motion, Table((*table.columns, *component_columns(motion))), True)
+        return replace(scene, plots=(*scene.plots, *component_plots(motion)))
 
     @cached_property
     def handles(self) -> tuple[SceneHandle, ...]:
@@ -144,7 +159,8 @@ class PolygonsRecipe(AbstractRecipe):
         angle, least = np.degrees(self.motion.transmission_angle[0]), LEAST_ANGLE_OF_POLYGONS_DEG
         advice = "near a dead centre the polygons become too large"
         at, name = driver_at(self.motion, 0), "transmission angle here"
-        return (Check("transmission_angle", name, angle, "at least", least, "deg", advice, at=at),)
+        check = Check("transmission_angle", name, angle, "at least", least, "deg", advice, at=at)
+        return (check, components_check(self.motion)) if self.effective_components else (check,)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

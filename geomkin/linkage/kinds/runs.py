@@ -123,6 +123,9 @@ def linkage_run(table: RunTable, motion: Motion, loads: Loads, motor: Motor | No
     frames = motion.drive
     turn = move(motion.linkage, np.linspace(frames.min(), frames.max(), FRAMES), motion.solution.spec)
     start, turned = float(turn.drive[0]), float(np.ptp(turn.drive))
+    if not all(np.isfinite(body.first[0]) for body in turn.bodies.values()):
+        problem = f"found a run from {np.degrees(start):g} deg, where the linkage is open or its driver at a limit"
+        raise DesignError("drive.start_deg", problem, "give another start_deg, or other lengths", "conflict")
     pieces = list(_pieces(table, turn, loads, torque, start + table.turns * turned))
     time, drive, speed = (
         np.concatenate([getattr(piece, name) for piece in pieces]) for name in ("time", "drive", "speed")

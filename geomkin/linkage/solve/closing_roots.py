@@ -27,21 +27,28 @@ class ClosingRoot(Protocol):
 class Gaps:
     """Constants of a loop's two roots: f1^2 = d1 + k^2 cos^2 v and f2^2 = d2 + k^2 sin^2 v, v half the angle t.
 
-    d1 or d2 is zero if the linkage has a change point. If followed, the root then is k cos v or k sin v with its sign,
-    and runs smoothly through zero; change_1, change_2: for which linkages this is so.
+    g1 and g2 are d1 + k^2 and d2 + k^2, exact. If a limit of v is nearer to the point where the cosine (sine) is 1 than
+    to its zero, f^2 = g - k^2 sin^2 v (cos^2 v) has the smaller terms; far_1, far_2: for which linkages this is so. d1
+    or d2 is zero if the linkage has a change point. If followed, the root then is k cos v or k sin v with its sign, and
+    runs smoothly through zero; change_1, change_2: for which linkages this is so.
     """
 
     d1: Real
     d2: Real
+    g1: Real
+    g2: Real
     k: Real
+    far_1: Mask | bool
+    far_2: Mask | bool
     change_1: Mask | bool
     change_2: Mask | bool
 
     @classmethod
-    def of(cls, d1: Real, d2: Real, k: Real, follow: bool) -> Gaps:
-        """Gaps with their change points; False, the usual case, saves work later."""
+    def of(cls, d1: Real, d2: Real, g1: Real, g2: Real, k: Real, follow: bool) -> Gaps:
+        """Gaps with their masks; False, the usual case, saves work later."""
+        far = [mask if np.any(mask) else False for mask in (g1 < -d1, g2 < -d2)]
         changes = [d == 0 if follow and np.any(d == 0) else False for d in (d1, d2)]
-        return cls(d1, d2, k, changes[0], changes[1])
+        return cls(d1, d2, g1, g2, k, *far, *changes)
 
 
 @record(eq=False)
@@ -56,12 +63,14 @@ class Roots:
     @cached_property
     def square_1(self) -> Real:
         """f1^2."""
-        return self.x * self.x + self.gaps.d1
+        square = self.x * self.x + self.gaps.d1
+        return square if self.gaps.far_1 is False else np.where(self.gaps.far_1, self.gaps.g1 - self.y * self.y, square)
 
     @cached_property
     def square_2(self) -> Real:
         """f2^2."""
-        return self.y * self.y + self.gaps.d2
+        square = self.y * self.y + self.gaps.d2
+        return square if self.gaps.far_2 is False else np.where(self.gaps.far_2, self.gaps.g2 - self.x * self.x, square)
 
     @cached_property
     def f1(self) -> Real:
@@ -162,9 +171,9 @@ class StrokeRoot:
 def half_limits(gaps: Gaps) -> list[float]:
     """Angles v, rad, over a period of t, at which one of the roots vanishes; none at a change point."""
     limits: list[float] = []
-    for d, angle in ((gaps.d1, np.arccos), (gaps.d2, np.arcsin)):
-        if -(gaps.k**2) <= d < 0:
-            v = float(angle(np.sqrt(-d) / gaps.k))
+    for d, g, sine, cosine in ((gaps.d1, gaps.g1, gaps.g1, -gaps.d1), (gaps.d2, gaps.g2, -gaps.d2, gaps.g2)):
+        if d < 0 <= g:
+            v = float(np.arctan2(np.sqrt(sine), np.sqrt(cosine)))
             limits += [v, -v]
     return limits
 

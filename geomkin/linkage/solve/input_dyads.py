@@ -97,12 +97,14 @@ class DrivenRRR(CrankDriven):
         a, b, c, d = np.abs(self.rotating), np.abs(self.dyad.arms[0]), np.abs(self.dyad.arms[1]), np.abs(self.constant)
         d1 = gap_of(self.follow, b, c, -a, -d) * (a + b + c + d)
         d2 = gap_of(self.follow, d, -a, -b, c) * gap_of(self.follow, d, -a, b, -c)
+        g1 = gap_of(self.follow, b, c, d, -a) * gap_of(self.follow, b, c, -d, a)
+        g2 = gap_of(self.follow, d, a, -b, c) * gap_of(self.follow, d, a, b, -c)
         nearest, unequal = gap_of(self.follow, d, -a), gap_of(self.follow, b, -c)
         kite = (nearest == 0) & (unequal == 0)
         c_direction = self.constant / d
         half_turn = np.sqrt(-self.rotating * np.conj(self.constant) / (a * d) + 0j)
         return _Sizes(
-            gaps=Gaps.of(d1, d2, 2 * np.sqrt(a * d), self.follow),
+            gaps=Gaps.of(d1, d2, g1, g2, 2 * np.sqrt(a * d), self.follow),
             half_turn=half_turn,
             straight=bool(np.all(half_turn == 1)),
             a=a,
@@ -205,7 +207,8 @@ class DrivenRRP(CrankDriven):
         c, k, length = (rail * self.constant).imag, np.abs(self.rotating), np.abs(self.dyad.arm)
         rotation = rail * self.rotating / k
         d1, d2 = gap_of(self.follow, length, -c, -k), gap_of(self.follow, length, c, -k)
-        return Gaps.of(d1, d2, np.sqrt(2 * k), self.follow), c, rotation
+        g1, g2 = gap_of(self.follow, length, -c, k), gap_of(self.follow, length, c, k)
+        return Gaps.of(d1, d2, g1, g2, np.sqrt(2 * k), self.follow), c, rotation
 
     def _turned(self, q: Real) -> tuple[Real, Real]:
         """Cosine and sine of t; the cosine keeps its digits near zero."""
@@ -238,8 +241,11 @@ class DrivenRRP(CrankDriven):
     def place(self, p0: Poses, branch: Whole | int) -> None:
         gaps, c, _ = self._sizes
         roots = p0.cache[self] = self.roots(p0, branch)
-        bar = paired(roots.r, c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1])
-        p0.direction[self.dyad.body] = bar * (self.dyad.rail.direction / self.dyad.arm)
+        n = c + 0.5 * gaps.k**2 * self._turned(p0.drive)[1]
+        if gaps.far_1 is not False or gaps.far_2 is not False:
+            # The squares of the roots are l - n and l + n, whose terms are then smaller than c and k.
+            n = np.where(gaps.far_1 | gaps.far_2, 0.5 * (roots.square_2 - roots.square_1), n)
+        p0.direction[self.dyad.body] = paired(roots.r, n) * (self.dyad.rail.direction / self.dyad.arm)
 
     def first(self, p0: Poses, p1: Coefficients) -> None:
         p1.theta_prime[self.dyad.body] = p0.cache[self].tau
