@@ -17,7 +17,7 @@ from ..model.table import Column, Table
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from .contract import check_alike
-from .interference import InternalMesh, tip_margin
+from .interference import InternalMesh, tip_margins
 from .module import Settled
 from .rack import RackPair
 from .ring import RingGear
@@ -222,10 +222,16 @@ class GearPair:
         mm along circles, over the whole path of a tip through the space. 0 means proper contact with a flank, a
         negative value interference with a root or tooth. Accurate to 1e-5 modules.
         """
+        of_second, of_first = self._margins
+        return min(of_second), min(of_first)
+
+    @cached_property
+    def _margins(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """`tip_margins`, each from the roots and from the flanks of the other gear."""
         first, second, distance = self.first, self.second, self.centre_distance
         return (
-            tip_margin(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
-            tip_margin(first, second, distance, self.poses),
+            tip_margins(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
+            tip_margins(first, second, distance, self.poses),
         )
 
     @property
@@ -239,7 +245,10 @@ class GearPair:
 
     @property
     def trochoid_margin(self) -> float:
-        """Clearance of the tips of an internal pair outside the contact, rad of the first gear; inf for other pairs."""
+        """Clearance of the tips of an internal pair outside the contact, rad of the first gear; inf for other pairs.
+
+        -inf if the tips never leave the spaces, so that they run through the teeth.
+        """
         return self._internal.trochoid_gap if self.is_internal else float("inf")
 
     @property
@@ -251,15 +260,18 @@ class GearPair:
     def interferences(self) -> tuple[str, ...]:
         """Interferences: any of `first root`, `second root`, `involute`, `trochoid` and `trimming`; empty for none.
 
-        The roots include the teeth next to them. Trimming prevents radial assembly of a pinion, but not the motion.
+        The roots of an external pair include the flanks next to them. In an internal pair, tips that touch flanks as they
+        leave the spaces have trochoid interference. Trimming prevents radial assembly of a pinion, but not the motion.
         """
         limit = -LEAST_OVERLAP * self.first.module
+        # The flanks of an internal pair are only reached by tips that leave the spaces.
+        roots, flanks = zip(*self._margins) if self.is_internal else (self.tip_margins, (np.inf, np.inf))
         interferences = {
-            "first root": self.tip_margins[0] < limit or self.clearances[0] < 0,
-            "second root": self.tip_margins[1] < limit or self.clearances[1] < 0,
+            "first root": roots[0] < limit or self.clearances[0] < 0,
+            "second root": roots[1] < limit or self.clearances[1] < 0,
             # Undercut has removed the material that such a tip would hit.
             "involute": self.involute_margin < limit and not self.first.is_undercut,
-            "trochoid": self.trochoid_margin < 0,
+            "trochoid": self.trochoid_margin < 0 or min(flanks) < limit,
             "trimming": self.trimming_margin < 0,
         }
         return tuple(name for name, occurs in interferences.items() if occurs)
