@@ -25,6 +25,7 @@ from .kinds.conjugate_gears import LanternGearsRecipe as LanternGearsRecipe
 from .kinds.conjugate_gears import PointToothGearsRecipe as PointToothGearsRecipe
 from .kinds.conjugate_gears import StraightSidedGearsRecipe as StraightSidedGearsRecipe
 from .kinds.gear_pairs import GearPairRecipe as GearPairRecipe
+from .kinds.gear_pairs import InternalGearPairRecipe as InternalGearPairRecipe
 from .kinds.gear_pairs import RackAndPinionRecipe as RackAndPinionRecipe
 from .kinds.gear_trains import GearTrainRecipe as GearTrainRecipe
 from .kinds.gear_trains import TrainSpecification as TrainSpecification
@@ -39,6 +40,7 @@ from .output_loads import RackLoads as RackLoads
 from .output_loads import RackStrength as RackStrength
 from .output_loads import TrainLoads as TrainLoads
 from .output_loads import TrainStrength as TrainStrength
+from .pair import InternalGearPair as InternalGearPair
 from .pair import contact_table as contact_table
 from .parts.bases import carrier as carrier
 from .parts.bases import pair_base as pair_base

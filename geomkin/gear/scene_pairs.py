@@ -407,7 +407,7 @@ def pair_handles(pair: GearPair, shifts: bool = True, distance: bool = False) ->
     Parameters
     ----------
     pair : GearPair
-        The gears, of the keys `first` and `second`.
+        The gears; the keys of their tables are the pair's `names`.
     shifts : bool
         Whether their profile shifts are the recipe's.
     distance : bool
@@ -417,12 +417,11 @@ def pair_handles(pair: GearPair, shifts: bool = True, distance: bool = False) ->
     -------
     iterator of SceneHandle
     """
-    axis, modules = complex(0, pair.centre_distance), ("first.module", "second.module")
-    for name, gear, radius, centre in zip(
-        ("first", "second"), (pair.first, pair.second), pair.working_radii, (0j, axis)
-    ):
+    axis = complex(0, -pair.centre_distance if pair.is_internal else pair.centre_distance)
+    modules = [f"{name}.module" for name in pair.names]
+    for name, gear, radius, centre in zip(pair.names, (pair.first, pair.second), pair.working_radii, (0j, axis)):
         yield from gear_handles(gear, name, radius, centre, modules, shifts)
-    keys = ("centre_distance",) if distance else ("first.profile_shift", "second.profile_shift")
+    keys = ("centre_distance",) if distance else tuple(f"{name}.profile_shift" for name in pair.names)
     if distance or shifts:
         yield point_handle(*keys, at=axis, label="centre distance")
 

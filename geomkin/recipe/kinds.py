@@ -62,6 +62,7 @@ KINDS: dict[str, KindRow] = {
     "spur-gear": KindRow("gears", "geomkin.gear.kinds.single_gears:SpurGearRecipe"),
     "ring-gear": KindRow("gears", "geomkin.gear.kinds.single_gears:RingGearRecipe"),
     "gear-pair": KindRow("gears", "geomkin.gear.kinds.gear_pairs:GearPairRecipe"),
+    "internal-gear-pair": KindRow("gears", "geomkin.gear.kinds.gear_pairs:InternalGearPairRecipe"),
     "rack-and-pinion": KindRow("gears", "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe"),
     "planetary": KindRow("gears", "geomkin.gear.kinds.planetary:PlanetaryRecipe"),
     "gear-train": KindRow("gears", "geomkin.gear.kinds.gear_trains:GearTrainRecipe"),

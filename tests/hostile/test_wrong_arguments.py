@@ -84,6 +84,7 @@ GOOD = {
     "GearPair": {"first": GEAR, "second": GEAR, "centre_distance": 48.0},
     "GearRack": {"teeth": 10, "module": 2.0, "height": 5.0, "tooth_thickness_allowance": 0.0},
     "InstantCentre": {"reference": 0j, "arm": 1j, "weight": 1.0},
+    "InternalGearPair": {"first": gk.SpurGear(18, 2), "second": gk.RingGear(60, 2, addendum=0.8), "centre_distance": 42.0},
     "InvertedSliderCrank": {"ground": 100, "crank": 30, "offset": 5, "line": "rocker", "point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},
     "Involute": {"base_radius": 10.0, "start": 0.1, "end": 1.0},
     "LanternPinion": {"pins": 10, "module": 2.0, "pin_diameter": 3.0},
