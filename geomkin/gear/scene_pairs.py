@@ -19,7 +19,7 @@ from ..plane.primitives import Circle, Polyline, Segment
 from ..plane.vec import Complex, Pose, Real
 from .conjugate.conjugate import Conjugate
 from .pair import GearPair
-from .planetary import PlanetarySet
+from .planetary import MEMBERS, Member, PlanetarySet
 from .rack import RackPair
 from .scene import (
     MOST_PITCHES,
@@ -345,17 +345,21 @@ def _contact(pair: GearPair | RackPair, frames: Meshing) -> Iterator[Column]:
 
 
 @checked
-def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = ()) -> Scene:
-    """The scene of a planetary set with a driving sun and a fixed ring.
+def planetary_scene(
+    gears: PlanetarySet, table: Table, parts: Sequence[Part] = (), driver: Member = "sun", fixed: Member = "ring"
+) -> Scene:
+    """The scene of a planetary set.
 
     Parameters
     ----------
     gears : PlanetarySet
         The gears.
     table : Table
-        Columns `sun_angle`, deg, and `time`; its rows are the frames.
+        Columns with the rotation of the driver, such as `sun_angle`, deg, and `time`; its rows are the frames.
     parts : sequence of Part, optional
         Plates of the bodies sun, planet, ring, carrier and ground.
+    driver, fixed : {"sun", "carrier", "ring"}, optional
+        The member that drives, and another one that is held.
 
     Returns
     -------
@@ -367,11 +371,9 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     Derived here.
     """
     parts, motor = split_motor_parts(parts)
-    turn = np.radians(np.asarray(table["sun_angle"], dtype=float))
-    sun, planets, ring = gears.poses(turn)
-    # The ring is fixed; its computed pose differs by whole pitches only.
-    ring = Pose(ring.origin, np.full(turn.shape, np.asarray(ring.direction)[0]))
-    still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn / gears.ratios["sun to carrier"])
+    turn = np.radians(np.asarray(table[f"{driver}_angle"], dtype=float))
+    sun, planets, ring = gears.poses(turn, driver, fixed)
+    still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn * float(gears.turns(driver, fixed)["carrier"]))
     names = ["planet"] if gears.planets == 1 else [f"planet {k + 1}" for k in range(gears.planets)]
     poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
     poses["ground"] = Pose(still, still + 1)
@@ -395,7 +397,7 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     marks += [
         SceneMark("pin", np.asarray(pose.origin), "construction", f"axis of {n}") for n, pose in zip(names, planets)
     ]
-    angles = tuple(id for id in ("carrier_angle", "planet_angle") if id in table.ids)
+    angles = tuple(f"{name}_angle" for name in (*MEMBERS, "planet") if name != driver and f"{name}_angle" in table.ids)
     plots = (Plot("angles", angles),) if angles else ()
     bodies, assembled = with_motor_plate(bodies, motor), np.ones(turn.shape, bool)
     return Scene(table, playing_time(table), assembled, bodies, tuple(curves), tuple(marks), plots)
