@@ -9,6 +9,7 @@ from .conjugate.conjugate import Conjugate as Conjugate
 from .conjugate.conjugate import Untouched as Untouched
 from .conjugate.conjugate import flank_table as flank_table
 from .conjugate.conjugate import pin_table as pin_table
+from .conjugate.parametric_gear import ParametricToothGear as ParametricToothGear
 from .conjugate.shaping_gears import AbstractFlankGear as AbstractFlankGear
 from .conjugate.shaping_gears import FlankGear as FlankGear
 from .conjugate.shaping_gears import LanternPinion as LanternPinion
@@ -22,6 +23,7 @@ from .cutters import balanced_shifts as balanced_shifts
 from .cutters import undercut_free_shift as undercut_free_shift
 from .helix import Helix as Helix
 from .kinds.conjugate_gears import LanternGearsRecipe as LanternGearsRecipe
+from .kinds.conjugate_gears import ParametricToothGearsRecipe as ParametricToothGearsRecipe
 from .kinds.conjugate_gears import PointToothGearsRecipe as PointToothGearsRecipe
 from .kinds.conjugate_gears import StraightSidedGearsRecipe as StraightSidedGearsRecipe
 from .kinds.gear_pairs import GearPairRecipe as GearPairRecipe

@@ -68,6 +68,7 @@ KINDS: dict[str, KindRow] = {
     "gear-train": KindRow("gears", "geomkin.gear.kinds.gear_trains:GearTrainRecipe"),
     "straight-sided-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe"),
     "point-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe"),
+    "parametric-tooth-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:ParametricToothGearsRecipe"),
     "lantern-gears": KindRow("gears", "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe"),
     "fit-test": KindRow("coupons", "geomkin.coupon.kinds.fit_test:FitTestRecipe"),
     "machine": KindRow("machines", "geomkin.machine.kinds:MachineRecipe"),

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from ...core.errors import DesignError
+from ...core.expressions import Expression
 from ...core.fields import FARTHEST, SMALLEST, AsWritten, Ratio, Rows, entry, quantity
 from ...core.records import record
 from ...linkage.parts.stock import LinkStock
@@ -21,7 +22,7 @@ from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
 from ..function.function import function_generator, slider_function_generator
 from ..function.results import AbstractFunctionGenerator, FunctionGenerator, SliderFunctionGenerator
-from ..function.wanted import NAMED, Expression, Function, named_function
+from ..function.wanted import NAMED, Function, named_function
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 
 Method = Literal["minimax", "least-squares", "points"]
