@@ -110,6 +110,18 @@ class PlanetarySet:
         sun, planet = (gear.transverse(helix_angle_deg) for gear in (self.sun, self.planet))
         return PlanetarySet(sun, planet, self.ring.transverse(helix_angle_deg), self.planets)
 
+    def with_full_clearance(self) -> PlanetarySet:
+        """The set with tips shortened in both meshes, as by `GearPair.with_full_clearance`.
+
+        Returns
+        -------
+        PlanetarySet
+            The same distances and speeds.
+        """
+        inner = self.inner.with_full_clearance()
+        outer = RingMesh(inner.second, self.ring, inner.centre_distance).with_full_clearance()
+        return replace(self, sun=inner.first, planet=outer.first, ring=outer.second)
+
     @cached_property
     def inner(self) -> GearPair:
         """Sun and planet in mesh."""

@@ -80,6 +80,13 @@ def shifted():
     return gears | {"ring": ring | {"profile_shift": shift}}
 
 
+def test_tips_of_a_shifted_set_get_full_clearance_in_both_meshes():
+    plain, shortened = (planetary(gears=shifted(), tips=tips).design for tips in ("given", "full-clearance"))
+    rooms = [room for mesh in (shortened.inner, shortened.outer) for room in mesh.clearances]
+    assert min(rooms) == pytest.approx(0.5) and min(plain.inner.clearances) < 0.5 - 1e-3
+    assert shortened.inner.centre_distance == plain.inner.centre_distance
+
+
 @pytest.mark.parametrize("make", [lambda: GEARS, shifted], ids=["plain", "shifted"])
 def test_the_bearing_of_a_planet_balances_the_forces_on_its_teeth(make):
     recipe = planetary(gears=make())

@@ -39,6 +39,7 @@ from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
     AbstractHelicalRecipe,
+    Tips,
     backlash_notes,
     boss_checks,
     check_tooth_points,
@@ -48,6 +49,7 @@ from .helical import (
     mesh_notes,
     overlap_notes,
     pair_quantities,
+    tips_entry,
 )
 from .strength_notes import (
     RACK_WITHOUT_LOADS,
@@ -57,17 +59,10 @@ from .strength_notes import (
     rack_strength_notes,
 )
 
-Tips = Literal["given", "full-clearance"]
-
 
 def _centre_distance() -> Any:
     meaning = "distance of the axes; if omitted, the one without backlash"
     return quantity(meaning, "mm", default=None, above=0, at_most=1e9)
-
-
-def _tips() -> Any:
-    meaning = "tips as the addenda give them, or shortened to the full clearance of the tools"
-    return entry(meaning, default="given")
 
 
 def _loads(driver: str) -> Any:
@@ -256,7 +251,7 @@ class GearPairRecipe(AbstractPairRecipe):
         "profile shifts as given, the least without undercut, or of the given sum with equal sliding of both gears",
         default="given",
     )
-    tips: Tips = _tips()
+    tips: Tips = tips_entry()
     centre_distance: float | None = _centre_distance()
     first_stock: GearStock = entry("sheet and bore of the driving gear", default=GearStock())
     second_stock: GearStock = entry("sheet and bore of the driven gear", default=GearStock())
@@ -342,7 +337,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
     kind: Literal["internal-gear-pair"] = "internal-gear-pair"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(18, 2))
     ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))
-    tips: Tips = _tips()
+    tips: Tips = tips_entry()
     centre_distance: float | None = _centre_distance()
     pinion_stock: GearStock = entry("sheet and bore of the pinion", default=GearStock())
     ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
@@ -41,6 +41,13 @@ WIDER, TRIALS = 1.25, 31
 STRAIGHT = Helix()
 # Backlash above which profile shifts are advised, modules; gears usually have a third of it.
 MUCH_BACKLASH = 0.1
+Tips = Literal["given", "full-clearance"]
+
+
+def tips_entry() -> Any:
+    """The field `tips`."""
+    meaning = "tips as the addenda give them, or shortened to the full clearance of the tools"
+    return entry(meaning, default="given")
 
 
 @record(checked=True, kw_only=True)

@@ -35,12 +35,14 @@ from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
     AbstractHelicalRecipe,
+    Tips,
     boss_checks,
     check_tooth_points,
     gear_notes,
     gear_quantities,
     helices_notes,
     mesh_notes,
+    tips_entry,
 )
 from .strength_notes import forces_missing, loaded_materials, planetary_strength_notes
 
@@ -53,6 +55,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     ----------
     gears : PlanetarySet
         The gears.
+    tips : {"given", "full-clearance"}, optional
+        Tips as the addenda give them, or shortened to the full clearance of the tools.
     driver, fixed : {"sun", "carrier", "ring"}, optional
         The member that drives and the one that is held; by default the sun and the ring.
     drive : Drive, optional
@@ -73,6 +77,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
+    tips: Tips = tips_entry()
     driver: Member = entry("member that drives", default="sun")
     fixed: Member = entry("member that is held", default="ring")
     drive: Drive = entry("how the driver turns", default=Drive())
@@ -101,14 +106,21 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         if self.base is not None and self.fixed != "ring":
             problem = f"found a base, which holds the ring, but the {self.fixed} is fixed"
             raise DesignError("base", problem, 'omit it, or give fixed = "ring"', "conflict")
+        self.design  # noqa: B018  raises for gears without such tips
         self.drive.check_rows(self.driver_turns)
         self.strength  # noqa: B018  raises if the materials are missing
 
     @cached_property
     def design(self) -> PlanetarySet:
-        """The transverse section of all gears."""
+        """The transverse section of all gears, with the requested tips."""
         with self.naming_section():
-            return self.in_section(self.gears)
+            gears = self.in_section(self.gears)
+            if self.tips == "given":
+                return gears
+            try:
+                return gears.with_full_clearance()
+            except DesignError as error:
+                raise DesignError(f"gears.{error.field}", error.problem, error.remedy, error.id) from None
 
     @cached_property
     def strength(self) -> PlanetaryStrength | None:
