@@ -36,10 +36,12 @@ class ParametricFlank(AbstractCurve):
     scale: float
 
     def point(self, t: ArrayLike) -> Complex:
-        return self.origin + self.scale * (self.x(t) + 1j * self.y(t))
+        place: Complex = self.origin + self.scale * (self.x(t) + 1j * self.y(t))
+        return place
 
     def velocity(self, t: ArrayLike) -> Complex:
-        return self.scale * (self.x.slope(t) + 1j * self.y.slope(t))
+        velocity: Complex = self.scale * (self.x.slope(t) + 1j * self.y.slope(t))
+        return velocity
 
     @cached_property
     def breaks(self) -> Real:

@@ -123,7 +123,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe):
     def design(self) -> GearPair:
         """The gears in mesh, with the requested profile shifts and tips."""
         with self.naming_section():
-            pair = self.pair(*self.transverse_gears(), self.centre_distance)
+            gears, distance = self.transverse_gears(), self.centre_distance
+            pair = self.pair(*gears) if distance is None else self.pair(*gears, distance)
             return pair.with_full_clearance() if self.tips == "full-clearance" else pair
 
     @property

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...core.arguments import ArgumentType, are_reals, checked, numbers
 from ...core.errors import DesignError, printable, shown
-from ...core.expressions import Expression
+from ...core.expressions import Expression as Expression
 from ...core.records import record
 from ...plane.spline import Spline
 from ...plane.vec import Real
