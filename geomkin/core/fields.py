@@ -282,7 +282,7 @@ class AsWritten:
 # A fraction as a recipe gives it, such as 10/3 or 47.5 / 12.
 FRACTION = re.compile(r"\s*(\d{1,15}(?:\.\d{1,15})?)\s*/\s*(\d{1,15}(?:\.\d{1,15})?)\s*")
 # Longest decimal that is meant exactly, and largest denominator of a fraction that is written for a longer one.
-EXACT_DIGITS, MOST_PARTS = 9, 10**6
+EXACT_DIGITS, MOST_PARTS = 9, 10**5
 
 
 class FractionText:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -220,7 +220,7 @@ class GearPair:
             return second.tip_radius - a - first.root_radius, second.root_radius - a - first.tip_radius
         return a - second.tip_radius - first.root_radius, a - first.tip_radius - second.root_radius
 
-    def with_full_clearance(self) -> GearPair:
+    def with_full_clearance(self) -> Self:
         """The pair with tips shortened where they come closer to the mate's roots than the clearance of its tool.
 
         Returns

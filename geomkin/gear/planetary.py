@@ -28,12 +28,16 @@ class SunMesh(GearPair):
 
     names = "sun", "planet"
 
+    second: SpurGear = entry("the planet")
+
 
 @record
 class RingMesh(GearPair):
     """Planet and ring in mesh."""
 
     names = "planet", "ring"
+
+    second: RingGear = entry("the ring")
 
 
 # The members that turn about the common axis.
@@ -123,12 +127,12 @@ class PlanetarySet:
         return replace(self, sun=inner.first, planet=outer.first, ring=outer.second)
 
     @cached_property
-    def inner(self) -> GearPair:
+    def inner(self) -> SunMesh:
         """Sun and planet in mesh."""
         return SunMesh(self.sun, self.planet)
 
     @cached_property
-    def outer(self) -> GearPair:
+    def outer(self) -> RingMesh:
         """Planet and ring in mesh, at the centre distance of sun and planet."""
         return RingMesh(self.planet, self.ring, self.inner.centre_distance)
 

@@ -36,12 +36,10 @@ class ParametricFlank(AbstractCurve):
     scale: float
 
     def point(self, t: ArrayLike) -> Complex:
-        place: Complex = self.origin + self.scale * (self.x(t) + 1j * self.y(t))
-        return place
+        return np.asarray(self.origin + self.scale * (self.x(t) + 1j * self.y(t)), dtype=complex)
 
     def velocity(self, t: ArrayLike) -> Complex:
-        velocity: Complex = self.scale * (self.x.slope(t) + 1j * self.y.slope(t))
-        return velocity
+        return np.asarray(self.scale * (self.x.slope(t) + 1j * self.y.slope(t)), dtype=complex)
 
     @cached_property
     def breaks(self) -> Real:
