@@ -78,7 +78,7 @@ def test_a_tooth_by_formulas_is_written_again_and_grows_with_the_module_in_inche
         ({"t_end": 0.1}, "gear.t_end"),
         ({"x": "1/(t - 0.3)"}, "gear.x"),
         ({"y": "log(t - 0.3)"}, "gear.y"),
-        ({"x": "pi/4 - abs(t)", "y": "t", "t_start": -1, "t_end": 1}, "gear.x"),
+        ({"x": "pi/4 - 0.3*t - 0.2*abs(t)", "y": "t", "t_start": -1, "t_end": 1}, "gear.x"),
         ({"x": "pi/4", "y": "0"}, "gear.x"),
         ({"x": "pi/4 - 2*t", "y": "t", "t_start": -1, "t_end": 1}, "gear.x"),
         ({"x": "pi/4 - 0.3*t", "y": "-t", "t_start": -1, "t_end": 1}, "gear.x"),

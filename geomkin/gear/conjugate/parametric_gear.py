@@ -19,7 +19,7 @@ from .shaping_gears import AbstractFlankGear
 # Pieces of a flank, within which its curvature is computed, and samples that are checked.
 PIECES, SAMPLES = 8, 1025
 # Largest change of direction between two samples, rad; a larger one is a corner or a cusp.
-CORNER = 0.2
+CORNER = 0.1
 # Name of the parameter in formulas.
 PARAMETER = "t"
 
