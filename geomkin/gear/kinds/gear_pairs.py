@@ -43,9 +43,7 @@ from .helical import (
     backlash_notes,
     boss_checks,
     check_tooth_points,
-    gear_notes,
     gear_quantities,
-    helices_notes,
     mesh_notes,
     overlap_notes,
     pair_quantities,
@@ -206,13 +204,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe):
     @property
     def notes(self) -> Mapping[str, object]:
         sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
-        return {
-            "pair": mesh_notes(self.design, self.helix, self.face_width),
-            **helices_notes(sizes),
-            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **({"loads": pair_strength_notes(self.strength)} if self.strength else {}),
-            **self.assembly_summary,
-        }
+        mesh = mesh_notes(self.design, self.helix, self.face_width)
+        return self.mesh_summary({"pair": mesh}, sizes, pair_strength_notes(self.strength) if self.strength else None)
 
     @property
     def forces_missing(self) -> str:
@@ -490,9 +483,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             "interferences": list(pair.interferences),
         }
         sizes = {"pinion": (pair.pinion, self.helix, width)}
-        measures = {"pinion": gear_notes(*sizes["pinion"])}
-        loads = {"loads": rack_strength_notes(self.strength)} if self.strength else {}
-        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **loads, **self.assembly_summary}
+        return self.mesh_summary({"pair": mesh}, sizes, rack_strength_notes(self.strength) if self.strength else None)
 
     @property
     def forces_missing(self) -> str:

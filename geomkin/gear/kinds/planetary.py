@@ -38,9 +38,7 @@ from .helical import (
     Tips,
     boss_checks,
     check_tooth_points,
-    gear_notes,
     gear_quantities,
-    helices_notes,
     mesh_notes,
     tips_entry,
 )
@@ -288,12 +286,9 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "planet": (gears.planet, helix.mate, planet),
             "ring": (gears.ring, helix.mate, ring),
         }
-        return {
+        meshes = {
             "ratios": {name: to_digits(ratio) for name, ratio in gears.ratios.items()},
             "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
-            **helices_notes(sizes),
-            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **({"loads": planetary_strength_notes(self.strength)} if self.strength else {}),
-            **self.assembly_summary,
         }
+        return self.mesh_summary(meshes, sizes, planetary_strength_notes(self.strength) if self.strength else None)
