@@ -48,11 +48,13 @@ KINDS_BY_GROUP.update({
         "spur-gear": "geomkin.gear.kinds.single_gears:SpurGearRecipe",
         "ring-gear": "geomkin.gear.kinds.single_gears:RingGearRecipe",
         "gear-pair": "geomkin.gear.kinds.gear_pairs:GearPairRecipe",
+        "internal-gear-pair": "geomkin.gear.kinds.gear_pairs:InternalGearPairRecipe",
         "rack-and-pinion": "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe",
         "planetary": "geomkin.gear.kinds.planetary:PlanetaryRecipe",
         "gear-train": "geomkin.gear.kinds.gear_trains:GearTrainRecipe",
         "straight-sided-gears": "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe",
         "point-tooth-gears": "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe",
+        "parametric-tooth-gears": "geomkin.gear.kinds.conjugate_gears:ParametricToothGearsRecipe",
         "lantern-gears": "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe",
     },
     "coupons": {

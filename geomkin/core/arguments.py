@@ -39,11 +39,14 @@ class ArgumentType:
         The allowed values in words, for error messages.
     types : tuple of type
         A refused value of one of these types counts as out of range, any other as of a wrong type.
+    each : ArgumentType, optional
+        The values that each item of a row may have; errors then name the item.
     """
 
     fits: Callable[[Any], bool]
     allowed: str
     types: tuple[type, ...] = ()
+    each: ArgumentType | None = None
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -78,6 +81,10 @@ def check_fields(thing: Any) -> None:
 
 def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
     """The error for an argument that is not of the expected type."""
+    if expected.each and isinstance(value, (tuple, list)):
+        wrong = next((k for k, item in enumerate(value) if not expected.each.fits(item)), None)
+        if wrong is not None:
+            return refused(f"{name}[{wrong}]", value[wrong], expected.each)
     remedy = f"give {expected.allowed}"
     is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value))
     if is_pair and expected.fits(complex(*value)):  # type: ignore[misc]
@@ -155,7 +162,9 @@ def _either(options: list[ArgumentType]) -> ArgumentType:
         return options[0]
     allowed = _listed([option.allowed for option in options if option is not NOTHING])
     types = tuple(each for option in options for each in option.types)
-    return ArgumentType(lambda value: any(option.fits(value) for option in options), allowed, types)
+    rows = [option.each for option in options if option.each]
+    each = rows[0] if len(rows) == 1 else None
+    return ArgumentType(lambda value: any(option.fits(value) for option in options), allowed, types, each)
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -169,13 +178,13 @@ def _is_choice(value: Any, choices: tuple[Any, ...]) -> bool:
 def _row(each: ArgumentType | None, count: int | None) -> ArgumentType | None:
     if each is None:
         return None
-    many = f"a row of {count}" if count else "a tuple"
+    many = f"a list of {count}" if count else "a list"
 
     def fits(value: Any) -> bool:
         row = (isinstance(value, (tuple, list)) or getattr(value, "ndim", 0) > 0) and count in (None, len(value))
         return bool(row) and all(each.fits(v) for v in value)
 
-    return ArgumentType(fits, f"{many}, each {each.allowed}")
+    return ArgumentType(fits, f"{many}, each item {each.allowed}", each=each)
 
 
 def _table(key: ArgumentType | None, each: ArgumentType | None) -> ArgumentType | None:

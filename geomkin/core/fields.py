@@ -7,10 +7,12 @@ pydantic reads from dataclass fields, so that the same declaration validates a r
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
 from functools import cache, reduce
 from math import inf, isfinite, nextafter
 from operator import ge, gt, le, lt, or_
@@ -106,6 +108,9 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         about, value = field.metadata, getattr(thing, field.name)
         if (type(value) in types and least <= value <= most) or (value is None and field.default is None):
             continue
+        if isinstance(value, Fraction) and not about.get("whole"):
+            value = float(value)
+            object.__setattr__(thing, field.name, value)
         if not _fits(value, about, many):
             raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
         if _is_tiny(value, about):
@@ -276,6 +281,50 @@ class AsWritten:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return handler(source) | {"strict": True}
+
+
+# A fraction as a recipe gives it, such as 10/3 or 47.5 / 12.
+FRACTION = re.compile(r"\s*(\d{1,15}(?:\.\d{1,15})?)\s*/\s*(\d{1,15}(?:\.\d{1,15})?)\s*")
+# Longest decimal that is meant exactly, and largest denominator of a fraction that is written for a longer one.
+EXACT_DIGITS, MOST_PARTS = 9, 10**5
+
+
+class FractionText:
+    """Marks a ratio that a recipe may also give as a fraction in a text, such as "10/3"."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_before_validator_function(
+            _ratio_of,
+            handler(source),
+            serialization=core_schema.plain_serializer_function_ser_schema(as_fraction),
+        )
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {"anyOf": [handler(schema), {"type": "string", "pattern": f"^{FRACTION.pattern}$"}]}
+
+
+def _ratio_of(value: Any) -> Any:
+    """The ratio of a fraction in a text; any other value unchanged, which is then validated as a number."""
+    match = FRACTION.fullmatch(value) if isinstance(value, str) else None
+    return float(Fraction(match[1]) / Fraction(match[2])) if match and Fraction(match[2]) else value
+
+
+def as_fraction(ratio: float) -> float | str:
+    """A ratio as a recipe has it: the fraction in a text if it is one with many decimals, otherwise the number."""
+    fraction = Fraction(ratio).limit_denominator(MOST_PARTS)
+    is_fraction = significant_digits(ratio)[0] > EXACT_DIGITS and float(fraction) == ratio and fraction.denominator > 1
+    return str(fraction) if is_fraction else ratio
+
+
+def significant_digits(number: float) -> tuple[int, float]:
+    """Number of significant digits of a decimal as it is written, and the value of the last one."""
+    _, digits, exponent = Decimal(repr(float(number))).normalize().as_tuple()
+    return len(digits), 10.0 ** int(exponent)
+
+
+Ratio = Annotated[float, FractionText()]
 
 
 @dataclass(frozen=True)

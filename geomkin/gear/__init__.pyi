@@ -9,6 +9,7 @@ from .conjugate.conjugate import Conjugate as Conjugate
 from .conjugate.conjugate import Untouched as Untouched
 from .conjugate.conjugate import flank_table as flank_table
 from .conjugate.conjugate import pin_table as pin_table
+from .conjugate.parametric_gear import ParametricToothGear as ParametricToothGear
 from .conjugate.shaping_gears import AbstractFlankGear as AbstractFlankGear
 from .conjugate.shaping_gears import FlankGear as FlankGear
 from .conjugate.shaping_gears import LanternPinion as LanternPinion
@@ -22,9 +23,11 @@ from .cutters import balanced_shifts as balanced_shifts
 from .cutters import undercut_free_shift as undercut_free_shift
 from .helix import Helix as Helix
 from .kinds.conjugate_gears import LanternGearsRecipe as LanternGearsRecipe
+from .kinds.conjugate_gears import ParametricToothGearsRecipe as ParametricToothGearsRecipe
 from .kinds.conjugate_gears import PointToothGearsRecipe as PointToothGearsRecipe
 from .kinds.conjugate_gears import StraightSidedGearsRecipe as StraightSidedGearsRecipe
 from .kinds.gear_pairs import GearPairRecipe as GearPairRecipe
+from .kinds.gear_pairs import InternalGearPairRecipe as InternalGearPairRecipe
 from .kinds.gear_pairs import RackAndPinionRecipe as RackAndPinionRecipe
 from .kinds.gear_trains import GearTrainRecipe as GearTrainRecipe
 from .kinds.gear_trains import TrainSpecification as TrainSpecification
@@ -39,6 +42,7 @@ from .output_loads import RackLoads as RackLoads
 from .output_loads import RackStrength as RackStrength
 from .output_loads import TrainLoads as TrainLoads
 from .output_loads import TrainStrength as TrainStrength
+from .pair import InternalGearPair as InternalGearPair
 from .pair import contact_table as contact_table
 from .parts.bases import carrier as carrier
 from .parts.bases import pair_base as pair_base

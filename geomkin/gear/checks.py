@@ -89,7 +89,7 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
     clear = min(pair.clearances) / pair.module
     before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
     teeth = "give more teeth, less shift or no undercut"
-    meeting = f"at {', '.join(pair.interferences)}: give a smaller addendum"
+    meeting = f"at {', '.join(pair.interferences)}: give a smaller addendum, or other profile shifts"
     return (
         Check(
             f"{prefix}contact_ratio", f"{before}contact ratio", pair.contact_ratio,

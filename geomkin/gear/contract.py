@@ -17,7 +17,7 @@ from ..plane.primitives import Arc, Segment
 from ..plane.vec import Pose, Real
 from .cutters import HelixAngle, transverse_section
 
-__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike"]
+__all__ = ["AbstractGear", "AbstractInvoluteGear", "AbstractShaper", "AbstractTooth", "check_alike", "check_shortening"]
 
 # Lands and tips narrower than this share of the gear are omitted: in every file two such points coincide, and an arc
 # between them would have no direction.
@@ -325,6 +325,13 @@ def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: flo
         raise DesignError(
             f"{name}.{tool}.pressure_angle_deg", problem, "give both tools the same pressure angle", "conflict"
         )
+
+
+def check_shortening(gear: AbstractInvoluteGear, by: float, addendum: float) -> None:
+    """Raise DesignError if shortened tips leave no teeth above the reference line; in modules."""
+    if by >= addendum:
+        problem = f"found {gear.profile_shift:g}, with which tips of full clearance are shortened by {by:.4g} modules"
+        raise DesignError("profile_shift", problem, "give smaller profile shifts", "conflict")
 
 
 class AbstractShaper(_AbstractToothed):

@@ -24,15 +24,16 @@ def side_angles(gear: AbstractInvoluteGear) -> tuple[Real, Real]:
     return radius[order], angle[order]
 
 
-def tip_margin(
+def tip_margins(
     gear: AbstractInvoluteGear,
     mate: AbstractInvoluteGear,
     distance: float,
     poses: Callable[[Real], tuple[Pose, Pose]],
-) -> float:
-    """Least distance of a gear's tip edges from the teeth of its mate, mm along circles; negative inside them.
+) -> tuple[float, float]:
+    """Least distances of a gear's tip edges from the roots and from the flanks of its mate; negative inside the teeth.
 
-    distance: of the axes, mm. poses: function that returns the poses of gear and mate at rotations of the gear, rad.
+    In mm along circles; inf if the tips do not come so far. distance: of the axes, mm. poses: function that returns the
+    poses of gear and mate at rotations of the gear, rad.
     """
     last = gear.flank.breaks[-1]
     edges = [gear.flank.point(last)]
@@ -53,7 +54,9 @@ def tip_margin(
     radius = np.abs(z)
     margin = (from_tooth - np.interp(radius, radii, angles)) * radius
     within = (radius >= radii[0]) & (radius <= radii[-1])
-    return float(margin[within].min()) if within.any() else float("inf")
+    in_roots = radius > mate.form_radius if mate.is_ring else radius < mate.form_radius
+    at_roots, at_flanks = (float(margin[within & part].min(initial=np.inf)) for part in (in_roots, ~in_roots))
+    return at_roots, at_flanks
 
 
 @record
@@ -75,22 +78,24 @@ class InternalMesh:
     def trochoid_gap(self) -> float:
         """Clearance of the pinion's tip from the ring's tip as it leaves the space, rad of the pinion.
 
-        Negative for trochoid interference; inf if the tip circles do not cross. When the pinion's tip corner is on the
-        ring's tip circle, the triangle of the two centres and the corner gives the rotation of each gear since the
-        flanks of the two corners touched at the pitch point.
+        Negative for trochoid interference; inf if the pinion's tips do not reach those of the ring, -inf if they never
+        leave them. When the pinion's tip corner is on the ring's tip circle, the triangle of the two centres and the
+        corner gives the rotation of each gear since the flanks of the two corners touched at the pitch point.
         """
         a, pinion, ring = self.distance, self.pinion_tip, self.ring_tip
         # Angles of the corner from the line of centres, at the two centres.
         cosine = (ring**2 - pinion**2 - a**2) / (2 * a * pinion)
         if abs(cosine) >= 1:
-            return float("inf")
+            # The pinion's tips pass from space to space of the ring, through its teeth if they do not leave these.
+            return float(np.copysign(np.inf, cosine))
         return self._gap(np.arccos(cosine), np.arccos((a**2 + ring**2 - pinion**2) / (2 * a * ring)))
 
     @property
     def trimming_gap(self) -> float:
         """Clearance of the pinion's tips from the ring's during radial assembly, rad of the pinion.
 
-        Negative for trimming interference: the pinion can then only be inserted along its axis.
+        Negative for trimming interference: the pinion can then only be inserted along its axis. -inf if the pinion is
+        larger than the ring's tip circle.
         """
         tip = self.pinion_base / self.pinion_tip / (self.ring_base / self.ring_tip)
         ratio = self.pinion_teeth / self.ring_teeth
@@ -99,7 +104,8 @@ class InternalMesh:
         first = np.sqrt((1 - tip**2) / (1 - ratio**2))
         second = np.sqrt((tip**-2 - 1) / (ratio**-2 - 1))
         if first > 1 or second > 1:
-            return float("inf")
+            # Without room for the pinion's tips inside the ring's.
+            return float("-inf")
         return self._gap(np.arcsin(first), np.arcsin(second))
 
     def _gap(self, at_pinion: float, at_ring: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ..model.table import Column, Table
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from .contract import check_alike
-from .interference import InternalMesh, tip_margin
+from .interference import InternalMesh, tip_margins
 from .module import Settled
 from .rack import RackPair
 from .ring import RingGear
@@ -68,11 +68,11 @@ class GearPair:
 
     def __post_init__(self) -> None:
         first, second = self.first, self.second
-        tool = "cutter" if self.is_internal else "rack"
-        check_alike(first, second.module, second.pressure_angle, "second", tool)
+        tool, name = "cutter" if self.is_internal else "rack", self.names[1]
+        check_alike(first, second.module, second.pressure_angle, name, tool)
         if self.is_internal and second.teeth <= first.teeth:
             raise DesignError(
-                "second.teeth",
+                f"{name}.teeth",
                 f"found a ring of {second.teeth} teeth for a gear of {first.teeth}",
                 f"give at least {first.teeth + 1}",
             )
@@ -95,6 +95,11 @@ class GearPair:
         return self.first
 
     @property
+    def driven(self) -> SpurGear | RingGear:
+        """The driven gear: the second."""
+        return self.second
+
+    @property
     def module(self) -> float:
         """Module of both gears, mm."""
         return self.first.module
@@ -112,8 +117,8 @@ class GearPair:
             x1, x2, slope = self.first.profile_shift, self.second.profile_shift, np.tan(self.first.pressure_angle)
             least = -involute_function(slope) * self._teeth / (2 * slope)
             raise DesignError(
-                "second.profile_shift",
-                f"found {x2:g} with {x1:g} for the first gear: the teeth mesh at no centre distance",
+                f"{self.names[1]}.profile_shift",
+                f"found {x2:g} with {x1:g} for the driving gear: the teeth mesh at no centre distance",
                 f"give {self._nearest_shift(least + x2 - self._shift)}",
             )
         return self._base_distance * float(np.hypot(1, inverse_involute(angle)))
@@ -215,6 +220,40 @@ class GearPair:
             return second.tip_radius - a - first.root_radius, second.root_radius - a - first.tip_radius
         return a - second.tip_radius - first.root_radius, a - first.tip_radius - second.root_radius
 
+    def with_full_clearance(self) -> Self:
+        """The pair with tips shortened where they come closer to the mate's roots than the clearance of its tool.
+
+        Returns
+        -------
+        GearPair
+            At the same centre distance. The clearance of a rack is its dedendum less its addendum; at the roots of a
+            ring it is that of the pinion's rack.
+
+        Notes
+        -----
+        Without backlash this is the tip alteration k = y - x1 - x2 of ISO 21771, with y the change of the centre
+        distance in modules.
+
+        Examples
+        --------
+        >>> pair = gk.GearPair(gk.SpurGear(12, 3, 0.6), gk.SpurGear(24, 3, 0.36)).with_full_clearance()
+        >>> round(2 * pair.first.tip_radius, 3)
+        44.84
+        """
+        first, second = self.first, self.second
+        racks = first.rack, second.rack if isinstance(second, SpurGear) else first.rack
+        # Lengths by which tips are too long: of the second gear's at the first gear's roots, and of the first's.
+        of_second, of_first = (
+            max(rack.dedendum - rack.addendum - room / self.module, 0.0) for rack, room in zip(racks, self.clearances)
+        )
+        gears: list[Any] = []
+        for name, gear, by in zip(self.names, (first, second), (of_first, of_second)):
+            try:
+                gears.append(gear.shortened(by))
+            except DesignError as error:
+                raise DesignError(f"{name}.{error.field}", error.problem, error.remedy, error.id) from None
+        return replace(self, first=gears[0], second=gears[1])
+
     @cached_property
     def tip_margins(self) -> tuple[float, float]:
         """Least distance of the second gear's tips from the teeth of the first, and of the first's from the second's.
@@ -222,10 +261,16 @@ class GearPair:
         mm along circles, over the whole path of a tip through the space. 0 means proper contact with a flank, a
         negative value interference with a root or tooth. Accurate to 1e-5 modules.
         """
+        of_second, of_first = self._margins
+        return min(of_second), min(of_first)
+
+    @cached_property
+    def _margins(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """`tip_margins`, each from the roots and from the flanks of the other gear."""
         first, second, distance = self.first, self.second, self.centre_distance
         return (
-            tip_margin(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
-            tip_margin(first, second, distance, self.poses),
+            tip_margins(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
+            tip_margins(first, second, distance, self.poses),
         )
 
     @property
@@ -239,7 +284,10 @@ class GearPair:
 
     @property
     def trochoid_margin(self) -> float:
-        """Clearance of the tips of an internal pair outside the contact, rad of the first gear; inf for other pairs."""
+        """Clearance of the tips of an internal pair outside the contact, rad of the first gear; inf for other pairs.
+
+        -inf if the tips never leave the spaces, so that they run through the teeth.
+        """
         return self._internal.trochoid_gap if self.is_internal else float("inf")
 
     @property
@@ -249,17 +297,20 @@ class GearPair:
 
     @property
     def interferences(self) -> tuple[str, ...]:
-        """Interferences: any of `first root`, `second root`, `involute`, `trochoid` and `trimming`; empty for none.
+        """Interferences: `first root`, `second root`, `involute`, `trochoid` and `trimming`, or none.
 
-        The roots include the teeth next to them. Trimming prevents radial assembly of a pinion, but not the motion.
+        The roots of an external pair include the flanks next to them. Tips of an internal pair that dig into flanks as
+        they leave the spaces have trochoid interference. Trimming prevents radial assembly, but not the motion.
         """
         limit = -LEAST_OVERLAP * self.first.module
+        # The flanks of an internal pair are only reached by tips that leave the spaces.
+        roots, flanks = zip(*self._margins) if self.is_internal else (self.tip_margins, (np.inf, np.inf))
         interferences = {
-            "first root": self.tip_margins[0] < limit or self.clearances[0] < 0,
-            "second root": self.tip_margins[1] < limit or self.clearances[1] < 0,
+            f"{self.names[0]} root": roots[0] < limit or self.clearances[0] < 0,
+            f"{self.names[1]} root": roots[1] < limit or self.clearances[1] < 0,
             # Undercut has removed the material that such a tip would hit.
             "involute": self.involute_margin < limit and not self.first.is_undercut,
-            "trochoid": self.trochoid_margin < 0,
+            "trochoid": self.trochoid_margin < 0 or min(flanks) < limit,
             "trimming": self.trimming_margin < 0,
         }
         return tuple(name for name, occurs in interferences.items() if occurs)
@@ -411,6 +462,31 @@ class GearPair:
         """Contact ratio for a centre distance; 0 or less if no flanks meet."""
         start, end = self._contact_at(distance)
         return (end - start) / self.first.base_pitch
+
+
+@record
+class InternalGearPair(GearPair):
+    """A pinion and the ring that it drives: a `GearPair` whose gears are named pinion and ring.
+
+    Parameters
+    ----------
+    first : SpurGear
+        The pinion, about the origin.
+    second : RingGear
+        The ring, with the same module and pressure angle.
+    centre_distance : float, optional
+        As of `GearPair`.
+
+    Examples
+    --------
+    >>> pair = gk.gear.InternalGearPair(gk.SpurGear(20, 2), gk.RingGear(60, 2, addendum=0.8))
+    >>> pair.ratio, pair.interferences
+    (3.0, ())
+    """
+
+    names = "pinion", "ring"
+
+    second: RingGear = entry("the ring", example=RingGear(60, 2, addendum=0.8))
 
 
 def _flank_rate(gear: SpurGear | RingGear, length: float) -> float:

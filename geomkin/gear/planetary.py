@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,6 +20,29 @@ from .cutters import HelixAngle
 from .pair import GearPair
 from .ring import RingGear
 from .spur import SpurGear
+
+
+@record
+class SunMesh(GearPair):
+    """Sun and planet in mesh."""
+
+    names = "sun", "planet"
+
+    second: SpurGear = entry("the planet")
+
+
+@record
+class RingMesh(GearPair):
+    """Planet and ring in mesh."""
+
+    names = "planet", "ring"
+
+    second: RingGear = entry("the ring")
+
+
+# The members that turn about the common axis.
+Member = Literal["sun", "carrier", "ring"]
+MEMBERS: tuple[Member, ...] = ("sun", "carrier", "ring")
 
 
 @record(checked=True)
@@ -59,7 +85,7 @@ class PlanetarySet:
     _repr_html_ = moving_picture
 
     def __post_init__(self) -> None:
-        inner, outer = self.inner.centre_distance, GearPair(self.planet, self.ring).tight_distance
+        inner, outer = self.inner.centre_distance, RingMesh(self.planet, self.ring).tight_distance
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
                 "ring.profile_shift",
@@ -88,15 +114,27 @@ class PlanetarySet:
         sun, planet = (gear.transverse(helix_angle_deg) for gear in (self.sun, self.planet))
         return PlanetarySet(sun, planet, self.ring.transverse(helix_angle_deg), self.planets)
 
-    @cached_property
-    def inner(self) -> GearPair:
-        """Sun and planet in mesh."""
-        return GearPair(self.sun, self.planet)
+    def with_full_clearance(self) -> PlanetarySet:
+        """The set with tips shortened in both meshes, as by `GearPair.with_full_clearance`.
+
+        Returns
+        -------
+        PlanetarySet
+            The same distances and speeds.
+        """
+        inner = self.inner.with_full_clearance()
+        outer = RingMesh(inner.second, self.ring, inner.centre_distance).with_full_clearance()
+        return replace(self, sun=inner.first, planet=outer.first, ring=outer.second)
 
     @cached_property
-    def outer(self) -> GearPair:
+    def inner(self) -> SunMesh:
+        """Sun and planet in mesh."""
+        return SunMesh(self.sun, self.planet)
+
+    @cached_property
+    def outer(self) -> RingMesh:
         """Planet and ring in mesh, at the centre distance of sun and planet."""
-        return GearPair(self.planet, self.ring, self.inner.centre_distance)
+        return RingMesh(self.planet, self.ring, self.inner.centre_distance)
 
     @property
     def planet_gap(self) -> float:
@@ -138,27 +176,63 @@ class PlanetarySet:
         -----
         Willis's equation: sun z_s + ring z_r = carrier (z_s + z_r).
         """
-        z_s, z_r, z_p = self.sun.teeth, self.ring.teeth, self.planet.teeth
-        weights = {"sun": z_s, "ring": z_r, "carrier": -(z_s + z_r)}
-        if len(given) != 2 or not set(given) <= set(weights):
+        if len(given) != 2 or not set(given) <= set(MEMBERS):
             raise DesignError("given", f"found {', '.join(given)}", "give two of sun, ring and carrier", "conflict")
-        (missing,) = set(weights) - set(given)
         for name, speed in given.items():
             if not NUMBER.fits(speed):
                 raise refused(name, speed, NUMBER)
-        known = sum(weights[name] * speed for name, speed in given.items())
-        speeds = given | {missing: -known / weights[missing]}
-        planet = speeds["carrier"] - (speeds["sun"] - speeds["carrier"]) * z_s / z_p
-        return {name: float(speeds[name]) for name in weights} | {"planet": float(planet)}
+        return {name: float(speed) for name, speed in self._willis(given).items()}
 
     @checked
-    def poses(self, turn: FloatOrNan) -> tuple[Pose, list[Pose], Pose]:
-        """Poses of sun, planets and ring at rotations of the sun; the ring is fixed.
+    def turns(self, driver: Member = "sun", fixed: Member = "ring") -> dict[str, Fraction]:
+        """Rotations of all members for one of the driver, exact.
+
+        Parameters
+        ----------
+        driver, fixed : {"sun", "carrier", "ring"}, optional
+            The member that drives, and another one that is held.
+
+        Returns
+        -------
+        dict
+            Rotations of `sun`, `ring`, `carrier` and `planet` relative to the frame.
+
+        Raises
+        ------
+        DesignError
+            If the driver is fixed.
+
+        Examples
+        --------
+        >>> gears = gk.gear.PlanetarySet(gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
+        >>> gears.turns(driver="carrier", fixed="sun")["ring"]
+        Fraction(7, 5)
+        """
+        if driver == fixed:
+            others = " or ".join(name for name in MEMBERS if name != driver)
+            raise DesignError("fixed", f"found {fixed}, which drives", f"give {others}", "conflict")
+        return self._willis({driver: Fraction(1), fixed: Fraction(0)})
+
+    def _willis(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Speeds of all members from two of them."""
+        z_s, z_r, z_p = self.sun.teeth, self.ring.teeth, self.planet.teeth
+        weights = {"sun": z_s, "ring": z_r, "carrier": -(z_s + z_r)}
+        (missing,) = set(weights) - set(given)
+        known = sum(weights[name] * speed for name, speed in given.items())
+        speeds = {**given, missing: -known / weights[missing]}
+        planet = speeds["carrier"] - (speeds["sun"] - speeds["carrier"]) * z_s / z_p
+        return {name: speeds[name] for name in weights} | {"planet": planet}
+
+    @checked
+    def poses(self, turn: FloatOrNan, driver: Member = "sun", fixed: Member = "ring") -> tuple[Pose, list[Pose], Pose]:
+        """Poses of sun, planets and ring at rotations of the driver.
 
         Parameters
         ----------
         turn : float or array_like
-            Rotations of the sun, rad, any shape.
+            Rotations of the driver, rad, any shape.
+        driver, fixed : {"sun", "carrier", "ring"}, optional
+            The member that drives, and another one that is held.
 
         Returns
         -------
@@ -166,14 +240,14 @@ class PlanetarySet:
             Sun, planets and ring; the first planet starts on +y.
         """
         t = np.asarray(turn, dtype=float)
-        carrier = t / self.ratios["sun to carrier"]
+        angles = {name: t * float(speed) for name, speed in self.turns(driver, fixed).items()}
         origin = np.zeros(t.shape, complex)
-        planets = [self._planet(t, carrier + 2 * np.pi * k / self.planets) for k in range(self.planets)]
-        # In the frame of the first arm, planet and ring are posed as in their pair; the ring itself does not rotate.
-        arm = np.exp(1j * carrier)
-        planet_angle = np.angle(planets[0].direction * np.conj(arm))
-        ring = self.outer.poses(planet_angle)[1].direction * arm
-        return Pose(origin, np.exp(1j * t)), planets, Pose(origin, ring)
+        arms = [angles["carrier"] + 2 * np.pi * k / self.planets for k in range(self.planets)]
+        planets = [self._planet(angles["sun"], arm) for arm in arms]
+        # At the start planet and ring are posed as in their pair.
+        first = float(np.angle(complex(self._planet(np.array(0.0), np.array(0.0)).direction)))
+        ring = complex(self.outer.poses(first)[1].direction) * np.exp(1j * angles["ring"])
+        return Pose(origin, np.exp(1j * angles["sun"])), planets, Pose(origin, ring)
 
     def _planet(self, turn: Real, arm: Real) -> Pose:
         pose = self.inner.poses(turn - arm)[1]

@@ -254,6 +254,11 @@ class RackPair:
         return self.pinion
 
     @property
+    def driven(self) -> GearRack:
+        """The rack."""
+        return self.rack
+
+    @property
     def _tight_distance(self) -> float:
         return self.pinion.pitch_radius + self.pinion.module * self.pinion.profile_shift
 

@@ -16,7 +16,7 @@ from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import PolarArray
 from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
-from .contract import AbstractInvoluteGear, AbstractTooth
+from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
 from .interference import InternalMesh
 from .module import Settled, diametral_pitch, module, settle_module
 from .pinion_cutter import PinionCutter
@@ -416,6 +416,11 @@ class RingGear(AbstractInvoluteGear):
     def pressure_angle(self) -> float:
         """Pressure angle at the reference circle, rad: that of the cutter."""
         return self.cutter.pressure_angle
+
+    def shortened(self, by: float) -> RingGear:
+        """The gear with its tips shortened, modules."""
+        check_shortening(self, by, self.addendum)
+        return replace(self, addendum=self.addendum - by) if by else self
 
     @property
     def outline(self) -> PolarArray:

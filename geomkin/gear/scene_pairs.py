@@ -19,7 +19,7 @@ from ..plane.primitives import Circle, Polyline, Segment
 from ..plane.vec import Complex, Pose, Real
 from .conjugate.conjugate import Conjugate
 from .pair import GearPair
-from .planetary import PlanetarySet
+from .planetary import MEMBERS, Member, PlanetarySet
 from .rack import RackPair
 from .scene import (
     MOST_PITCHES,
@@ -345,17 +345,21 @@ def _contact(pair: GearPair | RackPair, frames: Meshing) -> Iterator[Column]:
 
 
 @checked
-def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = ()) -> Scene:
-    """The scene of a planetary set with a driving sun and a fixed ring.
+def planetary_scene(
+    gears: PlanetarySet, table: Table, parts: Sequence[Part] = (), driver: Member = "sun", fixed: Member = "ring"
+) -> Scene:
+    """The scene of a planetary set.
 
     Parameters
     ----------
     gears : PlanetarySet
         The gears.
     table : Table
-        Columns `sun_angle`, deg, and `time`; its rows are the frames.
+        Columns with the rotation of the driver, such as `sun_angle`, deg, and `time`; its rows are the frames.
     parts : sequence of Part, optional
         Plates of the bodies sun, planet, ring, carrier and ground.
+    driver, fixed : {"sun", "carrier", "ring"}, optional
+        The member that drives, and another one that is held.
 
     Returns
     -------
@@ -367,11 +371,9 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     Derived here.
     """
     parts, motor = split_motor_parts(parts)
-    turn = np.radians(np.asarray(table["sun_angle"], dtype=float))
-    sun, planets, ring = gears.poses(turn)
-    # The ring is fixed; its computed pose differs by whole pitches only.
-    ring = Pose(ring.origin, np.full(turn.shape, np.asarray(ring.direction)[0]))
-    still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn / gears.ratios["sun to carrier"])
+    turn = np.radians(np.asarray(table[f"{driver}_angle"], dtype=float))
+    sun, planets, ring = gears.poses(turn, driver, fixed)
+    still, arm = np.zeros(turn.shape, complex), np.exp(1j * turn * float(gears.turns(driver, fixed)["carrier"]))
     names = ["planet"] if gears.planets == 1 else [f"planet {k + 1}" for k in range(gears.planets)]
     poses = {"carrier": Pose(still, arm), "sun": sun, "ring": ring} | dict(zip(names, planets))
     poses["ground"] = Pose(still, still + 1)
@@ -395,7 +397,7 @@ def planetary_scene(gears: PlanetarySet, table: Table, parts: Sequence[Part] = (
     marks += [
         SceneMark("pin", np.asarray(pose.origin), "construction", f"axis of {n}") for n, pose in zip(names, planets)
     ]
-    angles = tuple(id for id in ("carrier_angle", "planet_angle") if id in table.ids)
+    angles = tuple(f"{name}_angle" for name in (*MEMBERS, "planet") if name != driver and f"{name}_angle" in table.ids)
     plots = (Plot("angles", angles),) if angles else ()
     bodies, assembled = with_motor_plate(bodies, motor), np.ones(turn.shape, bool)
     return Scene(table, playing_time(table), assembled, bodies, tuple(curves), tuple(marks), plots)
@@ -407,7 +409,7 @@ def pair_handles(pair: GearPair, shifts: bool = True, distance: bool = False) ->
     Parameters
     ----------
     pair : GearPair
-        The gears, of the keys `first` and `second`.
+        The gears; the keys of their tables are the pair's `names`.
     shifts : bool
         Whether their profile shifts are the recipe's.
     distance : bool
@@ -417,12 +419,11 @@ def pair_handles(pair: GearPair, shifts: bool = True, distance: bool = False) ->
     -------
     iterator of SceneHandle
     """
-    axis, modules = complex(0, pair.centre_distance), ("first.module", "second.module")
-    for name, gear, radius, centre in zip(
-        ("first", "second"), (pair.first, pair.second), pair.working_radii, (0j, axis)
-    ):
+    axis = complex(0, -pair.centre_distance if pair.is_internal else pair.centre_distance)
+    modules = [f"{name}.module" for name in pair.names]
+    for name, gear, radius, centre in zip(pair.names, (pair.first, pair.second), pair.working_radii, (0j, axis)):
         yield from gear_handles(gear, name, radius, centre, modules, shifts)
-    keys = ("centre_distance",) if distance else ("first.profile_shift", "second.profile_shift")
+    keys = ("centre_distance",) if distance else tuple(f"{name}.profile_shift" for name in pair.names)
     if distance or shifts:
         yield point_handle(*keys, at=axis, label="centre distance")
 

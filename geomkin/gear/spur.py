@@ -15,7 +15,7 @@ from ..plane.joined import PolarArray
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
-from .contract import AbstractInvoluteGear
+from .contract import AbstractInvoluteGear, check_shortening
 from .cutters import RackCutter
 from .module import Settled, diametral_pitch, module, settle_module
 from .tooth import Tooth, largest_rounding, outline
@@ -200,6 +200,16 @@ class SpurGear(AbstractInvoluteGear):
         roll = self.tooth.rolls[0]
         # Form radius minus base radius, without cancellation.
         return self.base_radius * roll**2 / (1 + float(np.hypot(1, roll))) if self.is_undercut else 0.0
+
+    def shortened(self, by: float) -> SpurGear:
+        """The gear with its tips shortened, modules."""
+        # Teeth that are cut where they are pointed are lower than their addendum.
+        height = (self.tip_radius - self.pitch_radius) / self.module - self.profile_shift
+        check_shortening(self, by, height)
+        if self.rack.fillet_radius:
+            # Such a rack cuts the tips.
+            return replace(self, rack=replace(self.rack, addendum=height - by)) if by else self
+        return replace(self, addendum=height - by) if by else self
 
     @property
     def tip_land(self) -> float:

@@ -17,7 +17,7 @@ from ..model.table import Column, Table
 from ..plane.vec import Real, cross
 from .contract import AbstractInvoluteGear
 from .pair import GearPair
-from .planetary import PlanetarySet
+from .planetary import Member, PlanetarySet
 from .rack import RackPair
 
 # Least ratio of a material's yield strength, or of its strength, to the nominal root stress: teeth that pulsate for
@@ -427,35 +427,39 @@ class PairStrength(AbstractMeshStrength):
 
 @record
 class PlanetaryStrength:
-    """Forces and stresses of a planetary set whose sun drives and whose ring is fixed.
+    """Forces and stresses of a planetary set, the same whichever member is fixed.
 
     Parameters
     ----------
     gears : PlanetarySet
         The gears; the planets share the torque equally.
     loads : GearLoads
-        Torque on the sun, and load factors.
+        Torque on the driver, and load factors.
     face_widths : tuple of float
         Of sun and planet in contact, and of planet and ring, mm.
     materials : tuple of Material
         Of sun, planet and ring.
+    driver : {"sun", "carrier", "ring"}, optional
+        The member that drives.
     """
 
     gears: PlanetarySet
     loads: GearLoads
     face_widths: tuple[float, float]
     materials: tuple[Material, ...]
+    driver: Member = "sun"
 
     @property
     def torques(self) -> dict[str, float]:
-        """Torques that act on the set from outside, N mm, in the direction of the sun's; their sum is 0."""
-        on_sun, ring = self.loads.torque_n_mm, self.gears.ring.teeth / self.gears.sun.teeth
-        return {"sun": on_sun, "ring": on_sun * ring, "carrier": -on_sun * (1 + ring)}
+        """Torques that act on the set from outside, N mm, in the direction of the driver's; their sum is 0."""
+        ring = self.gears.ring.teeth / self.gears.sun.teeth
+        shares = {"sun": 1.0, "ring": ring, "carrier": -(1 + ring)}
+        return {name: self.loads.torque_n_mm * share / shares[self.driver] for name, share in shares.items()}
 
     @cached_property
     def inner(self) -> PairStrength:
         """Sun and one planet."""
-        torque, (sun, planet, _) = self.loads.torque_n_mm / self.gears.planets, self.materials
+        torque, (sun, planet, _) = abs(self.torques["sun"]) / self.gears.planets, self.materials
         return PairStrength(self.gears.inner, torque, self.face_widths[0], (sun, planet), self.loads)
 
     @cached_property
@@ -477,7 +481,7 @@ class PlanetaryStrength:
 
     @property
     def torque_limit(self) -> float:
-        """Torque on the sun at which a safety falls to its limit, N mm; nan if a strength is unknown."""
+        """Torque on the driver at which a safety falls to its limit, N mm; nan if a strength is unknown."""
         return self.loads.torque_n_mm * float(np.min([self.inner.load_margin, self.outer.load_margin]))
 
 

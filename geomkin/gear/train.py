@@ -11,7 +11,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ..core.arguments import FloatOrNan, between, checked
+from ..core.arguments import FloatOrNan, between, checked, whole_between
 from ..core.errors import DesignError
 from ..core.fields import AsWritten, entry, quantity
 from ..core.records import record
@@ -27,7 +27,7 @@ from .spur import SpurGear
 FEWEST_TEETH, MOST_TEETH = 6, 1000
 MOST_STAGES = 8
 
-Teeth = Annotated[int, AsWritten(), between(FEWEST_TEETH, MOST_TEETH, "teeth")]
+Teeth = Annotated[int, AsWritten(), whole_between(FEWEST_TEETH, MOST_TEETH)]
 Direction = Annotated[float, AsWritten(), between(-3600, 3600, "deg")]
 Stages = tuple[tuple[Teeth, Teeth], ...]
 

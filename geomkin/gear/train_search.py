@@ -11,9 +11,9 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.arguments import PositiveFloat, between, checked
+from ..core.arguments import ArgumentType, PositiveFloat, between, checked, whole_between
 from ..core.errors import DesignError
-from ..core.fields import rounded_up
+from ..core.fields import EXACT_DIGITS, as_fraction, rounded_up, significant_digits
 from ..core.records import record
 from ..plane.vec import Real
 from .train import FEWEST_TEETH, MOST_TEETH, GearTrain
@@ -28,15 +28,23 @@ MOST_SEARCHED, LARGEST_RATIO = 3, 1e9
 # Teeth of a pair of which at least one gear needs no positive shift against undercut, for 20 deg: 2 x 17.1.
 UNDERCUT_FREE = 35
 
-SearchedTeeth = Annotated[int, between(FEWEST_TEETH, MOST_TEETH, "teeth")]
-SearchedStages = Annotated[int, between(1, MOST_SEARCHED, "stages")]
-Ratio = Annotated[float, between(1 / LARGEST_RATIO, LARGEST_RATIO)]
+SearchedTeeth = Annotated[int, whole_between(FEWEST_TEETH, MOST_TEETH)]
+SearchedStages = Annotated[int, whole_between(1, MOST_SEARCHED)]
+NUMBER_RATIO = between(1 / LARGEST_RATIO, LARGEST_RATIO)
+TrainRatio = Annotated[
+    float | Fraction,
+    ArgumentType(
+        lambda value: NUMBER_RATIO.fits(float(value) if isinstance(value, Fraction) else value),
+        f"{NUMBER_RATIO.allowed}, or a Fraction",
+        NUMBER_RATIO.types,
+    ),
+]
 Error = Annotated[float, between(0, 0.5)]
 
 
 @checked
 def gear_train(
-    ratio: Ratio,
+    ratio: TrainRatio,
     module: PositiveFloat = 1.0,
     *,
     least_teeth: SearchedTeeth = 12,
@@ -50,9 +58,9 @@ def gear_train(
 
     Parameters
     ----------
-    ratio : float
+    ratio : float or Fraction
         Rotations of the first gear for one of the last, above 0, in either direction: an even number of stages turns
-        the last gear like the first.
+        the last gear like the first. A decimal of ten or more digits also counts as any fraction that it rounds.
     module : float, optional
         Module of all gears, mm.
     least_teeth, most_teeth : int, optional
@@ -162,7 +170,7 @@ def _search(pairs: _Pairs, ratio: float, stages: int, error: float) -> tuple[_Ca
     if stages == 3 and count * (count + 1) // 2 > MOST_PAIRS:
         problem = f"found bounds that allow {count:,} ratios of one stage, too many for a search of three stages"
         raise DesignError("most_teeth", problem, "give a smaller most_teeth, or most_stages = 2", "too-much-work")
-    lookup, teeth = _Lookup(pairs, max(error, EXACT)), pairs.teeth
+    lookup, teeth = _Lookup(pairs, max(error, EXACT, _rounding(ratio))), pairs.teeth
     best: _Candidate | None = None
     nearest: _Candidate | None = None
     for heads in _heads(np.argsort(teeth, kind="stable"), stages):
@@ -184,6 +192,12 @@ def _search(pairs: _Pairs, ratio: float, stages: int, error: float) -> tuple[_Ca
         nearest = candidate if nearest is None or candidate.error < nearest.error else nearest
     assert nearest is not None
     return best, nearest
+
+
+def _rounding(ratio: float) -> float:
+    """Relative error of a ratio's last digit, if it has so many that it may be a rounded fraction; otherwise 0."""
+    digits, last = significant_digits(ratio)
+    return last / 2 / ratio if digits > EXACT_DIGITS and not ratio.is_integer() else 0.0
 
 
 def _heads(order: NDArray[np.int64], stages: int) -> Iterator[NDArray[np.int64]]:
@@ -261,8 +275,9 @@ def _unreachable(ratio: float, error: float, nearest: _Candidate, least: int, mo
     teeth = " x ".join(f"{b}/{a}" for a, b in nearest.stages)
     limit = f" within {error:g}" if error else ""
     plural = "s" if stages > 1 else ""
+    shown = fraction if isinstance(fraction := as_fraction(ratio), str) else f"{ratio:.12g}"
     return DesignError(
         "ratio",
-        f"found {ratio:.12g}, which no train of at most {stages} stage{plural} of {least} to {most} teeth has{limit}",
+        f"found {shown}, which no train of at most {stages} stage{plural} of {least} to {most} teeth has{limit}",
         f"give {float(value):.12g} ({teeth}), an error of at least {rounded_up(nearest.error, 3)}, or wider bounds",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, ComplexPoint, entry, quantity
+from ..core.fields import FARTHEST, ComplexPoint, Ratio, entry, quantity
 from ..core.records import record
 from .linkage import AbstractLinkage, Linkage
 
@@ -56,7 +56,7 @@ class Pantograph(AbstractLinkage):
 
     arm: float = quantity("bar from the pole to the elbow", "mm", above=0, at_most=FARTHEST, example=150)
     forearm: float = quantity("bar from the elbow to the pen", "mm", above=0, at_most=FARTHEST, example=150)
-    ratio: float = quantity("size of the pen's path to that of the tracer", above=1, at_most=100, example=3)
+    ratio: Ratio = quantity("size of the pen's path to that of the tracer", above=1, at_most=100, example=3)
     crank: float = quantity("radius of the tracer's circle", "mm", above=0, at_most=FARTHEST, example=15)
     crank_pivot: ComplexPoint = entry("centre of the tracer's circle, from the pole, [x, y] in mm", example=65 + 0j)
     origin: ComplexPoint = entry("the pole, [x, y] in mm", default=0j)

@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import DesignError, GeomkinError, printable, shown
+from ..core.expressions import FUNCTIONS, LONGEST, evaluate
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Complex, Real
-from ..synthesis.function.wanted import CONSTANTS, DEEPEST, FUNCTIONS, LARGEST, LONGEST, OPERATORS
 
 # Functions that make one number of a column.
 SUMMARIES: dict[str, Callable[[Real], Any]] = {
     "min": np.min, "max": np.max, "mean": np.mean, "range": np.ptp, "rms": lambda values: np.sqrt(np.mean(values**2)),
 }  # fmt: skip
+CALLS = {name: lambda x, f=f: f(np.asarray(x, dtype=float)) for name, f in SUMMARIES.items()} | FUNCTIONS
 REMEDY = (
     f"give columns and checks, numbers, + - * / **, brackets, {', '.join(SUMMARIES)}, {', '.join(FUNCTIONS)}, "
     "or distance(POINT, [[x, y], ...])"
@@ -68,39 +69,21 @@ class Formula:
         return np.array([self.value(lookup)])
 
     def _values(self, node: ast.expr, lookup: Lookup) -> Any:
+        def distance(inner: ast.expr) -> Any:
+            match inner:
+                case ast.Call(func=ast.Name(id="distance"), args=[ast.Name(id=name), points], keywords=[]):
+                    path = np.asarray(lookup(f"{name}_x")) + 1j * np.asarray(lookup(f"{name}_y"))
+                    return polyline_distances(self._points(points), path)
+            return None
+
         try:
-            return self._evaluated(node, lookup)
+            with np.errstate(all="ignore"):
+                return evaluate(node, lookup, self._wrong, CALLS, distance)
         except ValueError as error:
             # Columns and rows of points of different lengths, or the smallest of none.
             if isinstance(error, GeomkinError):
                 raise
             raise self._wrong(node, f"found {printable(error, 100)}") from None
-
-    def _evaluated(self, node: ast.expr, lookup: Lookup, depth: int = 1) -> Any:
-        if depth > DEEPEST:
-            raise self._wrong(node, f"found more than {DEEPEST} operations within each other")
-        with np.errstate(all="ignore"):
-            match node:
-                case ast.Constant(value=float() | int() as number) if not isinstance(number, bool):
-                    if number < LARGEST:
-                        return float(number)
-                    raise self._wrong(node, "found a number too large")
-                case ast.Name(id=name):
-                    return CONSTANTS[name] if name in CONSTANTS else lookup(name)
-                case ast.Call(func=ast.Name(id="distance"), args=[ast.Name(id=name), points], keywords=[]):
-                    path = np.asarray(lookup(f"{name}_x")) + 1j * np.asarray(lookup(f"{name}_y"))
-                    return polyline_distances(self._points(points), path)
-                case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in SUMMARIES:
-                    return SUMMARIES[name](np.asarray(self._evaluated(inner, lookup, depth + 1), dtype=float))
-                case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in FUNCTIONS:
-                    return FUNCTIONS[name](self._evaluated(inner, lookup, depth + 1))
-                case ast.UnaryOp(op=sign, operand=inner) if type(sign) in OPERATORS:
-                    return OPERATORS[type(sign)](self._evaluated(inner, lookup, depth + 1))
-                case ast.BinOp(left=left, op=sign, right=right) if type(sign) in OPERATORS:
-                    return OPERATORS[type(sign)](
-                        self._evaluated(left, lookup, depth + 1), self._evaluated(right, lookup, depth + 1)
-                    )
-        raise self._wrong(node, f"found {shown(ast.get_source_segment(self.text, node) or self.text)}")
 
     def _points(self, node: ast.expr) -> Complex:
         try:
@@ -112,8 +95,11 @@ class Formula:
         places: Complex = points[:, 0] + 1j * points[:, 1]
         return places
 
-    def _wrong(self, node: ast.expr, problem: str) -> DesignError:
-        return DesignError(self.field, f"{problem} at character {node.col_offset + 1} of {shown(self.text)}", REMEDY)
+    def _wrong(self, node: ast.expr, problem: str = "", remedy: str = "") -> DesignError:
+        problem = problem or f"found {shown(ast.get_source_segment(self.text, node) or self.text)}"
+        return DesignError(
+            self.field, f"{problem} at character {node.col_offset + 1} of {shown(self.text)}", remedy or REMEDY
+        )
 
 
 @record

@@ -294,7 +294,7 @@ def _files(radius: float) -> Files:
 
 @_job.register
 def _(pair: GearPair | RackPair) -> Job:
-    gears: dict[str, AbstractGear] = {name: getattr(pair, name) for name in pair.names}
+    gears: dict[str, AbstractGear] = dict(zip(pair.names, (pair.driver, pair.driven)))
     parts = [part for name, gear in gears.items() for part in _plate(gear, name)]
     return _static_job(pair, replace(pair_scene(pair, parts)), parts, mesh_checks(pair))
 

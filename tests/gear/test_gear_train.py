@@ -3,6 +3,7 @@
 from fractions import Fraction
 from itertools import combinations, product
 from math import prod
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ import shapely
 
 import geomkin as gk
 from geomkin.plane import region
+from geomkin.recipe.load import parse, to_toml
 
+CASES = Path(__file__).parents[1] / "cases"
 LOW, HIGH = 6, 11
 PAIRS = list(product(range(LOW, HIGH + 1), repeat=2))
 BOUNDS = {"least_teeth": LOW, "most_teeth": HIGH}
@@ -233,3 +236,45 @@ def test_trains_that_cannot_be_made_are_refused_by_key(recipe, field, tmp_path):
     with pytest.raises(gk.RecipeError) as caught:
         gk.make({"kind": "gear-train", **recipe}, tmp_path)
     assert [problem.key.partition("[")[0] for problem in caught.value.problems] == [field]
+
+
+@pytest.mark.parametrize("wanted", [Fraction(10, 3), Fraction(22, 7), Fraction(5, 4), Fraction(200, 7)])
+def test_a_fraction_is_found_from_its_text_from_python_and_from_ten_digits_of_it(wanted):
+    text = (CASES / "train-ratio-text.toml").read_text("utf-8")
+    recipe = parse(text.replace('"10/3"', f'" {wanted.numerator} / {wanted.denominator}"'))
+    trains = [recipe.design] + [gk.gear_train(ratio) for ratio in (wanted, float(f"{float(wanted):.10g}"))]
+    assert [abs(ratio_of(train.stages)) for train in trains] == 3 * [wanted]
+    assert parse(to_toml(recipe)) == recipe
+    # Fewer digits are meant exactly.
+    assert gk.gear_train(float(f"{float(wanted):.6g}"), error=1e-5).stages
+
+
+def test_a_rounded_fraction_with_few_digits_is_no_fraction():
+    with pytest.raises(gk.DesignError) as caught:
+        gk.gear_train(3.33333, most_stages=2)
+    assert caught.value.field == "ratio"
+
+
+def test_every_ratio_of_a_recipe_may_be_a_fraction():
+    table = {
+        "kind": "pantograph",
+        "linkage": {"arm": 150, "forearm": 150, "ratio": "5/2", "crank": 10, "crank_pivot": [60, 0]},
+    }
+    assert gk.load(table).linkage.ratio == 2.5
+    assert gk.linkage.Pantograph(150, 150, Fraction(5, 2), 10, 60 + 0j).ratio == 2.5
+
+
+@pytest.mark.parametrize("text", ["10/0", "x", "12", "1/10000000000", "10/3/2", "1e3/2"])
+def test_a_text_that_is_no_ratio_in_range_is_refused_by_its_key(text):
+    with pytest.raises(gk.RecipeError) as caught:
+        parse((CASES / "train-ratio-text.toml").read_text("utf-8").replace("10/3", text))
+    assert [problem.key for problem in caught.value.problems] == ["train.ratio"]
+
+
+def test_a_wrong_number_of_teeth_is_named_by_its_place():
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.load(CASES / "train-stages-message.toml")
+    (problem,) = caught.value.problems
+    assert problem.key == "train.stages[1][1]" and problem.id == "out-of-range"
+    for word in ("tuple", "row", "list"):
+        assert word not in problem.remedy

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import shapely
 
 import geomkin as gk
 from geomkin.plane import region
@@ -101,6 +102,61 @@ def test_tips_of_an_internal_pair_pass_at_the_reported_distance(teeth, ring_teet
     assert ("trimming" in pair.interferences) == (pair.trimming_margin < 0)
     outside = gk.GearPair(one, one)
     assert outside.trochoid_margin == outside.trimming_margin == np.inf
+
+
+def internal(teeth, ring_teeth, addendum, ring_shift=0.0, ring_addendum=0.8, cutter_teeth=20):
+    cutter = gk.gear.PinionCutter(teeth=cutter_teeth)
+    ring = gk.RingGear(ring_teeth, 2, ring_shift, cutter, addendum=ring_addendum)
+    return gk.GearPair(gk.SpurGear(teeth, 2, addendum=addendum), ring)
+
+
+def shared(pair, poses):
+    """The pieces of the pinion outside the hole of its ring, each as points on its edge."""
+    one, ring = (pose.place(gk.flatten(g.outline, 2e-3)) for pose, g in zip(poses, (pair.first, pair.second)))
+    over = shapely.Polygon(np.column_stack([one.real, one.imag])).difference(
+        shapely.Polygon(np.column_stack([ring.real, ring.imag]))
+    )
+    pieces = [np.array(piece.exterior.coords) for piece in getattr(over, "geoms", [over]) if piece.area > 1e-3]
+    return [piece @ [1, 1j] for piece in pieces]
+
+
+@pytest.mark.parametrize(
+    "sizes",
+    [
+        (47, 48, 0.8),
+        (42, 44, 0.6),
+        (42, 44, 0.8, 0.4),
+        (54, 60, 1.0, 0.0, 0.8, 24),
+        (42, 50, 1.5, 0.4),
+        (20, 60, 1.0, 0.0, 1.1, 24),
+    ],
+    ids=str,
+)
+def test_interferences_of_internal_pairs_are_named_by_what_overlaps(sizes):
+    pair, names = internal(*sizes), set()
+    for turn in np.linspace(0, 2 * np.pi / pair.first.teeth, 5)[:-1]:
+        poses = pair.poses(turn)
+        for z in shared(pair, poses):
+            own, other = (np.abs(pose.locate(z)) for pose in poses)
+            at = {
+                "first root": own.min() < pair.first.form_radius - 1e-2,
+                "second root": other.max() > pair.second.form_radius + 1e-2,
+            }
+            names |= {name for name, occurs in at.items() if occurs} or {"trochoid"}
+    assert set(pair.interferences) - {"trimming", "involute"} == names
+    assert (pair.trochoid_margin < 0) == ("trochoid" in names)
+
+
+@pytest.mark.parametrize("sizes", [(47, 48, 0.6, 0.4, 0.6), (42, 44, 0.8, 0.4), (45, 60, 1.0)], ids=str)
+def test_a_pinion_larger_than_the_hole_of_its_ring_is_not_put_in_along_a_radius(sizes):
+    pair = internal(*sizes)
+    turns = np.linspace(0, 2 * np.pi / (pair.first.teeth * pair.second.teeth), 5)
+    ring = pair.poses(0.0)[1]
+    concentric = [(type(ring)(ring.origin, np.exp(1j * turn)), ring) for turn in turns]
+    fits = any(not shared(pair, poses) for poses in concentric)
+    assert fits == (pair.first.tip_radius < pair.second.tip_radius)
+    assert ("trimming" in pair.interferences) != fits
+    assert "trochoid" not in pair.interferences
 
 
 def test_pairs_that_interfere_overlap_and_others_do_not():

@@ -100,7 +100,7 @@ def test_the_backlash_is_the_play_of_the_finished_outlines(name):
         (lambda: gk.GearPair(gk.SpurGear(24, 2), gk.RingGear(60, 2)), {"first root"}),
         (
             lambda: gk.GearPair(gk.SpurGear(54, 2), gk.RingGear(60, 2, addendum=0.8)),
-            {"second root", "trochoid", "trimming"},
+            {"trochoid", "trimming"},
         ),
         (lambda: gk.GearPair(gk.SpurGear(12, 2, 0.6), gk.SpurGear(60, 2, -0.6, addendum=1.4)), {"first root"}),
     ],

@@ -1,6 +1,7 @@
 """Planetary sets: outlines of all their gears laid over each other, ratios from rolling without slip."""
 
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -58,6 +59,38 @@ def test_all_teeth_mesh_without_overlap_while_the_sun_turns_and_the_ring_stands(
         one, two = planets[0].place(planet), planets[1].place(planet)
         assert region.overlap([one], [two]) == 0
         assert abs(planets[0].origin) == pytest.approx(gears.inner.centre_distance)
+
+
+@pytest.mark.parametrize(("driver", "fixed"), list(permutations(("sun", "carrier", "ring"), 2)))
+def test_any_member_drives_and_any_other_one_is_held(driver, fixed):
+    """Outlines in mesh, the held member at rest, and pitch circles that roll without slip on each other."""
+    gears, turn, step = SETS["thinned"], 0.7, 1e-6
+    outlines = [gk.flatten(g.outline, 1e-4) for g in (gears.sun, gears.planet, gears.ring)]
+    sun, planets, ring = gears.poses(np.array([turn, turn + step]), driver, fixed)
+    speeds = {
+        name: float(np.angle(z[1] / z[0])) / step
+        for name, z in {"sun": sun.direction, "ring": ring.direction, "carrier": planets[0].origin,
+                        "planet": planets[0].direction}.items()
+    }  # fmt: skip
+    assert speeds[driver] == pytest.approx(1, abs=1e-8) and speeds[fixed] == pytest.approx(0, abs=1e-8)
+    assert speeds == pytest.approx({name: float(v) for name, v in gears.turns(driver, fixed).items()}, abs=1e-8)
+    centre = speeds["carrier"] * (24 + 18)
+    assert centre - speeds["planet"] * 18 == pytest.approx(speeds["sun"] * 24, abs=1e-6)
+    assert centre + speeds["planet"] * 18 == pytest.approx(speeds["ring"] * 60, abs=1e-6)
+    for pose in planets:
+        wheel, hole, z = (
+            of.origin[0] + of.direction[0] * z
+            for of, z in zip((sun, ring, pose), (outlines[0], outlines[2], outlines[1]))
+        )
+        about = z - z[0]
+        area = 0.5 * np.imag(np.conj(about) * np.roll(about, -1)).sum()
+        assert region.overlap([wheel], [z]) < 2e-3 and area - region.overlap([hole], [z]) < 2e-3
+
+
+def test_a_driver_that_is_held_is_refused():
+    with pytest.raises(gk.DesignError) as caught:
+        SETS["three"].turns("ring", "ring")
+    assert caught.value.field == "fixed"
 
 
 @pytest.mark.parametrize("gears", ["four"], indirect=True)

@@ -1,5 +1,7 @@
 """Torques and forces of a loaded planetary set, by virtual work and by equilibrium along tangents of the base circles."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,46 @@ def test_torques_do_no_work_and_balance():
     assert sum(torques.values()) == pytest.approx(0, abs=1e-6)
 
 
+@pytest.mark.parametrize(("driver", "fixed"), list(permutations(("sun", "carrier", "ring"), 2)))
+def test_torques_do_no_work_whichever_member_drives(driver, fixed):
+    """The driver's torque is that of the loads; the planets carry the same force as in the set whose sun drives."""
+    recipe = planetary(driver=driver, fixed=fixed)
+    loads, table = recipe.notes["loads"], recipe.table
+    torques = loads["torque_n_mm"]
+    assert torques[driver] == 900 and sum(torques.values()) == pytest.approx(0, abs=1e-5)
+    turned = {name: table[f"{name}_angle"][-1] for name in torques if name != fixed}
+    assert sum(torques[name] * turn for name, turn in turned.items()) == pytest.approx(0, abs=1e-3)
+    # One rotation of the slower one.
+    assert min(map(abs, turned.values())) == pytest.approx(360)
+    by_sun = planetary(torque=abs(torques["sun"])).strength
+    assert recipe.strength.planet_bearing_load == pytest.approx(by_sun.planet_bearing_load)
+    assert recipe.strength.torque_limit / 900 == pytest.approx(by_sun.torque_limit / abs(torques["sun"]))
+
+
+def test_the_scene_moves_the_members_of_the_table():
+    recipe = planetary(driver="carrier", fixed="sun")
+    bodies = {body.name: np.unwrap(np.angle(body.direction)) for body in recipe.scene.bodies}
+    for name in ("carrier", "ring"):
+        assert np.degrees(np.ptp(bodies[name])) == pytest.approx(np.ptp(recipe.table[f"{name}_angle"]))
+    assert np.ptp(bodies["sun"]) == 0
+    assert list(recipe.rotating_bodies) == ["carrier", "ring"]
+
+
+@pytest.mark.parametrize(
+    ("more", "key"),
+    [
+        ({"driver": "ring"}, "fixed"),
+        ({"fixed": "carrier", "base": {}}, "base"),
+        ({"driver": "carrier", "sun_stock": {"motor": "nema17", "thickness": 20} | POM}, "sun_stock.motor"),
+        ({"gears": GEARS | {"planet": {"teeth": 18, "module": 3}}}, "gears.planet.module"),
+    ],
+)
+def test_sets_that_cannot_be_made_are_refused_by_key(more, key):
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.load({"kind": "planetary", "gears": GEARS} | more)
+    assert caught.value.problems[0].key == key
+
+
 def shifted():
     """A ring whose working pressure angle differs from that of the sun, with its profile shift from the refusal."""
     gears = GEARS | {"sun": {"teeth": 13, "module": 2, "profile_shift": 0.4}}
@@ -36,6 +78,13 @@ def shifted():
         planetary(gears=gears | {"ring": ring})
     shift = float(refused.value.problems[0].remedy.removeprefix("give "))
     return gears | {"ring": ring | {"profile_shift": shift}}
+
+
+def test_tips_of_a_shifted_set_get_full_clearance_in_both_meshes():
+    plain, shortened = (planetary(gears=shifted(), tips=tips).design for tips in ("given", "full-clearance"))
+    rooms = [room for mesh in (shortened.inner, shortened.outer) for room in mesh.clearances]
+    assert min(rooms) == pytest.approx(0.5) and min(plain.inner.clearances) < 0.5 - 1e-3
+    assert shortened.inner.centre_distance == plain.inner.centre_distance
 
 
 @pytest.mark.parametrize("make", [lambda: GEARS, shifted], ids=["plain", "shifted"])

@@ -402,3 +402,14 @@ def test_name_of_a_part_that_is_too_long_names_the_mechanism():
     with pytest.raises(gk.DesignError) as caught:
         _ = own.parts
     assert caught.value.field == f"mechanisms.{name}"
+
+
+def test_a_ring_turns_the_carrier_of_a_set_whose_sun_is_held():
+    pair = 'kind = "internal-gear-pair", pinion = { teeth = 20, module = 2 }, ring = { teeth = 50, module = 2, addendum = 0.8 }'
+    set_ = PLANETARY.replace('kind = "planetary"', 'kind = "planetary", driver = "carrier", fixed = "sun"')
+    text = machine(pair=inline(pair, "angle_deg = 30"), set=inline(set_, 'turned_by = "pair.ring"\nupside_down = true'))
+    table = parse(text).table
+    turned = [np.ptp(table[id]) for id in ("pair_driver_angle", "pair_ring_turn", "set_ring_angle")]
+    assert turned[0] / turned[1] == pytest.approx(50 / 20)
+    # With the sun held, the ring turns by 1 + sun / ring.
+    assert turned[2] / turned[1] == pytest.approx(1 + 24 / 60)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.core.expressions import CONSTANTS, FUNCTIONS
 from geomkin.synthesis import Expression, named_function
-from geomkin.synthesis.function.wanted import CONSTANTS, FUNCTIONS, NAMED
+from geomkin.synthesis.function.wanted import NAMED
 
 X = np.linspace(0.2, 0.9, 5)
 TEXTS = [
@@ -27,6 +28,15 @@ def agrees_with_python(text):
     wanted = [eval(text, {"__builtins__": {}}, names | {"x": x}) for x in X.tolist()]
     assert np.allclose(Expression(text)(X), wanted, rtol=4e-16, atol=1e-16)
     assert Expression(text)(0.5).shape == () and Expression(text)(np.ones((2, 3))).shape == (2, 3)
+
+
+@pytest.mark.parametrize("text", [*TEXTS, "(x - 2)**3", "(x - 2)**-2", "abs(x - 2)*x", "x**0", "(x - 0.2)**2"])
+def test_slopes_agree_with_differences(text):
+    """Central differences of fourth order."""
+    step, f = 1e-3, Expression(text)
+    wanted = (8 * (f(X + step) - f(X - step)) - (f(X + 2 * step) - f(X - 2 * step))) / (12 * step)
+    smooth = np.abs(X - 0.5) > 0.1 if text == "abs(x - 0.5)" else np.full(X.shape, True)
+    assert f.slope(X)[smooth] == pytest.approx(wanted[smooth], rel=1e-6, abs=1e-8)
 
 
 @pytest.mark.parametrize(

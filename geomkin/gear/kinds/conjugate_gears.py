@@ -26,6 +26,7 @@ from ...recipe.recipe import AbstractAssembledRecipe, part_masses
 from ...recipe.settings import Files
 from ..checks import conjugate_checks, touch_check
 from ..conjugate.conjugate import Conjugate, conjugate, flank_table, pin_table
+from ..conjugate.parametric_gear import ParametricToothGear
 from ..conjugate.shaping_gears import AbstractFlankGear, LanternPinion, PointToothGear, StraightSidedGear
 from ..contract import AbstractShaper
 from ..parts.assemblies import Wheel, lantern_assembly, pair_assembly
@@ -260,6 +261,28 @@ class PointToothGearsRecipe(ToothedRecipe):
 
     kind: Literal["point-tooth-gears"] = "point-tooth-gears"
     gear: PointToothGear
+
+
+@record(kw_only=True)
+class ParametricToothGearsRecipe(ToothedRecipe):
+    """A gear with teeth of a parametric curve and the mate that they generate, outside it or as a ring round it.
+
+    Parameters
+    ----------
+    gear : ParametricToothGear
+        The gear.
+    mate : Mate
+        Teeth, addendum, clearance and backlash of the mate.
+    stock : PairStock, optional
+        Sheet and bores.
+    base : BaseStock, optional
+        Base plate under both gears; none if omitted.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
+
+    kind: Literal["parametric-tooth-gears"] = "parametric-tooth-gears"
+    gear: ParametricToothGear
 
 
 @record(kw_only=True)

@@ -1,12 +1,13 @@
-"""Recipes of pairs: two spur gears in mesh, and a pinion on a rack."""
+"""Recipes of pairs: two spur gears in mesh, a pinion in its ring, and a pinion on a rack."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity, to_digits
@@ -19,6 +20,7 @@ from ...model.part import Part
 from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
+from ...plane.curve import AbstractCurve
 from ...plane.vec import Real
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks, strength_checks
@@ -26,25 +28,26 @@ from ..contract import AbstractInvoluteGear
 from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
 from ..output_loads import RackLoads, RackStrength
-from ..pair import GearPair, contact_table
+from ..pair import GearPair, InternalGearPair, contact_table
 from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
 from ..parts.bases import pair_base, rack_base
-from ..parts.gears import GearStock, base_plate, gear_parts
+from ..parts.gears import GearStock, RingStock, base_plate, gear_parts
 from ..rack import GearRack, RackPair
+from ..ring import RingGear
 from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength, pressure_column
 from .helical import (
     AbstractHelicalRecipe,
+    Tips,
     backlash_notes,
     boss_checks,
     check_tooth_points,
-    gear_notes,
     gear_quantities,
-    helices_notes,
     mesh_notes,
     overlap_notes,
     pair_quantities,
+    tips_entry,
 )
 from .strength_notes import (
     RACK_WITHOUT_LOADS,
@@ -55,8 +58,162 @@ from .strength_notes import (
 )
 
 
+def _centre_distance() -> Any:
+    meaning = "distance of the axes; if omitted, the one without backlash"
+    return quantity(meaning, "mm", default=None, above=0, at_most=1e9)
+
+
+def _loads(driver: str) -> Any:
+    meaning = f"torque on the {driver}, for forces and strength; both stocks then name their material"
+    return entry(meaning, default=None)
+
+
 @record(kw_only=True)
-class GearPairRecipe(AbstractHelicalRecipe):
+class AbstractPairRecipe(AbstractHelicalRecipe):
+    """Base class of recipes of two gears in mesh."""
+
+    # The pair; its `names` are the keys of the gears' tables, and of those of their stocks with _stock.
+    pair: ClassVar[type[GearPair]] = GearPair
+    if TYPE_CHECKING:
+        # Declared for the type checker only, since the order of fields is that of their first declaration.
+        centre_distance: float | None
+        tips: Tips
+        base: BaseStock | None
+        loads: GearLoads | None
+        files: Files
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        (first, _), (second, stock) = zip((f"{name}_stock" for name in self.pair.names), self.stocks)
+        self.check_faces({first: self.stocks[0].thickness, second: stock.thickness})
+        if isinstance(stock, GearStock) and stock.motor is not None:
+            problem = "found a motor for the driven gear"
+            raise DesignError(f"{second}.motor", problem, f"give {first}.motor instead", "conflict")
+        self.design  # noqa: B018  raises for gears that cannot mesh
+        self.strength  # noqa: B018  raises if the materials are missing
+
+    @property
+    @abstractmethod
+    def stocks(self) -> tuple[GearStock, GearStock | RingStock]:
+        """Sheet and bore of both gears."""
+
+    @abstractmethod
+    def transverse_gears(self) -> tuple[SpurGear, SpurGear | RingGear]:
+        """The transverse sections of both gears, with the requested profile shifts."""
+
+    @cached_property
+    def strength(self) -> PairStrength | None:
+        """Forces and stresses under the loads; None without loads, or if the teeth are helical."""
+        if self.loads is None:
+            return None
+        materials = {f"{name}_stock": stock.material for name, stock in zip(self.pair.names, self.stocks)}
+        first, second = loaded_materials(**materials)
+        if self.helix_angle_deg:
+            return None
+        return PairStrength(self.design, self.loads.torque_n_mm, self.face_width, (first, second), self.loads)
+
+    @property
+    def face_width(self) -> float:
+        """Width of the faces in contact, mm."""
+        return min(stock.thickness for stock in self.stocks)
+
+    @cached_property
+    def design(self) -> GearPair:
+        """The gears in mesh, with the requested profile shifts and tips."""
+        with self.naming_section():
+            gears, distance = self.transverse_gears(), self.centre_distance
+            pair = self.pair(*gears) if distance is None else self.pair(*gears, distance)
+            return pair.with_full_clearance() if self.tips == "full-clearance" else pair
+
+    @property
+    def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock | RingStock, Helix], ...]:
+        """Both gears: name, gear, stock and helix."""
+        pair, helix = self.design, self.helix
+        helices = helix, helix if pair.is_internal else helix.mate
+        return tuple(zip(pair.names, (pair.first, pair.second), self.stocks, helices))
+
+    @cached_property
+    def table(self) -> Table:
+        """Contact of one pair of flanks; under loads also its pressure."""
+        table = contact_table(self.design)
+        return table if self.strength is None else Table((*table.columns, pressure_column(self.strength, table)))
+
+    @property
+    def design_checks(self) -> tuple[Check, ...]:
+        gears = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
+        loaded = () if self.strength is None else strength_checks(self.strength)
+        driver, radius = self.pair.names[0], self.design.first.root_radius
+        return (
+            *mesh_checks(self.design),
+            *gears,
+            *boss_checks(driver, radius, self.stocks[0].motor, self.base),
+            *loaded,
+        )
+
+    @property
+    def plates(self) -> list[Part]:
+        """The plates of both gears."""
+        wheels: tuple[list[AbstractCurve], list[AbstractCurve]] = ([], [])
+        for _, gear, *_ in self.gears:
+            wheels[gear.is_ring].append(gear.outline)
+        check_tooth_points(self.files, *wheels)
+        return [
+            part
+            for name, gear, stock, helix in self.gears
+            for part in gear_parts(gear, stock, name, f"{name}_stock", helix=helix)
+        ]
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Both in mesh."""
+        return pair_scene(self.design, self.parts)
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """Both gears."""
+        pair = self.design
+        side = 1 if pair.is_internal else -1
+        speeds = Fraction(1), Fraction(side * pair.first.teeth, pair.second.teeth)
+        axes = 0j, complex(0, -side * pair.centre_distance)
+        return {name: RotatingBody(axis, v, is_wheel=True) for name, axis, v in zip(pair.names, axes, speeds)}
+
+    def scene_at(self, turn: Real) -> Scene:
+        return turned_pair_scene(self.design, self.parts, turn)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        gears = [gear_quantities(gear, name) for name, gear, *_ in self.gears]
+        return pair_quantities(self.design) | gears[0] | gears[1]
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(pair_handles(self.design, self.has_given_shifts, self.centre_distance is not None))
+
+    @property
+    def has_given_shifts(self) -> bool:
+        """Whether the profile shifts are those of the recipe's gears."""
+        return True
+
+    @classmethod
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        """Shafts, if a base is requested; materials, if loads are."""
+        shafts = {f"{name}_stock.bore": 8.0 for name in cls.pair.names} if "base" in tables else {}
+        materials = {f"{name}_stock.material": MATERIALS["steel-C45"] for name in cls.pair.names}
+        return shafts | (materials if "loads" in tables else {})
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
+        mesh = mesh_notes(self.design, self.helix, self.face_width)
+        return self.mesh_summary({"pair": mesh}, sizes, pair_strength_notes(self.strength) if self.strength else None)
+
+    @property
+    def forces_missing(self) -> str:
+        return forces_missing(self.loads, self.strength)
+
+
+@record(kw_only=True)
+class GearPairRecipe(AbstractPairRecipe):
     """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts.
 
     Parameters
@@ -65,6 +222,8 @@ class GearPairRecipe(AbstractHelicalRecipe):
         The driving and the driven gear.
     shifts : {"given", "avoid-undercut", "balance-sliding"}, optional
         Profile shifts: as given, the least without undercut, or of the given sum with equal sliding of both gears.
+    tips : {"given", "full-clearance"}, optional
+        Tips as the addenda give them, or shortened to the full clearance of the racks.
     centre_distance : float, optional
         Distance of the axes, mm; if omitted, the one without backlash.
     first_stock, second_stock : GearStock, optional
@@ -86,46 +245,26 @@ class GearPairRecipe(AbstractHelicalRecipe):
         "profile shifts as given, the least without undercut, or of the given sum with equal sliding of both gears",
         default="given",
     )
-    centre_distance: float | None = quantity(
-        "distance of the axes; if omitted, the one without backlash", "mm", default=None, above=0, at_most=1e9
-    )
+    tips: Tips = tips_entry()
+    centre_distance: float | None = _centre_distance()
     first_stock: GearStock = entry("sheet and bore of the driving gear", default=GearStock())
     second_stock: GearStock = entry("sheet and bore of the driven gear", default=GearStock())
     base: BaseStock | None = entry(
         "a base plate under both gears; if omitted, a bar that holds their shafts", default=None
     )
-    loads: GearLoads | None = entry(
-        "torque on the driving gear, for forces and strength; both stocks then name their material", default=None
-    )
+    loads: GearLoads | None = _loads("driving gear")
     files: Files = entry("formats and tolerance of the files", default=Files())
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.check_faces({"first_stock": self.first_stock.thickness, "second_stock": self.second_stock.thickness})
-        if self.second_stock.motor is not None:
-            problem = "found a motor for the driven gear"
-            raise DesignError("second_stock.motor", problem, "give first_stock.motor instead", "conflict")
-        self.design  # noqa: B018  raises for gears that cannot mesh
-        self.strength  # noqa: B018  raises if the materials are missing
+    @property
+    def stocks(self) -> tuple[GearStock, GearStock]:
+        return self.first_stock, self.second_stock
 
-    @cached_property
-    def strength(self) -> PairStrength | None:
-        """Forces and stresses under the loads; None without loads, or if the teeth are helical."""
-        if self.loads is None:
-            return None
-        first, second = loaded_materials(first_stock=self.first_stock.material, second_stock=self.second_stock.material)
-        if self.helix_angle_deg:
-            return None
-        width = min(self.first_stock.thickness, self.second_stock.thickness)
-        return PairStrength(self.design, self.loads.torque_n_mm, width, (first, second), self.loads)
+    @property
+    def has_given_shifts(self) -> bool:
+        return self.shifts == "given"
 
-    @cached_property
-    def design(self) -> GearPair:
-        """The gears in mesh, with the requested profile shifts."""
-        with self.naming_section():
-            return self._pair(self.in_section(self.first), self.in_section(self.second))
-
-    def _pair(self, first: SpurGear, second: SpurGear) -> GearPair:
+    def transverse_gears(self) -> tuple[SpurGear, SpurGear]:
+        first, second = self.in_section(self.first), self.in_section(self.second)
         if self.shifts == "avoid-undercut":
             shifts = undercut_free_shift(first.teeth, first.rack), undercut_free_shift(second.teeth, second.rack)
         elif self.shifts == "balance-sliding":
@@ -133,38 +272,12 @@ class GearPairRecipe(AbstractHelicalRecipe):
             shifts = balanced_shifts(first.teeth, second.teeth, first.rack, total)
         else:
             shifts = first.profile_shift, second.profile_shift
-        first, second = (replace(g, profile_shift=x) for g, x in zip((first, second), shifts))
-        return GearPair(first, second, self.centre_distance) if self.centre_distance else GearPair(first, second)
-
-    @property
-    def gears(self) -> tuple[tuple[str, AbstractInvoluteGear, GearStock, Helix], ...]:
-        """Both gears: name, gear, stock and helix."""
-        pair, helix = self.design, self.helix
-        return ("first", pair.first, self.first_stock, helix), ("second", pair.second, self.second_stock, helix.mate)
-
-    @cached_property
-    def table(self) -> Table:
-        """Contact of one pair of flanks; under loads also its pressure."""
-        table = contact_table(self.design)
-        return table if self.strength is None else Table((*table.columns, pressure_column(self.strength, table)))
-
-    @property
-    def design_checks(self) -> tuple[Check, ...]:
-        gears = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
-        boss = boss_checks("first", self.design.first.root_radius, self.first_stock.motor, self.base)
-        loaded = () if self.strength is None else strength_checks(self.strength)
-        return (*mesh_checks(self.design), *gears, *boss, *loaded)
+        return replace(first, profile_shift=shifts[0]), replace(second, profile_shift=shifts[1])
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        check_tooth_points(self.files, [gear.outline for _, gear, *_ in self.gears])
-        parts = [
-            part
-            for name, gear, stock, helix in self.gears
-            for part in gear_parts(gear, stock, name, f"{name}_stock", helix=helix)
-        ]
+        pair, first, parts = self.design, self.first_stock, self.plates
         if self.base is not None:
-            pair, first = self.design, self.first_stock
             reaches, shafts = (pair.first.tip_radius, pair.second.tip_radius), (first.bore, self.second_stock.bore)
             plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
             return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
@@ -182,57 +295,67 @@ class GearPairRecipe(AbstractHelicalRecipe):
     @cached_property
     def assembly(self) -> Assembly:
         """Shafts, keys, collars and screws, and the steps of assembly."""
-        first, second = (Wheel(name, letter, stock) for (name, _, stock, _), letter in zip(self.gears, "AB"))
+        first, second = (Wheel(name, letter, stock) for name, letter, stock in zip(self.pair.names, "AB", self.stocks))
         plate = self.first_stock.thickness if self.first_stock.bore and self.second_stock.bore else None
         return pair_assembly(first, second, self.design.centre_distance, plate, self.base, self.helix)
 
+
+@record(kw_only=True)
+class InternalGearPairRecipe(AbstractPairRecipe):
+    """A pinion and the ring that it drives: the plates of both, and the pinion's shaft.
+
+    Parameters
+    ----------
+    pinion : SpurGear
+        The driving gear.
+    ring : RingGear
+        The ring round the pinion.
+    tips : {"given", "full-clearance"}, optional
+        Tips as the addenda give them, or shortened to the full clearance of the tools.
+    centre_distance : float, optional
+        Distance of the axes, mm; if omitted, the one without backlash.
+    pinion_stock : GearStock, optional
+        Sheet and bore of the pinion.
+    ring_stock : RingStock, optional
+        Sheet and rim of the ring.
+    loads : GearLoads, optional
+        Torque on the pinion, for forces and strength; both stocks then name their material.
+    helix_angle_deg, hand, herringbone, section : optional
+        Direction of the teeth, and the section to which the sizes refer.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
+
+    pair = InternalGearPair
+
+    kind: Literal["internal-gear-pair"] = "internal-gear-pair"
+    pinion: SpurGear = entry("the driving gear", example=SpurGear(18, 2))
+    ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))
+    tips: Tips = tips_entry()
+    centre_distance: float | None = _centre_distance()
+    pinion_stock: GearStock = entry("sheet and bore of the pinion", default=GearStock())
+    ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
+    loads: GearLoads | None = _loads("pinion")
+    files: Files = entry("formats and tolerance of the files", default=Files())
+
+    base = None
+
+    @property
+    def stocks(self) -> tuple[GearStock, RingStock]:
+        return self.pinion_stock, self.ring_stock
+
+    def transverse_gears(self) -> tuple[SpurGear, RingGear]:
+        return self.in_section(self.pinion), self.in_section(self.ring)
+
     @cached_property
-    def scene(self) -> Scene:
-        """Both in mesh."""
-        return pair_scene(self.design, self.parts)
+    def parts(self) -> tuple[Part, ...]:
+        return *self.plates, *self.pinion_stock.motor_parts
 
-    @property
-    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
-        """Both gears."""
-        pair = self.design
-        speeds = Fraction(1), Fraction(-pair.first.teeth, pair.second.teeth)
-        axes = 0j, complex(0, pair.centre_distance)
-        return {name: RotatingBody(axis, v, is_wheel=True) for name, axis, v in zip(pair.names, axes, speeds)}
-
-    def scene_at(self, turn: Real) -> Scene:
-        return turned_pair_scene(self.design, self.parts, turn)
-
-    @property
-    def quantities(self) -> Mapping[str, str]:
-        pair = self.design
-        return pair_quantities(pair) | gear_quantities(pair.first, "first") | gear_quantities(pair.second, "second")
-
-    @property
-    def handles(self) -> tuple[SceneHandle, ...]:
-        return tuple(pair_handles(self.design, self.shifts == "given", self.centre_distance is not None))
-
-    @classmethod
-    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        """Shafts, if a base is requested; materials, if loads are."""
-        shafts = {"first_stock.bore": 8.0, "second_stock.bore": 8.0} if "base" in tables else {}
-        steel = MATERIALS["steel-C45"]
-        return shafts | ({"first_stock.material": steel, "second_stock.material": steel} if "loads" in tables else {})
-
-    @property
-    def notes(self) -> Mapping[str, object]:
-        sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
-        width = min(self.first_stock.thickness, self.second_stock.thickness)
-        return {
-            "pair": mesh_notes(self.design, self.helix, width),
-            **helices_notes(sizes),
-            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **({"loads": pair_strength_notes(self.strength)} if self.strength else {}),
-            **self.assembly_summary,
-        }
-
-    @property
-    def forces_missing(self) -> str:
-        return forces_missing(self.loads, self.strength)
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The pinion's shaft and key, and the steps of assembly."""
+        pinion, ring = Wheel("pinion", "A", self.pinion_stock), Wheel("ring", "B", None)
+        return pair_assembly(pinion, ring, self.design.centre_distance, None, None, self.helix)
 
 
 @record(kw_only=True)
@@ -360,9 +483,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             "interferences": list(pair.interferences),
         }
         sizes = {"pinion": (pair.pinion, self.helix, width)}
-        measures = {"pinion": gear_notes(*sizes["pinion"])}
-        loads = {"loads": rack_strength_notes(self.strength)} if self.strength else {}
-        return {"pair": mesh, **helices_notes(sizes), "measures_mm": measures, **loads, **self.assembly_summary}
+        return self.mesh_summary({"pair": mesh}, sizes, rack_strength_notes(self.strength) if self.strength else None)
 
     @property
     def forces_missing(self) -> str:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Literal
 
 from ...core.errors import DesignError
-from ...core.fields import entry, quantity, to_digits
+from ...core.fields import Ratio, entry, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import Assembly
 from ...making.bases import BaseStock
@@ -42,7 +42,8 @@ class TrainSpecification:
     module : float
         Pitch diameter per tooth of all gears, mm.
     ratio : float, optional
-        Rotations of the first gear for one of the last, in either direction. Give this or `stages`.
+        Rotations of the first gear for one of the last, in either direction; in a recipe also a fraction such as
+        "10/3". Give this or `stages`.
     stages : tuple of tuple of int, optional
         Teeth of the driver and of the driven gear of each stage.
     least_teeth, most_teeth, most_stages : int, optional
@@ -62,8 +63,9 @@ class TrainSpecification:
     """
 
     module: float = quantity("pitch diameter per tooth of all gears", "mm", above=0, at_most=LARGEST, example=2.5)
-    ratio: float | None = quantity(
-        "wanted rotations of the first gear for one of the last, in either direction; give this or stages",
+    ratio: Ratio | None = quantity(
+        'wanted rotations of the first gear for one of the last, in either direction, such as 12 or "10/3"; '
+        "give this or stages",
         default=None,
         at_least=1 / LARGEST_RATIO,
         at_most=LARGEST_RATIO,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
@@ -41,6 +41,13 @@ WIDER, TRIALS = 1.25, 31
 STRAIGHT = Helix()
 # Backlash above which profile shifts are advised, modules; gears usually have a third of it.
 MUCH_BACKLASH = 0.1
+Tips = Literal["given", "full-clearance"]
+
+
+def tips_entry() -> Any:
+    """The field `tips`."""
+    meaning = "tips as the addenda give them, or shortened to the full clearance of the tools"
+    return entry(meaning, default="given")
 
 
 @record(checked=True, kw_only=True)
@@ -99,6 +106,21 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
     @property
     def remarks(self) -> tuple[str, ...]:
         return backlash_remarks(self.notes)
+
+    def mesh_summary(
+        self,
+        meshes: Mapping[str, object],
+        sizes: Mapping[str, tuple[AbstractInvoluteGear, Helix, float]],
+        loads: Mapping[str, object] | None = None,
+    ) -> Mapping[str, object]:
+        """Notes of gears in mesh. sizes: gear, helix and face width, mm, by name; loads: None without loads."""
+        return {
+            **meshes,
+            **helices_notes(sizes),
+            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
+            **({} if loads is None else {"loads": loads}),
+            **self.assembly_summary,
+        }
 
     def check_faces(self, thicknesses: Mapping[str, float]) -> None:
         """Refuse a herringbone whose gears reverse at different heights. thicknesses: of each stock by key, mm."""

@@ -30,39 +30,43 @@ from ..helix import Helix
 from ..parts.assemblies import planetary_assembly, turns_with_shaft
 from ..parts.bases import carrier, planetary_base
 from ..parts.gears import GearStock, RingStock, gear_parts
-from ..planetary import PlanetarySet
+from ..planetary import MEMBERS, Member, PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
     AbstractHelicalRecipe,
+    Tips,
     boss_checks,
     check_tooth_points,
-    gear_notes,
     gear_quantities,
-    helices_notes,
     mesh_notes,
+    tips_entry,
 )
 from .strength_notes import forces_missing, loaded_materials, planetary_strength_notes
 
 
 @record(kw_only=True)
 class PlanetaryRecipe(AbstractHelicalRecipe):
-    """A sun, planets and a ring: all gears and the carrier of the planets; the sun drives, the ring is fixed.
+    """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed.
 
     Parameters
     ----------
     gears : PlanetarySet
         The gears.
+    tips : {"given", "full-clearance"}, optional
+        Tips as the addenda give them, or shortened to the full clearance of the tools.
+    driver, fixed : {"sun", "carrier", "ring"}, optional
+        The member that drives and the one that is held; by default the sun and the ring.
     drive : Drive, optional
-        Speed of the sun, rpm, and the steps of the table.
+        Speed of the driver, rpm, and the steps of the table.
     sun_stock, planet_stock : GearStock, optional
         Sheet and bore of the sun and of the planets.
     ring_stock : RingStock, optional
         Sheet and rim of the ring.
     base : BaseStock, optional
-        Base plate that holds the ring and the sun's shaft; none if omitted.
+        Base plate that holds a fixed ring and the sun's shaft; none if omitted.
     loads : GearLoads, optional
-        Torque on the sun, for forces and strength; all stocks then name their material.
+        Torque on the driver, for forces and strength; all stocks then name their material.
     helix_angle_deg, hand, herringbone, section : optional
         Direction of the teeth, and the section to which the sizes refer.
     files : Files, optional
@@ -71,15 +75,18 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
 
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
-    drive: Drive = entry("how the sun turns", default=Drive())
+    tips: Tips = tips_entry()
+    driver: Member = entry("member that drives", default="sun")
+    fixed: Member = entry("member that is held", default="ring")
+    drive: Drive = entry("how the driver turns", default=Drive())
     sun_stock: GearStock = entry("sheet and bore of the sun", default=GearStock())
     planet_stock: GearStock = entry("sheet and bore of the planets", default=GearStock())
     ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
     base: BaseStock | None = entry(
-        "a base plate that holds the ring and the sun's shaft; none if omitted", default=None
+        "a base plate that holds a fixed ring and the sun's shaft; none if omitted", default=None
     )
     loads: GearLoads | None = entry(
-        "torque on the sun, for forces and strength; all stocks then name their material", default=None
+        "torque on the driver, for forces and strength; all stocks then name their material", default=None
     )
     files: Files = entry("formats and tolerance of the files", default=Files())
 
@@ -91,14 +98,27 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             raise DesignError(
                 "planet_stock.motor", "found a motor for the planets", "give sun_stock.motor instead", "conflict"
             )
-        self.drive.check_rows(self.gears.ratios["sun to carrier"])
+        if self.sun_stock.motor is not None and self.driver != "sun":
+            problem = f"found a motor for the sun, but the {self.driver} drives"
+            raise DesignError("sun_stock.motor", problem, 'omit it, or give driver = "sun"', "conflict")
+        if self.base is not None and self.fixed != "ring":
+            problem = f"found a base, which holds the ring, but the {self.fixed} is fixed"
+            raise DesignError("base", problem, 'omit it, or give fixed = "ring"', "conflict")
+        self.design  # noqa: B018  raises for gears without such tips
+        self.drive.check_rows(self.driver_turns)
         self.strength  # noqa: B018  raises if the materials are missing
 
     @cached_property
     def design(self) -> PlanetarySet:
-        """The transverse section of all gears."""
+        """The transverse section of all gears, with the requested tips."""
         with self.naming_section():
-            return self.in_section(self.gears)
+            gears = self.in_section(self.gears)
+            if self.tips == "given":
+                return gears
+            try:
+                return gears.with_full_clearance()
+            except DesignError as error:
+                raise DesignError(f"gears.{error.field}", error.problem, error.remedy, error.id) from None
 
     @cached_property
     def strength(self) -> PlanetaryStrength | None:
@@ -110,34 +130,52 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         if self.helix_angle_deg:
             return None
         widths = min(sun.thickness, planet.thickness), min(planet.thickness, ring.thickness)
-        return PlanetaryStrength(self.design, self.loads, widths, materials)
+        return PlanetaryStrength(self.design, self.loads, widths, materials, self.driver)
+
+    @property
+    def output(self) -> Member:
+        """The member that is driven."""
+        return next(name for name in MEMBERS if name not in (self.driver, self.fixed))
+
+    @property
+    def turns(self) -> Mapping[str, Fraction]:
+        """Rotations of the members that turn for one of the driver: the driver, the output, the planets."""
+        turns = self.gears.turns(self.driver, self.fixed)
+        return {name: turns[name] for name in (self.driver, self.output, "planet")}
+
+    @property
+    def driver_turns(self) -> float:
+        """Rotations of the driver during one of the output, at least one."""
+        return max(1.0, 1 / abs(float(self.turns[self.output])))
 
     @cached_property
     def table(self) -> Table:
-        """One rotation of the carrier in steps of the sun; with an acceleration also rates of carrier and planets."""
-        ratio = self.design.ratios["sun to carrier"]
-        steps = int(np.ceil(360 * ratio / self.drive.step_deg - 1e-9))
+        """One rotation of the slower of driver and output; with an acceleration also rates of output and planets."""
+        steps = int(np.ceil(360 * self.driver_turns / self.drive.step_deg - 1e-9))
         speed, acceleration = self.drive.speed, self.drive.acceleration_rad_per_s2
-        sun = np.linspace(0, np.copysign(2 * np.pi * ratio, speed), steps + 1)
-        speeds = self.design.speeds(sun=1.0, ring=0.0)
-        planet = np.degrees(sun * speeds["planet"])
-        return Table(
-            (
-                Column("sun_angle", "deg", "rotation of the sun", np.degrees(sun)),
-                Column("time", "s", "time", sun / (np.nan if acceleration else speed) + 0.0),
-                Column("carrier_angle", "deg", "rotation of the carrier", np.degrees(sun * speeds["carrier"])),
-                Column("planet_angle", "deg", "rotation of each planet relative to the frame", planet),
-                *(
-                    Column(f"{body}_{name}", unit, f"{word} of the {body}", np.full(len(sun), speeds[body] * rate))
-                    for body in ("carrier", "planet")
-                    for name, unit, word, rate in (
-                        ("omega", "rad/s", "angular velocity", speed),
-                        ("alpha", "rad/s2", "angular acceleration", acceleration),
-                    )
-                    if acceleration
-                ),
+        turn = np.linspace(0, np.copysign(2 * np.pi * self.driver_turns, speed), steps + 1)
+        time = Column("time", "s", "time", turn / (np.nan if acceleration else speed) + 0.0)
+        angles = self._angles(turn)
+        rates = (
+            Column(f"{body}_{name}", unit, f"{word} of the {body}", np.full(len(turn), float(self.turns[body]) * rate))
+            for body in (self.output, "planet")
+            for name, unit, word, rate in (
+                ("omega", "rad/s", "angular velocity", speed),
+                ("alpha", "rad/s2", "angular acceleration", acceleration),
             )
+            if acceleration
         )
+        return Table((angles[0], time, *angles[1:], *rates))
+
+    def _angles(self, turn: Real) -> list[Column]:
+        """Rotations of all members that turn, deg, at rotations of the driver, rad."""
+        words = {"planet": "each planet relative to the frame"}
+        return [
+            Column(
+                f"{name}_angle", "deg", f"rotation of {words.get(name, f'the {name}')}", np.degrees(turn * float(speed))
+            )
+            for name, speed in self.turns.items()
+        ]
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
@@ -200,33 +238,27 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
     def assembly(self) -> Assembly:
         """Shafts, keys and screws, and the steps of assembly."""
         stocks = self.sun_stock, self.planet_stock, self.ring_stock
-        return planetary_assembly(self.design, stocks, self.base, self.helix)
+        return planetary_assembly(self.design, stocks, self.base, self.helix, self.fixed)
 
     @cached_property
     def scene(self) -> Scene:
-        """One rotation of the carrier."""
-        return planetary_scene(self.design, self.table, self.parts)
+        """One rotation of the slower of driver and output."""
+        return planetary_scene(self.design, self.table, self.parts, self.driver, self.fixed)
 
     @property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
-        """The sun and the carrier; the planets have no fixed axis."""
-        sun, ring = self.design.sun.teeth, self.design.ring.teeth
-        carrier = RotatingBody(0j, Fraction(sun, sun + ring))
-        return {"sun": RotatingBody(0j, Fraction(1), is_wheel=True), "carrier": carrier}
+        """The driver and the output; the planets have no fixed axis."""
+        members = (self.driver, self.output)
+        return {name: RotatingBody(0j, self.turns[name], is_wheel=name != "carrier") for name in members}
 
     def scene_at(self, turn: Real) -> Scene:
-        speeds = self.design.speeds(sun=1.0, ring=0.0)
-        columns = (
-            Column(f"{body}_angle", "deg", f"rotation of the {body}", np.degrees(turn * speed))
-            for body, speed in (("sun", 1.0), ("carrier", speeds["carrier"]), ("planet", speeds["planet"]))
-        )
-        table = Table((*columns, Column("time", "s", "time", np.zeros(turn.shape))))
-        return planetary_scene(self.design, table, self.parts)
+        time = Column("time", "s", "time", np.zeros(turn.shape))
+        return planetary_scene(self.design, Table((*self._angles(turn), time)), self.parts, self.driver, self.fixed)
 
     @property
     def quantities(self) -> Mapping[str, str]:
         gears = self.design
-        ratio = {"sun to carrier": f"{gears.ratios['sun to carrier']:.5g}"}
+        ratio = {(name := f"{self.driver} to {self.output}"): f"{gears.ratios[name]:.5g}"}
         ratio["centre distance"] = f"{gears.inner.centre_distance:.6g} mm"
         return ratio | gear_quantities(gears.sun, "sun") | gear_quantities(gears.ring, "ring")
 
@@ -254,12 +286,9 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "planet": (gears.planet, helix.mate, planet),
             "ring": (gears.ring, helix.mate, ring),
         }
-        return {
+        meshes = {
             "ratios": {name: to_digits(ratio) for name, ratio in gears.ratios.items()},
             "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
-            **helices_notes(sizes),
-            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **({"loads": planetary_strength_notes(self.strength)} if self.strength else {}),
-            **self.assembly_summary,
         }
+        return self.mesh_summary(meshes, sizes, planetary_strength_notes(self.strength) if self.strength else None)

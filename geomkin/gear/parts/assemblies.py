@@ -7,7 +7,7 @@ from ...making.assembly import PLAY, Assembly, AssemblyBuilder, collar_width, gl
 from ...making.bases import BaseStock, RackBaseStock
 from ...making.fits import AbstractBored
 from ..helix import Helix
-from ..planetary import PlanetarySet
+from ..planetary import Member, PlanetarySet
 from .bases import RING_SCREWS
 from .conjugate import AbstractMated
 from .gears import GearStock, RingStock
@@ -104,6 +104,7 @@ def planetary_assembly(
     stocks: tuple[GearStock, GearStock, RingStock],
     base: BaseStock | None,
     helix: Helix = Helix(),
+    fixed: Member = "ring",
 ) -> Assembly:
     """A planetary set. Planets with shafts have a carrier: above the gears with a base, below them without one."""
     sun, planet, ring = stocks
@@ -125,7 +126,8 @@ def planetary_assembly(
         builder.screws("B", base.screw, 2 * ring.thickness, RING_SCREWS)
     else:
         builder.add_step(layer, "lay ring round sun")
-        builder.add_last_step("supply a support for ring, and for the shaft of sun at its centre")
+        held = "" if fixed == "ring" else f"; ring turns, and {fixed} is held"
+        builder.add_last_step(f"supply a support for ring, and for the shaft of sun at its centre{held}")
     if carrier and turning:
         builder.add_step(layer, f"{seated('each planet', f'a shaft {on_planet}'.rstrip(), planet)}, flush with it")
     builder.add_step(layer, _planets(gears, helix))

@@ -1,10 +1,8 @@
-"""Functions of x: expressions as text, named functions, tables, and the checks that a mechanism can follow them."""
+"""Functions of x: named functions, tables, and the checks that a mechanism can follow them."""
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -12,100 +10,10 @@ from numpy.typing import ArrayLike
 
 from ...core.arguments import ArgumentType, are_reals, checked, numbers
 from ...core.errors import DesignError, printable, shown
+from ...core.expressions import Expression as Expression
 from ...core.records import record
 from ...plane.spline import Spline
 from ...plane.vec import Real
-
-FUNCTIONS: dict[str, Callable[..., Real]] = {
-    "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan,
-    "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "exp": np.exp, "log": np.log, "log10": np.log10,
-    "sqrt": np.sqrt, "abs": np.abs,
-}  # fmt: skip
-CONSTANTS = {"pi": np.pi, "e": np.e}
-KNOWN = f"x, {', '.join(CONSTANTS)}, {', '.join(FUNCTIONS)}"
-OPERATORS: dict[type[ast.AST], Callable[..., Real]] = {
-    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide, ast.Pow: np.power,
-    ast.USub: np.negative, ast.UAdd: np.positive,
-}  # fmt: skip
-# Largest numbers of characters and of nested operations, and largest number in a formula. Formulas of textbooks are far
-# below; nested operations use up the stack.
-LONGEST, DEEPEST, LARGEST = 500, 100, 1e300
-
-
-@record(checked=True)
-class Expression:
-    """A function of x, given as text such as `log10(x)` or `2*x**1.5 - 1`.
-
-    It allows numbers, x, + - * / **, brackets, and the names pi, e, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh,
-    exp, log (natural), log10, sqrt and abs; angles are rad. Precedence is that of Python: -x**2 is -(x**2), and 2**3**2
-    is 2**9. A call with an array returns an array, with nan or inf where the function has no value.
-
-    Parameters
-    ----------
-    text : str
-        The expression: at most 500 characters and 100 nested operations.
-
-    Raises
-    ------
-    DesignError
-        For any other text; the message names the position.
-
-    Examples
-    --------
-    >>> from geomkin.synthesis import Expression
-    >>> Expression("2*x + 1")([0, 1, 2]).tolist()
-    [1.0, 3.0, 5.0]
-    """
-
-    text: Annotated[str, ArgumentType(lambda value: isinstance(value, str), "a text such as log10(x)")]
-
-    def __post_init__(self) -> None:
-        if len(self.text) > LONGEST:
-            found = f"found {len(self.text):,} characters"
-            raise DesignError("function", found, f"give at most {LONGEST}", "too-much-work")
-        _ = self(0.0)  # visits the whole formula, so that an error is reported now
-
-    @cached_property
-    def _formula(self) -> ast.expr:
-        try:
-            return ast.parse(self.text.strip(), mode="eval").body
-        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise self._wrong(getattr(error, "offset", None) or 1, "found no formula") from None
-
-    def __call__(self, x: ArrayLike) -> Real:
-        """Values (...,) at x (...,)."""
-        places = np.asarray(x, dtype=float)
-        with np.errstate(all="ignore"):
-            return self._value(self._formula, places, 1) + np.zeros(places.shape)
-
-    def _value(self, node: ast.expr, x: Real, depth: int) -> Real:
-        if depth > DEEPEST:
-            problem = f"found more than {DEEPEST} operations within each other"
-            raise self._wrong(node.col_offset + 1, problem, "give a flatter formula")
-        match node:
-            case ast.Constant(value=float() | int() as number) if not isinstance(number, bool):
-                if number < LARGEST:
-                    return np.asarray(float(number))
-                raise self._wrong(node.col_offset + 1, "found a number too large", f"give numbers below {LARGEST:g}")
-            case ast.Name(id="x"):
-                return x
-            case ast.Name(id=name) if name in CONSTANTS:
-                return np.asarray(CONSTANTS[name])
-            case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in FUNCTIONS:
-                return FUNCTIONS[name](self._value(inner, x, depth + 1))
-            case ast.UnaryOp(op=sign, operand=inner) if type(sign) in OPERATORS:
-                return OPERATORS[type(sign)](self._value(inner, x, depth + 1))
-            case ast.BinOp(left=left, op=sign, right=right) if type(sign) in OPERATORS:
-                return OPERATORS[type(sign)](self._value(left, x, depth + 1), self._value(right, x, depth + 1))
-        part = ast.get_source_segment(self.text.strip(), node)
-        raise self._wrong(node.col_offset + 1, f"found {shown(part)}")
-
-    def _wrong(self, place: int, problem: str, remedy: str = "") -> DesignError:
-        remedy = remedy or f"give numbers, + - * / ** (power), brackets and {KNOWN}; write * between factors"
-        return DesignError(
-            "function", f"{problem} at character {place} of {shown(self.text.strip())}", remedy, "wrong-type"
-        )
-
 
 # Name: formula, and least and greatest number of coefficients.
 NAMED: dict[str, tuple[str, int, int]] = {

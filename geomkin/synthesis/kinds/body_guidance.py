@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import ComplexPoint, RowsOf, entry, quantity, to_digits
+from ...core.fields import ComplexPoint, Ratio, RowsOf, entry, quantity, to_digits
 from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.motion import Motion, unwrapped_deg
@@ -88,7 +88,7 @@ class WantedPoses:
     least_transmission_angle_deg: float = quantity(
         "least transmission angle", "deg", default=0.0, at_least=0, at_most=89
     )
-    largest_ratio: float | None = quantity(
+    largest_ratio: Ratio | None = quantity(
         "longest link over the shortest; 10 by default in a search", default=None, at_least=1, at_most=1e9
     )
 

@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, SMALLEST, AsWritten, Rows, entry, quantity
+from ...core.expressions import Expression
+from ...core.fields import FARTHEST, SMALLEST, AsWritten, Ratio, Rows, entry, quantity
 from ...core.records import record
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
@@ -21,7 +22,7 @@ from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
 from ..function.function import function_generator, slider_function_generator
 from ..function.results import AbstractFunctionGenerator, FunctionGenerator, SliderFunctionGenerator
-from ..function.wanted import NAMED, Expression, Function, named_function
+from ..function.wanted import NAMED, Function, named_function
 from .linkage_goals import AbstractLinkageGoal, choose_entry
 
 Method = Literal["minimax", "least-squares", "points"]
@@ -56,7 +57,7 @@ class RequiredFunction:
     least_transmission_angle_deg: float = quantity(
         "least transmission angle over the range", "deg", default=40.0, at_least=5, at_most=85
     )
-    largest_ratio: float = quantity("longest link over the shortest", default=10.0, at_least=1.1, at_most=100)
+    largest_ratio: Ratio = quantity("longest link over the shortest", default=10.0, at_least=1.1, at_most=100)
     method: Method = entry(
         "minimax: least largest error; least-squares: least mean square error; points: no error at precision points",
         default="minimax",

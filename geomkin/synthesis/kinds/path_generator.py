@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError, printable, shown
-from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity
+from ...core.fields import FARTHEST, AsWritten, ComplexPoint, Ratio, entry, quantity
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
@@ -216,7 +216,7 @@ class PathLimits:
     least_transmission_angle_deg: float | None = quantity(
         "least transmission angle over the motion", "deg", default=None, at_least=0, at_most=89, example=30
     )
-    largest_ratio: float | None = quantity(
+    largest_ratio: Ratio | None = quantity(
         "longest link over the shortest", default=None, at_least=1, at_most=1e6, example=10
     )
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, to_digits
+from ...core.fields import FARTHEST, Ratio, entry, quantity, to_digits
 from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.parts.stock import LinkStock
@@ -298,7 +298,7 @@ class WantedSwing(AbstractTimed):
         "swing of the rocker between its dead centres", "deg", example=50, at_least=0.1, at_most=179
     )
     crank_turn_deg: float | None = turn_entry(200)
-    time_ratio: float | None = time_ratio_entry()
+    time_ratio: Ratio | None = time_ratio_entry()
     sense: Literal["same", "opposite"] = entry(
         "sense of the rocker in that stroke, relative to the crank", default="same"
     )
@@ -315,7 +315,7 @@ class WantedSwing(AbstractTimed):
         "length of the rocker, instead of the ground", "mm", default=None, above=0, at_most=FARTHEST
     )
     free_angle_deg: float | None = free_angle_entry("the angle whose tangent is crank over coupler", 45)
-    largest_ratio: float | None = ratio_entry("6 if left out, more for swings below 39 deg")
+    largest_ratio: Ratio | None = ratio_entry("6 if left out, more for swings below 39 deg")
 
     def __post_init__(self) -> None:
         check_swing_rotation(self.swing_deg, self.turn_deg, self.sense, self.turn_key)
@@ -407,7 +407,7 @@ class WantedSwings:
     free_angle_deg: float | None = free_angle_entry(
         "its position between the ends of the family, instead of a length", 90
     )
-    largest_ratio: float | None = ratio_entry("100 if left out")
+    largest_ratio: Ratio | None = ratio_entry("100 if left out")
 
     @property
     def is_free(self) -> bool:
@@ -493,7 +493,7 @@ class WantedStroke(AbstractTimed):
         "stroke of the slider between its dead centres", "mm", example=80, above=0, at_most=FARTHEST
     )
     crank_turn_deg: float | None = turn_entry(190)
-    time_ratio: float | None = time_ratio_entry()
+    time_ratio: Ratio | None = time_ratio_entry()
     offset: float | None = quantity(
         "height of the slide line above the crank's pivot, instead of the best",
         "mm",
@@ -510,7 +510,7 @@ class WantedStroke(AbstractTimed):
     free_angle_deg: float | None = free_angle_entry(
         "the angle whose tangent is crank over coupler, instead of a size", 45
     )
-    largest_ratio: float | None = ratio_entry()
+    largest_ratio: Ratio | None = ratio_entry()
 
     def __post_init__(self) -> None:
         strokes.check_stroke_rotation(self.turn_deg, self.turn_key)
