@@ -179,3 +179,20 @@ def test_key_of_another_kind_of_segment_is_not_said_to_belong_where_it_is():
     (problem,) = refused.value.problems
     assert problem.key == "cam.program[0].law" and "[[cam.program]]" not in problem.remedy
     assert "'rise'" in problem.remedy and "'return'" in problem.remedy
+
+
+def test_few_uneven_rows_are_followed_above_the_base_circle():
+    degrees, lifts = np.array([0.0, 30, 35, 160, 215, 315, 350, 360]), np.array([0, 8.99, 5.9, 6.98, 0, 0.79, 9.53, 0])
+    for within in (0.001, 0.05):
+        assert_within(Program([table(degrees, lifts, within=within)]), degrees, lifts, within)
+    # Three rows, of which two are the ends.
+    assert_within(Program([table(degrees[[0, 3, -1]], lifts[[0, 3, -1]], within=0.01)]), degrees[[3]], lifts[[3]], 0.01)
+
+
+def test_refusal_of_rows_that_are_met_exactly_advises_a_band_that_is_accepted():
+    degrees = np.arange(0, 360, 4.0)
+    lifts = lobe("harmonic").motion(np.radians(degrees)).lift
+    with pytest.raises(gk.DesignError) as refused:
+        Program([table(degrees, lifts, decimals=12)])
+    assert refused.value.field == "program[0]" and "`within`" in refused.value.remedy
+    assert_within(Program([table(degrees, lifts, within=1e-4)]), degrees, lifts, 1e-4)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
+from ...core.fields import rounded_up
 from ...core.names import Folder
 from ...core.records import record
 from ...core.scaling import with_lengths
@@ -428,7 +429,9 @@ class _Stretches:
                 problem = f"the lift falls to {low:g} {unit} at {angle:g} deg, below the base circle"
                 remedy = "give other values there, or more lift and a smaller base_radius"
                 if segment.fit:
-                    remedy = "no curve stays within the band and above the base circle: give a larger `within`"
+                    wide = rounded_up(segment.fit.wide, 2) if segment.fit.wide > 0 else ""
+                    within = f"a `within` of at least {wide} {unit}" if wide else "a larger `within`"
+                    remedy = f"no curve was found within the band and above the base circle: give {within}"
                 raise DesignError(segment.placed.place, problem, remedy)
 
 

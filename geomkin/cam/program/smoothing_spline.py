@@ -20,11 +20,13 @@ from .laws import Ends, PiecewisePolynomial
 # The number of intervals is doubled until the integral is at least this share of that with half as many. A larger
 # value takes four times as many intervals without a visible difference, a smaller one stops too early.
 GAIN = 0.98
-# Largest number of intervals: more take seconds. Intervals for each row up to which the number is doubled, if a spline
-# was found and if none was: with six, each row has B-splines of its own. Least number of rows: fewer leave no freedom.
-MOST_INTERVALS, FOR_EACH_ROW, IF_NONE, FEWEST = 4096, 2, 8, 5
-# Largest number of steps of the interior-point method, which needs 10 to 25. With fewer it would not converge.
-STEPS = 60
+# Largest number of intervals: more take seconds. Intervals for each row up to which the number is doubled if a spline
+# was found, and between adjacent rows if none was: with six, each row has B-splines of its own. Least number of rows:
+# two are the ends alone.
+MOST_INTERVALS, FOR_EACH_ROW, IF_NONE, FEWEST = 4096, 4, 8, 3
+# Largest number of steps of the interior-point method, which needs 15 to 30, or 55 for very uneven rows. With fewer it
+# would not converge.
+STEPS = 80
 # Relative difference of the integral from the least at which the method ends. A larger value is visible in the
 # acceleration, a smaller one is lost in rounding.
 GAP = 1e-7
@@ -59,13 +61,14 @@ def smoothest_within(
     Returns
     -------
     PiecewisePolynomial or None
-        None for fewer than five rows, or if no spline of up to `MOST_INTERVALS` intervals lies in the band.
+        None for fewer than three rows, or if no spline of up to `MOST_INTERVALS` intervals lies in the band.
     """
     if len(x) < FEWEST:
         return None
     # In a periodic spline of fewer intervals a B-spline would overlap itself.
     count, best, least_roughness = 16 if ends is None else 2, None, np.inf
-    while count <= min(MOST_INTERVALS, max(32, (FOR_EACH_ROW if best else IF_NONE) * len(x))):
+    narrowest = float(np.diff(x).min())
+    while count <= min(MOST_INTERVALS, max(32, FOR_EACH_ROW * len(x) if best else IF_NONE / narrowest)):
         basis = _Basis(x, values, ends, within, count, least)
         coefficients = basis.smoothest()
         if coefficients is not None:
@@ -147,17 +150,20 @@ class _Basis:
             return None
         c, stiffness = start
         jerk = self.jerks.normal(np.full(self.jerks.basis.shape[1], stiffness), self.size, self.free)
-        # Distances from all bounds, which have to stay positive, and their Lagrange multipliers. Coefficients of
-        # the start may be below theirs: the first distances are then too large by `excess`, which the steps remove.
-        room = np.maximum(self._distances(c), 0.05)
-        excess, multipliers = room - self._distances(c), 0.1 + np.maximum(1 - room, 0)
-        multipliers[2 * len(self.values) :] = 0.1 / np.maximum(room[2 * len(self.values) :], 1)
+        # Distances from all bounds, which have to stay positive, and their Lagrange multipliers. Coefficients of the
+        # start may be below the bound: the first distances are then too large by `excess`, which the steps remove.
+        distances = self._distances(c)
+        room = np.maximum(distances, 0.05)
+        room[2 * len(self.values) :] = np.maximum(room[2 * len(self.values) :], -distances.min())
+        excess, multipliers, share = room - distances, 0.1 + np.maximum(1 - room, 0), 1.0
         for _ in range(STEPS):
             gap = float(np.sum(room * multipliers))
             is_inside = float(excess.max()) <= INSIDE
             if is_inside and (gap <= GAP * stiffness * float(np.sum(self.jerks.times(c) ** 2)) or gap < 1e-12):
                 break
-            target = REDUCTION * gap / multipliers.size / room
+            # The excess has to vanish before the gap, or the steps become shorter and shorter.
+            reduction = REDUCTION if is_inside or share > 0.9 else 0.5 if share > 0.3 else 1.0
+            target = reduction * gap / multipliers.size / room
             weight = multipliers / room
             matrix = jerk.plus(self._bounds_matrix(weight))
             right = self._bounds_back(target + weight * excess) - self.jerks.back(
