@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.arguments import checked
+from ..core.fields import rounded_up
 from ..model.check import Check
 from ..plane.vec import Real, first_largest
 from .cam import Cam
@@ -101,9 +102,9 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
     for k, table in cam.program.tables.items():
         # Unknown scatter gives no check.
         if not np.isnan(table.noise):
-            step = 10.0 ** (np.floor(np.log10(table.wide)) - 1)
-            within = f"{np.ceil(table.wide / step) * step:.2g}"
-            advice = f"the curve follows the scatter of the rows: give within = {within} in program[{k}]"
+            unit = "deg" if cam.follower.oscillates else "mm"
+            within = f"give a within of at least {rounded_up(table.wide, 2)} {unit}"
+            advice = f"the curve of program[{k}] follows the scatter of its rows: {within}"
             if np.isinf(table.noise):
                 advice += ", or replace it by a dwell or a uniform motion: the rows show no other motion"
             name = f"acceleration from scatter of the rows of program[{k}]"

@@ -250,7 +250,7 @@ def follower_lengths(cam: Cam) -> dict[str, float]:
 
 
 # Keys of a segment that a point of the lift plot sets.
-SEGMENT_KEYS = ("end_deg", "duration_deg", "rise", "rise_deg", "end_lift", "end_lift_deg")
+SEGMENT_KEYS = ("end_deg", "duration_deg", "rise", "rise_deg", "fall", "fall_deg", "end_lift", "end_lift_deg")
 
 
 def cam_handles(cam: Cam, angle: Real) -> Iterator[SceneHandle]:
@@ -282,6 +282,10 @@ def cam_handles(cam: Cam, angle: Real) -> Iterator[SceneHandle]:
         yield point_handle(*others, at=centre)
     # The last end is that of the turn.
     for k, ((end, lift), segment) in enumerate(zip(cam.program.ends[:-1], cam.program.segments)):
-        keys = [f"cam.program[{k}].{name}" for name in SEGMENT_KEYS if getattr(segment, name, None) is not None]
+        names = [name for name in SEGMENT_KEYS if getattr(segment, name, None) is not None]
+        if {"fall", "fall_deg", "end_lift_deg"} & set(names) and "end_lift" in names:
+            # The default end of a return.
+            names.remove("end_lift")
+        keys = [f"cam.program[{k}].{name}" for name in names]
         if keys:
             yield plot_handle(*keys, at=complex(end, lift), column="lift", label=f"end of segment {k + 1}")

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
+from .errors import DesignError
+
 # The listener to work inside `shown`, in the same thread.
 _listener: ContextVar[Callable[[float, str], None] | None] = ContextVar("listener", default=None)
 
@@ -30,17 +32,23 @@ def report(share: float, what: str) -> None:
 class Watch:
     """The clock of a search: it reports progress, and whether the time limit has passed.
 
-    time_limit: s, from now on. A search ends by itself when it has converged or tried all starts, so that its
-    result depends only on its seed; the time limit is for the case that this takes too long.
+    time_limit: s of the thread's processor time, from now on, so that other programs do not shorten a search. A search
+    ends by itself when it has converged or tried all starts, so that its result depends only on its seed; the time
+    limit is for the case that this takes too long.
     """
 
     def __init__(self, time_limit: float, what: str):
-        self.end, self.what, self.cut = time.monotonic() + time_limit, what, False
+        self.time_limit, self.end, self.what, self.cut = time_limit, time.thread_time() + time_limit, what, False
 
     def over(self) -> bool:
         """Whether the time is over; `cut` then records that the search was cut short."""
-        self.cut = self.cut or time.monotonic() >= self.end
+        self.cut = self.cut or time.thread_time() >= self.end
         return self.cut
+
+    def too_short(self) -> DesignError:
+        """The error of a search that was cut short before its first result."""
+        problem = f"no linkage was found in {self.time_limit:g} s"
+        return DesignError("time_limit", problem, "give a longer time, such as twice as much", "out-of-range")
 
     def report(self, share: float) -> None:
         """Report the share of the search that is done, 0 to 1; the last report is 1."""

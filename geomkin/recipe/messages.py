@@ -146,10 +146,14 @@ def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown
     problem, remedy = "unknown key", f"known here: {', '.join(known)}"
     if not is_shown:
         return Problem(key, problem, remedy, "unknown-key")
-    headings = [heading for heading in _headings(recipe, name) if heading.strip("[]") != key.rpartition(".")[0]]
+    homes, here = _homes(recipe, name), re.sub(r"\[\d+\]", "", key.rpartition(".")[0])
+    headings = list(dict.fromkeys(heading for heading, _ in homes if heading.strip("[]") != here))
+    kinds = [repr(kind) for heading, kind in homes if heading.strip("[]") == here and kind]
     near = f"did you mean {RENAMED[name]}? " if RENAMED.get(name) in known else did_you_mean(name, known)
     is_load = bool(set(WORD.findall(name[:100].lower())) & set(SERVED_BY_LOADS.split()))
-    if headings:
+    if kinds:
+        near = f"it is a key of kind = {' or '.join(kinds)}; "
+    elif headings:
         near = f"it belongs under {' or '.join(headings[:3])}; "
     elif any(f.name == name for f in dataclasses.fields(recipe)):
         near = "it belongs above the first [table], next to kind; "
@@ -188,16 +192,16 @@ def _heading(hint: Any, key: str) -> str:
     return f"[[{key}]]" if _is_list(hint) else f"[{key}]"
 
 
-def _headings(table: type, name: str, path: str = "") -> list[str]:
-    """Headings of the tables that have a key of this name."""
-    headings = []
+def _homes(table: type, name: str, path: str = "") -> list[tuple[str, str]]:
+    """Headings and kinds of the tables that have a key of this name."""
+    homes = []
     for field in dataclasses.fields(table):
         hint, key = hints_of(table)[field.name], path + field.name
         for inner in tables_in(hint):
             if any(f.name == name for f in dataclasses.fields(inner)):
-                headings.append(_heading(hint, key))
-            headings += _headings(inner, name, f"{key}.")
-    return list(dict.fromkeys(headings))
+                homes.append((_heading(hint, key), str(kind_of(inner) or "")))
+            homes += _homes(inner, name, f"{key}.")
+    return homes
 
 
 def _allowed_value(about: Any) -> str:

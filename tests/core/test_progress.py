@@ -25,7 +25,7 @@ def test_shares_are_reported_from_0_to_1_to_the_innermost_listener():
 
 def test_a_watch_is_over_when_its_time_is_and_says_so_from_then_on(monkeypatch):
     now = [100.0]
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(progress.time, "thread_time", lambda: now[0])
     watch, said = Watch(5.0, "looking"), []
     for at, over in ((100.0, False), (104.9, False), (105.0, True), (103.0, True)):
         now[0] = at

@@ -1,12 +1,15 @@
 """The recipe that finds a linkage for a path: what it reads, makes and refuses."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import geomkin as gk
 from geomkin.build import check_recipe
+from geomkin.synthesis.kinds import path_generator
+from geomkin.synthesis.path.search import PathFound
 
 FIVE = """
 kind = "path-generator"
@@ -92,3 +95,29 @@ def test_angles_are_given_one_by_one_or_in_equal_steps():
     one_by_one = gk.load(FIVE.replace("step_deg = 15", "drive_deg = [10, 25, 40, 55, 70]")).wanted
     assert one_by_one.turns_deg == pytest.approx([10, 25, 40, 55, 70])
     assert gk.load(FIVE.replace("step_deg = 15", "")).wanted.turns_deg is None
+
+
+def test_usable_linkage_has_the_rank_after_the_others(monkeypatch):
+    """Two linkages of a search, of which the best counts as one that jams and the other as found by the further search."""
+    drive = np.linspace(0.5, 2, 5)
+
+    def found_of(linkage):
+        points = gk.move(linkage, drive).point("coupler_point").position
+        return PathFound(
+            linkage=linkage, branch=1, drive=drive, transmission_angle_deg=40.0, defects=(), points=points,
+            square_error=0.0, largest_distance=0.0,
+        )  # fmt: skip
+
+    usable = found_of(gk.FourBar(90, 30, 80, 70, 40 + 45j))
+    best = replace(found_of(gk.FourBar(90, 25, 80, 70, 40 + 45j)), transmission_angle_deg=9.0, again=lambda: usable)
+    monkeypatch.setattr(path_generator, "path_generator", lambda *_: replace(best, ranked=(best, best)))
+    recipes = [gk.load(FIVE.replace("[wanted]", f"choose = {k}\n[wanted]")) for k in (1, 2, 3, 4)]
+    assert recipes[0].notes["usable"]["choose"] == 3 and len(recipes[0].ranked) == 2
+    assert [recipe.found.linkage.crank for recipe in recipes[:3]] == [25, 25, 30]
+    with pytest.raises(gk.DesignError) as refused:
+        _ = recipes[3].found
+    assert refused.value.field == "choose" and "3" in refused.value.remedy
+    # A usable best linkage has rank 1.
+    monkeypatch.setattr(path_generator, "path_generator", lambda *_: replace(usable, ranked=(usable,)))
+    good = gk.load(FIVE)
+    assert good.notes["usable"]["choose"] == 1 and good.further == ()

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import Watch, progress_to
 from geomkin.linkage.cognate_linkages import cognates
+from geomkin.synthesis.path import homotopy
 from geomkin.synthesis.path.double_double import ComplexDoubleDouble
 from geomkin.synthesis.path.homotopy import follow, refine
 from geomkin.synthesis.path.nine_point_equations import (
@@ -75,6 +75,10 @@ def as_solution(row):
 
 SOLUTIONS = np.concatenate([as_solution(row) for row in THREE])
 P3 = np.repeat(PARAMETERS, 3, axis=0)
+
+
+def ignored(share):
+    pass
 
 
 def random_complex(seed, *shape):
@@ -173,13 +177,18 @@ def test_each_stored_set_has_the_published_number_of_solutions(number):
 def test_paths_lead_back_to_their_start():
     x, parameters = starts_of(1)
     corner = random_complex(8, 16)
-    there = follow(x[:6], parameters, corner, lambda share: False)
+    there = follow(x[:6], parameters, corner, ignored)
     assert there.reached.all()
-    back = follow(there.x, corner, parameters, lambda share: False, precise=True)
+    back = follow(there.x, corner, parameters, ignored, precise=True)
     assert back.reached.all() and back.x == pytest.approx(x[:6], rel=1e-9, abs=1e-9)
     near = refine(there.x * (1 + 1e-6), corner)
     assert near.reached.all() and near.x == pytest.approx(there.x, rel=1e-12, abs=1e-12)
-    assert not follow(x[:6], parameters, corner, lambda share: True).reached.any()
+
+
+def test_path_that_takes_too_many_steps_is_lost(monkeypatch):
+    x, parameters = starts_of(1)
+    monkeypatch.setattr(homotopy, "MOST_STEPS", 3)
+    assert not follow(x[:2], parameters, random_complex(8, 16), ignored).reached.any()
 
 
 def test_cranks_and_branches_of_points_and_cognates_as_the_general_solver_has_them():
@@ -209,20 +218,12 @@ def test_points_in_special_positions_are_recognised():
 def test_all_real_linkages_of_the_published_problem_are_found():
     """64 of 1442: Wampler, Morgan and Sommese 1992, problem 3."""
     reports = []
-    with progress_to(lambda share, what: reports.append((share, what))):
-        rows, count = through_nine(NINE, Watch(600, "of nine"))
+    rows, count = through_nine(NINE, reports.append)
     assert (count.real, count.not_real, count.repeated, count.lost) == (64, 1378, 0, 0) and count.is_complete
     assert len(rows) == 64 and all(is_through(row, NINE) for row in rows)
     pivots = [with_cognates(row, complex(NINE[0])) for row in rows]
     assert len({frozenset(complex(round(x[6], 4), round(x[7], 4)) for x in three) for three in pivots}) == 64
-    shares = [share for share, _ in reports]
-    assert shares == sorted(shares) and shares[0] < shares[-1] <= 1 and {what for _, what in reports} == {"of nine"}
-
-
-def test_without_time_all_paths_are_lost():
-    watch = Watch(0, "")
-    rows, count = through_nine(NINE, watch)
-    assert len(rows) == 0 and count.lost == count.total == 1442 and watch.cut and not count.is_complete
+    assert reports == sorted(reports) and reports[0] < reports[-1] <= 1
 
 
 @pytest.mark.campaign
@@ -237,7 +238,7 @@ def test_the_linkage_that_the_points_come_from_is_found():
     for k, bar in enumerate(bars):
         drive = np.sort((rng if k else np.random.default_rng(12)).uniform(0.2, 5.5, 9))
         points = gk.move(bar, drive).point("coupler_point").position
-        rows, count = through_nine(points, Watch(600, ""))
+        rows, count = through_nine(points, ignored)
         assert count.is_complete and (k or count.real == 80)
         lengths = [x[:4] for row in rows for x in with_cognates(row, complex(points[0]))]
         either = ([bar.ground, bar.crank, bar.coupler, bar.rocker], [bar.ground, bar.rocker, bar.coupler, bar.crank])

@@ -1,6 +1,7 @@
 """The search for linkages of paths part by part: many points, nine of them, defects, refusals, what it starts from."""
 
 import dataclasses
+import re
 from itertools import permutations
 
 import numpy as np
@@ -49,7 +50,7 @@ def nothing_else(monkeypatch):
 def through(monkeypatch, rows):
     """Rows from the first of the points as all linkages through nine of them."""
     first, count = [POINTS[0].real, POINTS[0].imag], PathCount(len(rows), 0, 0, 0)
-    monkeypatch.setattr(search, "through_nine", lambda wanted, watch: (np.asarray(rows) + np.tile(first, 4), count))
+    monkeypatch.setattr(search, "through_nine", lambda wanted, report: (np.asarray(rows) + np.tile(first, 4), count))
 
 
 def test_the_best_of_three_cognates_through_nine_points_is_ranked(monkeypatch, nothing_else):
@@ -64,6 +65,24 @@ def test_the_best_of_three_cognates_through_nine_points_is_ranked(monkeypatch, n
         assert len(found.ranked) == 1 and found.path_count.is_complete and not found.special
         assert any(abs(found.linkage.crank - bar.crank) < 1e-6 for bar in bars)
         assert found.transmission_angle_deg >= least[0] - 1e-6
+
+
+def test_time_limit_does_not_shorten_the_continuation(monkeypatch, nothing_else):
+    through(monkeypatch, THREE[:1])
+    found = gk.path_generator(SEEN, time_limit=1e-9)
+    assert len(found.ranked) == 1 and not found.cut_short
+
+
+def test_search_without_time_for_a_result_advises_no_shorter_time(monkeypatch):
+    def searched(self, rng, watch):
+        watch.cut = True
+        return np.zeros((0, 10)), np.zeros((0, len(self.task.wanted))), np.zeros(0)
+
+    monkeypatch.setattr(search.PathSearch, "searched", searched)
+    with pytest.raises(gk.DesignError) as refused:
+        gk.path_generator(SEEN[:5], time_limit=12)
+    assert refused.value.field == "time_limit"
+    assert all(float(number) > 12 for number in re.findall(r"\d+", refused.value.remedy))
 
 
 def test_a_coupler_point_at_a_pin_has_no_cognates(monkeypatch, nothing_else):

@@ -133,6 +133,8 @@ class TableFit:
         Slope and curvature by x at both ends; None for a periodic curve.
     within : float
         Largest deviation of the curve from the lifts, the band; 0 for a curve through all rows.
+    base : float
+        Lift of the base circle on the scale of `lifts`; the curve is below it by no more than the band.
 
     Notes
     -----
@@ -143,6 +145,7 @@ class TableFit:
     lifts: Real
     ends: Ends
     within: float
+    base: float = -np.inf
 
     @cached_property
     def law(self) -> Law:
@@ -150,7 +153,8 @@ class TableFit:
         return self._law_within(self.within)
 
     def _law_within(self, within: float) -> Law:
-        smooth = smoothest_within(self.x, self.lifts, self.ends, within) if within > 0 else None
+        least = self.base - within
+        smooth = smoothest_within(self.x, self.lifts, self.ends, within, least) if within > 0 else None
         return smooth or spline_through(self.x, self.lifts, self.ends)
 
     @cached_property

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import DesignError, shown
-from ...core.fields import check_quantities
+from ...core.fields import check_quantities, rounded_down, rounded_up
 from ...core.names import Folder
 from ...core.records import record
 from ...plane.vec import Real
@@ -154,6 +154,8 @@ def _end(segment: Timed, before: float) -> float:
 
 
 def _apart(start: float, before: float) -> tuple[str, str]:
+    if not before:
+        return f"found {start:g} deg, but the programme starts at 0 deg", "start there, or omit start_deg"
     kind = "a gap" if start > before else "an overlap"
     return (
         f"found {start:g}, but the segment before ends at {before:g} deg: {kind}",
@@ -172,30 +174,37 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
             field, f"it ends at {end:g} {unit}, not above its start", "use a return to go down", "out-of-range"
         )
     if isinstance(segment, Return) and end >= before:
-        raise DesignError(field, f"found {end:g} {unit}, not below its start", "use a rise to go up", "out-of-range")
-    if end < 0:
         raise DesignError(
-            field, f"it ends at {end:g} {unit}, below the base circle", f"give 0 {unit} or more", "out-of-range"
+            field, f"it ends at {end:g} {unit}, not below its start", "use a rise to go up", "out-of-range"
         )
+    if end < 0:
+        limits = {"fall": f"at most {rounded_down(before)}", "rise": f"at least {rounded_up(-before)}"}
+        limit = limits.get(field.removesuffix("_deg"), "at least 0")
+        problem = f"it ends at {end:g} {unit}, below the base circle"
+        raise DesignError(field, problem, f"give {limit} {unit}", "out-of-range")
     return end, oscillates
 
 
 def _given_end(segment: Timed, before: float) -> tuple[str, float, bool | None]:
     """The field that gives the end of a segment, the lift there, and whether it is in degrees; None if unknown."""
-    if isinstance(segment, Return):
-        if segment.end_lift and segment.end_lift_deg is not None:
-            raise DesignError("end_lift", "of end_lift and end_lift_deg found both", "give one of them", "conflict")
-        if segment.end_lift_deg is not None:
-            return "end_lift_deg", segment.end_lift_deg, True
-        return "end_lift", segment.end_lift, False if segment.end_lift else None
-    names = ("end_lift", "rise", "end_lift_deg", "rise_deg")
-    given = [(name, value) for name in names if (value := getattr(segment, name)) is not None]
+    change = "fall" if isinstance(segment, Return) else "rise"
+    names = (change, "end_lift", f"{change}_deg", "end_lift_deg")
+    # A return ends at 0 unless another end is given.
+    given = [
+        (name, value)
+        for name in names
+        if (value := getattr(segment, name)) is not None and (value or (change, name) != ("fall", "end_lift"))
+    ]
+    if change == "fall" and not given:
+        return "end_lift", 0.0, None
     if len(given) != 1:
         found = "neither" if not given else "both" if len(given) == 2 else "more"
-        problem, remedy = f"of rise and end_lift found {found}", "give one of them, in mm or in degrees"
-        raise DesignError("rise", problem, remedy, "conflict")
+        problem, remedy = f"of {change} and end_lift found {found}", "give one of them, in mm or in degrees"
+        raise DesignError(given[0][0] if given else change, problem, remedy, "conflict")
     ((name, value),) = given
-    return name, (before if name.startswith("rise") else 0.0) + value, name.endswith("_deg")
+    end = value if name.startswith("end") else before - value if change == "fall" else before + value
+    # 0.3 - 0.1 - 0.2 is 0.
+    return name, 0.0 if abs(end) < 1e-12 * abs(value) else end, name.endswith("_deg")
 
 
 def _given(
@@ -213,22 +222,6 @@ def _given(
         k = int(falls[0])
         problem = f"the angle {points[k + 1, 0]:g} deg follows {points[k, 0]:g} deg"
         raise DesignError(field + row.format(k + 1), problem, "give rising angles", "out-of-range")
-    if alone and isinstance(segment, LiftTable):
-        # With equal steps, the next row would be the first one again.
-        steps = np.diff([*points[:, 0], 360.0])
-        if np.ptp(steps) <= 1e-6 * steps[0]:
-            points = np.vstack([points, [360.0, points[0, 1]]])
-    start, end = points[[0, -1], 0]
-    if abs(start - before) > SLIP:
-        problem, _ = _apart(start, before)
-        raise DesignError(field + row.format(0), problem, f"start the angles at {before:g} deg", "out-of-range")
-    start, end = before, 360.0 if abs(end - 360) <= SLIP else float(end)
-    slip = band(segment) or SLIP
-    if lift is None:
-        lift = float(points[0, 1])
-    if abs(points[0, 1] - lift) > slip:
-        problem = f"the lift starts at {points[0, 1]:g} {unit}, but the segment before ends at {lift:g}"
-        raise DesignError(field + row.format(0), problem, "give equal lifts", "conflict")
     low = int(points[:, 1].argmin())
     # Measured rows of a dwell deviate to both sides.
     if points[low, 1] < -band(segment):
@@ -236,8 +229,44 @@ def _given(
         raise DesignError(
             field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius", "out-of-range"
         )
+    if alone:
+        points = _from_zero(points, segment, unit)
+    start, end = points[[0, -1], 0]
+    if abs(start - before) > SLIP:
+        problem, _ = _apart(start, before)
+        remedy = f"start the angles at {before:g} deg"
+        if alone:
+            remedy += ", or give a whole turn with a row at 0 deg"
+        raise DesignError(field + row.format(0), problem, remedy, "out-of-range")
+    start, end = before, 360.0 if abs(end - 360) <= SLIP else float(end)
+    slip = band(segment) or SLIP
+    if lift is None:
+        lift = float(points[0, 1])
+    if abs(points[0, 1] - lift) > slip:
+        problem = f"the lift starts at {points[0, 1]:g} {unit}, but the segment before ends at {lift:g}"
+        raise DesignError(field + row.format(0), problem, "give equal lifts", "conflict")
     points[[0, -1], 0], points[0, 1] = (start, end), lift
     return PlacedSegment(place, segment, start, end, lift, float(points[-1, 1]), oscillates, points)
+
+
+def _from_zero(points: Real, segment: Pointed, unit: str) -> Real:
+    """Rows of a whole turn from 0 to 360 deg, of those that start elsewhere, as those of cam cards from -180 deg do.
+
+    The last row of a table in equal steps may be missing: the next one would be the first one again.
+    """
+    first, end = points[0], points[0, 0] + 360
+    steps = np.diff([*points[:, 0], end])
+    if isinstance(segment, LiftTable) and np.ptp(steps) <= 1e-6 * steps[0]:
+        points = np.vstack([points, [end, first[1]]])
+    zero = np.flatnonzero(np.abs(points[:, 0] % 360 - [[0.0], [360.0]]).min(axis=0) <= SLIP)
+    if abs(points[-1, 0] - end) > SLIP or not len(zero) or abs(first[0]) <= SLIP:
+        return points
+    if abs(points[-1, 1] - first[1]) > max(SLIP, band(segment)):
+        problem = f"a whole turn starts at {first[1]:g} {unit} and ends at {points[-1, 1]:g} {unit}"
+        raise DesignError("", problem, "give equal lifts in the first and the last row", "conflict")
+    turned = np.vstack([points[zero[0] : -1], points[: zero[0] + 1] + np.array([360.0, 0.0])])
+    turned[:, 0] -= turned[0, 0]
+    return turned
 
 
 def band(segment: Segment) -> float:

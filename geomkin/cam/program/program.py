@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
+from ...core.fields import rounded_up
 from ...core.names import Folder
 from ...core.records import record
 from ...core.scaling import with_lengths
@@ -114,7 +115,7 @@ def _matched(placed: PlacedSegment, start: State, end: State, count: int) -> Sol
     ends: Ends = None if count == 1 else (first, last)
     if not isinstance(segment, LiftTable):
         return SolvedSegment(placed, spline_through(x, lifts, ends), 1.0)
-    fit = TableFit(x, lifts, ends, band(segment))
+    fit = TableFit(x, lifts, ends, band(segment), -placed.lift)
     return SolvedSegment(placed, fit.law, 1.0, fit=fit)
 
 
@@ -154,8 +155,8 @@ def lift_range(solved: SolvedSegment) -> tuple[float, float, float]:
     return lift[k].item(), placed.start + x[k].item() * (placed.end - placed.start), lift.max().item()
 
 
-# Keys of a segment's lift in degrees; omitted from a recipe if not given.
-ARM_LIFTS = ("rise_deg", "end_lift_deg")
+# Keys of a segment's lift that are omitted from a recipe if not given.
+OTHER_LIFTS = ("rise_deg", "end_lift_deg", "fall", "fall_deg")
 # A curve through given values may go below the base circle by this share of the lift, less than a cutter follows. A
 # smaller share refuses values because of their last decimal; a larger one is visible on the cam.
 DIP = 1e-4
@@ -423,16 +424,18 @@ class _Stretches:
         ranges = [(segment, *lift_range(segment)) for segment in self.solved]
         highest_lift = max(high for *_, high in ranges)
         for segment, low, angle, _ in ranges:
-            # The curve of a table may go below 0 by its band.
-            if low < -max(SLIP, DIP * highest_lift, band(segment.placed.segment)):
-                raise DesignError(
-                    segment.placed.place,
-                    f"the lift falls to {low:g} {unit} at {angle:g} deg, below the base circle",
-                    "give other values there, or more lift and a smaller base_radius",
-                )
+            # The curve of a table may go below 0 by its band, and by the rounding of the search for it.
+            if low < -max(SLIP, DIP * highest_lift, (1 + 1e-6) * band(segment.placed.segment)):
+                problem = f"the lift falls to {low:g} {unit} at {angle:g} deg, below the base circle"
+                remedy = "give other values there, or more lift and a smaller base_radius"
+                if segment.fit:
+                    wide = rounded_up(segment.fit.wide, 2) if segment.fit.wide > 0 else ""
+                    within = f"a `within` of at least {wide} {unit}" if wide else "a larger `within`"
+                    remedy = f"no curve was found within the band and above the base circle: give {within}"
+                raise DesignError(segment.placed.place, problem, remedy)
 
 
 def _plain(segment: Segment) -> dict[str, Any]:
-    """A segment as in a recipe, without unused lifts in degrees."""
+    """A segment as in a recipe, without other lifts that are not given."""
     given = asdict(segment)
-    return {name: value for name, value in given.items() if value is not None or name not in ARM_LIFTS}
+    return {name: value for name, value in given.items() if value is not None or name not in OTHER_LIFTS}

@@ -99,9 +99,9 @@ class Return:
     ----------
     law : str or callable
         Law of motion, as for `Rise`.
-    end_lift : float, optional
-        Lift at the end, mm.
-    end_lift_deg : float, optional
+    fall, end_lift : float, optional
+        Displacement, positive inwards, or lift at the end, mm. Give one of the two; by default the end is at 0.
+    fall_deg, end_lift_deg : float, optional
         The same for an arm, deg.
     start_deg, end_deg, duration_deg : float, optional
         Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
@@ -121,6 +121,8 @@ class Return:
     end_deg: float | None = _angle("cam angle at the end")
     duration_deg: float | None = _angle("range of cam angles")
     end_lift_deg: float | None = _lift("lift of an arm at the end", "deg")
+    fall: float | None = _lift("displacement, positive inwards")
+    fall_deg: float | None = _lift("displacement of an arm, positive inwards", "deg")
 
 
 @record
@@ -221,8 +223,9 @@ class LiftTable:
     quintic spline, with the least integral of squared jerk, that stays within the band. The same rows then give the
     acceleration to 0.2 % of the peak. Jumps are rounded off: if rows one degree apart contain the joint of a dwell and
     a cycloidal rise, the acceleration there is exact to 5 % and the jerk, which jumps, to half its jump. So give dwells
-    as dwells, or better the law itself. The ends are those of `LiftSpline`; rows in equal steps of a periodic table may
-    omit 360 deg.
+    as dwells, or better the law itself. Below the base circle the curve goes by no more than the band. The ends are
+    those of `LiftSpline`. A table that is the only segment may start at any angle, such as -180 deg, if it has a row at
+    0 deg; if its rows are in equal steps, the last one may be omitted.
 
     Smoothing splines after Reinsch, Numer. Math. 10 (1967) 177-183, with a bound for each row; derived here.
     """

@@ -3,9 +3,10 @@
 The curve has the least integral of squared jerk of all quintic splines over equal intervals that deviate from no row
 by more than the band. It is the smoothing spline of Reinsch (Numer. Math. 10, 1967, 177-183), with jerk instead of
 curvature, and with a bound for each row instead of one for the sum of squares, so that the lift stays within the band
-everywhere. This quadratic programme is solved by the primal-dual interior-point method (Wright, Primal-Dual
-Interior-Point Methods, 1997, ch. 5); each of its steps is a smoothing spline with other weights. All sums have a fixed
-order, so that the same rows give the same digits on every processor.
+everywhere. The B-spline coefficients are bounded from below, and with them the curve between the rows (de Boor, A
+Practical Guide to Splines, 1978). This quadratic programme is solved by the primal-dual interior-point method (Wright,
+Primal-Dual Interior-Point Methods, 1997, ch. 5); each of its steps is a smoothing spline with other weights. All sums
+have a fixed order, so that the same rows give the same digits on every processor.
 """
 
 from __future__ import annotations
@@ -19,13 +20,18 @@ from .laws import Ends, PiecewisePolynomial
 # The number of intervals is doubled until the integral is at least this share of that with half as many. A larger
 # value takes four times as many intervals without a visible difference, a smaller one stops too early.
 GAIN = 0.98
-# Largest number of intervals: more take seconds. Least number of rows: fewer leave the spline no freedom.
-MOST_INTERVALS, FEWEST = 2048, 5
-# Largest number of steps of the interior-point method, which needs 10 to 25. With fewer it would not converge.
-STEPS = 60
+# Largest number of intervals: more take seconds. Intervals for each row up to which the number is doubled if a spline
+# was found, and between adjacent rows if none was: with six, each row has B-splines of its own. Least number of rows:
+# two are the ends alone.
+MOST_INTERVALS, FOR_EACH_ROW, IF_NONE, FEWEST = 4096, 4, 8, 3
+# Largest number of steps of the interior-point method, which needs 15 to 30, or 55 for very uneven rows. With fewer it
+# would not converge.
+STEPS = 80
 # Relative difference of the integral from the least at which the method ends. A larger value is visible in the
 # acceleration, a smaller one is lost in rounding.
 GAP = 1e-7
+# Distance below the least lift, in units of the band, that counts as rounding.
+INSIDE = 1e-9
 # Width of the matrix on either side of its diagonal: a quintic B-spline overlaps five others on each side.
 BAND = 5
 # Share of the distance to the band's edge that a step may take; with 1 it would end on the edge and stay there.
@@ -34,7 +40,9 @@ LONGEST_STEP = 0.98
 REDUCTION = 0.1
 
 
-def smoothest_within(x: Real, values: Real, ends: Ends, within: float) -> PiecewisePolynomial | None:
+def smoothest_within(
+    x: Real, values: Real, ends: Ends, within: float, least: float = -np.inf
+) -> PiecewisePolynomial | None:
     """The smoothest quintic spline within a band.
 
     Parameters
@@ -47,24 +55,27 @@ def smoothest_within(x: Real, values: Real, ends: Ends, within: float) -> Piecew
         Slope and curvature at 0 and at 1; None for a periodic spline.
     within : float
         Largest deviation from `values`, above 0.
+    least : float
+        Least lift of the whole spline, also between the rows.
 
     Returns
     -------
     PiecewisePolynomial or None
-        None for fewer than five rows, or if no spline with about two intervals for each row lies in the band.
+        None for fewer than three rows, or if no spline of up to `MOST_INTERVALS` intervals lies in the band.
     """
     if len(x) < FEWEST:
         return None
     # In a periodic spline of fewer intervals a B-spline would overlap itself.
-    count, best, least = 16 if ends is None else 2, None, np.inf
-    while count <= min(MOST_INTERVALS, max(32, 2 * len(x))):
-        basis = _Basis(x, values, ends, within, count)
+    count, best, least_roughness = 16 if ends is None else 2, None, np.inf
+    narrowest = float(np.diff(x).min())
+    while count <= min(MOST_INTERVALS, max(32, FOR_EACH_ROW * len(x) if best else IF_NONE / narrowest)):
+        basis = _Basis(x, values, ends, within, count, least)
         coefficients = basis.smoothest()
         if coefficients is not None:
             best, roughness = basis.spline(coefficients), basis.roughness(coefficients)
-            if roughness >= GAIN * least:
+            if roughness >= GAIN * least_roughness:
                 break
-            least = roughness
+            least_roughness = roughness
         count *= 2
     return best
 
@@ -75,8 +86,8 @@ class _Basis:
     fixed, free (size,): the coefficients that the ends determine, otherwise 0, and the mask of the others.
     """
 
-    def __init__(self, x: Real, values: Real, ends: Ends, within: float, count: int):
-        self.count, self.closed, self.within = count, ends is None, within
+    def __init__(self, x: Real, values: Real, ends: Ends, within: float, count: int, least: float):
+        self.count, self.closed, self.within, self.least = count, ends is None, within, least / within
         self.knots = np.arange(count + 1) / count
         before, after = np.arange(-5, 0) / count, 1 + np.arange(1, 6) / count
         if not self.closed:
@@ -92,6 +103,7 @@ class _Basis:
         else:
             # The last row equals the first.
             x, values = x[:-1], values[:-1]
+        self.bounded = self.free & np.isfinite(self.least)
         piece = np.clip(np.searchsorted(self.knots, x, side="right") - 1, 0, count - 1)
         self.rows = _Rows(self._numbers(piece), _basis(self.all_knots, piece + 5, x, 0))
         self.values = values / within
@@ -138,32 +150,59 @@ class _Basis:
             return None
         c, stiffness = start
         jerk = self.jerks.normal(np.full(self.jerks.basis.shape[1], stiffness), self.size, self.free)
-        deviation = self.rows.times(c) - self.values
-        # Distances of each row's lift from both edges of the band, and the Lagrange multipliers of these edges.
-        room = np.array([1 - deviation, 1 + deviation])
-        multipliers = np.array([np.maximum(deviation, 0), np.maximum(-deviation, 0)]) + 0.1
+        # Distances from all bounds, which have to stay positive, and their Lagrange multipliers. Coefficients of the
+        # start may be below the bound: the first distances are then too large by `excess`, which the steps remove.
+        distances = self._distances(c)
+        room = np.maximum(distances, 0.05)
+        room[2 * len(self.values) :] = np.maximum(room[2 * len(self.values) :], -distances.min())
+        excess, multipliers, share = room - distances, 0.1 + np.maximum(1 - room, 0), 1.0
         for _ in range(STEPS):
             gap = float(np.sum(room * multipliers))
-            if gap <= GAP * stiffness * float(np.sum(self.jerks.times(c) ** 2)) or gap < 1e-12:
+            is_inside = float(excess.max()) <= INSIDE
+            if is_inside and (gap <= GAP * stiffness * float(np.sum(self.jerks.times(c) ** 2)) or gap < 1e-12):
                 break
-            target = REDUCTION * gap / multipliers.size / room
+            # The excess has to vanish before the gap, or the steps become shorter and shorter.
+            reduction = REDUCTION if is_inside or share > 0.9 else 0.5 if share > 0.3 else 1.0
+            target = reduction * gap / multipliers.size / room
             weight = multipliers / room
-            matrix = jerk.plus(self.rows.normal(weight[0] + weight[1], self.size, self.free))
-            right = -self.jerks.back(stiffness * self.jerks.times(c), self.size) - self.rows.back(
-                target[0] - target[1], self.size
+            matrix = jerk.plus(self._bounds_matrix(weight))
+            right = self._bounds_back(target + weight * excess) - self.jerks.back(
+                stiffness * self.jerks.times(c), self.size
             )
             step = matrix.solve(right)
             if not np.isfinite(step).all():
                 break
-            lift_step = self.rows.times(step)
-            room_step = np.array([-lift_step, lift_step])
+            room_step = self._distance_steps(step) - excess
             multiplier_step = target - multipliers - weight * room_step
             steepest = max(
                 float(np.max(-room_step / room)), float(np.max(-multiplier_step / multipliers)), LONGEST_STEP
             )
             share = LONGEST_STEP / steepest
             c, room, multipliers = c + share * step, room + share * room_step, multipliers + share * multiplier_step
-        return c
+            excess = (1 - share) * excess
+        return c if float(excess.max()) <= INSIDE else None
+
+    def _distances(self, c: Real) -> Real:
+        """Distances of each row's lift from both edges of the band, and of each coefficient from the least lift."""
+        deviation = self.rows.times(c) - self.values
+        return np.concatenate([1 - deviation, 1 + deviation, c[self.bounded] - self.least])
+
+    def _distance_steps(self, step: Real) -> Real:
+        lift_step = self.rows.times(step)
+        return np.concatenate([-lift_step, lift_step, step[self.bounded]])
+
+    def _bounds_back(self, v: Real) -> Real:
+        """Transposed derivatives of the distances times v."""
+        above, below, coefficients = np.split(v, [len(self.values), 2 * len(self.values)])
+        total = self.rows.back(below - above, self.size)
+        total[self.bounded] += coefficients
+        return total
+
+    def _bounds_matrix(self, weight: Real) -> BandMatrix:
+        above, below, coefficients = np.split(weight, [len(self.values), 2 * len(self.values)])
+        matrix = self.rows.normal(above + below, self.size, self.free)
+        matrix.bands[0, self.bounded] += coefficients
+        return matrix
 
     def _start(self) -> tuple[Real, float] | None:
         """Coefficients of a smoothing spline well inside the band, and its stiffness; None if there is none."""

@@ -168,7 +168,7 @@ def body_guides(
     seed : int
         Seed of the random search.
     time_limit : float
-        Longest time of the search, s, 0 to 3600.
+        Longest processor time of the search, s, 0 to 3600.
     driving_point : {"first", "either"}
         With "either" the second of two given points may drive as well; both linkages are listed.
 
@@ -234,9 +234,7 @@ def body_guides(
     if guides:
         return guides
     if watch.cut:
-        raise DesignError(
-            "time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more", "out-of-range"
-        )
+        raise watch.too_short()
     problem = f"found no {' or '.join(kinds)} through them that keeps the limits"
     # Chosen points for three poses, and dyads of more than four, are not limited by a default region.
     if region is not None or not (has_points or len(origins) > 4):

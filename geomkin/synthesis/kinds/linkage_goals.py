@@ -49,7 +49,7 @@ class Search:
 
     seed: int = quantity("seed of the search's random starts", default=0, at_least=0, at_most=2**32 - 1, whole=True)
     time_limit: float = quantity(
-        "time after which the best linkage so far is taken", "s", default=30.0, above=0, at_most=3600
+        "processor time after which the best linkage so far is taken", "s", default=30.0, above=0, at_most=3600
     )
 
 
@@ -81,17 +81,21 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
     def ranked(self) -> Sequence[F]:
         """The linkages found, the best first."""
 
+    @property
+    def further(self) -> Sequence[F]:
+        """Linkages of a further search, which have the ranks after `ranked`."""
+        return ()
+
     @cached_property
     def found(self) -> F:
         """The chosen linkage with short decimal numbers as its sizes."""
-        if self.choose > len(self.ranked):
-            raise DesignError(
-                "choose",
-                f"found {self.choose}",
-                f"give at most {len(self.ranked)}, the number of linkages found",
-                "out-of-range",
-            )
-        return self.shortened(self.ranked[self.choose - 1])
+        ranked = self.ranked
+        if self.choose > len(ranked):
+            ranked = (*ranked, *self.further)
+        if self.choose > len(ranked):
+            remedy = f"give at most {len(ranked)}, the number of linkages found"
+            raise DesignError("choose", f"found {self.choose}", remedy, "out-of-range")
+        return self.shortened(ranked[self.choose - 1])
 
     @property
     def size_bounds(self) -> Mapping[str, tuple[float, float]]:

@@ -289,7 +289,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
     files: Files = entry("what is written", default=Files())
 
-    advice: ClassVar[str] = "Without limits the best linkage often jams: see `usable` in summary.json."
+    advice: ClassVar[str] = "Without limits the best linkage often jams: choose the one under `usable` in summary.json."
 
     @property
     def sources(self) -> Mapping[str, str]:
@@ -331,6 +331,11 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     @property
     def ranked(self) -> Sequence[PathFound]:
         return self.best.ranked
+
+    @property
+    def further(self) -> Sequence[PathFound]:
+        usable = self.best.usable
+        return () if usable is None or usable is self.best else (usable,)
 
     @property
     def driver_range(self) -> tuple[float, float]:
@@ -392,12 +397,13 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         if (count := best.path_count) is None or count.is_complete:
             return ()
         missing = f"{count.lost + count.repeated} of {count.total}"
-        reason = "the time limit" if best.cut_short else "points in a special position"
-        return (f"The list of linkages may be incomplete: {missing} paths did not end at a solution, due to {reason}.",)
+        reason = "since the points are in a special position"
+        return (f"The list of linkages may be incomplete: {missing} paths did not end at a solution, {reason}.",)
 
     @property
     def notes(self) -> Mapping[str, object]:
         best, usable = self.best, self.best.usable
+        rank = 1 if usable is best else len(self.ranked) + 1
         cognates = [
             {**size_entries(cognate.linkage), "driver": cognate.linkage.driver} for cognate in self.found.cognates
         ]
@@ -406,7 +412,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
             "cut_short": best.cut_short,
             "drive_at_points_deg": [ten_digits(q) for q in self.found.drive_deg],
-            "usable": None if usable is None else self.shortened(usable).summary(),
+            "usable": None if usable is None else {"choose": rank, **self.shortened(usable).summary()},
             "cognates": cognates,
         }
         if best.path_count is not None:

@@ -13,6 +13,8 @@ from .nine_point_equations import precise_residuals, residuals, slopes, solve
 
 # First and shortest step, as shares of the line. A path that needs shorter ones is given up.
 FIRST, SHORTEST = 0.01, 1e-9
+# Largest number of steps of a path, also of one in double-double; the longest that were met took 5200.
+MOST_STEPS = 20_000
 # Size of a prediction's error, as a share of the coordinates. With 1e-3 a path takes 60 to 150 steps; with 1e-4 one and
 # a half times as many, and as many paths are lost.
 COARSE, FINE = 1e-3, 1e-4
@@ -41,15 +43,14 @@ def follow(
     starts: Complex,
     base: Complex,
     target: Complex,
-    is_over: Callable[[float], bool],
+    report: Callable[[float], None],
     precise: bool = False,
 ) -> Ends:
     """Follow solutions (s, 16) for the parameters `base` (16,) to those for `target` (16,).
 
     Predictor of Runge and Kutta, fourth order; two Newton steps; the step length follows from the first correction
     (Sommese and Wampler, The numerical solution of systems of polynomials, 2005, chapter 2). With `precise`, residuals
-    are computed in double-double, and steps are shorter. `is_over` receives the share of finished paths, and stops the
-    work if it returns true.
+    are computed in double-double, and steps are shorter. `report` receives the share of finished paths.
     """
     count, goal, speed = len(starts), FINE if precise else COARSE, target - base
     final: Complex = np.full((count, 16), np.nan, dtype=complex)
@@ -57,7 +58,10 @@ def follow(
     x, low = starts.astype(complex), np.zeros_like(starts, dtype=complex)
     t, h = np.zeros(count), np.full(count, FIRST)
     with np.errstate(all="ignore"):
-        while len(which) and not is_over(1 - len(which) / count):
+        for _ in range(MOST_STEPS):
+            if not len(which):
+                break
+            report(1 - len(which) / count)
             step = np.minimum(h, 1 - t)
             ahead = np.where(step < 1 - t, t + step, 1.0)
             predicted = _predicted(x, base, speed, t, step)

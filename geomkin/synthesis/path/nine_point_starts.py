@@ -42,12 +42,12 @@ def a_solution(rng: np.random.Generator) -> tuple[Complex, Complex]:
 def all_solutions(base: Complex, rng: np.random.Generator) -> Complex:
     """One solution (s, 16) of each class of cognates for the parameters `base` (16,)."""
     start, there = a_solution(rng)
-    known = with_new(follow(start[None], there, base, _never), np.zeros((0, 16), dtype=complex))
+    known = with_new(follow(start[None], there, base, _ignore), np.zeros((0, 16), dtype=complex))
     idle = 0
     while idle < IDLE:
         x, here = known, base
         for corner in (_random(rng), _random(rng), base):
-            ends = follow(x, here, corner, _never)
+            ends = follow(x, here, corner, _ignore)
             x, here = ends.x[ends.reached], corner
         before = len(known)
         known = with_new(ends, known)
@@ -62,8 +62,7 @@ def with_new(ends: Ends, known: Complex) -> Complex:
     return together[~is_repeated(together)]
 
 
-def _never(share: float) -> bool:
-    return False
+def _ignore(share: float) -> None: ...
 
 
 def _random(rng: np.random.Generator) -> Complex:

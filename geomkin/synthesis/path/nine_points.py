@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
-from ...core.progress import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole
 from .homotopy import follow, refine
@@ -23,7 +23,7 @@ REAL = 1e-8
 # Largest number of missing solutions for which the second set of starts is tried. More are missing only if the points
 # are special and have fewer solutions.
 FEW_MISSING = 10
-# Shares of the time limit: for all paths, and for the doubtful ones.
+# Shares of the progress: all paths, and the doubtful ones.
 MAIN_SHARE, DOUBTFUL_SHARE = 0.7, 0.25
 
 
@@ -40,8 +40,7 @@ class PathCount:
     repeated : int
         At a solution at which another path ended.
     lost : int
-        Nowhere: given up, or not finished within the time limit. Points in special positions have fewer solutions, so
-        that such paths tend to no linkage.
+        Nowhere: given up. Points in special positions have fewer solutions, so that such paths tend to no linkage.
     """
 
     real: int
@@ -60,15 +59,15 @@ class PathCount:
         return self.repeated + self.lost == 0
 
 
-def through_nine(points: Complex, watch: Watch) -> tuple[Real, PathCount]:
+def through_nine(points: Complex, report: Callable[[float], None]) -> tuple[Real, PathCount]:
     """All four-bars through nine points, one of each three cognates.
 
     Parameters
     ----------
     points : array of complex, shape (9,)
         Points that do not coincide and are not `special`.
-    watch : Watch
-        Progress and time limit.
+    report : callable
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -88,10 +87,10 @@ def through_nine(points: Complex, watch: Watch) -> tuple[Real, PathCount]:
     size = float(np.sqrt(np.mean(np.abs(offsets) ** 2)))
     offsets = offsets / size
     target = np.concatenate([offsets, np.conj(offsets)])
-    solutions, lost = _solutions(1, target, watch)
+    solutions, lost = _solutions(1, target, report)
     total = len(starts_of(1)[0])
-    if 0 < total - len(solutions) <= FEW_MISSING and not watch.over():
-        others, others_lost = _solutions(2, target, watch)
+    if 0 < total - len(solutions) <= FEW_MISSING:
+        others, others_lost = _solutions(2, target, report)
         both = np.concatenate([solutions, others])
         solutions, lost = both[~is_repeated(both)], min(lost, others_lost)
     capitals, small = solutions[:, 1:8:2], solutions[:, 0:8:2]
@@ -127,16 +126,15 @@ def starts_of(number: int) -> tuple[Complex, Complex]:
     return refine(np.concatenate([places, rotations], axis=1), parameters).x, parameters
 
 
-def _solutions(number: int, target: Complex, watch: Watch) -> tuple[Complex, int]:
+def _solutions(number: int, target: Complex, report: Callable[[float], None]) -> tuple[Complex, int]:
     """Distinct solutions (s, 16) for the parameters `target` (16,), and how many paths were lost."""
     starts, parameters = starts_of(number)
     before = 0.0 if number == 1 else MAIN_SHARE + DOUBTFUL_SHARE
 
-    def is_over(done: float, first: float, share: float) -> bool:
-        watch.report(before + (1 - before) * (first + share * done))
-        return watch.over()
+    def report_from(first: float, share: float) -> Callable[[float], None]:
+        return lambda done: report(before + (1 - before) * (first + share * done))
 
-    ends = follow(starts, parameters, target, lambda done: is_over(done, 0, MAIN_SHARE))
+    ends = follow(starts, parameters, target, report_from(0, MAIN_SHARE))
     x = ends.x
     doubtful = ~ends.reached | may_be_degenerate(x) | is_repeated(x) | is_repeated(x[::-1])[::-1]
     sure = x[~doubtful]
@@ -145,7 +143,7 @@ def _solutions(number: int, target: Complex, watch: Watch) -> tuple[Complex, int
     again = starts[doubtful]
     all_three = np.concatenate([again, *cognates_of(again, np.broadcast_to(parameters, again.shape))])
     all_three = refine(all_three, parameters).x
-    ends = follow(all_three, parameters, target, lambda done: is_over(done, MAIN_SHARE, DOUBTFUL_SHARE), precise=True)
+    ends = follow(all_three, parameters, target, report_from(MAIN_SHARE, DOUBTFUL_SHARE), precise=True)
     good = ends.reached & ~is_degenerate(ends.x)
     together = np.concatenate([sure, ends.x[good]])
     return together[~is_repeated(together)], int(np.sum(~good.reshape(3, -1).any(axis=0)))

@@ -95,7 +95,7 @@ def path_generator(
     seed : int
         Seed of the random starts, 0 to 2**32 - 1.
     time_limit : float
-        Longest time of the search, s. The search usually ends by itself.
+        Longest processor time of the search from random linkages, s. The search usually ends by itself.
     slides : bool
         Whether a slider-crank is wanted instead of a four-bar.
 
@@ -117,7 +117,8 @@ def path_generator(
     in closed form and improves the best of them by least squares.
 
     Nine points without other conditions have a finite number of four-bars through them, up to 150. All are found, in 3
-    to 30 s, and ranked, one of each three cognates. `path_count` states where the 1442 paths that lead to them ended.
+    to 30 s, whatever the time limit, and ranked, one of each three cognates. `path_count` states where the 1442 paths
+    that lead to them ended.
     Points in a special position, such as seven on a line, have no finite number; `special` then says why, and the
     search proceeds as for other points.
 
@@ -162,12 +163,10 @@ def path_generator(
         seed=seed,
         time_limit=time_limit,
     )
-    ranked, was_cut = path_search.ranked(0)
+    ranked, watch = path_search.ranked(0)
     if not ranked:
-        if was_cut:
-            raise DesignError(
-                "time_limit", f"found {time_limit:g} s, too short for any answer", "give 10 or more", "out-of-range"
-            )
+        if watch.cut:
+            raise watch.too_short()
         raise DesignError(
             "bounds" if bounds else "points",
             "no linkage was found that moves within the limits",

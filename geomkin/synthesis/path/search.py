@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import to_digits
-from ...core.progress import Watch
+from ...core.progress import Watch, report
 from ...core.records import record
 from ...linkage.cognate_linkages import Cognate, cognates
 from ...linkage.linkage import AbstractLinkage
@@ -66,7 +66,7 @@ class PathFound(Found):
     at_limits : tuple of str
         The limits that are active, in words.
     cut_short : bool
-        Whether the time limit ended the search.
+        Whether the time limit ended the search from random linkages.
     path_count : PathCount, optional
         For nine points without other conditions, where the paths of the continuation ended. If it `is_complete`,
         `ranked` has every four-bar through the points.
@@ -244,9 +244,6 @@ SAME_LINKAGE = 1e-3
 EXACT = 1e-6
 # Largest number of ranked linkages; nine random points have up to 150.
 RANKED = 300
-# Share of the time for linkages exactly through nine points; the rest is for linkages near them if all exact ones have
-# defects.
-NINE_POINT_SHARE = 0.75
 
 
 @record(eq=False, kw_only=True)
@@ -273,17 +270,16 @@ class PathSearch:
         ranked, _ = replace(self, task=tighter, all_nine=False).ranked(1)
         return replace(ranked[0], ranked=ranked) if ranked and ranked[0].is_usable else None
 
-    def ranked(self, number: int) -> tuple[tuple[PathFound, ...], bool]:
-        """Distinct linkages, the best first, and whether the time limit ended the search; `number` varies the seed."""
-        task, watch = self.task, Watch(self.time_limit, "linkages for the path")
+    def ranked(self, number: int) -> tuple[tuple[PathFound, ...], Watch]:
+        """Distinct linkages, the best first, and the watch of the search for them; `number` varies the seed."""
+        task, what = self.task, "linkages for the path"
         linkages: list[PathFound] = []
         count, arrangement = None, ""
         if self.all_nine and task.free and not task.closed and not task.slides and len(task.wanted) == 9:
             arrangement = special(task.wanted)
             if not arrangement:
-                nine_point_watch = Watch(NINE_POINT_SHARE * self.time_limit, watch.what)
-                linkages, count = self.through_nine(nine_point_watch)
-                watch.cut = nine_point_watch.cut
+                linkages, count = self.through_nine(lambda share: report(share, what))
+        watch = Watch(self.time_limit, what)
         if not any(not linkage.defects for linkage in linkages):
             x, t, branch = self.searched(np.random.default_rng([self.seed, number]), watch)
             cranks = task.cranks(x, t)
@@ -308,7 +304,7 @@ class PathSearch:
             if not any(_is_same(linkage, other) for other in distinct):
                 distinct.append(replace(linkage, cut_short=watch.cut, path_count=count, special=arrangement))
         watch.report(1.0)
-        return tuple(distinct[:RANKED]), watch.cut
+        return tuple(distinct[:RANKED]), watch
 
     def searched(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
         """Linkages x (s, 10), cranks t (s, n) if these are free, and branches, the best first."""
@@ -328,10 +324,10 @@ class PathSearch:
             t = nearest_from(task, x, nearest_angles(task, x, t, branch), branch)
         return x, t, branch
 
-    def through_nine(self, watch: Watch) -> tuple[list[PathFound], PathCount]:
+    def through_nine(self, report: Callable[[float], None]) -> tuple[list[PathFound], PathCount]:
         """The best of each three cognates, driven at either pivot, and where all paths to them ended."""
         wanted, linkages = self.task.wanted, []
-        rows, count = through_nine(wanted, watch)
+        rows, count = through_nine(wanted, report)
         for row in rows:
             # Each cognate may be driven at either of its ground pivots.
             both_ways = (row, row[[4, 5, 6, 7, 0, 1, 2, 3]])

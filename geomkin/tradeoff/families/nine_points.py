@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...core.progress import Watch
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Mask, Real
@@ -52,7 +51,7 @@ def missed_share(points: Complex, places: Places) -> Real:
 
 
 def _continued(points: Complex, _: float) -> Call:
-    return lambda: through_nine(points, Watch(PATIENCE, "linkages"))[0]
+    return lambda: through_nine(points, lambda share: None)[0]
 
 
 def _target(points: Complex) -> tuple[Complex, float]:
@@ -76,7 +75,7 @@ def _some_paths(points: Complex, count: float) -> Call:
     target, size = _target(points)
 
     def call() -> Places:
-        ends = follow(chosen, parameters, target, lambda share: False)
+        ends = follow(chosen, parameters, target, lambda share: None)
         return _real_places(points, ends.x[ends.reached], size)
 
     return call
