@@ -66,6 +66,11 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Entries of summary.json before and after those of the aspects."""
 
+    @property
+    def own_remarks(self) -> tuple[str, ...]:
+        """Sentences on the mechanism alone."""
+        return ()
+
     @cached_property
     def table(self) -> Table:
         table = self.own_table
@@ -87,7 +92,7 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        return tuple(remark for aspect in self.aspects for remark in aspect.remarks)
+        return (*self.own_remarks, *(remark for aspect in self.aspects for remark in aspect.remarks))
 
     @property
     def notes(self) -> Mapping[str, object]:

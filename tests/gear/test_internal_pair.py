@@ -45,7 +45,7 @@ def test_a_larger_centre_distance_closes_the_play_of_an_internal_pair():
 
 def test_torques_balance_the_tooth_force_at_both_pitch_circles():
     given = recipe("internal-pair")
-    loaded, (inner, outer) = given.strength, given.design.working_radii
+    loaded, (inner, outer) = given.aspect("loads").meshes.strength, given.design.working_radii
     torques = given.notes["loads"]["torque_n_mm"]
     assert torques["pinion"] == pytest.approx(loaded.tangential_force * inner)
     assert torques["ring"] == pytest.approx(loaded.tangential_force * outer)

@@ -34,7 +34,7 @@ from ..parts.bases import pair_base
 from ..parts.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
 from ..scene_pairs import conjugate_handles, conjugate_scene
 from .helical import backlash_remarks, boss_checks, check_tooth_points, least_backlash
-from .strength_notes import NO_INVOLUTE
+from .loaded import NO_INVOLUTE
 
 
 @record(checked=True)

@@ -23,7 +23,7 @@ from ...model.table import Table
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Real
 from ...recipe.settings import Files
-from ..checks import gear_checks, mesh_checks, strength_checks
+from ..checks import gear_checks, mesh_checks
 from ..contract import AbstractInvoluteGear
 from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
@@ -36,7 +36,7 @@ from ..rack import GearRack, RackPair
 from ..ring import RingGear
 from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene
 from ..spur import SpurGear
-from ..strength import GearLoads, PairStrength, pressure_column
+from ..strength import GearLoads, PairStrength
 from .helical import (
     AbstractHelicalRecipe,
     Tips,
@@ -49,9 +49,9 @@ from .helical import (
     pair_quantities,
     tips_entry,
 )
-from .strength_notes import (
-    RACK_WITHOUT_LOADS,
-    forces_missing,
+from .loaded import (
+    AbstractLoadedRecipe,
+    LoadedMeshes,
     loaded_materials,
     pair_strength_notes,
     rack_strength_notes,
@@ -69,7 +69,7 @@ def _loads(driver: str) -> Any:
 
 
 @record(kw_only=True)
-class AbstractPairRecipe(AbstractHelicalRecipe):
+class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """Base class of recipes of two gears in mesh."""
 
     # The pair; its `names` are the keys of the gears' tables, and of those of their stocks with _stock.
@@ -90,7 +90,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe):
             problem = "found a motor for the driven gear"
             raise DesignError(f"{second}.motor", problem, f"give {first}.motor instead", "conflict")
         self.design  # noqa: B018  raises for gears that cannot mesh
-        self.strength  # noqa: B018  raises if the materials are missing
+        for aspect in self.aspects:
+            aspect.check()
 
     @property
     @abstractmethod
@@ -101,16 +102,13 @@ class AbstractPairRecipe(AbstractHelicalRecipe):
     def transverse_gears(self) -> tuple[SpurGear, SpurGear | RingGear]:
         """The transverse sections of both gears, with the requested profile shifts."""
 
-    @cached_property
-    def strength(self) -> PairStrength | None:
-        """Forces and stresses under the loads; None without loads, or if the teeth are helical."""
-        if self.loads is None:
-            return None
+    def loaded(self, loads: GearLoads) -> LoadedMeshes | None:
         materials = {f"{name}_stock": stock.material for name, stock in zip(self.pair.names, self.stocks)}
         first, second = loaded_materials(**materials)
         if self.helix_angle_deg:
             return None
-        return PairStrength(self.design, self.loads.torque_n_mm, self.face_width, (first, second), self.loads)
+        strength = PairStrength(self.design, loads.torque_n_mm, self.face_width, (first, second), loads)
+        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, pair_strength_notes(strength))
 
     @property
     def face_width(self) -> float:
@@ -132,23 +130,16 @@ class AbstractPairRecipe(AbstractHelicalRecipe):
         helices = helix, helix if pair.is_internal else helix.mate
         return tuple(zip(pair.names, (pair.first, pair.second), self.stocks, helices))
 
-    @cached_property
-    def table(self) -> Table:
-        """Contact of one pair of flanks; under loads also its pressure."""
-        table = contact_table(self.design)
-        return table if self.strength is None else Table((*table.columns, pressure_column(self.strength, table)))
+    @property
+    def own_table(self) -> Table:
+        """Contact of one pair of flanks."""
+        return contact_table(self.design)
 
     @property
-    def design_checks(self) -> tuple[Check, ...]:
+    def own_checks(self) -> tuple[Check, ...]:
         gears = [c for name, gear, stock, _ in self.gears for c in gear_checks(gear, stock.rim_under(gear), name)]
-        loaded = () if self.strength is None else strength_checks(self.strength)
         driver, radius = self.pair.names[0], self.design.first.root_radius
-        return (
-            *mesh_checks(self.design),
-            *gears,
-            *boss_checks(driver, radius, self.stocks[0].motor, self.base),
-            *loaded,
-        )
+        return (*mesh_checks(self.design), *gears, *boss_checks(driver, radius, self.stocks[0].motor, self.base))
 
     @property
     def plates(self) -> list[Part]:
@@ -163,8 +154,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe):
             for part in gear_parts(gear, stock, name, f"{name}_stock", helix=helix)
         ]
 
-    @cached_property
-    def scene(self) -> Scene:
+    @property
+    def own_scene(self) -> Scene:
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
 
@@ -202,14 +193,10 @@ class AbstractPairRecipe(AbstractHelicalRecipe):
         return shafts | (materials if "loads" in tables else {})
 
     @property
-    def notes(self) -> Mapping[str, object]:
+    def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
         mesh = mesh_notes(self.design, self.helix, self.face_width)
-        return self.mesh_summary({"pair": mesh}, sizes, pair_strength_notes(self.strength) if self.strength else None)
-
-    @property
-    def forces_missing(self) -> str:
-        return forces_missing(self.loads, self.strength)
+        return self.mesh_notes({"pair": mesh}, sizes), self.assembly_summary
 
 
 @record(kw_only=True)
@@ -359,7 +346,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
 
 
 @record(kw_only=True)
-class RackAndPinionRecipe(AbstractHelicalRecipe):
+class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A pinion and the rack it drives.
 
     Parameters
@@ -402,17 +389,15 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.design  # noqa: B018  raises for gears that cannot mesh
-        self.strength  # noqa: B018  raises if the material is missing
+        for aspect in self.aspects:
+            aspect.check()
 
-    @cached_property
-    def strength(self) -> RackStrength | None:
-        """Pinion torque and stresses under the loads; None without loads, or if the teeth are helical."""
-        if self.loads is None:
-            return None
+    def loaded(self, loads: RackLoads) -> LoadedMeshes | None:
         (material,) = loaded_materials(stock=self.stock.material)
         if self.helix_angle_deg:
             return None
-        return RackStrength(self.design, self.loads, self.stock.thickness, (material, material))
+        strength = RackStrength(self.design, loads, self.stock.thickness, (material, material))
+        return LoadedMeshes(strength, {"": strength}, strength.force_limit, rack_strength_notes(strength), "N")
 
     @cached_property
     def design(self) -> RackPair:
@@ -421,18 +406,16 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             pinion, rack = self.in_section(self.pinion), self.in_section(self.rack)
             return RackPair(pinion, rack) if self.distance is None else RackPair(pinion, rack, self.distance)
 
-    @cached_property
-    def table(self) -> Table:
+    @property
+    def own_table(self) -> Table:
         return contact_table(self.design)
 
     @property
-    def design_checks(self) -> tuple[Check, ...]:
+    def own_checks(self) -> tuple[Check, ...]:
         pinion = self.design.pinion
         gear = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
         boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
-        loaded = self.strength
-        holds = () if loaded is None else strength_checks(loaded, limit=loaded.force_limit, unit="N")
-        return (*mesh_checks(self.design), *gear, *boss, *holds)
+        return (*mesh_checks(self.design), *gear, *boss)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -449,8 +432,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         """The pinion's shaft, the rack's pins, the screws of the base, and the steps of assembly."""
         return rack_assembly(self.stock, self.design.distance, self.base, self.helix)
 
-    @cached_property
-    def scene(self) -> Scene:
+    @property
+    def own_scene(self) -> Scene:
         """Both in mesh."""
         return pair_scene(self.design, self.parts)
 
@@ -471,7 +454,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         return {**(base if "base" in tables else {}), **material}
 
     @property
-    def notes(self) -> Mapping[str, object]:
+    def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         pair, width = self.design, self.stock.thickness
         mesh = {
             "distance_mm": to_digits(pair.distance),
@@ -483,8 +466,4 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
             "interferences": list(pair.interferences),
         }
         sizes = {"pinion": (pair.pinion, self.helix, width)}
-        return self.mesh_summary({"pair": mesh}, sizes, rack_strength_notes(self.strength) if self.strength else None)
-
-    @property
-    def forces_missing(self) -> str:
-        return forces_missing(self.loads, self.strength, RACK_WITHOUT_LOADS)
+        return self.mesh_notes({"pair": mesh}, sizes), self.assembly_summary

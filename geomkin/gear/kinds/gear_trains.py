@@ -19,9 +19,8 @@ from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
-from ...recipe.recipe import AbstractAssembledRecipe
 from ...recipe.settings import Files
-from ..checks import gear_checks, mesh_checks, strength_checks
+from ..checks import gear_checks, mesh_checks
 from ..module import LARGEST
 from ..output_loads import TrainLoads, TrainStrength
 from ..parts.gears import GearStock
@@ -29,8 +28,8 @@ from ..parts.trains import ArborStock, TrainStocks, arbor_check, train_assembly,
 from ..scene_train import train_handles, train_scene, turned_train_scene
 from ..train import FEWEST_TEETH, MOST_TEETH, Direction, GearTrain, Stages, train_table
 from ..train_search import LARGEST_RATIO, MOST_SEARCHED, gear_train
-from .helical import backlash_remarks, boss_checks, check_tooth_points, gear_notes, mesh_notes
-from .strength_notes import forces_missing, loaded_materials, train_strength_notes
+from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
+from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
 
 
 @record(checked=True)
@@ -156,7 +155,7 @@ class TrainSpecification:
 
 
 @record(kw_only=True)
-class GearTrainRecipe(AbstractAssembledRecipe):
+class GearTrainRecipe(AbstractLoadedRecipe):
     """A compound gear train with a wanted ratio: gears joined on their arbors, and the plate that holds the arbors.
 
     Parameters
@@ -194,17 +193,16 @@ class GearTrainRecipe(AbstractAssembledRecipe):
 
     def __post_init__(self) -> None:
         self.stocks.gears(self.design)
-        self.strength  # noqa: B018  raises if a material is missing, or friction locks the train
+        for aspect in self.aspects:
+            aspect.check()
 
-    @cached_property
-    def strength(self) -> TrainStrength | None:
-        """Torques, forces and stresses under the loads; None without loads."""
-        if self.loads is None:
-            return None
+    def loaded(self, loads: TrainLoads) -> LoadedMeshes:
         gears = self.stocks.gears(self.design)
         loaded_materials(**{gear.key: gear.stock.material for gear in gears})
         materials = tuple(gear.stock.material for gear in gears if gear.stock.material)
-        return TrainStrength(self.design, self.loads, self.stock.thickness, materials)
+        strength = TrainStrength(self.design, loads, self.stock.thickness, materials)
+        stages = {f"stage_{k}": stage for k, stage in enumerate(strength.stages, 1)}
+        return LoadedMeshes(strength, stages, strength.torque_limit, train_strength_notes(strength))
 
     @cached_property
     def design(self) -> GearTrain:
@@ -216,23 +214,17 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         """Sheets, bores and pins."""
         return TrainStocks(self.stock, self.first_stock, self.last_stock, self.base)
 
-    @cached_property
-    def table(self) -> Table:
+    @property
+    def own_table(self) -> Table:
         return train_table(self.design)
 
     @property
-    def design_checks(self) -> tuple[Check, ...]:
+    def own_checks(self) -> tuple[Check, ...]:
         train, gears = self.design, self.stocks.gears(self.design)
         meshes = (check for k, pair in enumerate(train.pairs, 1) for check in mesh_checks(pair, f"stage_{k}"))
         teeth = (check for g in gears for check in gear_checks(g.gear, g.stock.rim_under(g.gear), g.name))
         boss = boss_checks("driver_1", gears[0].gear.root_radius, gears[0].stock.motor, self.base)
-        return (*meshes, *teeth, *boss, arbor_check(train, self.stocks), *self._strength_checks())
-
-    def _strength_checks(self) -> tuple[Check, ...]:
-        if self.strength is None:
-            return ()
-        stages, limit = self.strength.stages, self.strength.torque_limit
-        return tuple(c for k, stage in enumerate(stages, 1) for c in strength_checks(stage, f"stage_{k}", limit))
+        return (*meshes, *teeth, *boss, arbor_check(train, self.stocks))
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -244,8 +236,8 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         """Arbors, collars, pins and screws, and the steps of assembly."""
         return train_assembly(self.design, self.stocks)
 
-    @cached_property
-    def scene(self) -> Scene:
+    @property
+    def own_scene(self) -> Scene:
         """All gears in mesh."""
         return train_scene(self.design, self.parts)
 
@@ -274,9 +266,9 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         return stocks | ({"stock.material": material} if material else {})
 
     @property
-    def notes(self) -> Mapping[str, object]:
+    def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         train = self.design
-        return {
+        notes = {
             "train": {
                 "stages": [list(teeth) for teeth in train.stages],
                 "ratio": to_digits(train.ratio),
@@ -289,25 +281,16 @@ class GearTrainRecipe(AbstractAssembledRecipe):
                 for k, (pair, efficiency) in enumerate(zip(train.pairs, train.efficiencies), start=1)
             },
             "measures_mm": {g.name: gear_notes(g.gear) for g in self.stocks.gears(train)},
-            **({"loads": train_strength_notes(self.strength)} if self.strength else {}),
-            **self.assembly_summary,
         }
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        return backlash_remarks(self.notes)
+        return notes, self.assembly_summary
 
     @property
     def facts(self) -> tuple[str, ...]:
         """The stages that were found, the ratio, the efficiency, and the torque on the first gear under loads."""
-        train, loaded = self.design, self.strength
+        train, loads = self.design, self.aspect("loads")
         stages = " x ".join(f"{driven}/{driver}" for driver, driven in train.stages)
         return (
             f"stages {stages}, ratio {to_digits(train.ratio):.9g}",
             f"efficiency {train.efficiency:.3f} at friction {train.friction:g}, without bearings",
-            *((f"torque on the first gear {loaded.input_torque:.4g} N mm",) if loaded else ()),
+            *((f"torque on the first gear {loads.meshes.strength.input_torque:.4g} N mm",) if loads else ()),
         )
-
-    @property
-    def forces_missing(self) -> str:
-        return forces_missing(self.loads, self.strength)

@@ -103,24 +103,14 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
             return about.replace("spur gear", f"{form} gear")
         return f"{about} Its teeth are {'herringbones' if self.herringbone else form}."
 
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        return backlash_remarks(self.notes)
-
-    def mesh_summary(
+    def mesh_notes(
         self,
         meshes: Mapping[str, object],
         sizes: Mapping[str, tuple[AbstractInvoluteGear, Helix, float]],
-        loads: Mapping[str, object] | None = None,
     ) -> Mapping[str, object]:
-        """Notes of gears in mesh. sizes: gear, helix and face width, mm, by name; loads: None without loads."""
-        return {
-            **meshes,
-            **helices_notes(sizes),
-            "measures_mm": {name: gear_notes(*size) for name, size in sizes.items()},
-            **({} if loads is None else {"loads": loads}),
-            **self.assembly_summary,
-        }
+        """Notes of gears in mesh. sizes: gear, helix and face width, mm, by name."""
+        measures = {name: gear_notes(*size) for name, size in sizes.items()}
+        return {**meshes, **helices_notes(sizes), "measures_mm": measures}
 
     def check_faces(self, thicknesses: Mapping[str, float]) -> None:
         """Refuse a herringbone whose gears reverse at different heights. thicknesses: of each stock by key, mm."""

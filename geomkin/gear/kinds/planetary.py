@@ -24,7 +24,7 @@ from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.settings import Drive, Files
-from ..checks import gear_checks, planetary_checks, strength_checks
+from ..checks import gear_checks, planetary_checks
 from ..contract import AbstractInvoluteGear
 from ..helix import Helix
 from ..parts.assemblies import planetary_assembly, turns_with_shaft
@@ -42,11 +42,11 @@ from .helical import (
     mesh_notes,
     tips_entry,
 )
-from .strength_notes import forces_missing, loaded_materials, planetary_strength_notes
+from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, planetary_strength_notes
 
 
 @record(kw_only=True)
-class PlanetaryRecipe(AbstractHelicalRecipe):
+class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed.
 
     Parameters
@@ -106,7 +106,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             raise DesignError("base", problem, 'omit it, or give fixed = "ring"', "conflict")
         self.design  # noqa: B018  raises for gears without such tips
         self.drive.check_rows(self.driver_turns)
-        self.strength  # noqa: B018  raises if the materials are missing
+        for aspect in self.aspects:
+            aspect.check()
 
     @cached_property
     def design(self) -> PlanetarySet:
@@ -120,17 +121,15 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             except DesignError as error:
                 raise DesignError(f"gears.{error.field}", error.problem, error.remedy, error.id) from None
 
-    @cached_property
-    def strength(self) -> PlanetaryStrength | None:
-        """Forces and stresses under the loads; None without loads, or if the teeth are helical."""
-        if self.loads is None:
-            return None
+    def loaded(self, loads: GearLoads) -> LoadedMeshes | None:
         sun, planet, ring = self.sun_stock, self.planet_stock, self.ring_stock
         materials = loaded_materials(sun_stock=sun.material, planet_stock=planet.material, ring_stock=ring.material)
         if self.helix_angle_deg:
             return None
         widths = min(sun.thickness, planet.thickness), min(planet.thickness, ring.thickness)
-        return PlanetaryStrength(self.design, self.loads, widths, materials, self.driver)
+        strength = PlanetaryStrength(self.design, loads, widths, materials, self.driver)
+        meshes = {"sun": strength.inner, "ring": strength.outer}
+        return LoadedMeshes(strength, meshes, strength.torque_limit, planetary_strength_notes(strength))
 
     @property
     def output(self) -> Member:
@@ -148,8 +147,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         """Rotations of the driver during one of the output, at least one."""
         return max(1.0, 1 / abs(float(self.turns[self.output])))
 
-    @cached_property
-    def table(self) -> Table:
+    @property
+    def own_table(self) -> Table:
         """One rotation of the slower of driver and output; with an acceleration also rates of output and planets."""
         steps = int(np.ceil(360 * self.driver_turns / self.drive.step_deg - 1e-9))
         speed, acceleration = self.drive.speed, self.drive.acceleration_rad_per_s2
@@ -178,7 +177,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         ]
 
     @property
-    def design_checks(self) -> tuple[Check, ...]:
+    def own_checks(self) -> tuple[Check, ...]:
         gears, sun, planet = self.design, self.sun_stock, self.planet_stock
         return (
             *planetary_checks(gears),
@@ -187,15 +186,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             *gear_checks(gears.ring, self.ring_stock.rim, "ring"),
             *boss_checks("sun", gears.sun.root_radius, sun.motor, self.base),
             *self._collar_checks(),
-            *self._strength_checks(),
         )
-
-    def _strength_checks(self) -> tuple[Check, ...]:
-        if self.strength is None:
-            return ()
-        meshes = {"sun": self.strength.inner, "ring": self.strength.outer}
-        limit = self.strength.torque_limit
-        return tuple(c for name, mesh in meshes.items() for c in strength_checks(mesh, name, limit))
 
     def _collar_checks(self) -> tuple[Check, ...]:
         """Check that collars under the carrier clear the plate of the sun's motor below them."""
@@ -240,8 +231,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         stocks = self.sun_stock, self.planet_stock, self.ring_stock
         return planetary_assembly(self.design, stocks, self.base, self.helix, self.fixed)
 
-    @cached_property
-    def scene(self) -> Scene:
+    @property
+    def own_scene(self) -> Scene:
         """One rotation of the slower of driver and output."""
         return planetary_scene(self.design, self.table, self.parts, self.driver, self.fixed)
 
@@ -274,11 +265,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
         return shaft | {f"{stock}.material": MATERIALS["steel-C45"] for stock in stocks}
 
     @property
-    def forces_missing(self) -> str:
-        return forces_missing(self.loads, self.strength)
-
-    @property
-    def notes(self) -> Mapping[str, object]:
+    def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         gears, helix = self.design, self.helix
         sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
         sizes: dict[str, tuple[AbstractInvoluteGear, Helix, float]] = {
@@ -291,4 +278,4 @@ class PlanetaryRecipe(AbstractHelicalRecipe):
             "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
         }
-        return self.mesh_summary(meshes, sizes, planetary_strength_notes(self.strength) if self.strength else None)
+        return self.mesh_notes(meshes, sizes), self.assembly_summary

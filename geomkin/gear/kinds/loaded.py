@@ -1,17 +1,27 @@
-"""Loads in recipes of gears: materials, summaries of forces and stresses, and why they are not computed."""
+"""Loads in recipes of gears: their checks, columns and summaries, and why they are not computed."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import to_digits
+from ...core.records import record
 from ...making.materials import MATERIALS
+from ...model.check import Check
 from ...model.material import Material
+from ...model.table import Column, Table
+from ...recipe.aspect import AbstractAspect
+from ...recipe.composed import AbstractComposedRecipe
+from ..checks import strength_checks
 from ..output_loads import RackStrength, TrainStrength
-from ..strength import AbstractMeshStrength, LoadFactors, PairStrength, PlanetaryStrength
+from ..strength import AbstractMeshStrength, LoadFactors, PairStrength, PlanetaryStrength, pressure_column
+from .helical import backlash_remarks
 
 # Why recipes of gears report no forces.
 BALANCED = "Gears are balanced about their axes, so gravity needs no torque"
@@ -23,11 +33,77 @@ NO_INVOLUTE = f"{BALANCED}; tooth forces and stresses are not computed for teeth
 HELICAL = f"{BALANCED}; tooth forces and stresses are not computed, as their formulas are those of straight teeth."
 
 
-def forces_missing(loads: LoadFactors | None, strength: object, without_loads: str = ONLY_WITH_LOADS) -> str:
-    """The reason why a recipe of involute gears reports no forces; empty if it reports them."""
-    if loads is None:
-        return without_loads
-    return HELICAL if strength is None else ""
+@record(eq=False)
+class LoadedMeshes:
+    """The meshes of a recipe under its loads.
+
+    strength: of the pair, train or set. meshes: by the name that their checks have in front. limit: load at which a
+    safety falls to its limit, in the unit. summary: entries of summary.json.
+    """
+
+    strength: PairStrength | RackStrength | TrainStrength | PlanetaryStrength
+    meshes: Mapping[str, AbstractMeshStrength]
+    limit: float
+    summary: Mapping[str, object]
+    unit: str = "N mm"
+
+
+class AbstractLoadedRecipe(AbstractComposedRecipe):
+    """Base class of recipes of involute gears in mesh, whose one aspect is their loads."""
+
+    # Why there are no forces without loads.
+    without_loads: ClassVar[str] = ONLY_WITH_LOADS
+
+    @property
+    def made(self) -> Self:
+        return self
+
+    @abstractmethod
+    def loaded(self, loads: Any) -> LoadedMeshes | None:
+        """Forces and stresses under loads; None if the teeth are helical. DesignError if a material is missing."""
+
+    @property
+    def own_remarks(self) -> tuple[str, ...]:
+        return backlash_remarks(self.own_notes[0])
+
+    @property
+    def forces_missing(self) -> str:
+        aspect = self.aspect(GearLoadsAspect.key)
+        if aspect is None:
+            return self.without_loads
+        return HELICAL if aspect.meshes is None else ""
+
+
+@record(eq=False)
+class GearLoadsAspect(AbstractAspect[AbstractLoadedRecipe, LoadFactors]):
+    """Forces and stresses of gears in mesh."""
+
+    key = "loads"
+
+    @cached_property
+    def meshes(self) -> LoadedMeshes | None:
+        """The meshes under the loads; None if the teeth are helical."""
+        return self.mechanism.loaded(self.given)
+
+    def check(self) -> None:
+        self.meshes  # noqa: B018  raises if a material is missing, or friction locks a train
+
+    def columns(self, table: Table) -> Iterator[Column]:
+        if self.meshes and isinstance(self.meshes.strength, PairStrength):
+            yield pressure_column(self.meshes.strength, table)
+
+    @property
+    def checks(self) -> Iterator[Check]:
+        if self.meshes:
+            for name, mesh in self.meshes.meshes.items():
+                yield from strength_checks(mesh, name, self.meshes.limit, self.meshes.unit)
+
+    @property
+    def entries(self) -> Mapping[str, object]:
+        return {"loads": self.meshes.summary} if self.meshes else {}
+
+
+AbstractLoadedRecipe.aspect_kinds = (GearLoadsAspect,)
 
 
 def loaded_materials(**stocks: Material | None) -> tuple[Material, ...]:
