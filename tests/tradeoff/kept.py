@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 
 import geomkin as gk
+from geomkin.tradeoff.breaking import CELLS
 from geomkin.tradeoff.cell import Digits
 from geomkin.tradeoff.families import FAMILIES
-from geomkin.tradeoff.study import CELLS, DIGIT_KINDS, POWERS, Stability
+from geomkin.tradeoff.study import DIGIT_KINDS, POWERS, Stability
 
 FOLDER = Path(__file__).parent.parent / "speed" / "chart"
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.tradeoff.breaking import CELLS
 from geomkin.tradeoff.cell import ANSWERS, answered, measured_digits
-from geomkin.tradeoff.study import CELLS
 from tests.tradeoff import kept
 
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
@@ -18,8 +18,8 @@ def design_checks(cell, distances):
     reported = [(one.distance, one.outcome, round(one.library, 1), round(one.allowed, 1)) for one in found]
     assert cell.answer in ANSWERS and answered(found) == cell.answer, reported
     for one in found:
-        if cell.condition is not None:
-            assert one.library + np.log10(one.condition) >= 14, "the condition number shows the loss"
+        if cell.amplification is not None:
+            assert one.library + np.log10(one.amplification) >= 14, "the amplification shows the loss"
     return found
 
 
