@@ -6,7 +6,7 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -264,13 +264,14 @@ def growing_chart(families: Sequence[str], quick: bool) -> Iterator[Chart]:
     versions = {"geomkin": __version__, "python": platform.python_version(), "numpy": np.__version__}
     measured: tuple[FamilyChart, ...] = ()
     for k, name in enumerate(names):
-        watch = Watch(np.inf, f"measuring {name}")
-
-        def progress(share: float, k: int = k, watch: Watch = watch) -> None:
-            watch.report((k + share) / len(names))
-
-        measured += (FamilyChart(FAMILIES[name], measured_points(FAMILIES[name], quick, progress)),)
+        family, watch = FAMILIES[name], Watch(np.inf, f"measuring {name}")
+        points = measured_points(family, quick, partial(_report, watch, k, len(names)))
+        measured += (FamilyChart(family, points),)
         yield Chart(measured, quick, versions, processor())
+
+
+def _report(watch: Watch, done: int, whole: int, share: float) -> None:
+    watch.report((done + share) / whole)
 
 
 def processor() -> str:

@@ -73,8 +73,8 @@ class Stability:
             does = ANSWERS.get(answer, answer) + (f"; reported by {cell.reported_by}" if cell.reported_by else "")
             digits = [f"<td>{row[k].text(kind)}</td>" for kind in DIGIT_KINDS for k in shown]
             about = (cell.place, f"{cell.family}: {cell.result}", cell.distance)
-            lines.append(f"<tr>{''.join(f'<th>{escape(text)}</th>' for text in about)}{''.join(digits)}")
-            lines.append(f"<td>{escape(does)}</td></tr>")
+            heads = "".join(f"<th>{escape(text)}</th>" for text in about)
+            lines.append(f"<tr>{heads}{''.join(digits)}<td>{escape(does)}</td></tr>")
         return "\n".join([*lines, "</tbody></table></div>"])
 
 

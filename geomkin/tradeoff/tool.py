@@ -17,7 +17,7 @@ POSITIONS = 241
 STEPS = 54
 # Points per batch; more take more memory.
 AT_ONCE = 256
-# Positions along an edge, as shares of it, at which its distance is measured.
+# Positions along an edge, as shares of it, at which its distance is measured. Fewer let an S pass for straight.
 SHARES = np.array([0.25, 0.5, 0.75])
 
 

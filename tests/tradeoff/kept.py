@@ -1,4 +1,4 @@
-"""The kept chart read back from its tables; `python -m tests.tradeoff.kept` writes page and pictures of them anew."""
+"""The kept chart read back from its tables; `python -m tests.tradeoff.kept` writes its pictures and its page in docs."""
 
 import csv
 from functools import cache
@@ -8,11 +8,15 @@ import numpy as np
 
 import geomkin as gk
 from geomkin.tradeoff.breaking import CELLS
-from geomkin.tradeoff.cell import Digits
+from geomkin.tradeoff.cell import ANSWERS, Digits
 from geomkin.tradeoff.families import FAMILIES
 from geomkin.tradeoff.study import DIGIT_KINDS, POWERS, Stability
 
 FOLDER = Path(__file__).parent.parent / "speed" / "chart"
+PAGE = Path(__file__).parents[2] / "docs" / "stability.md"
+HEADS = ("place", "distance", "result", "geomkin", "textbook", "possible", "what geomkin does")
+# Powers of ten of the distances whose digits the page shows.
+SHOWN = (4, 8, 12, 15)
 
 
 def table(name):
@@ -59,11 +63,25 @@ def study():
     return Stability(tuple(found))
 
 
-def files():
-    """Page and pictures as they are written of the tables today: name to content."""
-    return gk.tradeoff.chart_files(chart(), study())
+def pictures():
+    """Pictures as they are written of the tables today: name to content."""
+    return {name: content for name, content in gk.tradeoff.chart_files(chart()).items() if name.endswith(".svg")}
+
+
+def tables():
+    """The study as tables in Markdown, one for each kind of mechanism."""
+    families = {}
+    for row, answer in zip(study().results, study().answers):
+        cell, shown = row[0].cell, [row[POWERS.index(power)] for power in SHOWN]
+        digits = (" ".join(one.text(kind).split(".")[0] for one in shown) for kind in DIGIT_KINDS)
+        does = ANSWERS[answer] + (f"; reported by {cell.reported_by}" if cell.reported_by else "")
+        line = f"| {' | '.join((cell.place, cell.distance, cell.result, *digits, does))} |\n"
+        families[cell.family] = families.get(cell.family, "") + line
+    head = f"| {' | '.join(HEADS)} |\n{'|---' * len(HEADS)}|\n"
+    return "".join(f"\n## {name[0].upper()}{name[1:]}\n\n{head}{lines}" for name, lines in families.items())
 
 
 if __name__ == "__main__":
-    for name, content in files().items():
+    for name, content in pictures().items():
         (FOLDER / name).write_bytes(content)
+    PAGE.write_text(PAGE.read_text("utf-8").split("\n## ")[0].rstrip("\n") + "\n" + tables(), "utf-8")

@@ -31,6 +31,13 @@ def test_library_agrees_with_the_stability_table(cell):
     assert [one.allowed for one in found] == pytest.approx([one.allowed for one in then], abs=0.06)
 
 
+def test_the_page_in_docs_is_that_of_the_kept_study():
+    """`python -m tests.tradeoff.kept` writes it."""
+    page = kept.PAGE.read_text("utf-8")
+    assert len(CELLS) == 58 and "58 cases" in page and page.endswith(kept.tables())
+    assert all(row[0].cell.answer == answer for row, answer in zip(kept.study().results, kept.study().answers))
+
+
 # Places that hold for the very sizes alone.
 ONLY_THERE = ("change point, followed", "pressure angle to its limits")
 

@@ -118,7 +118,7 @@ def _least(degrees: float) -> float:
 RADIUS = -1 / float(Cam(TranslatingRoller(0.0), STEEP, 50.0).profile.curvature(STEEP_AT))
 NO_ROOM = -float(QUINTIC.motion(QUINTIC_AT).lift + QUINTIC.motion(QUINTIC_AT).acceleration)
 # Accuracy of the pressure angle in the search for the least base circle, relative.
-ACCURACY = 1e-12
+ACCURACY, SEARCH = 1e-12, "the accuracy of the search, 1e-12 of the angle"
 ROLLER = "cam with a roller"
 STEEP_CELL = Cell(
     ROLLER, "roller radius to curvature radius", "", "gap of roller radius to curvature radius, relative",
@@ -162,9 +162,9 @@ CELLS = (
         "the radius of curvature, compared with the base radius"),
     Cell(
         "least base circle", "pressure angle to its limits", "least base radius", "pressure angle over 30 deg",
-        lambda x: (30 * x,), _steepest, _least, "sizes, refused", "accuracy of 1e-12 of the angle", share=ACCURACY),
+        lambda x: (30 * x,), _steepest, _least, "sizes, refused", SEARCH, share=ACCURACY),
     Cell(
         "least base circle", "base circle to its least", "least base radius",
         "gap of the pressure angle to 90 deg, relative", lambda x: (90 * (1 - x),), _steepest, _least, "sizes, nan",
-        "accuracy of 1e-12 of the angle; `limit` is empty if any circle is large enough", share=ACCURACY),
+        f"{SEARCH}; `limit` is empty if any circle is large enough", share=ACCURACY),
 )  # fmt: skip

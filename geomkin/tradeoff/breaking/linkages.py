@@ -240,7 +240,7 @@ CELLS = (
     Cell(
         "instant centre", "parallel cranks", "position", "difference of coupler and ground, relative", _parallel,
         _centre, lambda *sizes: instant_centre(moved_four_bar(*sizes), "coupler", "ground").position, "sizes, nan",
-        "the centre's distance; `weight` is 0 if it is at infinity"),
+        "the centre's distance, and `weight`, 0 if it is at infinity"),
     Cell(
         "inflection circle", "parallel cranks", "diameter", "difference of coupler and ground, relative", _parallel,
         _diameter, lambda *sizes: inflection_circle(moved_four_bar(*sizes), "coupler").diameter, "sizes, nan",

@@ -85,11 +85,11 @@ def _turned(x: float) -> Sizes:
 
 CELLS = (
     Cell("poles", "poles to infinity", "position", "angle between two poses, rad", _turned, _pole,
-         lambda *sizes: poles(_poses(sizes))[0, 1].position, "all, nan", "`weight` is 0 if the pole is at infinity"),
+         lambda *sizes: poles(_poses(sizes))[0, 1].position, "all, nan", "`weight`, 0 if the pole is at infinity"),
     Cell("circle of sliders", "poles to infinity", "centre", "angle between two poses, rad",
          lambda x: (*_turned(x), -5.0, 10.0, 1.9), _slider_centre,
          lambda *sizes: circle_of_sliders(_poses(sizes)).centre, "all, nan",
-         "`curvature` is 0 if the circle is a line"),
+         "`curvature`, 0 if the circle is a line"),
     Cell("dyad of a pin and three poses", "equal poses", "fixed pivot", "difference of two poses",
          lambda x: (3.0, 4.0, 0.7, 3 + 7 * x, 4 + 2 * x, 0.7 + 0.3 * x, -5.0, 10.0, 1.9), _pivot,
          lambda *sizes: dyads_through(_poses(sizes), moving=PIN).fixed, "sizes, refused",

@@ -22,7 +22,7 @@ from ...plane.primitives import Arc, Polyline
 from ...plane.roulettes import Involute, Trochoid, roll_at
 from ...plane.vec import Complex, Pose, Real, cross, unit
 from ..family import MethodFamily, method
-from ..tool import Tool
+from ..tool import SHARES, Tool
 
 # Cam profile
 
@@ -339,8 +339,6 @@ CONJUGATE_TOOTH = MethodFamily(
 
 # Flattening
 
-# Where a chord is compared with its curve when steps or intervals are halved. Fewer let an S pass for straight.
-SHARES = np.array([0.25, 0.5, 0.75])
 # Where the greedy search looks along a chord, and its halvings.
 LOOKS, GREEDY_HALVINGS = np.linspace(0, 1, 101), 30
 

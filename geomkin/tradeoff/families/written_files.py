@@ -17,9 +17,8 @@ from ...plane.primitives import Circle, Polyline
 from ...plane.vec import Complex, Real, Whole, cross, xy
 from ..family import Method, MethodFamily, method
 from ..tool import Tool
-from .curves import at_even_parameters, gear, rack
+from .curves import TOLERANCES, at_even_parameters, gear, rack
 
-TOLERANCES = (0.1, 0.01, 1e-3)
 # Rows of the table.
 ROWS = 2000
 BORE, THICKNESS = 2.5, 5.0
@@ -122,10 +121,10 @@ def _dxf(name: str, about: str, arcs: bool, **reasons: Any) -> Method:
         return dxf(lay_out([cut(part(), tolerance, arcs=arcs)]))
 
     library.__doc__ = about
-    return method(name, "tolerance, mm", TOLERANCES, **reasons)(library)
+    return method(name, "tolerance, mm", TOLERANCES[:3], **reasons)(library)
 
 
-@method("bare", "tolerance, mm", TOLERANCES)
+@method("bare", "tolerance, mm", TOLERANCES[:3])
 def _bare_dxf(given: GearPlate, tolerance: float) -> bytes:
     """The same chords as bare text, the least that a reader accepts: no header, so no units; no layers, no check."""
     z = flatten(part().outline, tolerance)
@@ -200,7 +199,7 @@ DXF_WRITING = MethodFamily(
 @method(
     "chords",
     "tolerance, mm",
-    TOLERANCES,
+    TOLERANCES[:3],
     rationale="Its chords keep the tolerance, and every file is watertight.",
     caveat="Half of its time is the check that the solid is closed and has the right volume.",
 )
@@ -221,7 +220,7 @@ def _even_stl(given: GearPlate, count: float) -> bytes:
     return stl(cut(Part("gear", even, part().holes, THICKNESS), 1e-3))
 
 
-@method("bare", "tolerance, mm", TOLERANCES)
+@method("bare", "tolerance, mm", TOLERANCES[:3])
 def _bare_stl(given: GearPlate, tolerance: float) -> bytes:
     """The same triangles written as they come, with no check that the solid is closed."""
     from ...plane import region as region
