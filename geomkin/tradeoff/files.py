@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from .families import FAMILIES
 from .family import Method
 from .measurement import Chart, FamilyChart, Measurement
 from .picture import chart_svg
-from .study import MISSING, Stability
+from .study import EXPLANATION, HEADS, MISSING, Stability
 
 # Columns of `chart.csv`, after which come the versions and the processor.
 COLUMNS = (
@@ -27,7 +27,7 @@ COLUMNS = (
 STYLE = """
 body { max-width: 1000px; } main, dl { display: block; } .soft { color: var(--soft); } dt { font-weight: 600; }
 .wide { margin: 12px 0; } .wide svg { display: block; background: #fff; } .wide :is(th, td) { white-space: nowrap; }
-tr.default th { font-weight: 700; } @media print { details > * { display: block; } }
+@media print { details > * { display: block; } }
 """
 
 
@@ -62,20 +62,17 @@ def _csv(chart: Chart) -> bytes:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([*COLUMNS, *(f"{name}_version" for name in chart.versions), "processor"])
-    for measured in chart.families:
-        writer.writerows([*row, *chart.versions.values(), chart.processor] for row in _rows(measured))
+    for one in chart.families:
+        family, methods = one.family, {method.name: method for method in one.family.methods}
+        for p, on, light in zip(one.points, one.on_front.tolist(), one.on_weight_front.tolist()):
+            method = methods[p.method]
+            writer.writerow([
+                p.family, p.method, int(method.is_default), int(on), method.setting, _n(p.setting), family.unit,
+                _n(p.largest), _n(p.rms), _n(p.missed), family.per, _n(p.seconds), p.results, p.calls, p.batches,
+                _n(p.spread), family.weighed, _n(p.weight), int(light) if family.weigh else "",
+                *chart.versions.values(), chart.processor,
+            ])  # fmt: skip
     return stream.getvalue().encode("utf-8")
-
-
-def _rows(measured: FamilyChart) -> Iterator[list[object]]:
-    family, methods = measured.family, {method.name: method for method in measured.family.methods}
-    for p, on, light in zip(measured.points, measured.on_front.tolist(), measured.on_weight_front.tolist()):
-        method = methods[p.method]
-        yield [
-            p.family, p.method, int(method.is_default), int(on), method.setting, _n(p.setting), family.unit,
-            _n(p.largest), _n(p.rms), _n(p.missed), family.per, _n(p.seconds), p.results, p.calls, p.batches,
-            _n(p.spread), family.weighed, _n(p.weight), int(light) if family.weigh else "",
-        ]  # fmt: skip
 
 
 def _n(value: float) -> str:
@@ -90,7 +87,8 @@ def _page(chart: Chart, study: Stability | None) -> bytes:
     stability = ""
     if study or set(titles) == set(FAMILIES):
         titles["stability"] = "Where methods break"
-        content = study.section() if study else f"<p>{MISSING}</p>"
+        table = _html_table("Where methods break", HEADS, study.table) if study else ""
+        content = f"<p>{EXPLANATION if study else MISSING}</p>{table}"
         stability = f'<section id="stability"><h2>{titles["stability"]}</h2>\n{content}</section>'
     links = "".join(f'<li><a href="#{text(name)}">{text(title)}</a></li>' for name, title in titles.items())
     html = f"""{head("geomkin: speed against accuracy", player_file("style.css") + STYLE)}<body>
@@ -129,7 +127,7 @@ def _section(one: FamilyChart) -> str:
 {_number(family.floor)} {text(family.unit)} are rounding.</p>
 <details><summary>The methods</summary><dl>{methods}</dl></details>
 <details><summary>The numbers</summary>
-<div class="wide" tabindex="0" role="region" aria-label="Numbers: {title}">{_table(one)}</div></details>
+{_table(one)}</details>
 </section>
 """
 
@@ -167,28 +165,34 @@ def _verdict(one: FamilyChart, method: Method) -> str:
 
 
 def _table(one: FamilyChart) -> str:
-    methods = {method.name: method for method in one.family.methods}
-    unit, per = text(one.family.unit), text(one.family.per)
+    family, methods = one.family, {method.name: method for method in one.family.methods}
     heads = (
-        "method", "setting", f"largest error, {unit}", f"rms error, {unit}", f"time per {per}", "on the front",
-        "measured", "spread", *([text(one.family.weighed)] if one.family.weigh else ()),
+        "method", "setting", f"largest error, {family.unit}", f"rms error, {family.unit}", f"time per {family.per}",
+        "on the front", "measured", "spread", *([family.weighed] if family.weigh else ()),
     )  # fmt: skip
-    rows = "".join(_row(methods[p.method], p, on) for p, _, on in one.view())
-    head = "".join(f'<th scope="col">{name}</th>' for name in heads)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+    def row(p: Measurement, on: bool) -> tuple[str, ...]:
+        method, missed = methods[p.method], f", misses {p.missed:.1%}" if p.missed else ""
+        return (
+            p.method + (" (default)" if method.is_default else ""),
+            f"{method.setting} {p.setting:g}" if method.setting else "",
+            _number(p.largest) + missed, _number(p.rms), _time(p.seconds), "yes" if on else "no",
+            f"{p.batches} times {p.calls} calls of {p.results}", f"{p.spread:.0%}",
+            *([f"{p.weight:g}"] if family.weigh else ()),
+        )  # fmt: skip
+
+    return _html_table(f"Numbers: {family.title}", heads, [row(p, on) for p, _, on in one.view()])
 
 
-def _row(method: Method, p: Measurement, on: bool) -> str:
-    name = text(method.name) + (" (default)" if method.is_default else "")
-    setting = f"{text(method.setting)} {p.setting:g}" if method.setting else ""
-    missed = f", misses {p.missed:.1%}" if p.missed else ""
-    weight = f"<td>{p.weight:g}</td>" if np.isfinite(p.weight) else ""
-    often = f"{p.batches} times {p.calls} calls of {p.results}"
-    return (
-        f'<tr{" class=default" if method.is_default else ""}><th scope="row">{name}</th><td>{setting}</td>'
-        f"<td>{_number(p.largest)}{missed}</td><td>{_number(p.rms)}</td><td>{_time(p.seconds)}</td>"
-        f"<td>{'yes' if on else 'no'}</td><td>{often}</td><td>{p.spread:.0%}</td>{weight}</tr>"
+def _html_table(label: str, heads: Iterable[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table whose first column has the headings of its rows."""
+    head = "".join(f'<th scope="col">{text(name)}</th>' for name in heads)
+    body = "".join(
+        f'<tr><th scope="row">{text(row[0])}</th>{"".join(f"<td>{text(cell)}</td>" for cell in row[1:])}</tr>'
+        for row in rows
     )
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f'<div class="wide" tabindex="0" role="region" aria-label="{text(label)}">{table}</div>'
 
 
 def _time(seconds: float) -> str:

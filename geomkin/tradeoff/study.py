@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 from functools import cached_property
-from html import escape
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,8 +15,16 @@ from ..core.records import record
 from .breaking import CELLS
 from .cell import ANSWERS, Digits, answered, measured_digits
 
-# Negative powers of ten of the distance from the singular position; kinds of digits; distances that the page shows.
-POWERS, DIGIT_KINDS, SHOWN = tuple(range(1, 16)), ("library", "textbook", "allowed"), (1e-4, 1e-8, 1e-12, 1e-15)
+# Negative powers of ten of the distance from the singular position, and those whose digits the page shows.
+POWERS, SHOWN = tuple(range(1, 16)), (4, 8, 12, 15)
+DIGIT_KINDS = ("library", "textbook", "allowed")
+# What the page shows of each cell.
+HEADS = ("mechanism", "place", "distance", "result", "geomkin", "textbook", "possible", "what geomkin does")
+EXPLANATION = (
+    "Correct decimal digits, of 16, at distances of 1e-4, 1e-8, 1e-12 and 1e-15 from singular positions: those that "
+    "geomkin keeps, and those that the textbook's formula keeps in double precision, compared with arithmetic of 120 "
+    "digits. Possible: the digits that remain if each size has an error of half of its last bit."
+)
 MISSING = (
     "The study of the places where methods lose digits is left out, since it needs mpmath. To add it, install mpmath "
     "(pip install mpmath) and measure the chart again."
@@ -53,29 +60,17 @@ class Stability:
             writer.writerow([*about, *(digits.text(kind) for kind in DIGIT_KINDS for digits in row)])
         return stream.getvalue().encode("utf-8")
 
-    def section(self) -> str:
-        """The table of the study as HTML."""
-        shown = [k for k, one in enumerate(self.results[0]) if any(abs(one.distance / d - 1) < 0.1 for d in SHOWN)]
-        spans = f'colspan="{len(shown)}"'
-        heads = "".join(f"<th>{self.results[0][k].distance:.0e}</th>" for k in shown)
-        lines = [
-            "<p>Decimal digits that the library keeps near singular positions, and those that the "
-            "textbook's formula keeps in double precision, compared with arithmetic of 120 digits. Sizes: the digits "
-            "that remain if each size has an error of half of its last bit.</p>",
-            '<div class="wide"><table><thead>',
-            '<tr><th rowspan="2">Place</th><th rowspan="2">Result</th><th rowspan="2">Distance</th>'
-            f"<th {spans}>Library</th><th {spans}>Textbook</th><th {spans}>Sizes</th>"
-            '<th rowspan="2">What the library does</th></tr>',
-            f"<tr>{heads * 3}</tr></thead><tbody>",
-        ]
-        for row, answer in zip(self.results, self.answers):
-            cell = row[0].cell
+    @property
+    def table(self) -> tuple[tuple[str, ...], ...]:
+        """A row for each cell, of the columns `HEADS`."""
+
+        def cells(row: tuple[Digits, ...], answer: str) -> tuple[str, ...]:
+            cell, shown = row[0].cell, [one for one in row if round(-np.log10(one.distance)) in SHOWN]
+            digits = (" ".join(one.text(kind).split(".")[0] for one in shown) for kind in DIGIT_KINDS)
             does = ANSWERS.get(answer, answer) + (f"; reported by {cell.reported_by}" if cell.reported_by else "")
-            digits = [f"<td>{row[k].text(kind)}</td>" for kind in DIGIT_KINDS for k in shown]
-            about = (cell.place, f"{cell.family}: {cell.result}", cell.distance)
-            heads = "".join(f"<th>{escape(text)}</th>" for text in about)
-            lines.append(f"<tr>{heads}{''.join(digits)}<td>{escape(does)}</td></tr>")
-        return "\n".join([*lines, "</tbody></table></div>"])
+            return cell.family, cell.place, cell.distance, cell.result, *digits, does
+
+        return tuple(map(cells, self.results, self.answers))
 
 
 @checked

@@ -8,15 +8,12 @@ import numpy as np
 
 import geomkin as gk
 from geomkin.tradeoff.breaking import CELLS
-from geomkin.tradeoff.cell import ANSWERS, Digits
+from geomkin.tradeoff.cell import Digits
 from geomkin.tradeoff.families import FAMILIES
-from geomkin.tradeoff.study import DIGIT_KINDS, POWERS, Stability
+from geomkin.tradeoff.study import DIGIT_KINDS, HEADS, POWERS, Stability
 
 FOLDER = Path(__file__).parent.parent / "speed" / "chart"
 PAGE = Path(__file__).parents[2] / "docs" / "stability.md"
-HEADS = ("place", "distance", "result", "geomkin", "textbook", "possible", "what geomkin does")
-# Powers of ten of the distances whose digits the page shows.
-SHOWN = (4, 8, 12, 15)
 
 
 def table(name):
@@ -71,13 +68,9 @@ def pictures():
 def tables():
     """The study as tables in Markdown, one for each kind of mechanism."""
     families = {}
-    for row, answer in zip(study().results, study().answers):
-        cell, shown = row[0].cell, [row[POWERS.index(power)] for power in SHOWN]
-        digits = (" ".join(one.text(kind).split(".")[0] for one in shown) for kind in DIGIT_KINDS)
-        does = ANSWERS[answer] + (f"; reported by {cell.reported_by}" if cell.reported_by else "")
-        line = f"| {' | '.join((cell.place, cell.distance, cell.result, *digits, does))} |\n"
-        families[cell.family] = families.get(cell.family, "") + line
-    head = f"| {' | '.join(HEADS)} |\n{'|---' * len(HEADS)}|\n"
+    for name, *row in study().table:
+        families[name] = families.get(name, "") + f"| {' | '.join(row)} |\n"
+    head = f"| {' | '.join(HEADS[1:])} |\n{'|---' * (len(HEADS) - 1)}|\n"
     return "".join(f"\n## {name[0].upper()}{name[1:]}\n\n{head}{lines}" for name, lines in families.items())
 
 

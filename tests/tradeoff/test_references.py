@@ -112,12 +112,14 @@ def test_errors_of_functions_and_paths_are_those_of_the_moving_linkage():
     off = np.angle(moved * np.exp(-1j * (2.0 + np.radians(90) * np.log2(1 + s))))
     sizes = np.array([0.6, 1.1, 0.9, 1.0, 2.0, -1.0])
     assert searches.structural_error(sizes, s) == pytest.approx(off, abs=1e-12)
-    (one, *_) = found("path-synthesis", "fits alone", 100)
-    turned = float(np.degrees(np.angle(one.along)))
-    bar = gk.FourBar(*one.lengths.tolist(), one.arm, origin=one.origin, ground_angle_deg=turned)
-    at = gk.move(bar, one.start + np.radians(20) * np.arange(18), int(one.branch)).point("coupler_point").position
+    rows = found("path-synthesis", "fits alone", 100)
+    *lengths, x, y, x_0, y_0, angle, start, branch = rows[0].tolist()
+    lengths, point, origin = (searches.SIZE * np.array(v) for v in (lengths, x + 1j * y, x_0 + 1j * y_0))
+    bar = gk.FourBar(*lengths, complex(point), origin=origin + searches.MIDDLE, ground_angle_deg=np.degrees(angle))
+    at = gk.move(bar, start + np.radians(20) * np.arange(18), int(branch)).point("coupler_point").position
     rms = np.sqrt(np.mean(np.abs(at - searches.TIMED) ** 2))
-    assert errors("path-synthesis", [one, None]) == pytest.approx([rms, np.nan], abs=1e-12, nan_ok=True)
+    off = errors("path-synthesis", np.array([rows[0], np.full(11, np.nan)]))
+    assert off == pytest.approx([rms, np.nan], abs=1e-12, nan_ok=True)
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -27,11 +27,11 @@ def _slow(rise: float) -> Program:
     return Program((Rise("harmonic", rise=rise, end_deg=180), Return("harmonic", end_deg=360)))
 
 
-def _fast(law: Any) -> Program:
-    return Program((Rise(law, rise=TALL, end_deg=60), Return(law, end_deg=120), Dwell(end_deg=360)))
+def _fast(rise: float, law: Any = "harmonic") -> Program:
+    return Program((Rise(law, rise=rise, end_deg=60), Return(law, end_deg=120), Dwell(end_deg=360)))
 
 
-SLOW, STEEP, QUINTIC = _slow(HEIGHT), _fast("harmonic"), _fast("3-4-5")
+SLOW, STEEP, QUINTIC = _slow(HEIGHT), _fast(TALL), _fast(TALL, "3-4-5")
 ARM = Program((Rise("harmonic", rise_deg=float(np.degrees(SWING)), end_deg=180), Return("harmonic", end_deg=360)))
 # Cam angle on the steep rise, beyond its middle, where the cam is most convex; and one at which a face has no room.
 STEEP_AT, QUINTIC_AT = 1.0, 0.8
@@ -56,11 +56,9 @@ def roller(ctx: Any, base: Any, radius: Any, offset: Any, angle: Any, rise: Any 
     yield "curvature", curvature / (1 - radius * curvature)
 
 
-def rolled(
-    base: float, radius: float, offset: float, angle: float, rise: float = HEIGHT, program: Program | None = None
-) -> Results:
-    """The library's."""
-    cam = Cam(TranslatingRoller(radius, offset), program or (SLOW if rise == HEIGHT else _slow(rise)), base)
+def rolled(base: float, radius: float, offset: float, angle: float, rise: float = HEIGHT, law: Any = _slow) -> Results:
+    """The library's cam with a translating roller."""
+    cam = Cam(TranslatingRoller(radius, offset), law(rise), base)
     yield "height", cam.follower_pose(angle).origin.imag
     yield "pressure angle", cam.contact(angle).pressure_angle
     yield "profile", cam.profile.point(angle)
@@ -77,7 +75,7 @@ def arm(ctx: Any, base: Any, radius: Any, pivot: Any, length: Any, angle: Any) -
 
 
 def armed(base: float, radius: float, pivot: float, length: float, angle: float) -> Results:
-    """The library's."""
+    """The library's cam with a roller on an arm."""
     cam = Cam(OscillatingRoller(radius, pivot, length), ARM, base)
     yield "arm's angle", np.angle(-np.conj(cam.follower_pose(angle).direction))
     yield "pressure angle", cam.contact(angle).pressure_angle
@@ -123,7 +121,7 @@ ROLLER = "cam with a roller"
 STEEP_CELL = Cell(
     ROLLER, "roller radius to curvature radius", "", "gap of roller radius to curvature radius, relative",
     lambda x: (50 - RADIUS * (1 - x), RADIUS * (1 - x), 0.0, STEEP_AT), partial(roller, rise=TALL, pace=3),
-    partial(rolled, program=STEEP), "all")  # fmt: skip
+    partial(rolled, rise=TALL, law=_fast), "all")  # fmt: skip
 OFFSET_CELL = Cell(
     ROLLER, "offset to the prime radius", "", "gap of offset to prime radius, relative", partial(_offset, 0.01),
     roller, rolled, "all")  # fmt: skip

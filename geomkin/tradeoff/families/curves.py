@@ -94,19 +94,13 @@ def _envelope(tool: Tool, count: float) -> Polyline:
 
 
 CAM_PROFILE = MethodFamily(
-    name="cam-profile",
-    title="Cam profile",
+    name="cam-profile", title="Cam profile", per="profile", unit="mm", floor=1e-12, problem=roller,
+    error=Tool.corner_error, count=lambda *_: 1,
     about="The profile of a roller cam, base radius 40 mm, roller 10 mm, as one closed polygon.",
-    per="profile",
-    unit="mm",
     reference="brute force: the distance of every corner from the roller, the least over all its positions, without "
     "tangents and envelopes; how well chords follow a curve between its points is another family",
-    floor=1e-12,
-    problem=roller,
-    error=Tool.corner_error,
     methods=(_closed_form, _by_differences, _offset, _envelope),
-    count=lambda *_: 1,
-)
+)  # fmt: skip
 
 
 # Root of a gear, undercut, so that root curve and flank cross
@@ -239,19 +233,13 @@ def _root_error(tool: Tool, found: Polyline | None) -> Real:
 
 
 GEAR_ROOT = MethodFamily(
-    name="gear-root",
-    title="Gear root",
+    name="gear-root", title="Gear root", per="side of a tooth", unit="mm", floor=1e-12, problem=rack,
+    error=_root_error, count=lambda *_: 1,
     about="Root and flank of one side of a tooth of a gear of 12 teeth, module 2, which the rack undercuts.",
-    per="side of a tooth",
-    unit="mm",
     reference="brute force: the distance of every corner, and of points along arcs, from the cutting rack's tooth, the "
     "least over all positions of its roll, without the law of gearing",
-    floor=1e-12,
-    problem=rack,
-    error=_root_error,
     methods=(_exact_root, _trimmed, _cut_root, _root_by_arcs, _one_arc),
-    count=lambda *_: 1,
-)
+)  # fmt: skip
 
 
 # Mate of a straight-sided tooth of 25 deg: its space, from tip to tip, on the side of -y
@@ -322,19 +310,13 @@ def _sampled(tool: Tool, count: float) -> Complex:
 
 
 CONJUGATE_TOOTH = MethodFamily(
-    name="conjugate-tooth",
-    title="Conjugate tooth",
+    name="conjugate-tooth", title="Conjugate tooth", per="space", unit="mm", floor=1e-12, problem=straight_tooth,
+    error=lambda tool, found: np.abs(tool.clearance(found)), count=lambda *_: 1,
     about="The space that a straight-sided tooth, 25 deg, module 2, one of 40, leaves in its mate of 20 teeth.",
-    per="space",
-    unit="mm",
     reference="brute force: the distance of every corner from the tooth, the least over all positions of the rolling, "
     "without the law of gearing",
-    floor=1e-12,
-    problem=straight_tooth,
-    error=lambda tool, found: np.abs(tool.clearance(found)),
     methods=(_law_of_gearing, _cut_space, _sampled),
-    count=lambda *_: 1,
-)
+)  # fmt: skip
 
 
 # Flattening
@@ -448,21 +430,14 @@ def _arcs(path: ToolPath, tolerance: float) -> Polyline:
 
 def _flattening(name: str, title: str, about: str, problem: Callable[[], ToolPath]) -> MethodFamily:
     return MethodFamily(
-        name=name,
-        title=title,
+        name=name, title=title, per="curve", unit="mm", floor=1e-12, problem=problem,
+        error=lambda path, found: path.tool.edge_error(found), count=lambda *_: 1, weighed="vertices",
+        weigh=lambda _, found: len(found.vertices),
         about=about,
-        per="curve",
-        unit="mm",
         reference="brute force: the distance of three points along every chord or arc from the tool that leaves the "
         "curve, the least over all its positions",
-        floor=1e-12,
-        problem=problem,
-        error=lambda path, found: path.tool.edge_error(found),
         methods=(_equal_errors, _even_parameters, _halving, _greedy, _arcs),
-        count=lambda *_: 1,
-        weighed="vertices",
-        weigh=lambda _, found: len(found.vertices),
-    )
+    )  # fmt: skip
 
 
 CAM_FLATTENING = _flattening(

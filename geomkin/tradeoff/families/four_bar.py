@@ -169,15 +169,29 @@ def _diagonal(track: FourBarTrack) -> Directions:
     return np.exp(1j * coupler), np.exp(1j * rocker)
 
 
-def in_single_precision(track: FourBarTrack) -> tuple[Any, Real]:
-    """The lengths and the crank's angles in 32-bit numbers."""
-    return tuple(map(np.float32, track.lengths)), track.drive.astype(np.float32)
+def by_components(lengths: Any, drive: Real) -> Any:
+    """Crank and coupler by real components, which are faster than complex numbers of 32 bits."""
+    a, b, c, d = lengths
+    px, py = a * np.cos(drive), a * np.sin(drive)
+    ux, uy = d - px, -py
+    square = ux * ux + uy * uy
+    along = (square + (b - c) * (b + c)) / (2 * square)
+    with np.errstate(invalid="ignore"):
+        across = np.sqrt(b * b / square - along * along)
+    return (px, py), (along * ux - across * uy, along * uy + across * ux)
 
 
 @method("single precision", prepared=True)
 def _single(track: FourBarTrack) -> Callable[[], Directions]:
     """The vector form in 32-bit numbers, from angles and sizes that were converted beforehand."""
-    return partial(by_unit_vectors, *in_single_precision(track))
+    _, b, c, d = lengths = [np.float32(v) for v in track.lengths]
+    drive = track.drive.astype(np.float32)
+
+    def call() -> Directions:
+        (px, py), (bx, by) = by_components(lengths, drive)
+        return (bx + 1j * by) / b, (bx - (d - px) + 1j * (by + py)) / c
+
+    return call
 
 
 @method("Newton, cold", "steps", (2, 3, 4, 5, 6, 8))
@@ -241,10 +255,6 @@ def _tabulated(track: Any, drive: Real) -> Array:
     return np.asarray(np.nan_to_num(np.array(by_unit_vectors(track.lengths, drive))))
 
 
-METHODS = (_library, _toggle_proof, _general_dyad, _unit_vectors, _half_angles, _diagonal, _single)
-ITERATIONS = (_newton_cold, _newton_warm, _root_finder, *tables(_tabulated))
-
-
 def _family(name: str, title: str, linkage: FourBar, computed: str, **others: Any) -> MethodFamily:
     near = linkage is NEAR_TOGGLE
     return MethodFamily(
@@ -273,10 +283,11 @@ POSITION, TOGGLE = (
         unit="rad",
         reference="intersecting circles, in decimal arithmetic of 110 digits",
         error=misses,
-        methods=METHODS + ITERATIONS,
+        methods=(_library, _toggle_proof, _general_dyad, _unit_vectors, _half_angles, _diagonal, _single, _newton_cold,
+                 _newton_warm, _root_finder, *tables(_tabulated)),
     )
     for name, linkage in (("four-bar-position", ORDINARY), ("four-bar-toggle", NEAR_TOGGLE))
-)
+)  # fmt: skip
 
 
 # Rates
@@ -337,8 +348,18 @@ def _loop_after_toggle_proof(track: FourBarTrack) -> Rates:
 @method("single precision", prepared=True)
 def _single_rates(track: FourBarTrack) -> Callable[[], Rates]:
     """Unit vectors and loop equations in 32-bit numbers."""
-    sizes = in_single_precision(track)
-    return lambda: _by_loop(*sizes, by_unit_vectors(*sizes))
+    lengths, drive = [np.float32(v) for v in track.lengths], track.drive.astype(np.float32)
+
+    def call() -> Rates:
+        (px, py), (bx, by) = by_components(lengths, drive)
+        cx, cy = bx - (lengths[3] - px), by + py
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = 1 / (bx * cy - by * cx)
+            h3, h4 = (cx * py - cy * px) * share, (bx * py - by * px) * share
+            wx, wy = px + h3 * h3 * bx - h4 * h4 * cx, py + h3 * h3 * by - h4 * h4 * cy
+            return h3, h4, (wx * cx + wy * cy) * share, (wx * bx + wy * by) * share
+
+    return call
 
 
 def _by_loop(sizes: Any, drive: Real, directions: Directions) -> Rates:

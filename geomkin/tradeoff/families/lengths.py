@@ -117,21 +117,15 @@ def _new_error(track: Track, found: Array) -> Real:
 
 
 NEW_LENGTHS = MethodFamily(
-    name="new-lengths",
-    title="Four-bars of new lengths",
+    name="new-lengths", title="Four-bars of new lengths", per="pose", unit="share of the largest", floor=1e-15,
+    problem=_new_lengths, error=_new_error, count=lambda _, found: found.shape[0] * found.shape[2],
     about=f"{LINKAGES} crank-rockers of random lengths, about 105, 35, 95 and 75 mm, made and moved one after the "
     f"other. Computed are position, velocity and acceleration of a coupler point at {FRAMES} even steps of a whole "
     "turn at a speed of 1 rad/s. The error is the largest one of the three, as a share of its largest value.",
-    per="pose",
-    unit="share of the largest",
     reference="intersecting circles, and differences of these, in decimal arithmetic of 110 digits, at every "
     f"{REFERENCE_STEP}th pose",
-    floor=1e-15,
-    problem=_new_lengths,
-    error=_new_error,
     methods=(_library, _library_at_once, _textbook, _textbook_at_once, _single, _frame_by_frame),
-    count=lambda _, found: found.shape[0] * found.shape[2],
-)
+)  # fmt: skip
 
 
 # Derivatives by the lengths
@@ -251,18 +245,14 @@ def _derivative_error(track: Track, found: Complex) -> Real:
 
 
 DERIVATIVES = MethodFamily(
-    name="derivatives",
-    title="Derivatives of a coupler point by the lengths",
+    name="derivatives", title="Derivatives of a coupler point by the lengths", per="derivative",
+    unit="share of the largest", floor=1e-15, problem=_derivatives, error=_derivative_error,
+    count=lambda _, found: found.size,
     about="A crank-rocker of 30, 90, 70 and 100 mm, made and moved at each call. Computed are the derivatives of the "
     f"position of a coupler point by each of the four lengths, at {FRAMES} even steps of a whole turn, as a search by "
     "gradients needs them. Small steps do not help differences: below some step the rounding of the positions grows "
     "faster than the rest falls.",
-    per="derivative",
-    unit="share of the largest",
     reference="central differences in decimal arithmetic of 110 digits, with a step of 1e-25 mm",
-    floor=1e-15,
-    problem=_derivatives,
-    error=_derivative_error,
     methods=(
         _sensitivity,
         _loop_equation,
@@ -275,7 +265,6 @@ DERIVATIVES = MethodFamily(
         _central("central differences of geomkin.move", 2, _by_move,
                  "One motion of eight four-bars, whose lengths are arrays: each length a step longer and shorter."),
     ),
-    count=lambda _, found: found.size,
 )  # fmt: skip
 
 
@@ -359,16 +348,11 @@ def _monte_carlo(track: Track, linkages: float) -> Callable[[], Real]:
 
 
 TOLERANCE_BAND = MethodFamily(
-    name="tolerance",
-    title="Tolerance band",
+    name="tolerance", title="Tolerance band", per="position", unit="rad", floor=1e-12, problem=_tolerance_problem,
+    error=lambda track, found: np.abs(found - track.right),
     about="The deviation of the rocker of a crank-rocker of 30, 90, 70 and 100 mm that 99.73 % of all linkages keep, "
     f"each length being {TOLERANCE:g} mm off at three standard deviations; at {POSITIONS} positions of the crank.",
-    per="position",
-    unit="rad",
     reference="the share of the couplers within the deviation in closed form, its mean over ground, crank and rocker "
     f"by quadrature of {NODES} nodes each",
-    floor=1e-12,
-    problem=_tolerance_problem,
-    error=lambda track, found: np.abs(found - track.right),
     methods=(_linearised, _by_differences, _monte_carlo),
-)
+)  # fmt: skip

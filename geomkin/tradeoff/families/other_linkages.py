@@ -121,16 +121,11 @@ def _by_frame(track: Track) -> Callable[[], Real]:
 
 
 SLIDER_CRANK = MethodFamily(
-    name="slider-crank-position",
-    title="Position of a slider-crank",
+    name="slider-crank-position", title="Position of a slider-crank", per="pose", unit="mm", floor=5e-14,
+    problem=_slider_problem, error=misses,
     about=f"A slider-crank of {A:g} and {ROD:g} mm whose line is {OFFSET:g} mm from the crank's pivot. Computed is the "
     f"slider's position at {FRAMES} even steps of a whole turn of the crank.",
-    per="pose",
-    unit="mm",
     reference="a circle that intersects a line, in decimal arithmetic of 110 digits",
-    floor=5e-14,
-    problem=_slider_problem,
-    error=misses,
     methods=(_slider_by_library, _slider_by_dyad, _factors, _root, _rod_angle, _factors_in_single_precision, _series,
              _rod_by_newton, _by_frame, *tables(lambda _, drive: _root_of(drive))),
 )  # fmt: skip
@@ -175,12 +170,16 @@ def _circles(track: Track) -> Complex:
 @method("single precision", prepared=True)
 def _circles_in_single_precision(track: Track) -> Callable[[], Complex]:
     """The vector form in 32-bit numbers."""
-    return partial(by_circles, track.drive.astype(np.float32))
+    drive = track.drive.astype(np.float32)
+    return lambda: _output(np.float32(CRANK) * (np.cos(drive) + 1j * np.sin(drive)))
 
 
 def by_circles(drive: Real) -> Complex:
     """The output's direction by unit vectors, one dyad after the other."""
-    crank = CRANK * np.exp(1j * drive)
+    return _output(CRANK * np.exp(1j * drive))
+
+
+def _output(crank: Complex) -> Complex:
     diagonal = PIVOT - (crank + _first_bar(GROUND - crank, COUPLER, ROCKER) * (POINT / COUPLER))
     return np.asarray((_first_bar(diagonal, LINK, OUTPUT) - diagonal) / OUTPUT)
 
@@ -286,16 +285,11 @@ def _loops(track: Track) -> Callable[[], Complex]:
 
 
 SIX_BAR_POSITION = MethodFamily(
-    name="six-bar-position",
-    title="Position of a six-bar",
+    name="six-bar-position", title="Position of a six-bar", per="pose", unit="rad", floor=2e-15,
+    problem=lambda: Track(SIX_BAR, turn(), exact(exact_output, turn())[0]), error=misses,
     about="Stephenson's six-bar of the gallery, whose output dwells: a four-bar, and a dyad on a point of its coupler. "
     f"Computed is the direction of the output link at {FRAMES} even steps of a whole turn of the crank.",
-    per="pose",
-    unit="rad",
     reference="intersecting circles, one dyad after the other, in decimal arithmetic of 110 digits",
-    floor=2e-15,
-    problem=lambda: Track(SIX_BAR, turn(), exact(exact_output, turn())[0]),
-    error=misses,
     methods=(_six_bar_by_library, _general_dyads, _circles, _circles_in_single_precision,
              *by_newton(0, 0.0, 4, (3.0, 5.0, 7.0, 10.0), True), _loops, *tables(lambda _, drive: by_circles(drive))),
 )  # fmt: skip
@@ -366,16 +360,11 @@ def _backwards(track: Track, entries: float) -> Callable[[], Any]:
 
 
 ITERATION = MethodFamily(
-    name="iteration",
-    title="A linkage that no closed form places",
+    name="iteration", title="A linkage that no closed form places", per="pose", unit="rad", floor=1e-14,
+    problem=_backwards_problem, error=misses,
     about="Stephenson's six-bar of the gallery, driven by its last link: no two of its members are connected to known "
     f"ones, so that all loops are solved at once. Computed is the direction of the crank at {POSES} positions of the "
     "output.",
-    per="pose",
-    unit="rad",
     reference="the output's angles, which were computed from known ones of the crank in decimals of 110 digits",
-    floor=1e-14,
-    problem=_backwards_problem,
-    error=misses,
     methods=(_followed, *by_newton(4, FIRST, 0, (2.0, 4.0, 6.0, 8.0, 12.0), False), _halving, _secants, _backwards),
-)
+)  # fmt: skip

@@ -10,7 +10,7 @@ from ...core.records import record
 from ...linkage.moving import move
 from ...linkage.sampled import central_difference, mid_ordinate_integral, velocity_difference
 from ...plane.vec import Real
-from ..exact import FRAMES
+from ..exact import FRAMES, turn
 from ..family import Method, MethodFamily, method
 from .four_bar import ORDINARY, FourBarTrack
 
@@ -67,12 +67,8 @@ class SampledRocker:
 )
 def _exact_rates(rocker: SampledRocker) -> Call:
     """The library's method: the loop's equations differentiated, not the positions."""
-    drive, name = _drive(), ("", "first", "second")[rocker.derivative]
+    drive, name = np.tile(turn(), SAMPLES // FRAMES), ("", "first", "second")[rocker.derivative]
     return lambda: (getattr(move(ORDINARY, drive).rocker, name), 1.0)
-
-
-def _drive() -> Real:
-    return np.tile(np.arange(FRAMES) * (2 * np.pi / FRAMES), SAMPLES // FRAMES)
 
 
 @method("velocity differences", "step, deg", (10.0, 5.0, 2.0, 1.0))
@@ -144,21 +140,15 @@ def _as_read(values: Real) -> Real:
 
 def _rates(derivative: int, name: str, quantity: str) -> MethodFamily:
     return MethodFamily(
-        name=name,
-        title=f"{quantity} from positions",
+        name=name, title=f"{quantity} from positions", per="sample", unit="share of the largest", floor=1e-15,
+        problem=lambda: SampledRocker.of(derivative), error=SampledRocker.error, count=lambda _, found: SAMPLES,
         about=f"The rocker of a crank-rocker of 30, 90, 70 and 100 mm at {SAMPLES} even steps of the crank: its "
         f"{quantity.lower()} at a speed of 1 rad/s, from the positions alone or by the exact coefficients. The time of "
         "the positions, by geomkin.move, is included in each. Small steps do not help: below some step the rounding of "
         "the positions grows as fast as the rest falls.",
-        per="sample",
-        unit="share of the largest",
         reference="intersecting circles, and differences of these, in decimal arithmetic of 110 digits",
-        floor=1e-15,
-        problem=lambda: SampledRocker.of(derivative),
-        error=SampledRocker.error,
         methods=(_exact_rates, _velocity_difference, *map(_central, (2, 4, 6)), _spline, _fourier, _tangents,
                  _mid_ordinates_drawn),
-        count=lambda _, found: SAMPLES,
     )  # fmt: skip
 
 
@@ -177,7 +167,7 @@ ACCELERATION = _rates(2, "acceleration-from-positions", "Acceleration")
 )
 def _exact_positions(rocker: SampledRocker) -> Call:
     """The library's method: positions come from the sizes, not from velocities."""
-    drive = _drive()
+    drive = np.tile(turn(), SAMPLES // FRAMES)
     return lambda: (np.angle(move(ORDINARY, drive).rocker.direction), 1.0)
 
 
@@ -237,17 +227,11 @@ def _fourier_integral(rocker: SampledRocker, step: float) -> Call:
 
 
 INTEGRATION = MethodFamily(
-    name="positions-from-velocities",
-    title="Positions from velocities",
+    name="positions-from-velocities", title="Positions from velocities", per="sample", unit="rad", floor=1e-15,
+    problem=lambda: SampledRocker.of(0), error=SampledRocker.error, count=lambda _, found: len(found[0]),
     about=f"The rocker of a crank-rocker of 30, 90, 70 and 100 mm at {SAMPLES} even steps of the crank: its angle by "
     "integrating its velocities, which were prepared beforehand, from a known start; and exactly. At the coarser steps "
     "these are many turns, over which errors cancel or accumulate.",
-    per="sample",
-    unit="rad",
     reference="intersecting circles, in decimal arithmetic of 110 digits",
-    floor=1e-15,
-    problem=lambda: SampledRocker.of(0),
-    error=SampledRocker.error,
     methods=(_exact_positions, _mid_ordinates, _trapezoids, _simpson, _corrected, _fourier_integral),
-    count=lambda _, found: len(found[0]),
-)
+)  # fmt: skip

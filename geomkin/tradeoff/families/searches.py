@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -117,16 +117,12 @@ def _searched(name: str, about: str, aim: Any, points: int = 3, **options: Any) 
 
 
 FUNCTION_SYNTHESIS = MethodFamily(
-    name="function-synthesis",
-    title="Function synthesis",
+    name="function-synthesis", title="Function synthesis", per="linkage", unit="deg", floor=1e-9,
+    problem=lambda: None, error=lambda _, found: np.degrees(np.abs(structural_error(found, PLACES))),
+    count=lambda *_: 1,
     about="A four-bar whose rocker follows log10(x), 1 to 2, through 90 deg while its crank turns by 60; transmission "
     f"angle {TRANSMISSION_DEG:g} deg, ratio of links {RATIO:g}.",
-    per="linkage",
-    unit="deg",
     reference="the resulting linkage, assembled by intersecting circles at 2001 positions, and the logarithm",
-    floor=1e-9,
-    problem=lambda: None,
-    error=lambda _, found: np.degrees(np.abs(structural_error(found, PLACES))),
     methods=(
         _searched(
             "minimax",
@@ -143,7 +139,6 @@ FUNCTION_SYNTHESIS = MethodFamily(
                   slow=True),
         _by_hand,
     ),
-    count=lambda *_: 1,
 )  # fmt: skip
 
 
@@ -161,20 +156,6 @@ SIZE = float(np.sqrt(np.mean(np.abs(TIMED - MIDDLE) ** 2)))
 SEEDS = (0, 1, 2)
 
 
-class PlacedFourBar(NamedTuple):
-    """A four-bar: ground, crank, coupler, rocker; coupler point in its frame; ground pivot, ground's direction; mm.
-
-    start: the crank's angle from the ground at the first point, rad; branch: its assembly mode.
-    """
-
-    lengths: Real
-    arm: complex
-    origin: complex
-    along: complex
-    start: float
-    branch: float
-
-
 def _path_task() -> PathTask:
     """The task with the limits that the library holds by default."""
     low, high = bounds_of(None, False, True, MIDDLE, SIZE)
@@ -190,17 +171,17 @@ def _path_task() -> PathTask:
     )
 
 
-def path_error(_: PathTask, found: list[PlacedFourBar | None]) -> Real:
-    """Root mean square of the coupler points' distances from the points, mm, (found,); nan if open or not found."""
+def path_error(_: PathTask, found: Real) -> Real:
+    """Root mean square of the coupler points' distances from the points, mm, (seeds,); nan if open or not found.
 
-    def error(one: PlacedFourBar) -> float:
-        ground, crank, coupler, rocker = one.lengths.tolist()
-        pin = crank * np.exp(1j * (one.start + TURNS))
-        bar = rocker_pin(ground - pin, coupler, rocker, one.branch) / coupler
-        reached = one.origin + one.along * (pin + one.arm * bar)
-        return float(np.sqrt(np.mean(np.abs(reached - TIMED) ** 2)))
-
-    return np.array([np.nan if one is None else error(one) for one in found])
+    A row of the search's unknowns for each seed: ground, crank, coupler, rocker, coupler point, ground pivot, angles of
+    ground and crank, and the branch.
+    """
+    ground, crank, coupler, rocker, x, y, x_0, y_0, angle, start, branch = found.T[..., None]
+    pin = crank * np.exp(1j * (start + TURNS))
+    bar = rocker_pin(ground - pin, coupler, rocker, branch) / coupler
+    reached = MIDDLE + SIZE * (x_0 + 1j * y_0 + np.exp(1j * angle) * (pin + (x + 1j * y) * bar))
+    return np.asarray(np.sqrt(np.mean(np.abs(reached - TIMED) ** 2, axis=-1)))
 
 
 def _fits(task: PathTask, count: int, seed: int) -> tuple[Real, Real, Real]:
@@ -215,32 +196,27 @@ def _fits(task: PathTask, count: int, seed: int) -> tuple[Real, Real, Real]:
     return fitted[kept], branch[kept], squares[kept]
 
 
-def _placed(x: Real, branch: float) -> PlacedFourBar:
-    """In mm, of a row of the search's unknowns."""
-    arm, origin = complex(x[4], x[5]) * SIZE, complex(x[6], x[7]) * SIZE + MIDDLE
-    return PlacedFourBar(x[:4] * SIZE, arm, origin, complex(np.exp(1j * x[8])), x[9], branch)
+def _row(x: Real, branch: Real, best: int) -> Real:
+    return np.append(x[best], branch[best]) if len(x) else np.full(11, np.nan)
 
 
 @method("fits alone", "linkages", (10.0, 100.0, 1e3, 1e4))
-def _fitted(task: PathTask, count: float) -> list[PlacedFourBar | None]:
+def _fitted(task: PathTask, count: float) -> Real:
     """Random linkages, each rotated, scaled, placed and given its coupler point in closed form; the best."""
-
-    def best(x: Real, branch: Real, squares: Real) -> PlacedFourBar | None:
-        return _placed(x[squares.argmin()], float(branch[squares.argmin()])) if len(x) else None
-
-    return [best(*_fits(task, int(count), seed)) for seed in SEEDS]
+    fits = [_fits(task, int(count), seed) for seed in SEEDS]
+    return np.array([_row(x, branch, int(np.argmin([*squares, np.inf]))) for x, branch, squares in fits])
 
 
 @method("fits improved", "starts", (1.0, 3.0, 10.0, 30.0, 100.0), slow=True)
-def _improved(task: PathTask, count: float) -> list[PlacedFourBar | None]:
+def _improved(task: PathTask, count: float) -> Real:
     """Random linkages, each fitted in closed form and then improved by least squares, none left out before."""
-    found: list[PlacedFourBar | None] = []
+    found = []
     for seed in SEEDS:
         x, branch, _ = _fits(task, int(count), seed)
         watch = Watch(PATIENCE, "linkages for the path")
         x, _, branch = polished_starts(task, x, np.zeros((len(x), len(TIMED))), branch, watch)
-        found.append(_placed(x[0], float(branch[0])) if len(x) else None)
-    return found
+        found.append(_row(x, branch, 0))
+    return np.array(found)
 
 
 @method(
@@ -248,35 +224,31 @@ def _improved(task: PathTask, count: float) -> list[PlacedFourBar | None]:
     rationale="From any seed it finds the best linkage that is known of this problem, and ranks the others.",
     caveat="Few starts suffice for this problem, but not for one with more valleys.",
 )
-def _path_search(_: PathTask) -> list[PlacedFourBar]:
+def _path_search(_: PathTask) -> Real:
     """60,000 random linkages fitted in closed form, the best 140 different ones improved by least squares within the
     limits, all but the best few left out on the way (`path_generator`).
     """
 
-    def search(seed: int) -> PlacedFourBar:
+    def search(seed: int) -> list[float]:
         found = path_generator(TIMED, np.degrees(TURNS), seed=seed, time_limit=PATIENCE)
         bar: Any = found.linkage
-        lengths, along = np.array([bar.ground, bar.crank, bar.coupler, bar.rocker]), np.radians(bar.ground_angle_deg)
-        point, origin = complex(bar.coupler_point), complex(bar.origin)
-        return PlacedFourBar(lengths, point, origin, complex(np.exp(1j * along)), float(found.drive[0]), found.branch)
+        point, origin = bar.coupler_point / SIZE, (bar.origin - MIDDLE) / SIZE
+        sizes = [length / SIZE for length in (bar.ground, bar.crank, bar.coupler, bar.rocker)]
+        angles = np.radians(bar.ground_angle_deg), found.drive[0]
+        return [*sizes, point.real, point.imag, origin.real, origin.imag, *angles, found.branch]
 
-    return [search(seed) for seed in SEEDS]
+    return np.array([search(seed) for seed in SEEDS])
 
 
 PATH_SYNTHESIS = MethodFamily(
-    name="path-synthesis",
-    title="Path synthesis",
+    name="path-synthesis", title="Path synthesis", per="linkage", unit="mm", floor=1e-9, problem=_path_task,
+    error=path_error,
     about="A four-bar whose coupler point goes through eighteen timed points of a path 0.6 mm by 0.9 mm (Kunjur and "
     "Krishnamurty, 1997).",
-    per="linkage",
-    unit="mm",
     reference="the resulting linkage, assembled by intersecting circles at each of the eighteen crank angles: the "
     "error is the root of the mean squared distance, the largest one from three seeds",
-    floor=1e-9,
-    problem=_path_task,
-    error=path_error,
     methods=(_path_search, _fitted, _improved),
-)
+)  # fmt: skip
 
 
 # Nine points
@@ -370,16 +342,11 @@ def _nine_searched(points: Complex, count: float) -> Real:
 
 
 NINE_POINTS = MethodFamily(
-    name="nine-points",
-    title="Nine points of a path",
+    name="nine-points", title="Nine points of a path", per="search", unit="share", floor=0.01,
+    problem=lambda: POINTS, error=missed_share,
     about=f"The {KNOWN} four-bars, up to cognates, whose coupler points go through nine points (Wampler, Morgan and "
     "Sommese, 1992, problem 3); the share of them that is missed.",
-    per="search",
-    unit="share",
     reference=f"the published number of {KNOWN} real linkages; each one that is found is assembled at every point by "
     "intersecting circles, and counted once with its cognates",
-    floor=0.01,
-    problem=lambda: POINTS,
-    error=missed_share,
     methods=(_continued, _some_paths, _newton, _nine_searched),
-)
+)  # fmt: skip

@@ -75,20 +75,13 @@ def csv_error(given: Table, found: bytes) -> Real:
 
 
 CSV_WRITING = MethodFamily(
-    name="csv-writing",
-    title="CSV writing",
-    about=f"A table of {ROWS} rows and five columns of numbers.",
-    per="row",
-    unit="of a column's largest value",
-    reference="the numbers themselves, compared with the file read back",
-    floor=1e-17,
-    problem=table,
-    error=csv_error,
-    methods=(_library_csv, _numpy_csv, _shortest_csv),
-    count=lambda *_: ROWS,
-    weighed="bytes",
+    name="csv-writing", title="CSV writing", per="row", unit="of a column's largest value", floor=1e-17,
+    problem=table, error=csv_error, count=lambda *_: ROWS, weighed="bytes",
     weigh=lambda _, found: len(found) / ROWS,
-)
+    about=f"A table of {ROWS} rows and five columns of numbers.",
+    reference="the numbers themselves, compared with the file read back",
+    methods=(_library_csv, _numpy_csv, _shortest_csv),
+)  # fmt: skip
 
 
 # Drawings
@@ -165,16 +158,11 @@ def dxf_error(given: GearPlate, found: bytes) -> Real:
 
 
 DXF_WRITING = MethodFamily(
-    name="dxf-writing",
-    title="DXF writing",
+    name="dxf-writing", title="DXF writing", per="file", unit="mm", floor=1e-9, problem=GearPlate.example,
+    error=dxf_error, count=lambda *_: 1, weighed="bytes", weigh=lambda _, found: len(found),
     about="A gear of 12 teeth of module 2 with a bore, from its sizes to the bytes of its drawing.",
-    per="file",
-    unit="mm",
     reference="brute force: the file is read back, and four points along every chord or arc are compared with the "
     "cutting rack at all positions of its roll, and with the tip circle",
-    floor=1e-9,
-    problem=GearPlate.example,
-    error=dxf_error,
     methods=(
         _dxf(
             "chords",
@@ -187,10 +175,7 @@ DXF_WRITING = MethodFamily(
         _dxf("arcs", 'The outline as tangent arcs, otherwise the same (`curves = "arcs"`).', True),
         _bare_dxf,
     ),
-    count=lambda *_: 1,
-    weighed="bytes",
-    weigh=lambda _, found: len(found),
-)
+)  # fmt: skip
 
 
 # Solids
@@ -253,17 +238,12 @@ def stl_volume(stl: bytes) -> float:
 
 
 STL_WRITING = MethodFamily(
-    name="stl-writing",
-    title="STL writing",
+    name="stl-writing", title="STL writing", per="file", unit="of the volume", floor=1e-7,
+    problem=GearPlate.example,
+    error=lambda given, found: np.array([abs(stl_volume(found) / (given.area * THICKNESS) - 1)]), weighed="bytes",
+    weigh=lambda _, found: len(found),
     about="The same gear, 5 mm thick, from its sizes to the bytes of its solid.",
-    per="file",
-    unit="of the volume",
     reference=f"a far finer polygon, {FINE} points on every smooth piece, whose area times the thickness is compared "
     "with the volume within the triangles that are read back",
-    floor=1e-7,
-    problem=GearPlate.example,
-    error=lambda given, found: np.array([abs(stl_volume(found) / (given.area * THICKNESS) - 1)]),
     methods=(_library_stl, _even_stl, _bare_stl),
-    weighed="bytes",
-    weigh=lambda _, found: len(found),
-)
+)  # fmt: skip
