@@ -114,8 +114,9 @@ def test_errors_of_functions_and_paths_are_those_of_the_moving_linkage():
     assert searches.structural_error(sizes, s) == pytest.approx(off, abs=1e-12)
     rows = found("path-synthesis", "fits alone", 100)
     *lengths, x, y, x_0, y_0, angle, start, branch = rows[0].tolist()
-    lengths, point, origin = (searches.SIZE * np.array(v) for v in (lengths, x + 1j * y, x_0 + 1j * y_0))
-    bar = gk.FourBar(*lengths, complex(point), origin=origin + searches.MIDDLE, ground_angle_deg=np.degrees(angle))
+    lengths, origin = (searches.SIZE * np.array(lengths)).tolist(), searches.SIZE * complex(x_0, y_0) + searches.MIDDLE
+    point, turned = searches.SIZE * complex(x, y), float(np.degrees(angle) % 360)
+    bar = gk.FourBar(*lengths, point, origin=origin, ground_angle_deg=turned)
     at = gk.move(bar, start + np.radians(20) * np.arange(18), int(branch)).point("coupler_point").position
     rms = np.sqrt(np.mean(np.abs(at - searches.TIMED) ** 2))
     off = errors("path-synthesis", np.array([rows[0], np.full(11, np.nan)]))

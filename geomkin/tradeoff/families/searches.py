@@ -30,10 +30,9 @@ def rocker_pin(gap: Complex, b: Any, c: Any, branch: Any = 1.0) -> Complex:
     nan where they do not intersect.
     """
     length = np.abs(gap)
-    along = (length**2 + b**2 - c**2) / (2 * length)
     with np.errstate(invalid="ignore"):
-        across = np.sqrt(b**2 - along**2)
-    return np.asarray(gap / length * (along + 1j * branch * across))
+        along = (length**2 + b**2 - c**2) / (2 * length)
+        return np.asarray(gap / length * (along + 1j * branch * np.sqrt(b**2 - along**2)))
 
 
 # Function: log10(x) from 1 to 2, input 60 deg, output 90 deg
@@ -178,10 +177,12 @@ def path_error(_: PathTask, found: Real) -> Real:
     ground and crank, and the branch.
     """
     ground, crank, coupler, rocker, x, y, x_0, y_0, angle, start, branch = found.T[..., None]
-    pin = crank * np.exp(1j * (start + TURNS))
-    bar = rocker_pin(ground - pin, coupler, rocker, branch) / coupler
-    reached = MIDDLE + SIZE * (x_0 + 1j * y_0 + np.exp(1j * angle) * (pin + (x + 1j * y) * bar))
-    return np.asarray(np.sqrt(np.mean(np.abs(reached - TIMED) ** 2, axis=-1)))
+    # Rows that were not found are nan, and so are their errors.
+    with np.errstate(invalid="ignore"):
+        pin = crank * np.exp(1j * (start + TURNS))
+        bar = rocker_pin(ground - pin, coupler, rocker, branch) / coupler
+        reached = MIDDLE + SIZE * (x_0 + 1j * y_0 + np.exp(1j * angle) * (pin + (x + 1j * y) * bar))
+        return np.asarray(np.sqrt(np.mean(np.abs(reached - TIMED) ** 2, axis=-1)))
 
 
 def _fits(task: PathTask, count: int, seed: int) -> tuple[Real, Real, Real]:
