@@ -279,23 +279,26 @@ def optimise_command(
 def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     """Measure the methods: time per result against error.
 
-    Measures all families of methods, or only those given, and writes tables, pictures and a page into OUT/chart/.
+    Measures all families of methods, or only those given, and writes tables, pictures and a page into OUT/chart/, anew
+    after each family. With all families, the page also shows where methods lose digits.
     """
     from importlib.util import find_spec
 
     from ..core.errors import GeomkinError, printable
     from ..export.files import write_whole
     from ..tradeoff.files import chart_files
-    from ..tradeoff.results import chart
-    from ..tradeoff.study import stability
+    from ..tradeoff.measurement import growing_chart
+    from ..tradeoff.study import MISSING, stability
 
     try:
         with progress_shown(), option_errors("FAMILY"):
-            measured = chart(families, quick)
-        # The study of where methods lose digits needs mpmath.
-        study = stability() if not families and find_spec("mpmath") else None
-        write_whole(out / "chart", chart_files(measured, study))
+            for measured in growing_chart(families, quick):
+                write_whole(out / "chart", chart_files(measured))
+        if not families and find_spec("mpmath"):
+            write_whole(out / "chart", chart_files(measured, stability()))
     except GeomkinError as error:
         raise click.ClickException(str(error)) from None
     count, points = len(measured.families), sum(len(family.points) for family in measured.families)
     click.echo(f"{printable(out / 'chart', 200)}: {count} famil{'y' if count == 1 else 'ies'}, {points} points")
+    if not families and not find_spec("mpmath"):
+        click.echo(MISSING, err=True)

@@ -1,9 +1,11 @@
-"""Cells of the stability study: one result near one singular position, and the digits that the library keeps."""
+"""Cells of the stability study: a result near a singular position, and the digits that library and textbook keep."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,27 +13,36 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.records import record
 
-# Digits of the reference. The second derivative near a change point loses four digits per digit of distance, and more
-# than 50 must remain at a distance of 1e-15.
+# Digits of the exact answer. The second derivative near a change point loses four digits per digit of distance, and
+# more than 50 must remain at a distance of 1e-15.
 DIGITS = 120
 # Digits of a double, and those that count as all: a smaller limit would hide a lost digit, a larger one would report
 # the rounding of about ten operations as a loss.
 WHOLE, ALL = 16.0, 12.5
 # Digits by which a result may fall short of what its sizes allow, since its operations round too.
 SLACK = 1.7
-
+# Description of the library's behaviour towards the singular position, by the outcomes of `Digits.outcome`.
+ANSWERS = {
+    "all": "keeps all digits",
+    "sizes": "keeps the digits that the sizes allow",
+    "all, nan": "keeps all digits, then nan",
+    "sizes, nan": "keeps the digits that the sizes allow, then nan",
+    "all, refused": "keeps all digits, then refuses",
+    "sizes, refused": "keeps the digits that the sizes allow, then refuses",
+    "refused": "refuses",
+}
 Sizes = tuple[float, ...]
 
 
 @record(eq=False)
 class Cell:
-    """A result of a family near a singular position.
+    """A result of a family near a singular position: a problem, two methods and the exact answer.
 
-    `distance` describes the distance, 1e-1 to 1e-15 of the size. `sizes` maps it to the sizes. `formula` is the
-    textbook's, from an mpmath context, with 120 or 16 digits, and the sizes; `library` gives the same result from this
-    library. `answer` is the expected behaviour, a key of `ANSWERS`; `reported_by` names what reports a loss.
-    `condition` maps the sizes to the error factor that the library reports. `share` is the relative error of each size:
-    half a last bit, or the accuracy of a search.
+    `sizes` maps a distance, 1e-1 to 1e-15 of the size, which `distance` describes, to the problem's sizes. `formula` is
+    the textbook's method, from an mpmath context and the sizes; in 120 digits it is the exact answer. `library` gives
+    the same result from this library. `answer` is the expected behaviour, a key of `ANSWERS`; `reported_by` names what
+    reports a loss. `amplification` maps the sizes to the factor of errors that the library reports. `share` is the
+    relative error of each size: half a last bit, or the accuracy of a search.
     """
 
     family: str
@@ -43,7 +54,7 @@ class Cell:
     library: Callable[..., Any]
     answer: str
     reported_by: str = ""
-    condition: Callable[..., Any] | None = None
+    amplification: Callable[..., Any] | None = None
     share: float = 2.0**-53
 
     @property
@@ -52,16 +63,18 @@ class Cell:
         return f"{self.family}, {self.place}: {self.result}"
 
 
-# Description of the library's behaviour towards the singular position, by the outcomes of `Digits.outcome`.
-ANSWERS = {
-    "all": "keeps all digits",
-    "sizes": "keeps the digits that the sizes allow",
-    "all, nan": "keeps all digits, then nan",
-    "sizes, nan": "keeps the digits that the sizes allow, then nan",
-    "all, refused": "keeps all digits, then refuses",
-    "sizes, refused": "keeps the digits that the sizes allow, then refuses",
-    "refused": "refuses",
-}
+def for_each(results: Sequence[str], cell: Cell) -> tuple[Cell, ...]:
+    """A cell for each of several results, of which formula, library and amplification yield the name and the value."""
+
+    def pick(function: Callable[..., Any], result: str, *sizes: Any) -> Any:
+        return next(value for name, value in function(*sizes) if name == result)
+
+    def one(result: str) -> Cell:
+        formula, library = (partial(pick, function, result) for function in (cell.formula, cell.library))
+        amplification = cell.amplification and partial(pick, cell.amplification, result)
+        return replace(cell, result=result, formula=formula, library=library, amplification=amplification)
+
+    return tuple(map(one, results))
 
 
 @record(eq=False)
@@ -69,7 +82,7 @@ class Digits:
     """Decimal digits of a cell's result at a distance, 16 at most.
 
     `library`, `textbook`: digits kept, nan without a number. `allowed`: digits that remain if each size has the cell's
-    relative error. `refused`: whether the library raised DesignError. `condition`: the cell's reported factor.
+    relative error. `refused`: whether the library raised DesignError. `amplification`: the factor that it reported.
     """
 
     cell: Cell
@@ -78,7 +91,7 @@ class Digits:
     textbook: float
     allowed: float
     refused: bool
-    condition: float = np.nan
+    amplification: float = np.nan
 
     @property
     def outcome(self) -> str:
@@ -91,40 +104,50 @@ class Digits:
             return "all"
         return "sizes" if self.library >= self.allowed - SLACK else "lost"
 
+    def text(self, kind: str) -> str:
+        """Digits of a kind as they are written."""
+        value = getattr(self, kind)
+        return f"{value:.1f}" if not np.isnan(value) else "refused" if kind == "library" and self.refused else "nan"
+
 
 def measured_digits(cell: Cell, distance: float) -> Digits:
-    """The cell's digits at one distance, against arithmetic of 120 digits."""
-    mp, fp = _contexts()
+    """The cell's digits at one distance, compared with arithmetic of 120 digits."""
+    try:
+        from mpmath import fp, mp
+    except ImportError:
+        raise DesignError("mpmath", "it is not installed", "pip install mpmath", "file-unreadable") from None
+
+    def digits(off: Any, right: Any) -> float:
+        share = abs(off) / abs(right) if right else abs(off)
+        return float(min(WHOLE, max(0, -mp.log10(share)))) if share else WHOLE
+
+    def last(values: Any) -> complex:
+        # A search near its limit may return nothing on some processors.
+        row = np.ravel(values)
+        return complex(row[-1]) if row.size else complex(np.nan)
+
     sizes = cell.sizes(distance)
     with mp.workdps(DIGITS):
         exact = [mp.mpf(size) for size in sizes]
-        right = cell.formula(mp, *exact)
-        error = mp.mpf(0)
+        right, error = cell.formula(mp, *exact), mp.mpf(0)
         for k, size in enumerate(exact):
             changed = [*exact[:k], size * (1 + mp.mpf(cell.share)), *exact[k + 1 :]]
             error += abs(cell.formula(mp, *changed) - right)
-        allowed = _digits(mp, error, right)
-        textbook = np.nan
+        textbook, library, amplification, refused = np.nan, np.nan, np.nan, False
         try:
             value = mp.mpmathify(cell.formula(fp, *sizes))
-            textbook = _digits(mp, value - right, right) if mp.isfinite(value) else np.nan
+            textbook = digits(value - right, right) if mp.isfinite(value) else np.nan
         except (ArithmeticError, ValueError, TypeError):
             pass  # a root of what rounding made negative
         try:
             with np.errstate(all="ignore"), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                found = _last(cell.library(*sizes))
-                condition = np.nan if cell.condition is None else _last(cell.condition(*sizes)).real
+                found = last(cell.library(*sizes))
+                amplification = last(cell.amplification(*sizes)).real if cell.amplification else np.nan
+            library = digits(mp.mpmathify(found) - right, right) if np.isfinite(found) else np.nan
         except DesignError:
-            return Digits(cell, distance, np.nan, textbook, allowed, True)
-        kept = _digits(mp, mp.mpmathify(found) - right, right) if np.isfinite(found) else np.nan
-    return Digits(cell, distance, kept, textbook, allowed, False, condition)
-
-
-def _last(answer: Any) -> complex:
-    """The last value of a result; nan if it is empty, as a search near its limit may return on some processors."""
-    row = np.ravel(answer)
-    return complex(row[-1]) if row.size else complex(np.nan)
+            refused = True
+        return Digits(cell, distance, library, textbook, digits(error, right), refused, amplification)
 
 
 def answered(found: Sequence[Digits]) -> str:
@@ -140,16 +163,3 @@ def answered(found: Sequence[Digits]) -> str:
         return "numbers again beyond nan"
     parts = ["sizes" if "sizes" in numbers else "all"] if numbers else []
     return ", ".join([*parts, *ends[-1:]])
-
-
-def _digits(mp: Any, off: Any, right: Any) -> float:
-    share = abs(off) / abs(right) if right else abs(off)
-    return float(min(WHOLE, max(0, -mp.log10(share)))) if share else WHOLE
-
-
-def _contexts() -> tuple[Any, Any]:
-    try:
-        from mpmath import fp, mp
-    except ImportError:
-        raise DesignError("mpmath", "it is not installed", "pip install 'geomkin[test]'", "file-unreadable") from None
-    return mp, fp

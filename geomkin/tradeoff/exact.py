@@ -1,229 +1,165 @@
-"""Points of linkages with velocities and accelerations to 50 digits, by intersection of circles in decimal arithmetic.
+"""Points of linkages to 50 digits, by intersection of circles in decimal arithmetic; rates by differences of these.
 
-It shares no formula with the solver: the square of a distance is constant and is differentiated.
+It shares no formula with the solver.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from decimal import Decimal, localcontext
+from typing import Any
 
 import numpy as np
 
 from ..core.records import record
-from ..linkage.linkage import AbstractLinkage
-from ..plane.vec import Array, Complex, Real
+from ..plane.vec import Array, Real
+from .family import Method, method
 
 # Digits of results; computation uses more, since linkages near a toggle lose half of them.
 DIGITS = 50
 WORKING_DIGITS = 2 * DIGITS + 10
-
-
-@contextmanager
-def many_digits() -> Iterator[None]:
-    """Decimal context with the digits that these functions need."""
-    with localcontext() as context:
-        context.prec = WORKING_DIGITS
-        yield
+# Step of central differences, rad or mm. Their error is its square, and their rounding leaves as many digits.
+STEP = Decimal("1e-25")
+# Steps of a whole turn of the crank, and numbers of entries with which tables are tried.
+FRAMES, ENTRIES = 360, (100.0, 1000.0, 10000.0)
 
 
 @record
-class DecimalVector:
-    """A vector in decimals."""
+class DecimalComplex:
+    """A complex number in decimals."""
 
-    x: Decimal
-    y: Decimal
+    real: Decimal
+    imag: Decimal = Decimal(0)
 
-    def __add__(self, other: DecimalVector) -> DecimalVector:
-        return DecimalVector(self.x + other.x, self.y + other.y)
+    @classmethod
+    def of(cls, value: Any) -> DecimalComplex:
+        """A real or complex number, at exactly its value."""
+        return cls(Decimal(value.real), Decimal(value.imag))
 
-    def __sub__(self, other: DecimalVector) -> DecimalVector:
-        return DecimalVector(self.x - other.x, self.y - other.y)
+    def __add__(self, other: Any) -> DecimalComplex:
+        other = DecimalComplex.of(other)
+        return DecimalComplex(self.real + other.real, self.imag + other.imag)
 
-    def times(self, factor: Decimal) -> DecimalVector:
-        return DecimalVector(self.x * factor, self.y * factor)
+    def __sub__(self, other: Any) -> DecimalComplex:
+        return self + DecimalComplex.of(other) * Decimal(-1)
 
-    def dot(self, other: DecimalVector) -> Decimal:
-        return self.x * other.x + self.y * other.y
+    def __mul__(self, other: Any) -> DecimalComplex:
+        a, b, other = self.real, self.imag, DecimalComplex.of(other)
+        return DecimalComplex(a * other.real - b * other.imag, a * other.imag + b * other.real)
 
-    def cross(self, other: DecimalVector) -> Decimal:
-        return self.x * other.y - self.y * other.x
-
-    @property
-    def left(self) -> DecimalVector:
-        """The vector rotated by a quarter turn."""
-        return DecimalVector(-self.y, self.x)
-
-
-ZERO = DecimalVector(Decimal(0), Decimal(0))
-
-
-@record
-class PointDerivatives:
-    """Position of a point, and its first and second derivative by the drive."""
-
-    at: DecimalVector
-    first: DecimalVector
-    second: DecimalVector
-
-    def __sub__(self, other: PointDerivatives) -> PointDerivatives:
-        return PointDerivatives(self.at - other.at, self.first - other.first, self.second - other.second)
+    def conjugate(self) -> DecimalComplex:
+        """The conjugate."""
+        return DecimalComplex(self.real, -self.imag)
 
     @property
-    def turning(self) -> tuple[Decimal, Decimal]:
-        """First and second derivative of the angle of a vector of constant length."""
-        square = self.at.dot(self.at)
-        return self.at.cross(self.first) / square, self.at.cross(self.second) / square
+    def square(self) -> Decimal:
+        """Square of the absolute value."""
+        return self.real * self.real + self.imag * self.imag
+
+    @property
+    def direction(self) -> DecimalComplex:
+        """Unit vector."""
+        return self * (1 / self.square.sqrt())
 
 
-def fixed(x: float | Decimal, y: float = 0.0) -> PointDerivatives:
-    """A point of the ground."""
-    return PointDerivatives(DecimalVector(Decimal(x), Decimal(y)), ZERO, ZERO)
-
-
-def circling(radius: float | Decimal, angle: float) -> PointDerivatives:
-    """A point of a crank about the origin, at exactly the angle of the float, rad."""
-    cosine, sine = cosine_sine(Decimal(angle))
-    at = DecimalVector(cosine, sine).times(Decimal(radius))
-    return PointDerivatives(at, at.left, at.times(Decimal(-1)))
-
-
-def pinned(
-    one: PointDerivatives, other: PointDerivatives, length: float | Decimal, length_2: float | Decimal, branch: int
-) -> PointDerivatives:
-    """The pin at given distances from two points; branch +1: to the left of the line from the first to the second."""
-    b, c, apart = Decimal(length), Decimal(length_2), other.at - one.at
-    square = apart.dot(apart)
-    along = (square + b * b - c * c) / (2 * square)
-    left = branch * ((b * b - along * along * square) / square).sqrt()
-    at = one.at + apart.times(along) + apart.left.times(left)
-    # (pin - base)^2 is constant for both bases: differentiated once and twice, two equations each.
-    arms = [at - base.at for base in (one, other)]
-    first = _solved(arms, [arm.dot(base.first) for arm, base in zip(arms, (one, other))])
-    rates = [first - base.first for base in (one, other)]
-    right = [arm.dot(base.second) - rate.dot(rate) for arm, base, rate in zip(arms, (one, other), rates)]
-    return PointDerivatives(at, first, _solved(arms, right))
-
-
-def sliding(one: PointDerivatives, length: float, height: float, branch: int) -> PointDerivatives:
-    """The pin at a given distance from a point, on the line y = height; branch +1: on the +x side."""
-    down = Decimal(height) - one.at.y
-    across = branch * (Decimal(length) ** 2 - down * down).sqrt()
-    arm = DecimalVector(across, down)
-    first = DecimalVector(arm.dot(one.first) / across, Decimal(0))
-    rate = first - one.first
-    return PointDerivatives(
-        one.at + arm, first, DecimalVector((arm.dot(one.second) - rate.dot(rate)) / across, Decimal(0))
-    )
-
-
-def carried(start: PointDerivatives, end: PointDerivatives, local: complex) -> PointDerivatives:
-    """A point of the body whose x axis passes through two pins, at `local` from the first, mm."""
-    axis = end - start
-    length = axis.at.dot(axis.at).sqrt()
-    x, y = Decimal(local.real) / length, Decimal(local.imag) / length
-    return PointDerivatives(
-        *(s + a.times(x) + a.left.times(y) for s, a in zip(
-            (start.at, start.first, start.second), (axis.at, axis.first, axis.second)
-        ))
-    )  # fmt: skip
-
-
-def coupler_point(lengths: Sequence[float | Decimal], local: complex, angle: float) -> PointDerivatives:
-    """Coupler point at a crank angle, rad, of a four-bar on branch +1; lengths: ground, crank, coupler, rocker."""
-    ground, crank, coupler, rocker = lengths
-    crank_pin = circling(crank, angle)
-    return carried(crank_pin, pinned(crank_pin, fixed(ground), coupler, rocker, 1), local)
-
-
-def cosine_sine(angle: Decimal) -> tuple[Decimal, Decimal]:
-    """Cosine and sine by their series, for an angle of a few turns."""
-    cosine, sine, term, k = Decimal(1), Decimal(0), Decimal(1), 0
+def circling(radius: float | Decimal, angle: Decimal) -> DecimalComplex:
+    """A point of a crank about the origin, by the series of cosine and sine, for an angle of a few turns."""
+    parts, term, k = [Decimal(0), Decimal(0)], Decimal(radius), 0
     while abs(term) > Decimal(10) ** -WORKING_DIGITS or k < abs(angle):
+        parts[k % 2] += -term if k % 4 > 1 else term
         k += 1
         term = term * angle / k
-        if k % 2:
-            sine += term if k % 4 == 1 else -term
-        else:
-            cosine += term if k % 4 == 0 else -term
-    return cosine, sine
+    return DecimalComplex(*parts)
 
 
-def _solved(rows: list[DecimalVector], right: list[Decimal]) -> DecimalVector:
-    """The vector with given scalar products with two others."""
-    one, two = rows
-    share = one.cross(two)
-    return DecimalVector((right[0] * two.y - right[1] * one.y) / share, (right[1] * one.x - right[0] * two.x) / share)
+def pinned(one: Any, other: Any, length: float | Decimal, length_2: float | Decimal, branch: int) -> DecimalComplex:
+    """The pin at given distances from two points; branch +1: to the left of the line from the first to the second."""
+    start, b, c = DecimalComplex.of(one), Decimal(length), Decimal(length_2)
+    apart = DecimalComplex.of(other) - start
+    along = (apart.square + b * b - c * c) / (2 * apart.square)
+    left = branch * (b * b / apart.square - along * along).sqrt()
+    return start + apart * DecimalComplex(along, left)
 
 
-# Numbers of entries with which tables are tried.
-ENTRIES = (100.0, 1000.0, 10000.0)
+def coupler_point(
+    lengths: Sequence[float | Decimal], local: complex, angle: Decimal, branch: int = 1
+) -> DecimalComplex:
+    """Coupler point at a crank angle, rad, of a four-bar; lengths: ground, crank, coupler, rocker."""
+    ground, crank, coupler, rocker = lengths
+    pin = circling(crank, angle)
+    bar = pinned(pin, ground, coupler, rocker, branch) - pin
+    return pin + bar * local * (1 / Decimal(coupler))
 
 
-def linear(drive: Real, values: Callable[[Real], Array], entries: float) -> Callable[[], Array]:
-    """Linear interpolation of values (..., n) at even steps of a turn, at drives (frames,) within one turn."""
-    count = int(entries)
-    here = values(np.arange(count) * (2 * np.pi / count))
-    rise = np.roll(here, -1, axis=-1) - here
+def exact(place: Callable[[Decimal], DecimalComplex], angles: Real, rotating: bool = False) -> Array:
+    """A place as a function of the crank angle, and its first and second derivative, (3, angles), from decimals.
 
-    def call() -> Array:
-        k, s = _places(drive, count)
-        found: Array = here[..., k] + s * rise[..., k]
-        return found
-
-    return call
-
-
-def cubic(drive: Real, values: Callable[[Real], Array], entries: float) -> Callable[[], Array]:
-    """Cubic (Lagrange) interpolation through the four nearest entries."""
-    count = int(entries)
-    here = values(np.arange(count) * (2 * np.pi / count))
-    before, ahead, after = (np.roll(here, k, axis=-1) for k in (1, -1, -2))
-    one = ahead - here / 2 - before / 3 - after / 6
-    two, three = (before + ahead) / 2 - here, (here - ahead) / 2 + (after - before) / 6
-
-    def call() -> Array:
-        k, s = _places(drive, count)
-        found: Array = here[..., k] + s * (one[..., k] + s * (two[..., k] + s * three[..., k]))
-        return found
-
-    return call
+    If `rotating`, the place is a unit vector, and the imaginary parts of its derivatives are those of its angle.
+    """
+    found = np.empty((3, len(angles)), dtype=complex)
+    with localcontext() as context:
+        context.prec = WORKING_DIGITS
+        for k, angle in enumerate(map(Decimal, angles.tolist())):
+            before, here, after = (place(angle + step) for step in (-STEP, 0, STEP))
+            rates = [(after - before) * (1 / (2 * STEP)), (after + before - here * 2) * (1 / STEP**2)]
+            rates = [rate * here.conjugate() for rate in rates] if rotating else rates
+            found[:, k] = [complex(z.real, z.imag) for z in (here, *rates)]
+    return found
 
 
-def _places(drive: Real, count: int) -> tuple[Array, Real]:
-    """The entry before each drive, and the distance from it in entries."""
-    place = drive * (count / (2 * np.pi))
-    k = place.astype(np.intp)
-    return k % count, place - k
-
-
-FRAMES = 360
+def turn() -> Real:
+    """Crank angles of a whole turn, rad, (FRAMES,)."""
+    return np.arange(FRAMES) * (2 * np.pi / FRAMES)
 
 
 @record(eq=False)
 class Track:
-    """A linkage, its crank angles, rad, and the right values there, (frames,)."""
+    """A linkage, its crank angles, rad, and the exact values there, (..., frames)."""
 
-    linkage: AbstractLinkage
+    linkage: Any
     drive: Real
-    right: Complex
-
-    @classmethod
-    def of(cls, linkage: AbstractLinkage, exact: Callable[[float], DecimalVector]) -> Track:
-        """The values that `exact` gives at a crank angle, in decimals."""
-        drive = np.arange(FRAMES) * (2 * np.pi / FRAMES)
-        with many_digits():
-            found = [exact(angle) for angle in drive.tolist()]
-        return cls(linkage, drive, np.array([complex(z.x, z.y) for z in found]))
+    right: Array
 
 
-def misses(track: Track, found: Array) -> Real:
-    """Distance of each value from the right one."""
-    off: Real = np.abs(found - track.right)
+def misses(track: Track, found: Any) -> Real:
+    """Distance of each value from the exact one; at a frame with several values that of the worst."""
+    off: Real = np.abs(np.asarray(found) - track.right).reshape(-1, len(track.drive)).max(axis=0)
     return off
 
 
-def count(_: Track, found: Array) -> int:
-    """Number of values."""
-    return len(found)
+def tables(values: Callable[[Track, Real], Array]) -> tuple[Method, Method]:
+    """Methods that interpolate a table of values (..., n), a function of the problem and drives within one turn."""
+
+    def prepare(track: Track, entries: float) -> Array:
+        return values(track, np.arange(int(entries)) * (2 * np.pi / int(entries)))
+
+    def interpolated(track: Track, *coefficients: Array) -> Callable[[], Array]:
+        """Polynomials between entries, their coefficients by rising powers."""
+        count = coefficients[0].shape[-1]
+
+        def call() -> Array:
+            place = track.drive * (count / (2 * np.pi))
+            k = place.astype(np.intp)
+            k, s = k % count, place - k
+            found = coefficients[-1][..., k]
+            for coefficient in coefficients[-2::-1]:
+                found = coefficient[..., k] + s * found
+            return found
+
+        return call
+
+    @method("linear table", "entries", ENTRIES, prepared=True)
+    def linear(track: Track, entries: float) -> Callable[[], Array]:
+        """Values at so many even steps of the crank, prepared beforehand, with linear interpolation."""
+        here = prepare(track, entries)
+        return interpolated(track, here, np.roll(here, -1, axis=-1) - here)
+
+    @method("cubic table", "entries", ENTRIES, prepared=True)
+    def cubic(track: Track, entries: float) -> Callable[[], Array]:
+        """The same table with a cubic through the four nearest entries (Lagrange)."""
+        here = prepare(track, entries)
+        before, ahead, after = (np.roll(here, j, axis=-1) for j in (1, -1, -2))
+        two, three = (before + ahead) / 2 - here, (here - ahead) / 2 + (after - before) / 6
+        return interpolated(track, here, ahead - here / 2 - before / 3 - after / 6, two, three)
+
+    return linear, cubic

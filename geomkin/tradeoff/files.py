@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from ..core.fields import to_digits
 from ..export.text import text
-from ..page.page import head
+from ..page.page import head, player_file
+from .families import FAMILIES
 from .family import Method
-from .picture import chart_picture, chart_svg
-from .results import Chart, FamilyChart, Measurement
-from .study import Stability
+from .measurement import Chart, FamilyChart, Measurement
+from .picture import chart_svg
+from .study import EXPLANATION, HEADS, MISSING, Stability
 
 # Columns of `chart.csv`, after which come the versions and the processor.
 COLUMNS = (
@@ -22,30 +23,12 @@ COLUMNS = (
     "missed_share", "per", "seconds_per_result", "results_per_call", "calls_per_batch", "batches", "spread",
     "weight_name", "weight", "on_weight_front",
 )  # fmt: skip
+# What this page adds to the style of all pages.
 STYLE = """
-:root { color-scheme: light dark; --paper: #fff; --ink: #1b2127; --soft: #55606b; --edge: #c9d0d6; --key: #0064a0; }
-@media (prefers-color-scheme: dark) {
-  :root { --paper: #14181c; --ink: #e8ecef; --soft: #a9b4bd; --edge: #3d464e; --key: #6fbdf2; }
-}
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 16px clamp(10px, 3vw, 32px) 48px; max-width: 1000px; background: var(--paper);
-  color: var(--ink); font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", "DejaVu Sans", sans-serif; }
-h1 { margin: 0; font-size: 26px; }
-h2 { margin: 44px 0 8px; font-size: 20px; }
-p, dd, li { max-width: 75ch; }
-a { color: var(--key); }
-:focus-visible { outline: 2px solid var(--key); outline-offset: 2px; }
-.soft { color: var(--soft); }
-.wide { overflow-x: auto; margin: 12px 0; }
-svg { display: block; background: #fff; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid var(--edge); white-space: nowrap; }
-th:first-child, td:first-child { text-align: left; }
-tr.default th { font-weight: 700; } tbody th { font-weight: 400; }
-summary { cursor: pointer; min-height: 28px; }
-dt { font-weight: 600; margin-top: 8px; } dd { margin: 0 0 0 1.2em; }
+body { max-width: 1000px; } main, dl { display: block; } .soft { color: var(--soft); } dt { font-weight: 600; }
+.wide { margin: 12px 0; } .wide svg { display: block; background: #fff; } .wide :is(th, td) { white-space: nowrap; }
 @media print { details > * { display: block; } }
-""".strip()
+"""
 
 
 def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, bytes]:
@@ -56,7 +39,7 @@ def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, by
     chart : Chart
         The measured points.
     study : Stability, optional
-        Adds a table to the page, and `stability.csv`.
+        Adds a table to the page, and `stability.csv`. A page of all families without it says how to get it.
 
     Returns
     -------
@@ -64,14 +47,14 @@ def chart_files(chart: Chart, study: Stability | None = None) -> Mapping[str, by
         `chart.csv`, `chart.html`, and a picture `<family>.svg` of each family, or also `<family>-by-bytes.svg` if its
         results have a weight such as bytes.
     """
-    pictures = {f"{measured.family.name}.svg": chart_picture(measured) for measured in chart.families}
-    pictures |= {
-        f"{measured.family.name}-by-{measured.family.weighed}.svg": chart_picture(measured, True)
-        for measured in chart.families
-        if measured.family.weigh
-    }
-    broken = {} if study is None else {"stability.csv": study.csv()}
-    return {"chart.csv": _csv(chart), "chart.html": chart_page(chart, study), **broken, **pictures}
+    contents = {"chart.csv": _csv(chart), "chart.html": _page(chart, study)}
+    contents |= {} if study is None else {"stability.csv": study.csv()}
+    for one in chart.families:
+        for weighed in (False, True)[: 1 + bool(one.family.weigh)]:
+            name = f"{one.family.name}-by-{one.family.weighed}" if weighed else one.family.name
+            svg = f'<?xml version="1.0" encoding="UTF-8"?>\n{chart_svg(one, weighed, alone=True)}\n'
+            contents[f"{name}.svg"] = svg.encode("utf-8")
+    return contents
 
 
 def _csv(chart: Chart) -> bytes:
@@ -79,36 +62,36 @@ def _csv(chart: Chart) -> bytes:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([*COLUMNS, *(f"{name}_version" for name in chart.versions), "processor"])
-    for measured in chart.families:
-        writer.writerows([*row, *chart.versions.values(), chart.processor] for row in _rows(measured))
+    for one in chart.families:
+        family, methods = one.family, {method.name: method for method in one.family.methods}
+        for p, on, light in zip(one.points, one.on_front.tolist(), one.on_weight_front.tolist()):
+            method = methods[p.method]
+            writer.writerow([
+                p.family, p.method, int(method.is_default), int(on), method.setting, _n(p.setting), family.unit,
+                _n(p.largest), _n(p.rms), _n(p.missed), family.per, _n(p.seconds), p.results, p.calls, p.batches,
+                _n(p.spread), family.weighed, _n(p.weight), int(light) if family.weigh else "",
+                *chart.versions.values(), chart.processor,
+            ])  # fmt: skip
     return stream.getvalue().encode("utf-8")
-
-
-def _rows(measured: FamilyChart) -> Iterator[list[object]]:
-    methods = {method.name: method for method in measured.family.methods}
-    fronts = zip(measured.points, measured.on_front.tolist(), measured.on_weight_front.tolist())
-    for p, on, light in fronts:
-        method = methods[p.method]
-        yield [
-            p.family, p.method, int(method.is_default), int(on), method.setting, _n(p.setting), measured.family.unit,
-            _n(p.largest), _n(p.rms), _n(p.missed), measured.family.per, _n(p.seconds), p.results, p.calls, p.batches,
-            _n(p.spread), measured.family.weighed, _n(p.weight), int(light) if measured.family.weigh else "",
-        ]  # fmt: skip
 
 
 def _n(value: float) -> str:
     return f"{value:.6g}" if np.isfinite(value) else ""
 
 
-def chart_page(chart: Chart, study: Stability | None = None) -> bytes:
+def _page(chart: Chart, study: Stability | None) -> bytes:
     """One HTML file without scripts or references to other files."""
     hurried = " This is a quick chart with fewer settings and noisier times." if chart.quick else ""
     versions = ", ".join(f"{name} {version}" for name, version in chart.versions.items())
-    links = "".join(
-        f'<li><a href="#{_id(measured)}">{text(measured.family.title)}</a></li>' for measured in chart.families
-    )
-    links += '<li><a href="#stability">Where methods break</a></li>' if study else ""
-    html = f"""{head("geomkin: speed against accuracy", STYLE)}<body>
+    titles = {one.family.name: one.family.title for one in chart.families}
+    stability = ""
+    if study or set(titles) == set(FAMILIES):
+        titles["stability"] = "Where methods break"
+        table = _html_table("Where methods break", HEADS, study.table) if study else ""
+        content = f"<p>{EXPLANATION if study else MISSING}</p>{table}"
+        stability = f'<section id="stability"><h2>{titles["stability"]}</h2>\n{content}</section>'
+    links = "".join(f'<li><a href="#{text(name)}">{text(title)}</a></li>' for name, title in titles.items())
+    html = f"""{head("geomkin: speed against accuracy", player_file("style.css") + STYLE)}<body>
 <header><h1>Speed against accuracy</h1></header>
 <main>
 <p>Each picture below compares the methods for one kind of result: from left to right the time that a method takes,
@@ -121,7 +104,7 @@ several batches of calls, divided by the number of results. Preparation that is 
 description of the method names it. The spread is the relative excess of the median batch over the least: the noise
 of a time. Errors below the level of rounding count as equal.</p>
 <nav aria-label="Families"><ul>{links}</ul></nav>
-{"".join(_section(measured) for measured in chart.families)}{study.section() if study else ""}</main>
+{"".join(_section(measured) for measured in chart.families)}{stability}</main>
 </body>
 </html>
 """
@@ -129,96 +112,87 @@ of a time. Errors below the level of rounding count as equal.</p>
 
 
 def _section(one: FamilyChart) -> str:
-    family = one.family
-    return f"""<section id="{_id(one)}">
-<h2>{text(family.title)}</h2>
+    family, title = one.family, text(one.family.title)
+    verdicts = "\n".join(_verdict(one, method) for method in family.methods if method.is_default)
+    slow = " It is slow; a quick chart leaves it out."
+    methods = "".join(
+        f"<dt>{text(m.name)}</dt><dd>{text(m.about)}{slow if m.slow else ''}</dd>" for m in family.methods
+    )
+    return f"""<section id="{text(family.name)}">
+<h2>{title}</h2>
 <p>{text(family.about)}</p>
-{_verdict(one)}
-<div class="wide" tabindex="0" role="region" aria-label="Picture: {text(family.title)}">{chart_svg(one)}</div>
+{verdicts}
+<div class="wide" tabindex="0" role="region" aria-label="Picture: {title}">{chart_svg(one)}</div>
 {_weights(one)}<p class="soft">Reference: {text(family.reference)}. Errors below
 {_number(family.floor)} {text(family.unit)} are rounding.</p>
-<details><summary>The methods</summary><dl>{"".join(_definition(method) for method in family.methods)}</dl></details>
+<details><summary>The methods</summary><dl>{methods}</dl></details>
 <details><summary>The numbers</summary>
-<div class="wide" tabindex="0" role="region" aria-label="Numbers: {text(family.title)}">{_table(one)}</div></details>
+{_table(one)}</details>
 </section>
 """
 
 
 def _weights(one: FamilyChart) -> str:
     """A picture with the weight of the results in place of their time, if they have one."""
-    family = one.family
-    if not family.weigh:
+    if not one.family.weigh:
         return ""
-    label, weighed = f"Picture: {text(family.title)}, {text(family.weighed)}", text(family.weighed)
-    light = [bool(on) for p, on in zip(one.points, one.on_weight_front) if p in [q for q, _ in one.defaults]]
+    weighed, defaults = text(one.family.weighed), {m.name for m in one.family.methods if m.is_default}
+    light = [on for p, _, on in one.view(weighed=True) if p.method in defaults]
     verdict = f"Here the default is on the front at {sum(light)} of {len(light)} settings." if light else ""
     return f"""<p>The {weighed} of the results are a further cost. {verdict}</p>
-<div class="wide" tabindex="0" role="region" aria-label="{label}">{chart_svg(one, True)}</div>
+<div class="wide" tabindex="0" role="region" aria-label="Picture: {text(one.family.title)}, {weighed}">{
+        chart_svg(one, True)
+    }</div>
 """
 
 
-def _verdict(one: FamilyChart) -> str:
+def _verdict(one: FamilyChart, method: Method) -> str:
     """The default method, its rationale, and whether it is on the front."""
-    lines = []
-    for method in one.family.methods:
-        on_front = [on for point, on in one.defaults if point.method == method.name]
-        if not on_front:
-            continue
-        verdict = "It is on the front."
-        if not all(on_front):
-            summary = (
-                "It is not on the front"
-                if not any(on_front)
-                else f"It is on the front at {sum(on_front)} of {len(on_front)}"
-            )
-            verdict = f"{summary}: {_beaten(one, method)}. {text(method.caveat)}"
-        lines.append(f"<p>The default is <strong>{text(method.name)}</strong>: {text(method.rationale)} {verdict}</p>")
-    return "\n".join(lines)
-
-
-def _beaten(one: FamilyChart, method: Method[object, object]) -> str:
-    """The methods that beat the default, and by how much."""
-    messages: dict[str, str] = {}
-    for point, on in one.defaults:
-        if on or point.method != method.name:
-            continue
-        error, seconds = one.shown_error(point), to_digits(point.seconds, 6)
-        better = [p for p, q in zip(one.points, one.on_front) if q and to_digits(p.seconds, 6) <= seconds]
-        better = [p for p in better if one.shown_error(p) <= error]
-        if better:
-            best = min(better, key=lambda p: p.seconds)
-            messages.setdefault(best.method, f"{best.method} takes {best.seconds / point.seconds:.0%} of its time")
-    return text("; ".join(messages.values()) or "it misses results")
-
-
-def _definition(method: Method[object, object]) -> str:
-    left_out = " It is slow; a quick chart leaves it out." if method.slow else ""
-    return f"<dt>{text(method.name)}</dt><dd>{text(method.about)}{left_out}</dd>"
+    view = one.view()
+    on_front = [on for p, _, on in view if p.method == method.name]
+    verdict, beaten = "It is on the front.", dict[str, str]()
+    if not all(on_front):
+        share = f"on the front at {sum(on_front)} of {len(on_front)}" if any(on_front) else "not on the front"
+        for p in [p for p, _, on in view if p.method == method.name and not on]:
+            seconds = to_digits(p.seconds, 6)
+            better = [q for q, cost, on in view if on and to_digits(cost, 6) <= seconds]
+            better = [q for q in better if one.shown_error(q) <= one.shown_error(p)]
+            if better:
+                best = min(better, key=lambda q: q.seconds)
+                beaten.setdefault(best.method, f"{best.method} takes {best.seconds / p.seconds:.0%} of its time")
+        verdict = f"It is {share}: {text('; '.join(beaten.values()) or 'it misses results')}. {text(method.caveat)}"
+    return f"<p>The default is <strong>{text(method.name)}</strong>: {text(method.rationale)} {verdict}</p>"
 
 
 def _table(one: FamilyChart) -> str:
-    methods = {method.name: method for method in one.family.methods}
-    unit, per = text(one.family.unit), text(one.family.per)
+    family, methods = one.family, {method.name: method for method in one.family.methods}
     heads = (
-        "method", "setting", f"largest error, {unit}", f"rms error, {unit}", f"time per {per}", "on the front",
-        "measured", "spread", *([text(one.family.weighed)] if one.family.weigh else ()),
+        "method", "setting", f"largest error, {family.unit}", f"rms error, {family.unit}", f"time per {family.per}",
+        "on the front", "measured", "spread", *([family.weighed] if family.weigh else ()),
     )  # fmt: skip
-    rows = "".join(_row(methods[p.method], p, bool(on)) for p, on in zip(one.points, one.on_front))
-    head = "".join(f'<th scope="col">{name}</th>' for name in heads)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+    def row(p: Measurement, on: bool) -> tuple[str, ...]:
+        method, missed = methods[p.method], f", misses {p.missed:.1%}" if p.missed else ""
+        return (
+            p.method + (" (default)" if method.is_default else ""),
+            f"{method.setting} {p.setting:g}" if method.setting else "",
+            _number(p.largest) + missed, _number(p.rms), _time(p.seconds), "yes" if on else "no",
+            f"{p.batches} times {p.calls} calls of {p.results}", f"{p.spread:.0%}",
+            *([f"{p.weight:g}"] if family.weigh else ()),
+        )  # fmt: skip
+
+    return _html_table(f"Numbers: {family.title}", heads, [row(p, on) for p, _, on in one.view()])
 
 
-def _row(method: Method[object, object], p: Measurement, on: bool) -> str:
-    name = text(method.name) + (" (default)" if method.is_default else "")
-    setting = f"{text(method.setting)} {p.setting:g}" if method.setting else ""
-    missed = f", misses {p.missed:.1%}" if p.missed else ""
-    weight = f"<td>{p.weight:g}</td>" if np.isfinite(p.weight) else ""
-    often = f"{p.batches} times {p.calls} calls of {p.results}"
-    return (
-        f'<tr{" class=default" if method.is_default else ""}><th scope="row">{name}</th><td>{setting}</td>'
-        f"<td>{_number(p.largest)}{missed}</td><td>{_number(p.rms)}</td><td>{_time(p.seconds)}</td>"
-        f"<td>{'yes' if on else 'no'}</td><td>{often}</td><td>{p.spread:.0%}</td>{weight}</tr>"
+def _html_table(label: str, heads: Iterable[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table whose first column has the headings of its rows."""
+    head = "".join(f'<th scope="col">{text(name)}</th>' for name in heads)
+    body = "".join(
+        f'<tr><th scope="row">{text(row[0])}</th>{"".join(f"<td>{text(cell)}</td>" for cell in row[1:])}</tr>'
+        for row in rows
     )
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f'<div class="wide" tabindex="0" role="region" aria-label="{text(label)}">{table}</div>'
 
 
 def _time(seconds: float) -> str:
@@ -230,7 +204,3 @@ def _time(seconds: float) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.2g}".replace("-", "\N{MINUS SIGN}") if np.isfinite(value) else "none"
-
-
-def _id(one: FamilyChart) -> str:
-    return text(one.family.name)

@@ -9,10 +9,11 @@ import numpy as np
 from ..core.records import record
 from ..export.text import text
 from .family import Method
-from .results import FamilyChart, Measurement
+from .measurement import FamilyChart
 
 # Sizes in pixels. A narrower picture would cut off names of the legend.
 WIDTH, LEFT, PLOT, TOP, LEAST_HEIGHT, ROW = 820, 74, 440, 46, 400, 19
+RIGHT = LEFT + PLOT
 # Colours that differ in lightness too, each with a contrast of at least 4.5 to white.
 COLOURS = ("#0064a0", "#b83200", "#00664a", "#9a3d77", "#6b5100", "#444c54")
 # Marks about the origin; their number has no common factor with that of the colours, so that pairs repeat late.
@@ -27,22 +28,19 @@ SHAPES = (
 )
 PREFIXES = {-12: "ps", -9: "ns", -6: "µs", -3: "ms", 0: "s", 3: "ks"}
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def chart_picture(one: FamilyChart, weighed: bool = False) -> bytes:
-    """The picture as a separate file."""
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + chart_svg(one, weighed, alone=True) + "\n").encode("utf-8")
+DEFAULT, FRONT = ('fill="none" stroke="#1b2127" stroke-width="2"',
+                  'fill="none" stroke="#8d979f" stroke-width="4" stroke-linejoin="round"')  # fmt: skip
 
 
 def chart_svg(one: FamilyChart, weighed: bool = False, alone: bool = False) -> str:
-    """The picture as one `svg` element; with `weighed`, the results' weight replaces the time."""
-    family = one.family
+    """The picture as one `svg` element, `alone` in a file; with `weighed`, the results' weight replaces the time."""
+    family, points = one.family, one.view(weighed)
     across = f"{family.weighed if weighed else 'time'} per {family.per}"
-    label = f"{family.title}: {len(one.points)} points, {across} against error in {family.unit}"
-    shown = [m for m in family.methods if any(p.method == m.name for p in one.points)]
+    label = f"{family.title}: {len(points)} points, {across} against error in {family.unit}"
+    shown = [(k, m) for k, m in enumerate(family.methods) if any(p.method == m.name for p in one.points)]
     height = max(LEAST_HEIGHT, TOP + ROW * (len(shown) + 4)) + 54
-    view = _View(one, weighed)
-    axes = _Axes.around(view, height - TOP - 54)
+    errors = [e for p in one.points if np.isfinite(e := one.shown_error(p))] or [family.floor]
+    axes = _Axes(_decades([cost for _, cost, _ in points]), _decades(errors), height - TOP - 54)
     unit, paper = ("mm", ' style="background:#fff"') if alone else ("", "")
     return "\n".join(
         [
@@ -50,29 +48,13 @@ def chart_svg(one: FamilyChart, weighed: bool = False, alone: bool = False) -> s
             f'height="{height}{unit}"{paper} role="img" aria-label="{text(label)}" '
             'font-family="DejaVu Sans, Verdana, sans-serif" font-size="12" fill="#1b2127">',
             f'<text x="{LEFT}" y="24" font-size="16" font-weight="bold">{text(family.title)}</text>',
-            *_grid(axes, across, family.unit, _whole if weighed else _seconds),
-            *_front(view, axes),
-            *(line for k, m in enumerate(family.methods) for line in _marks(view, axes, m, k)),
-            *_legend([(family.methods.index(m), m) for m in shown]),
+            *_grid(axes, across, family.unit, (lambda power: f"{10**power:,}") if weighed else _seconds),
+            *_front(axes, sorted({(cost, one.shown_error(p)) for p, cost, on in points if on})),
+            *(line for k, m in enumerate(family.methods) for line in _marks(one, weighed, axes, m, k)),
+            *_legend(shown),
             "</svg>",
         ]
     )
-
-
-@record(eq=False)
-class _View:
-    """The points with what is drawn across: seconds, or weights."""
-
-    one: FamilyChart
-    weighed: bool
-
-    def cost(self, point: Measurement) -> float:
-        return point.weight if self.weighed else point.seconds
-
-    @property
-    def points(self) -> Iterator[tuple[Measurement, bool]]:
-        """Each with whether it is on the front."""
-        return zip(self.one.points, (self.one.on_weight_front if self.weighed else self.one.on_front).tolist())
 
 
 @record
@@ -82,12 +64,6 @@ class _Axes:
     across: tuple[int, int]
     upwards: tuple[int, int]
     height: int
-
-    @classmethod
-    def around(cls, view: _View, height: int) -> _Axes:
-        one = view.one
-        errors = [e for p in one.points if np.isfinite(e := one.shown_error(p))]
-        return cls(_decades([view.cost(p) for p in one.points]), _decades(errors or [one.family.floor]), height)
 
     def x(self, cost: float) -> float:
         first, last = self.across
@@ -100,84 +76,64 @@ class _Axes:
 
 def _decades(values: list[float]) -> tuple[int, int]:
     """From a little below the least value to a little above the largest."""
-    low, high = np.log10(min(values)) - 0.15, np.log10(max(values)) + 0.15
-    return int(np.floor(low)), int(np.ceil(high))
+    return int(np.floor(np.log10(min(values)) - 0.15)), int(np.ceil(np.log10(max(values)) + 0.15))
+
+
+def _ticks(decades: tuple[int, int], most: int) -> range:
+    """At most so many powers of ten, evenly."""
+    first, last = decades
+    return range(first, last + 1, -(-(last - first) // most))
 
 
 def _grid(axes: _Axes, across: str, unit: str, label: Callable[[int], str]) -> Iterator[str]:
-    bottom, right = TOP + axes.height, LEFT + PLOT
+    bottom = TOP + axes.height
     for power in _ticks(axes.across, 6):
         x = _n(axes.x(10.0**power))
         yield f'<path d="M{x} {TOP}V{_n(bottom)}" stroke="#dde2e6"/>'
         yield f'<text x="{x}" y="{_n(bottom + 17)}" text-anchor="middle">{label(power)}</text>'
     for power in _ticks(axes.upwards, 9):
         y = _n(axes.y(10.0**power))
-        yield f'<path d="M{LEFT} {y}H{right}" stroke="#dde2e6"/>'
+        yield f'<path d="M{LEFT} {y}H{RIGHT}" stroke="#dde2e6"/>'
         name = "10" + str(power).translate(RAISED) if abs(power) > 3 else f"{10.0**power:g}"
         yield f'<text x="{LEFT - 7}" y="{y}" dy="4" text-anchor="end">{name}</text>'
-    yield f'<path d="M{LEFT} {TOP}V{_n(bottom)}H{right}" fill="none" stroke="#1b2127"/>'
+    yield f'<path d="M{LEFT} {TOP}V{_n(bottom)}H{RIGHT}" fill="none" stroke="#1b2127"/>'
     yield f'<text x="{LEFT + PLOT / 2:g}" y="{_n(bottom + 40)}" text-anchor="middle">{text(across)}</text>'
-    middle = _n(TOP + axes.height / 2)
-    yield (
-        f'<text transform="translate(16 {middle}) rotate(-90)" text-anchor="middle">largest error, {text(unit)}</text>'
-    )
-
-
-def _ticks(decades: tuple[int, int], most: int) -> range:
-    """At most so many powers of ten, evenly."""
-    first, last = decades
-    step = -(-(last - first) // most)
-    return range(first, last + 1, step)
+    turned = f'transform="translate(16 {_n(TOP + axes.height / 2)}) rotate(-90)"'
+    yield f'<text {turned} text-anchor="middle">largest error, {text(unit)}</text>'
 
 
 def _seconds(power: int) -> str:
-    """10^power seconds, as people say it."""
+    """10^power seconds with a prefix."""
     prefix = min(max(3 * (power // 3), min(PREFIXES)), max(PREFIXES))
     return f"{10.0 ** (power - prefix):g} {PREFIXES[prefix]}"
 
 
-def _whole(power: int) -> str:
-    return f"{10**power:,}"
-
-
-def _front(view: _View, axes: _Axes) -> Iterator[str]:
-    """Steps along what can be had: as little error as is to be had at so much cost."""
-    best = sorted({(view.cost(p), view.one.shown_error(p)) for p, on in view.points if on})
+def _front(axes: _Axes, best: list[tuple[float, float]]) -> Iterator[str]:
+    """Steps along the front: the least error for each cost."""
     if best:
         steps = "".join(f"H{_n(axes.x(cost))}V{_n(axes.y(error))}" for cost, error in best)
-        yield f'<path class="front" d="M{_n(axes.x(best[0][0]))} {TOP}{steps}H{LEFT + PLOT}" {_FRONT}/>'
+        yield f'<path class="front" d="M{_n(axes.x(best[0][0]))} {TOP}{steps}H{RIGHT}" {FRONT}/>'
 
 
-_FRONT = 'fill="none" stroke="#8d979f" stroke-width="4" stroke-linejoin="round"'
-
-
-def _marks(view: _View, axes: _Axes, method: Method[object, object], k: int) -> Iterator[str]:
-    """A method's points, tied by a line where they are several; full on the front, hollow off it."""
-    one = view.one
-    points = [(p, on) for p, on in view.points if p.method == method.name and _is_seen(p)]
-    places = [(axes.x(view.cost(p)), axes.y(one.shown_error(p))) for p, _ in points]
+def _marks(one: FamilyChart, weighed: bool, axes: _Axes, method: Method, k: int) -> Iterator[str]:
+    """A method's points, connected by a line; full on the front, hollow off it."""
+    points = [v for v in one.view(weighed) if v[0].method == method.name and np.isfinite(v[0].largest)]
+    places = [(_n(axes.x(cost)), _n(axes.y(one.shown_error(p)))) for p, cost, _ in points]
     colour, shape = _look(k)
     if len(places) > 1:
-        line = "L".join(f"{_n(x)} {_n(y)}" for x, y in places)
+        line = "L".join(f"{x} {y}" for x, y in places)
         yield f'<path d="M{line}" fill="none" stroke="{colour}" stroke-width="1" stroke-dasharray="2 2"/>'
-    for (p, on), (x, y) in zip(points, places):
-        place = f'transform="translate({_n(x)} {_n(y)})"'
+    for (p, cost, on), (x, y) in zip(points, places):
+        place = f'transform="translate({x} {y})"'
         if method.is_default:
-            yield f'<circle {place} r="10" fill="none" stroke="#1b2127" stroke-width="2"/>'
-        cost = f"{p.weight:g} {one.family.weighed}" if view.weighed else f"{p.seconds:.2g} s"
-        tooltip = f"{p.method}{_at(method, p)}: {cost} per {one.family.per}, error {p.largest:.2g}"
+            yield f'<circle {place} r="10" {DEFAULT}/>'
+        setting = f" ({method.setting} {p.setting:g})" if method.setting else ""
+        said = f"{cost:g} {one.family.weighed}" if weighed else f"{cost:.2g} s"
+        tooltip = f"{p.method}{setting}: {said} per {one.family.per}, error {p.largest:.2g}"
         yield (
             f'<path class="point" {place} d="{shape}" fill="{colour if on else "#fff"}" stroke="{colour}" '
             f'stroke-width="1.8"><title>{text(tooltip)}</title></path>'
         )
-
-
-def _at(method: Method[object, object], point: Measurement) -> str:
-    return f" ({method.setting} {point.setting:g})" if method.setting else ""
-
-
-def _is_seen(point: Measurement) -> bool:
-    return bool(np.isfinite(point.largest))
 
 
 def _look(k: int) -> tuple[str, str]:
@@ -185,27 +141,22 @@ def _look(k: int) -> tuple[str, str]:
     return COLOURS[k % len(COLOURS)], SHAPES[k % len(SHAPES)]
 
 
-def _legend(methods: list[tuple[int, Method[object, object]]]) -> Iterator[str]:
-    x, row = LEFT + PLOT + 24, _rows()
+def _legend(methods: list[tuple[int, Method]]) -> Iterator[str]:
+    x, y = RIGHT + 24, TOP + 8
     for k, method in methods:
-        y = row()
         colour, shape = _look(k)
         yield f'<path transform="translate({x} {y})" d="{shape}" fill="{colour}" stroke="{colour}"/>'
         weight = ' font-weight="bold"' if method.is_default else ""
         if method.is_default:
-            yield f'<circle cx="{x}" cy="{y}" r="9" fill="none" stroke="#1b2127" stroke-width="2"/>'
+            yield f'<circle cx="{x}" cy="{y}" r="9" {DEFAULT}/>'
         yield f'<text x="{x + 16}" y="{y}" dy="4"{weight}>{text(method.name)}</text>'
-    y = row() + ROW // 2
-    yield f'<path d="M{x - 8} {y}h16" {_FRONT}/><text x="{x + 16}" y="{y}" dy="4">Pareto front: nothing beats it</text>'
+        y += ROW
+    y += ROW // 2
+    yield f'<path d="M{x - 8} {y}h16" {FRONT}/><text x="{x + 16}" y="{y}" dy="4">Pareto front: nothing beats it</text>'
     y += ROW
-    yield f'<circle cx="{x}" cy="{y}" r="7" fill="none" stroke="#1b2127" stroke-width="2"/>'
+    yield f'<circle cx="{x}" cy="{y}" r="7" {DEFAULT}/>'
     yield f'<text x="{x + 16}" y="{y}" dy="4">the library&#8217;s default</text>'
     yield f'<text x="{x - 8}" y="{y + ROW}" dy="4">full: on the front; hollow: off it</text>'
-
-
-def _rows() -> Callable[[], int]:
-    heights = iter(range(TOP + 8, 10_000, ROW))
-    return lambda: next(heights)
 
 
 def _n(value: float) -> str:

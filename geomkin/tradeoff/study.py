@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 from functools import cached_property
-from html import escape
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,19 +12,23 @@ from numpy.typing import ArrayLike
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.records import record
-from .breaking import cams as cams
-from .breaking import gears as gears
-from .breaking import linkages as linkages
-from .breaking import poses as poses
-from .cell import ANSWERS, Cell, Digits, answered, measured_digits
+from .breaking import CELLS
+from .cell import ANSWERS, Digits, answered, measured_digits
 
-CELLS: tuple[Cell, ...] = (*linkages.CELLS, *linkages.INSTANT_CELLS, *poses.CELLS, *cams.CELLS, *gears.CELLS)
-# Negative powers of ten of the distance from the singular position.
-POWERS = tuple(range(1, 16))
-# Kinds of digits in the table.
+# Negative powers of ten of the distance from the singular position, and those whose digits the page shows.
+POWERS, SHOWN = tuple(range(1, 16)), (4, 8, 12, 15)
 DIGIT_KINDS = ("library", "textbook", "allowed")
-# Distances whose digits the page shows.
-SHOWN = (1e-4, 1e-8, 1e-12, 1e-15)
+# What the page shows of each cell.
+HEADS = ("mechanism", "place", "distance", "result", "geomkin", "textbook", "possible", "what geomkin does")
+EXPLANATION = (
+    "Correct decimal digits, of 16, at distances of 1e-4, 1e-8, 1e-12 and 1e-15 from singular positions: those that "
+    "geomkin keeps, and those that the textbook's formula keeps in double precision, compared with arithmetic of 120 "
+    "digits. Possible: the digits that remain if each size has an error of half of its last bit."
+)
+MISSING = (
+    "The study of the places where methods lose digits is left out, since it needs mpmath. To add it, install mpmath "
+    "(pip install mpmath) and measure the chart again."
+)
 
 
 @record(eq=False)
@@ -49,38 +52,25 @@ class Stability:
         """A row for each cell with its digits at each distance, or `nan` or `refused`."""
         stream = io.StringIO()
         writer = csv.writer(stream, lineterminator="\n")
-        heads = [f"{kind}_{cell.distance:.0e}" for kind in DIGIT_KINDS for cell in self.results[0]]
+        heads = [f"{kind}_{digits.distance:.0e}" for kind in DIGIT_KINDS for digits in self.results[0]]
         writer.writerow(["family", "place", "result", "distance", "library_does", "reported_by", *heads])
         for row, answer in zip(self.results, self.answers):
             cell = row[0].cell
             about = cell.family, cell.place, cell.result, cell.distance, ANSWERS.get(answer, answer), cell.reported_by
-            writer.writerow([*about, *(_digits_text(cell, kind) for kind in DIGIT_KINDS for cell in row)])
+            writer.writerow([*about, *(digits.text(kind) for kind in DIGIT_KINDS for digits in row)])
         return stream.getvalue().encode("utf-8")
 
-    def section(self) -> str:
-        """The table of the study as HTML."""
-        shown = [k for k, one in enumerate(self.results[0]) if any(abs(one.distance / d - 1) < 0.1 for d in SHOWN)]
-        spans = f'colspan="{len(shown)}"'
-        heads = "".join(f"<th>{self.results[0][k].distance:.0e}</th>" for k in shown)
-        lines = [
-            '<section id="stability"><h2>Where methods break</h2>',
-            "<p>Decimal digits that the library keeps near singular positions, and those that the "
-            "textbook's formula keeps in double precision, compared with arithmetic of 120 digits. Sizes: the digits "
-            "that remain if each size has an error of half of its last bit.</p>",
-            '<div class="wide"><table><thead>',
-            '<tr><th rowspan="2">Place</th><th rowspan="2">Result</th><th rowspan="2">Distance</th>'
-            f"<th {spans}>Library</th><th {spans}>Textbook</th><th {spans}>Sizes</th>"
-            '<th rowspan="2">What the library does</th></tr>',
-            f"<tr>{heads * 3}</tr></thead><tbody>",
-        ]
-        for row, answer in zip(self.results, self.answers):
-            cell = row[0].cell
+    @property
+    def table(self) -> tuple[tuple[str, ...], ...]:
+        """A row for each cell, of the columns `HEADS`."""
+
+        def cells(row: tuple[Digits, ...], answer: str) -> tuple[str, ...]:
+            cell, shown = row[0].cell, [one for one in row if round(-np.log10(one.distance)) in SHOWN]
+            digits = (" ".join(one.text(kind).split(".")[0] for one in shown) for kind in DIGIT_KINDS)
             does = ANSWERS.get(answer, answer) + (f"; reported by {cell.reported_by}" if cell.reported_by else "")
-            digits = [f"<td>{_digits_text(row[k], kind)}</td>" for kind in DIGIT_KINDS for k in shown]
-            about = (cell.place, f"{cell.family}: {cell.result}", cell.distance)
-            lines.append(f"<tr>{''.join(f'<th>{escape(text)}</th>' for text in about)}{''.join(digits)}")
-            lines.append(f"<td>{escape(does)}</td></tr>")
-        return "\n".join([*lines, "</tbody></table></div></section>"])
+            return cell.family, cell.place, cell.distance, cell.result, *digits, does
+
+        return tuple(map(cells, self.results, self.answers))
 
 
 @checked
@@ -101,21 +91,11 @@ def stability(distances: None | float | ArrayLike = None) -> Stability:
     Raises
     ------
     DesignError
-        For other distances.
-
-    Notes
-    -----
-    Needs mpmath, which the extra `test` installs.
+        For other distances, or if mpmath is not installed.
     """
     given = np.asarray([10.0**-k for k in POWERS] if distances is None else distances, dtype=float)
     falling = given.ndim == 1 and given.size > 0 and bool(np.all(np.diff(given) < 0))
     if not falling or not 1e-15 <= given.min() <= given.max() <= 0.1:
-        raise DesignError(
-            "distances", f"found {distances!r}", "give falling numbers from 0.1 down to 1e-15", "out-of-range"
-        )
+        remedy = "give falling numbers from 0.1 down to 1e-15"
+        raise DesignError("distances", f"found {distances!r}", remedy, "out-of-range")
     return Stability(tuple(tuple(measured_digits(cell, x) for x in given.tolist()) for cell in CELLS))
-
-
-def _digits_text(one: Digits, kind: str) -> str:
-    value = getattr(one, kind)
-    return f"{value:.1f}" if not np.isnan(value) else "refused" if kind == "library" and one.refused else "nan"

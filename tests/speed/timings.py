@@ -21,7 +21,7 @@ import numpy as np
 from figures import as_installed, best_ms, everything, textbook
 
 import geomkin as gk
-from geomkin.tradeoff.results import processor
+from geomkin.tradeoff.measurement import processor
 
 ROOT = Path(__file__).parent.parent.parent
 KEPT = Path(__file__).with_name("timings.csv")

@@ -1,4 +1,4 @@
-"""The kept chart read back from its tables; `python -m tests.tradeoff.kept` writes page and pictures of them anew."""
+"""The kept chart read back from its tables; `python -m tests.tradeoff.kept` writes its pictures and its page in docs."""
 
 import csv
 from functools import cache
@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 
 import geomkin as gk
+from geomkin.tradeoff.breaking import CELLS
 from geomkin.tradeoff.cell import Digits
 from geomkin.tradeoff.families import FAMILIES
-from geomkin.tradeoff.study import CELLS, DIGIT_KINDS, POWERS, Stability
+from geomkin.tradeoff.study import DIGIT_KINDS, HEADS, POWERS, Stability
 
 FOLDER = Path(__file__).parent.parent / "speed" / "chart"
+PAGE = Path(__file__).parents[2] / "docs" / "stability.md"
 
 
 def table(name):
@@ -58,11 +60,21 @@ def study():
     return Stability(tuple(found))
 
 
-def files():
-    """Page and pictures as they are written of the tables today: name to content."""
-    return gk.tradeoff.chart_files(chart(), study())
+def pictures():
+    """Pictures as they are written of the tables today: name to content."""
+    return {name: content for name, content in gk.tradeoff.chart_files(chart()).items() if name.endswith(".svg")}
+
+
+def tables():
+    """The study as tables in Markdown, one for each kind of mechanism."""
+    families = {}
+    for name, *row in study().table:
+        families[name] = families.get(name, "") + f"| {' | '.join(row)} |\n"
+    head = f"| {' | '.join(HEADS[1:])} |\n{'|---' * (len(HEADS) - 1)}|\n"
+    return "".join(f"\n## {name[0].upper()}{name[1:]}\n\n{head}{lines}" for name, lines in families.items())
 
 
 if __name__ == "__main__":
-    for name, content in files().items():
+    for name, content in pictures().items():
         (FOLDER / name).write_bytes(content)
+    PAGE.write_text(PAGE.read_text("utf-8").split("\n## ")[0].rstrip("\n") + "\n" + tables(), "utf-8")

@@ -17,8 +17,10 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.core.progress import progress_to
-from geomkin.tradeoff import results as measurement
+from geomkin.export.files import write_whole
+from geomkin.tradeoff import measurement
 from geomkin.tradeoff.families import FAMILIES
+from tests.tradeoff import kept
 from tests.tradeoff.toy import CHART, FAMILY, POINTS
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -146,8 +148,8 @@ def test_page_runs_no_script_and_escapes_names():
 
 
 def test_quick_measurement(monkeypatch):
-    monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
-    monkeypatch.setattr("geomkin.tradeoff.results.QUICK", 0.02)
+    monkeypatch.setattr("geomkin.tradeoff.measurement.FAMILIES", {"toy-sum": FAMILY})
+    monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
     reported = []
     with progress_to(lambda share, what: reported.append((share, what))):
         (one,) = gk.tradeoff.chart(["toy-sum"], quick=True).families
@@ -159,13 +161,38 @@ def test_quick_measurement(monkeypatch):
     assert all(p.seconds > 0 and p.batches >= 3 and p.calls >= 1 and p.results == 1 for p in one.points)
 
 
-def test_the_command_writes_the_files(tmp_path, monkeypatch):
-    monkeypatch.setattr("geomkin.tradeoff.results.FAMILIES", {"toy-sum": FAMILY})
-    monkeypatch.setattr("geomkin.tradeoff.results.QUICK", 0.02)
-    result = CliRunner().invoke(cli, ["chart", "toy-sum", "--quick", "--out", str(tmp_path / "made")])
-    assert result.exit_code == 0 and result.stdout.endswith("made/chart: 1 family, 4 points\n")
-    names = {path.name for path in (tmp_path / "made" / "chart").iterdir()}
-    assert names == {"chart.csv", "chart.html", "toy-sum.svg"}
+def test_the_command_writes_the_files_after_each_family(tmp_path, monkeypatch):
+    families = {"toy-sum": FAMILY, "other": replace(FAMILY, name="other")}
+    monkeypatch.setattr("geomkin.tradeoff.measurement.FAMILIES", families)
+    monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
+    written = []
+
+    def note(folder, contents):
+        written.append(set(contents))
+        write_whole(folder, contents)
+
+    monkeypatch.setattr("geomkin.export.files.write_whole", note)
+    result = CliRunner().invoke(cli, ["chart", "toy-sum", "other", "--quick", "--out", str(tmp_path / "made")])
+    assert result.exit_code == 0 and result.stdout.endswith("made/chart: 2 families, 8 points\n")
+    names = {"chart.csv", "chart.html", "toy-sum.svg"}
+    assert written == [names, names | {"other.svg"}]
+    assert {path.name for path in (tmp_path / "made" / "chart").iterdir()} == names | {"other.svg"}
+
+
+@pytest.mark.parametrize("missing", [True, False])
+def test_chart_of_everything_has_the_study_or_states_how_to_get_it(tmp_path, monkeypatch, missing):
+    monkeypatch.setattr("geomkin.tradeoff.measurement.FAMILIES", {"toy-sum": FAMILY})
+    monkeypatch.setattr("geomkin.tradeoff.files.FAMILIES", {"toy-sum": FAMILY})
+    monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if missing else name)
+    monkeypatch.setattr("geomkin.tradeoff.study.stability", kept.study)
+    result = CliRunner().invoke(cli, ["chart", "--quick", "--out", str(tmp_path)])
+    page = (tmp_path / "chart" / "chart.html").read_text("utf-8")
+    assert result.exit_code == 0 and 'id="stability"' in page
+    assert ("pip install mpmath" in page) == ("pip install mpmath" in result.stderr) == missing
+    assert (tmp_path / "chart" / "stability.csv").exists() == ("parallel cranks" in page) == (not missing)
+    # A chart of some families does not mention the study.
+    assert "mpmath" not in gk.tradeoff.chart_files(replace(CHART, families=()))["chart.html"].decode()
 
 
 @pytest.mark.campaign
@@ -193,3 +220,34 @@ def test_time_is_least_of_batches_and_spread_the_median(monkeypatch):
     # 0.31, 0.2, 0.5, 0.25, 0.8: as many as take 1.5 s together.
     assert one.batches == 5 and one.calls == 1 and len(calls) == 6
     assert one.seconds == pytest.approx(0.02) and one.spread == pytest.approx(0.55)
+
+
+def test_weights_have_a_front_a_picture_and_columns_of_their_own():
+    (one,) = CHART.families
+    family = replace(one.family, weighed="vertices", weigh=lambda problem, found: 1.0)
+    weights = (10.0, 1.0, 2.0, 3.0, 4.0, np.nan)
+    heavy = gk.tradeoff.FamilyChart(family, tuple(replace(p, weight=w) for p, w in zip(one.points, weights)))
+    # The fourth takes longer than one of less error, but weighs less.
+    assert heavy.on_front.tolist() == [True, True, True, False, True, False]
+    assert heavy.on_weight_front.tolist() == [True, True, True, True, True, False]
+    made = gk.tradeoff.chart_files(replace(CHART, families=(heavy,)))
+    assert b"vertices per sum" in made["toy-sum-by-vertices.svg"] and b"time per sum" in made["toy-sum.svg"]
+    assert [row["weight"] for row in rows(made["chart.csv"])] == ["10", "1", "2", "3", "4", ""]
+    assert not [name for name in gk.tradeoff.chart_files(CHART) if "-by-" in name]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_front_is_the_set_of_undominated_points(seed):
+    """Of whole numbers, so that points are equal in one or in both; some are unknown."""
+    numbers = np.random.default_rng(seed)
+    seconds, errors = numbers.integers(0, 8, (2, 30)).astype(float)
+    errors[numbers.random(30) < 0.1] = np.nan
+    seconds[numbers.random(30) < 0.1] = np.inf
+    points = [(s, e) for s, e in zip(seconds.tolist(), errors.tolist()) if np.isfinite(s) and np.isfinite(e)]
+
+    def on_front(s, e):
+        beaten = any(t <= s and f <= e and (t, f) != (s, e) for t, f in points)
+        return bool(np.isfinite(s) and np.isfinite(e)) and not beaten
+
+    front = gk.tradeoff.pareto_front(seconds, errors)
+    assert front.tolist() == [on_front(*point) for point in zip(seconds.tolist(), errors.tolist())] and front.any()

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.tradeoff.breaking import CELLS
 from geomkin.tradeoff.cell import ANSWERS, answered, measured_digits
-from geomkin.tradeoff.study import CELLS
 from tests.tradeoff import kept
 
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
@@ -18,8 +18,8 @@ def design_checks(cell, distances):
     reported = [(one.distance, one.outcome, round(one.library, 1), round(one.allowed, 1)) for one in found]
     assert cell.answer in ANSWERS and answered(found) == cell.answer, reported
     for one in found:
-        if cell.condition is not None:
-            assert one.library + np.log10(one.condition) >= 14, "the condition number shows the loss"
+        if cell.amplification is not None:
+            assert one.library + np.log10(one.amplification) >= 14, "the amplification shows the loss"
     return found
 
 
@@ -29,6 +29,13 @@ def test_library_agrees_with_the_stability_table(cell):
     # And the sizes are those of the kept table, to the rounding of its digits.
     (then,) = [[row[0], row[6], row[14]] for row in kept.study().results if row[0].cell is cell]
     assert [one.allowed for one in found] == pytest.approx([one.allowed for one in then], abs=0.06)
+
+
+def test_the_page_in_docs_is_that_of_the_kept_study():
+    """`python -m tests.tradeoff.kept` writes it."""
+    page = kept.PAGE.read_text("utf-8")
+    assert len(CELLS) == 58 and "58 cases" in page and page.endswith(kept.tables())
+    assert all(row[0].cell.answer == answer for row, answer in zip(kept.study().results, kept.study().answers))
 
 
 # Places that hold for the very sizes alone.

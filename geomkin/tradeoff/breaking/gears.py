@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,26 +23,26 @@ def _involute(ctx: Any, roll: Any) -> Any:
 
 
 def _form_radius(ctx: Any, teeth: Any, module: Any, shift: Any) -> Any:
-    """Where the path of the rack's rounded corner crosses the involute, by halves of the way between two sides."""
+    """Radius at which the path of the rack's rounded corner crosses the involute, by halving of an interval."""
     slope, depth, rounding = ctx.pi / 9, ctx.mpf(1.25) - ctx.mpf(0.38) - shift, ctx.mpf(0.38)
     pitch = teeth / 2
     base = pitch * ctx.cos(slope)
     side = ctx.pi / 4 - (depth + shift) * ctx.tan(slope) - rounding / ctx.cos(slope)
     half = (ctx.pi / 2 + 2 * shift * ctx.tan(slope)) / teeth + _involute(ctx, ctx.tan(slope))
-    # From the middle of the space to where the involute starts.
+    # From the middle of the space to the start of the involute.
     ahead = half - ctx.pi / teeth + side / pitch
 
-    def corner(lean: Any) -> Any:
-        along = depth * ctx.tan(lean)
-        return (ctx.mpc(pitch - depth, -along) - rounding * ctx.expj(lean)) * ctx.expj(along / pitch + ahead)
+    def corner(incline: Any) -> Any:
+        along = depth * ctx.tan(incline)
+        return (ctx.mpc(pitch - depth, -along) - rounding * ctx.expj(incline)) * ctx.expj(along / pitch + ahead)
 
-    def outside(lean: Any) -> Any:
-        return abs(corner(lean)) - base
+    def outside(incline: Any) -> Any:
+        return abs(corner(incline)) - base
 
-    def inside(lean: Any) -> Any:
-        place = corner(lean)
-        square = (abs(place) / base) ** 2 - 1
-        return ctx.atan2(place.imag, place.real) - _involute(ctx, ctx.sqrt(max(square, ctx.mpf(0))))
+    def inside(incline: Any) -> Any:
+        z = corner(incline)
+        square = (abs(z) / base) ** 2 - 1
+        return ctx.atan2(z.imag, z.real) - _involute(ctx, ctx.sqrt(max(square, ctx.mpf(0))))
 
     end = slope - ctx.pi / 2
     foot = _between(outside, ctx.mpf(0), end)
@@ -49,7 +50,7 @@ def _form_radius(ctx: Any, teeth: Any, module: Any, shift: Any) -> Any:
 
 
 def _between(f: Callable[[Any], Any], low: Any, high: Any) -> Any:
-    """Where f changes sign: false position that halves a stale end."""
+    """Zero of f: false position that halves a stale end."""
     at_low, at_high = f(low), f(high)
     for _ in range(200):
         if at_low == at_high or abs(high - low) < abs(high) * 1e-70:
@@ -64,14 +65,8 @@ def _between(f: Callable[[Any], Any], low: Any, high: Any) -> Any:
     return high
 
 
-def _spur(teeth: float, module: float, shift: float) -> SpurGear:
-    return SpurGear(int(teeth), module, shift, on_pointed_tip="cut")
-
-
-def _limit() -> float:
-    """The shift, modules, below which the rack undercuts twelve teeth."""
-    slope = np.pi / 9
-    return float(1.25 - 0.38 * (1 - np.sin(slope)) - TEETH / 2 * np.sin(slope) ** 2)
+def _formed(teeth: float, module: float, shift: float) -> float:
+    return SpurGear(int(teeth), module, shift, on_pointed_tip="cut").form_radius
 
 
 def _tip(ctx: Any, degrees: Any, shift: Any, teeth: int = 40, addendum: float = 0.4) -> Any:
@@ -91,17 +86,8 @@ def _angles(limit: float) -> Callable[[float], Sizes]:
     return lambda x: (limit * (1 + (x if limit < 10 else -x)), 0.1)
 
 
-def _modules(power: int) -> Callable[[float], Sizes]:
-    return lambda x: (TEETH, MODULE * x**power, 0.0)
-
-
-def _pointed_shift() -> float:
-    """The shift, modules, at which twelve teeth are pointed."""
-
-    class Plain:
-        pi, mpf, atan, cos, tan, sqrt = np.pi, float, np.arctan, np.cos, np.tan, np.sqrt
-
-    return float(_between(lambda shift: _tip(Plain, 20.0, shift, 12, 1.0), 0.1, 1.2))
+def _modules(power: int, x: float) -> Sizes:
+    return TEETH, MODULE * x**power, 0.0
 
 
 def _distance(ctx: Any, first: Any, second: Any, module: Any, shift: Any) -> Any:
@@ -119,80 +105,39 @@ def _pair(first: float, second: float, module: float, shift: float) -> float:
     return float(GearPair(one, two).centre_distance)
 
 
-LIMIT, POINTED = _limit(), _pointed_shift()
-# Sum of shifts, modules, with which two gears of 100 teeth would have a line of action square to their axes' line.
+# The shifts, modules, below which the rack undercuts twelve teeth, and at which they are pointed.
+LIMIT = float(1.25 - 0.38 * (1 - np.sin(np.pi / 9)) - TEETH / 2 * np.sin(np.pi / 9) ** 2)
+POINTED = 0.8202038929083826
+# Sum of shifts, modules, with which two gears of 100 teeth would have a working pressure angle of 0.
 LEAST = -100 * float(1 - np.pi / 9 / np.tan(np.pi / 9))
+
+SPUR = "spur gear"
 
 CELLS = (
     Cell(
-        "spur gear",
-        "cut-in radius to the base circle",
-        "form radius",
-        "what the profile shift lacks to no undercut, of itself",
-        lambda x: (TEETH, MODULE, LIMIT * (1 - x)),
-        _form_radius,
-        lambda *sizes: _spur(*sizes).form_radius,
-        "all",
-    ),
+        SPUR, "cut-in radius to the base circle", "form radius", "gap of the profile shift to no undercut, relative",
+        lambda x: (TEETH, MODULE, LIMIT * (1 - x)), _form_radius, _formed, "all"),
     Cell(
-        "spur gear",
-        "teeth to 4",
-        "form radius",
-        "1e-1 for 16 teeth, a tenth of it for one less",
-        lambda x: (max(4.0, 17 + round(np.log10(x))), MODULE, 0.1 if x < 1e-10 else 0.0),
-        _form_radius,
-        lambda *sizes: _spur(*sizes).form_radius,
-        "all",
-    ),
+        SPUR, "teeth to 4", "form radius", "1e-1 for 16 teeth, a tenth for each tooth fewer",
+        lambda x: (max(4.0, 17 + round(np.log10(x))), MODULE, 0.1 if x < 1e-10 else 0.0), _form_radius, _formed, "all"),
     Cell(
-        "spur gear",
-        "tips nearly pointed",
-        "tip thickness",
-        "what the profile shift lacks to a pointed tip, of itself",
+        SPUR, "tips nearly pointed", "tip thickness", "gap of the profile shift to a pointed tip, relative",
         # Nearer by some last bits, rounding decides whether a tip is pointed.
-        lambda x: (20.0, POINTED * (1 - x - 3e-15)),
-        lambda ctx, degrees, shift: _tip(ctx, degrees, shift, 12, 1.0),
-        lambda degrees, shift: SpurGear(12, MODULE, shift, RackCutter(degrees)).tip_thickness,
-        "sizes",
-        "the thickness beside the tip radius",
-    ),
+        lambda x: (20.0, POINTED * (1 - x - 3e-15)), lambda ctx, degrees, shift: _tip(ctx, degrees, shift, 12, 1.0),
+        lambda degrees, shift: SpurGear(12, MODULE, shift, RackCutter(degrees)).tip_thickness, "sizes",
+        "the thickness, compared with the tip radius"),
     *(
-        Cell(
-            "spur gear",
-            f"pressure angle to {limit:g} deg",
-            "tip thickness",
-            "what the angle lacks to the limit, of itself",
-            _angles(limit),
-            _tip,
-            _thick,
-            "all",
-        )
+        Cell(SPUR, f"pressure angle to {limit:g} deg", "tip thickness", "gap of the angle to the limit, relative",
+             _angles(limit), _tip, _thick, "all")
         for limit in (5.0, 45.0)
     ),
     Cell(
-        "gear pair",
-        "pressure angle to its limits",
-        "centre distance",
-        "what the shifts lack to a working pressure angle of 0, of themselves",
-        lambda x: (100.0, 100.0, MODULE, LEAST * (1 - x)),
-        _distance,
-        _pair,
-        "refused",
-    ),
+        "gear pair", "pressure angle to its limits", "centre distance",
+        "gap of the shifts to a working pressure angle of 0, relative",
+        lambda x: (100.0, 100.0, MODULE, LEAST * (1 - x)), _distance, _pair, "refused"),
     *(
-        Cell(
-            "spur gear",
-            place,
-            "form radius",
-            distance,
-            _modules(power),
-            _form_radius,
-            lambda *sizes: _spur(*sizes).form_radius,
-            "all, refused",
-        )
+        Cell(SPUR, place, "form radius", distance, partial(_modules, power), _form_radius, _formed, "all, refused")
         for place, distance, power in (
-            ("small sizes", "module over 2 mm", 1),
-            ("large sizes", "2 mm over the module", -1),
-        )
+            ("small sizes", "module over 2 mm", 1), ("large sizes", "2 mm over the module", -1))
     ),
-)
+)  # fmt: skip

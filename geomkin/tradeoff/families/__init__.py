@@ -3,54 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from ..family import MethodFamily
-from .cam_profile import CAM_PROFILE
-from .conjugate_tooth import CONJUGATE_TOOTH
-from .curve_flattening import CAM_FLATTENING, GEAR_FLATTENING
-from .derivatives import DERIVATIVES
-from .file_writing import CSV_WRITING, DXF_WRITING, STL_WRITING
-from .four_bar_position import POSITION, TOGGLE
-from .four_bar_rates import RATES, TOGGLE_RATES
-from .function_synthesis import FUNCTION_SYNTHESIS
-from .gear_root import GEAR_ROOT
-from .iteration import ITERATION
-from .new_lengths import NEW_LENGTHS
-from .nine_points import NINE_POINTS
-from .path_synthesis import PATH_SYNTHESIS
-from .sampled_integrals import INTEGRATION
-from .sampled_rates import ACCELERATION, VELOCITY
-from .six_bar import SIX_BAR_POSITION
-from .slider_crank import SLIDER_CRANK
-from .tolerance import TOLERANCE_BAND
+from . import curves as curves
+from . import four_bar as four_bar
+from . import lengths as lengths
+from . import other_linkages as other_linkages
+from . import sampled as sampled
+from . import searches as searches
+from . import written_files as written_files
 
-FAMILIES: Mapping[str, MethodFamily[Any, Any]] = {
+FAMILIES: Mapping[str, MethodFamily] = {
     family.name: family
     for family in (
-        POSITION,
-        TOGGLE,
-        RATES,
-        TOGGLE_RATES,
-        NEW_LENGTHS,
-        DERIVATIVES,
-        VELOCITY,
-        ACCELERATION,
-        INTEGRATION,
-        SLIDER_CRANK,
-        SIX_BAR_POSITION,
-        ITERATION,
-        TOLERANCE_BAND,
-        CAM_FLATTENING,
-        GEAR_FLATTENING,
-        CAM_PROFILE,
-        GEAR_ROOT,
-        CONJUGATE_TOOTH,
-        FUNCTION_SYNTHESIS,
-        PATH_SYNTHESIS,
-        NINE_POINTS,
-        CSV_WRITING,
-        DXF_WRITING,
-        STL_WRITING,
+        *(four_bar.POSITION, four_bar.TOGGLE, four_bar.RATES, four_bar.TOGGLE_RATES),
+        *(lengths.NEW_LENGTHS, lengths.DERIVATIVES),
+        *(sampled.VELOCITY, sampled.ACCELERATION, sampled.INTEGRATION),
+        *(other_linkages.SLIDER_CRANK, other_linkages.SIX_BAR_POSITION, other_linkages.ITERATION),
+        lengths.TOLERANCE_BAND,
+        *(curves.CAM_FLATTENING, curves.GEAR_FLATTENING, curves.CAM_PROFILE, curves.GEAR_ROOT, curves.CONJUGATE_TOOTH),
+        *(searches.FUNCTION_SYNTHESIS, searches.PATH_SYNTHESIS, searches.NINE_POINTS),
+        *(written_files.CSV_WRITING, written_files.DXF_WRITING, written_files.STL_WRITING),
     )
 }

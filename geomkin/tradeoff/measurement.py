@@ -6,7 +6,7 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from ..core.records import record
 from ..core.version import __version__
 from ..plane.vec import Mask
 from .families import FAMILIES
-from .family import Method, MethodFamily, P, R
+from .family import Method, MethodFamily
 
 # Processor seconds for each point of a full chart, and for all points of a family in a quick one. With less time the
 # least of the batches still falls; more changes no reported digit.
@@ -75,12 +75,14 @@ class Measurement:
 class _Trial:
     """A point being measured: the number of calls in a batch, and the time of one call, s, in each batch."""
 
-    def __init__(self, method: Method[Any, Any], setting: float, call: Callable[[], Any], results: int) -> None:
-        self.method, self.setting, self.call, self.results = method, setting, call, results
-        self.errors: Any = None
-        self.weight = float("nan")
-        self.calls = 1
-        self.times: list[float] = []
+    def __init__(self, family: MethodFamily, problem: Any, method: Method, setting: float) -> None:
+        self.family, self.method, self.setting = family, method, setting
+        self.call, self.calls, start = method.make(problem, setting), 1, time.process_time()
+        found = self.call()
+        self.first, self.times = time.process_time() - start, list[float]()
+        self.errors = np.asarray(family.error(problem, found), dtype=float)
+        self.results = family.count(problem, found) if family.count else self.errors.size
+        self.weight = family.weigh(problem, found) if family.weigh else np.nan
 
     def batch(self) -> None:
         call, start = self.call, time.process_time()
@@ -100,10 +102,26 @@ class _Trial:
     def spent(self) -> float:
         return sum(self.times) * self.calls
 
+    @property
+    def measurement(self) -> Measurement:
+        known, least = self.errors[np.isfinite(self.errors)], min(self.times)
+        return Measurement(
+            family=self.family.name,
+            method=self.method.name,
+            setting=self.setting,
+            largest=float(known.max()) if known.size else np.nan,
+            rms=float(np.sqrt(np.mean(known**2))) if known.size else np.nan,
+            missed=1 - known.size / self.errors.size,
+            seconds=least / self.results,
+            results=self.results,
+            calls=self.calls,
+            batches=len(self.times),
+            spread=float(np.median(self.times)) / least - 1,
+            weight=self.weight,
+        )
 
-def measured_points(
-    family: MethodFamily[P, R], quick: bool, progress: Callable[[float], object]
-) -> tuple[Measurement, ...]:
+
+def measured_points(family: MethodFamily, quick: bool, progress: Callable[[float], object]) -> tuple[Measurement, ...]:
     """Every method of a family at every setting; `progress` receives the share that is done.
 
     Batches of all points alternate, so that a temporary slowdown affects all alike. The clock is the processor time of
@@ -113,59 +131,27 @@ def measured_points(
     chosen = [(m, s) for m in family.methods if not (quick and m.slow) for s in _settings(m, quick)]
     trials = []
     for k, (method, setting) in enumerate(chosen):
-        call = method.make(problem, setting)
-        start = time.process_time()
-        found = call()
-        spent = time.process_time() - start
-        trial = _Trial(method, setting, call, family.count(problem, found))
-        trial.errors = np.asarray(family.error(problem, found), dtype=float)
-        if family.weigh:
-            trial.weight = family.weigh(problem, found)
-        trial.times = [spent] if quick and spent > LONG else []
-        trials.append(trial)
+        trials.append(_Trial(family, problem, method, setting))
         progress(0.3 * (k + 1) / len(chosen))
     for k, trial in enumerate(trials):
-        if not trial.times:
+        if quick and trial.first > LONG:
+            trial.times = [trial.first]
+        else:
             trial.calibrate()
         progress(0.3 + 0.2 * (k + 1) / len(trials))
     budget = QUICK / len(trials) if quick else FULL
-    for share in _rounds([t for t in trials if not quick or t.times[0] < LONG], budget):
-        progress(0.5 + 0.5 * share)
-    return tuple(_measurement(family.name, trial) for trial in trials)
+    repeated = [t for t in trials if not quick or t.times[0] < LONG]
+    while left := [t for t in repeated if t.spent < budget or len(t.times) < LEAST]:
+        for trial in left:
+            trial.batch()
+        progress(0.5 + 0.5 * float(np.mean([min(1.0, t.spent / budget) for t in repeated])))
+    return tuple(trial.measurement for trial in trials)
 
 
-def _settings(method: Method[P, R], quick: bool) -> tuple[float, ...]:
+def _settings(method: Method, quick: bool) -> tuple[float, ...]:
     """The settings that are measured; in a quick chart the first, the middle and the last."""
     every = tuple(method.settings) or (np.nan,)
     return every if not quick or len(every) < 4 else (every[0], every[len(every) // 2], every[-1])
-
-
-def _rounds(trials: list[_Trial], budget: float) -> Iterator[float]:
-    """Run a batch of each point in turn until each has had its time; yields the share that is done."""
-    left = trials
-    while left := [t for t in left if t.spent < budget or len(t.times) < LEAST]:
-        for trial in left:
-            trial.batch()
-        yield float(np.mean([min(1.0, t.spent / budget) for t in trials]))
-
-
-def _measurement(family: str, trial: _Trial) -> Measurement:
-    known = trial.errors[np.isfinite(trial.errors)]
-    least = min(trial.times)
-    return Measurement(
-        family=family,
-        method=trial.method.name,
-        setting=trial.setting,
-        largest=float(known.max(initial=0.0)) if known.size else np.nan,
-        rms=float(np.sqrt(np.mean(known**2))) if known.size else np.nan,
-        missed=1 - known.size / trial.errors.size,
-        seconds=least / trial.results,
-        results=trial.results,
-        calls=trial.calls,
-        batches=len(trial.times),
-        spread=float(np.median(trial.times)) / least - 1,
-        weight=trial.weight,
-    )
 
 
 @record(eq=False)
@@ -180,7 +166,7 @@ class FamilyChart:
         Its measured points.
     """
 
-    family: MethodFamily[Any, Any]
+    family: MethodFamily
     points: tuple[Measurement, ...]
 
     @cached_property
@@ -188,15 +174,16 @@ class FamilyChart:
         """Mask (points,) of the Pareto front by time per result and largest error; points with missed results are off
         it.
         """
-        return self._front([to_digits(p.seconds, 6) for p in self.points])
+        return self._front([p.seconds for p in self.points])
 
     @cached_property
     def on_weight_front(self) -> Mask:
         """The same by weight; all False if only time counts."""
-        return self._front([to_digits(p.weight, 6) for p in self.points])
+        return self._front([p.weight for p in self.points])
 
     def _front(self, costs: list[float]) -> Mask:
-        return pareto_front(costs, [self.shown_error(p) if not p.missed else np.nan for p in self.points])
+        errors = [self.shown_error(p) if not p.missed else np.nan for p in self.points]
+        return pareto_front([to_digits(cost, 6) for cost in costs], errors)
 
     def shown_error(self, point: Measurement) -> float:
         """The largest error of a point with six digits, at least the family's floor.
@@ -208,11 +195,16 @@ class FamilyChart:
         """
         return to_digits(max(point.largest, self.family.floor), 6)
 
-    @cached_property
-    def defaults(self) -> tuple[tuple[Measurement, bool], ...]:
-        """The points of the library's default method, and whether each is on the front."""
-        names = {method.name for method in self.family.methods if method.is_default}
-        return tuple((p, bool(on)) for p, on in zip(self.points, self.on_front) if p.method in names)
+    def view(self, weighed: bool = False) -> list[tuple[Measurement, float, bool]]:
+        """Each point with its cost and whether it is on the front.
+
+        Parameters
+        ----------
+        weighed : bool
+            By weight instead of time.
+        """
+        front = self.on_weight_front if weighed else self.on_front
+        return [(p, p.weight if weighed else p.seconds, on) for p, on in zip(self.points, front.tolist())]
 
 
 @record(eq=False)
@@ -260,21 +252,26 @@ def chart(families: Sequence[str] = (), quick: bool = False) -> Chart:
     DesignError
         For an unknown name.
     """
+    return list(growing_chart(families, quick))[-1]
+
+
+def growing_chart(families: Sequence[str], quick: bool) -> Iterator[Chart]:
+    """The chart after each family that is measured."""
     for name in families:
         if name not in FAMILIES:
             raise DesignError("families", f"found {shown(name)}", f"give some of {', '.join(FAMILIES)}", "unknown-key")
-    chosen = [FAMILIES[name] for name in dict.fromkeys(families or FAMILIES)]
-    charts = []
-    for k, family in enumerate(chosen):
-        watch = Watch(np.inf, f"measuring {family.name}")
-        charts.append(FamilyChart(family, measured_points(family, quick, _progress_of(watch, k, len(chosen)))))
+    names = list(dict.fromkeys(families or FAMILIES))
     versions = {"geomkin": __version__, "python": platform.python_version(), "numpy": np.__version__}
-    return Chart(tuple(charts), quick, versions, processor())
+    measured: tuple[FamilyChart, ...] = ()
+    for k, name in enumerate(names):
+        family, watch = FAMILIES[name], Watch(np.inf, f"measuring {name}")
+        points = measured_points(family, quick, partial(_report, watch, k, len(names)))
+        measured += (FamilyChart(family, points),)
+        yield Chart(measured, quick, versions, processor())
 
 
-def _progress_of(watch: Watch, done: int, whole: int) -> Callable[[float], None]:
-    """Report the share of one family as a share of all of them."""
-    return lambda share: watch.report((done + share) / whole)
+def _report(watch: Watch, done: int, whole: int, share: float) -> None:
+    watch.report((done + share) / whole)
 
 
 def processor() -> str:
@@ -314,17 +311,10 @@ def pareto_front(seconds: AnyFloat, errors: AnyFloat) -> Mask:
     """
     cost, miss = np.asarray(seconds, dtype=float), np.asarray(errors, dtype=float)
     if cost.ndim != 1 or cost.shape != miss.shape:
-        raise DesignError(
-            "errors", f"found shapes {cost.shape} and {miss.shape}", "give two rows of one length", "conflict"
-        )
-    front = np.zeros(cost.shape, dtype=bool)
-    known = np.flatnonzero(np.isfinite(cost) & np.isfinite(miss))
-    least = np.inf
-    # In order of time, a point is on the front if its error is less than that of all faster ones.
-    for fastest in np.unique(cost[known]):
-        here = known[cost[known] == fastest]
-        best = miss[here].min()
-        if best < least:
-            front[here[miss[here] == best]] = True
-            least = best
-    return front
+        problem = f"found shapes {cost.shape} and {miss.shape}"
+        raise DesignError("errors", problem, "give two rows of one length", "conflict")
+    known = np.isfinite(cost) & np.isfinite(miss)
+    one, other = (np.where(known, values, np.inf) for values in (cost, miss))
+    as_good = (one <= one[:, None]) & (other <= other[:, None])
+    better = (one < one[:, None]) | (other < other[:, None])
+    return np.asarray(known & ~(as_good & better).any(axis=1))
