@@ -8,9 +8,9 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..plane.vec import Mask, Real, dot
+from ..plane.vec import Mask, Real, dot, first_largest
 from .linkage import OneLinkage
-from .motion import is_translating
+from .motion import Motion, is_translating
 from .moving import move, placements_for
 from .solve.branch import Branch, as_branch_spec
 from .solve.drive_range import DriveRange
@@ -36,6 +36,14 @@ RESTING = 1e-6
 # Position within an interval, as a share of it, at which it is checked whether the linkage closes. In the middle two
 # guides may be parallel for a moment; near an end rounding of that end may decide.
 WITHIN = 0.381966
+# Share of a range below which a gap in it is a rounding error: a limit moves by the square root of an error of lengths.
+SMALLEST_GAP = 1e-7
+# Largest number of peaks among the frames of a motion that are refined, and the largest number of times that they are
+# narrowed, each to a 16th: to rounding also where the output has a corner, as an angle that is folded at 90 deg.
+MOST_PEAKS, REFINED, PLACES = 8, 13, 33
+# Relative difference of a peak and its neighbours below which it is found, and above which it exceeds a frame: smaller
+# ones are rounding.
+FLAT, HIGHER = 1e-13, 1e-12
 
 
 @checked
@@ -167,6 +175,83 @@ def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tup
         speed = np.abs(move(linkage, np.append(span[0], zeros), branch).bodies[output].origin.first)[1:]
         zeros = zeros[speed <= RESTING * np.abs(line)]
     return zeros
+
+
+def share_reached(motion: Motion) -> tuple[float, float | None]:
+    """Share of the driver's range, from 0 to 1, in which the linkage can be assembled, and the drive where it ends.
+
+    The range is that of the frames, between which limits of the driver are solved for. The drive is None if all is
+    reached.
+    """
+    start, reached, end = float(motion.drive[0]), 0.0, None
+    ends = {float(q) for q in (motion.drive.min(), motion.drive.max())} - {start}
+    for last in sorted(ends, key=lambda q: abs(q - motion.drive[-1])):
+        parts = driver_limits(motion.given, motion.solution.spec, (start, last))
+        length = sum(high - low for low, high in parts)
+        if abs(last - start) - length <= SMALLEST_GAP * abs(last - start):
+            length = abs(last - start)
+        elif end is None:
+            low, high = (parts[0] if last > start else parts[-1][::-1]) if parts else (start, start)
+            end = high if low == start else start
+        reached += length
+    if not ends:
+        return float(motion.assembled.mean()), None if motion.assembled.all() else start
+    return reached / float(np.ptp(motion.drive)), end
+
+
+def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[float, float]:
+    """Largest value of an output over the range of a motion, also between its frames, and the drive there.
+
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage; a peak narrower than two of its steps is missed.
+    values : callable
+        The output at the frames of a motion; nan where it is unknown.
+
+    Returns
+    -------
+    (float, float)
+        nan if the output is known at no frame.
+
+    Notes
+    -----
+    Derived here: the peaks among the frames are narrowed to rounding.
+    """
+    at_frames, drive = _known(values(motion)), motion.drive
+    if not np.isfinite(at_frames).any():
+        return np.nan, np.nan
+    row = first_largest(at_frames)
+    around = np.pad(at_frames, 1, constant_values=-np.inf)
+    tops = np.flatnonzero(np.isfinite(at_frames) & (at_frames >= around[:-2]) & (at_frames >= around[2:]))
+    tops = np.sort(tops[np.argsort(-at_frames[tops], kind="stable")[:MOST_PEAKS]])
+    low, high = drive[np.maximum(tops - 1, 0)], drive[np.minimum(tops + 1, len(drive) - 1)]
+    timing = motion.timing
+
+    def f(q: Real) -> Real:
+        drives = np.append(drive[0], q)
+        moved = move(motion.given, drives, motion.solution.spec, float(timing.speed), float(timing.acceleration))
+        return _known(values(moved))[1:]
+
+    for _ in range(REFINED if len(drive) > 1 else 0):
+        places = np.linspace(low, high, PLACES)
+        heights = f(places.ravel()).reshape(places.shape)
+        top = np.argmax(heights, axis=0)
+        before, after = np.maximum(top - 1, 0), np.minimum(top + 1, PLACES - 1)
+        peak, below, beyond = (np.take_along_axis(heights, k[None], axis=0)[0] for k in (top, before, after))
+        low, at, high = (np.take_along_axis(places, k[None], axis=0)[0] for k in (before, top, after))
+        if np.all(np.minimum(below, beyond) >= peak - FLAT * np.abs(peak)):
+            break
+    if len(drive) > 1:
+        best = first_largest(peak)
+        if peak[best] > at_frames[row] + HIGHER * abs(at_frames[row]):
+            return float(peak[best]), float(at[best])
+    return float(at_frames[row]), float(drive[row])
+
+
+def _known(values: Real) -> Real:
+    """Values, with -inf where they are unknown."""
+    return np.where(np.isnan(values), -np.inf, values)
 
 
 def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:

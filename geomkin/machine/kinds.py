@@ -378,7 +378,9 @@ class MachineRecipe(AbstractRecipe):
                 if check.id == "motor_torque" and name in self.graph.sources:
                     continue  # A motor of the recipe alone, which the machine does not have.
                 id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
-                yield replace(check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason)
+                yield replace(
+                    check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason, suggestions=()
+                )
 
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:

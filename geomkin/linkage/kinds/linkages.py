@@ -28,7 +28,7 @@ from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..drive_limits import driver_limits
 from ..linkage import AbstractLinkage
-from ..measures import least_transmission_angle, steady_bodies
+from ..measures import steady_bodies, transmission_extreme
 from ..motion import Motion, motion_table
 from ..parts.frame import frame_places, with_frame
 from ..parts.stack import MOTOR_PLATE, Stack, fastener_masses, link_parts
@@ -407,7 +407,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if not (self.both_modes and self.other):
             return {}
         joint, motion = self.other
-        angle = {"least_transmission_angle_deg": to_digits(np.degrees(least_transmission_angle(motion)), 10)}
+        angle = {"least_transmission_angle_deg": to_digits(transmission_extreme(motion, -1)[0], 10)}
         return {"other_mode": {"joint": joint, **self._reached(motion.solution.spec), **angle}}
 
     @classmethod
