@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, rounded_up, to_digits
+from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_digits
 from ...core.records import record
 from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
-from ...model.check import Check
+from ...model.check import Check, Suggestion
 from ...model.mass import Mass
 from ...model.material import Material
 from ...model.motor import Motor, root_mean_square
@@ -221,8 +221,8 @@ class LoadedCam:
         least, at = self._extreme(self.contact, -1)
         if self.cam.program.jumps.velocity.any():
             least = -np.inf
-        name, advice = "least force between cam and follower", self._contact_advice()
-        yield Check("follower_contact", name, least, "at least", 0, "N", advice, "contact_force", at)
+        name, (advice, kept) = "least force between cam and follower", self._contact_advice()
+        yield Check("follower_contact", name, least, "at least", 0, "N", advice, "contact_force", at, "", kept)
         if self.loads.friction:
             share, at = self._extreme(lambda t: self.forces_at(t).guide_share, -1)
             advice = "friction jams the guide near 0: give a longer guide, less overhang or a larger base_radius"
@@ -238,18 +238,21 @@ class LoadedCam:
             torque = np.abs(self.forces.torque)
             at = float(np.degrees(self.drive.angles[first_largest(torque)])) if np.isfinite(torque).any() else np.nan
             position = at if np.isfinite(at) else None
-            yield motor_check(self.motor, self.forces.duty, "camshaft_torque", position, self.on_plate)
+            key = "stock.motor" if self.on_plate else "loads.motor"
+            yield motor_check(self.motor, self.forces.duty, "camshaft_torque", position, key)
 
-    def _contact_advice(self) -> str:
-        """What keeps the follower on the cam: keys of the recipe with values that do."""
+    def _contact_advice(self) -> tuple[str, tuple[Suggestion, ...]]:
+        """What keeps the follower on the cam, and keys of the recipe with values that do."""
         if self.cam.program.jumps.velocity.any():
-            return "the velocity of the follower jumps: start and end the motion with a law that rests there"
+            return "the velocity of the follower jumps: start and end the motion with a law that rests there", ()
         rate, preload, _ = ARM if self.cam.follower.oscillates else STRAIGHT
         speed = self.drive.speed
         values = {preload: least_preload(self.cam, self.loads, speed)}
         values[rate] = least_stiffness(self.cam, self.loads, speed)
-        choices = [f"{key} = {rounded_up(value, 4)}" for key, value in values.items() if np.isfinite(value)]
-        return f"give {', '.join([*choices, 'a lighter follower or a lower speed'])}"
+        enough = {key: rounded_up(value * (1 + ROUNDING), 4) for key, value in values.items() if np.isfinite(value)}
+        choices = [f"{key} = {value}" for key, value in enough.items()]
+        advice = f"give {', '.join([*choices, 'a lighter follower or a lower speed'])}"
+        return advice, tuple(Suggestion({f"loads.{key}": float(value)}) for key, value in enough.items())
 
     @property
     def summary(self) -> Mapping[str, object]:

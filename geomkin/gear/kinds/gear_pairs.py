@@ -308,7 +308,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe):
         gear = gear_checks(pinion, self.stock.rim_under(pinion), "pinion")
         boss = boss_checks("pinion", pinion.root_radius, self.stock.motor, self.base)
         loaded = self.strength
-        holds = () if loaded is None else strength_checks(loaded, limit=loaded.force_limit, unit="N")
+        holds = () if loaded is None else strength_checks(loaded, limit=loaded.force_limit, key="loads.force_n")
         return (*mesh_checks(self.design), *gear, *boss, *holds)
 
     @cached_property

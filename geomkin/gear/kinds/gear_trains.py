@@ -230,7 +230,11 @@ class GearTrainRecipe(AbstractAssembledRecipe):
         if self.strength is None:
             return ()
         stages, limit = self.strength.stages, self.strength.torque_limit
-        return tuple(c for k, stage in enumerate(stages, 1) for c in strength_checks(stage, f"stage_{k}", limit))
+        return tuple(
+            c
+            for k, stage in enumerate(stages, 1)
+            for c in strength_checks(stage, f"stage_{k}", limit, "loads.output_torque_n_mm")
+        )
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -104,8 +104,9 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
                 raise DesignError(
                     f"{key}.thickness",
                     f"found {thickness:g} mm, but the first gear has {first:g} mm; herringbones need equal faces",
-                    f"give {first:g} mm",
+                    f"give {first:.15g} mm",
                     "conflict",
+                    first,
                 )
 
 

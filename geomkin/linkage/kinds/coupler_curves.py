@@ -80,10 +80,12 @@ class Grid:
         if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
             found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
             most = MOST_DASHES // points
-            remedy = f"give at least {rounded_up(turn / (2 * most), 4)} deg"
+            enough = rounded_up(turn / (2 * most), 4)
+            remedy, value = f"give at least {enough} deg", enough
             if turn > 180 * most:
+                value = None
                 remedy = f"give 90 deg and at most {MOST_DASHES // int(np.ceil(turn / 180))} points"
-            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy, "too-much-work")
+            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy, "too-much-work", value)
         drive.check_rows(1 + 2 * points + 4 * len(self.chosen))
 
 

@@ -156,7 +156,10 @@ class LoadedLinkage:
         known = np.isfinite(self.effort).any()
         at = driver_at(self.motion, first_largest(np.abs(self.effort))) if known else None
         column = "shaft_torque" if self.copies else "driver_torque"
-        return (motor_check(self.motor, self.duty, column, at, self.on_plate), *others)
+        return (
+            motor_check(self.motor, self.duty, column, at, "stock.motor" if self.on_plate else "loads.motor"),
+            *others,
+        )
 
     @property
     def summary(self) -> Mapping[str, object]:

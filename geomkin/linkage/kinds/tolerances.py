@@ -82,7 +82,7 @@ class TolerancesTable:
             lengths = {**every.lengths, **self.lengths}
             return tolerances(motion, self.of, lengths, clearance if self.clearance is None else self.clearance)
         except DesignError as error:
-            raise DesignError(f"tolerances.{error.field}", error.problem, error.remedy, error.id) from None
+            raise error.named(f"tolerances.{error.field}") from None
 
 
 def tolerances_entry() -> Any:
