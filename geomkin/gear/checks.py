@@ -133,8 +133,9 @@ def strength_checks(
     Limits are constants of `geomkin.gear.strength`. Stresses are nominal ones, with the given load factors.
     """
     before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
-    limit = loaded.torque * loaded.load_margin if limit is None else limit
-    advice, suggestions = "give strength, modulus and poisson_ratio of the material", ()
+    limit = float(loaded.torque * loaded.load_margin if limit is None else limit)  # type: ignore[arg-type]
+    advice = "give strength, modulus and poisson_ratio of the material"
+    suggestions: tuple[Suggestion, ...] = ()
     if np.isfinite(limit):
         most, unit = rounded_down(limit * (1 - ROUNDING), 4), "N" if key.endswith("force_n") else "N mm"
         advice = f"give at most {most} {unit}, a wider face, a larger module or a stronger material"

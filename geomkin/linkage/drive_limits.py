@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
@@ -199,54 +200,65 @@ def share_reached(motion: Motion) -> tuple[float, float | None]:
     return reached / float(np.ptp(motion.drive)), end
 
 
-def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[float, float]:
-    """Largest value of an output over the range of a motion, also between its frames, and the drive there.
+def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[Real, Real]:
+    """Largest values of outputs over the range of a motion, also between its frames, and the drives there.
 
     Parameters
     ----------
     motion : Motion
         Motion of one linkage; a peak narrower than two of its steps is missed.
     values : callable
-        The output at the frames of a motion; nan where it is unknown.
+        The outputs at the frames of a motion, (outputs, frames) or (frames,); nan where they are unknown.
 
     Returns
     -------
-    (float, float)
-        nan if the output is known at no frame.
+    (array, array)
+        Each of shape (outputs,), or () for a single output; nan if an output is known at no frame.
 
     Notes
     -----
     Derived here: the peaks among the frames are narrowed to rounding.
     """
-    at_frames, drive = _known(values(motion)), motion.drive
-    if not np.isfinite(at_frames).any():
-        return np.nan, np.nan
-    row = first_largest(at_frames)
-    around = np.pad(at_frames, 1, constant_values=-np.inf)
-    tops = np.flatnonzero(np.isfinite(at_frames) & (at_frames >= around[:-2]) & (at_frames >= around[2:]))
-    tops = np.sort(tops[np.argsort(-at_frames[tops], kind="stable")[:MOST_PEAKS]])
-    low, high = drive[np.maximum(tops - 1, 0)], drive[np.minimum(tops + 1, len(drive) - 1)]
-    timing = motion.timing
-
-    def f(q: Real) -> Real:
-        drives = np.append(drive[0], q)
-        moved = move(motion.given, drives, motion.solution.spec, float(timing.speed), float(timing.acceleration))
-        return _known(values(moved))[1:]
-
-    for _ in range(REFINED if len(drive) > 1 else 0):
+    drive = motion.drive
+    at_frames = np.atleast_2d(_known(values(motion)))
+    first = np.array([first_largest(row) if np.isfinite(row).any() else -1 for row in at_frames])
+    known = np.flatnonzero(first >= 0)
+    largest, at = np.full((2, len(at_frames)), np.nan)
+    largest[known], at[known] = at_frames[known, first[known]], drive[first[known]]
+    around = np.pad(at_frames, ((0, 0), (1, 1)), constant_values=-np.inf)
+    is_top = np.isfinite(at_frames) & (at_frames >= around[:, :-2]) & (at_frames >= around[:, 2:])
+    tops = [np.flatnonzero(is_top[k]) for k in known]
+    tops = [np.sort(top[np.argsort(-at_frames[k, top], kind="stable")[:MOST_PEAKS]]) for k, top in zip(known, tops)]
+    owner = np.repeat(known, [len(top) for top in tops])
+    if len(drive) < 2 or not owner.size:
+        return (largest, at) if np.ndim(values(motion)) > 1 else (largest[0], at[0])
+    top = np.concatenate(tops)
+    low, high = drive[np.maximum(top - 1, 0)], drive[np.minimum(top + 1, len(drive) - 1)]
+    for _ in range(REFINED):
         places = np.linspace(low, high, PLACES)
-        heights = f(places.ravel()).reshape(places.shape)
-        top = np.argmax(heights, axis=0)
-        before, after = np.maximum(top - 1, 0), np.minimum(top + 1, PLACES - 1)
-        peak, below, beyond = (np.take_along_axis(heights, k[None], axis=0)[0] for k in (top, before, after))
-        low, at, high = (np.take_along_axis(places, k[None], axis=0)[0] for k in (before, top, after))
+        heights = (
+            np.atleast_2d(_known(values(moved_to(motion, places.ravel()))))[:, 1:]
+            .reshape(-1, *places.shape)[owner, :, range(len(owner))]
+            .T
+        )
+        best = np.argmax(heights, axis=0)
+        before, after = np.maximum(best - 1, 0), np.minimum(best + 1, PLACES - 1)
+        peak, below, beyond = (np.take_along_axis(heights, k[None], axis=0)[0] for k in (best, before, after))
+        low, middle, high = (np.take_along_axis(places, k[None], axis=0)[0] for k in (before, best, after))
         if np.all(np.minimum(below, beyond) >= peak - FLAT * np.abs(peak)):
             break
-    if len(drive) > 1:
-        best = first_largest(peak)
-        if peak[best] > at_frames[row] + HIGHER * abs(at_frames[row]):
-            return float(peak[best]), float(at[best])
-    return float(at_frames[row]), float(drive[row])
+    for k in known:
+        peaks, middles = peak[owner == k], middle[owner == k]
+        if peaks.max() > largest[k] + HIGHER * abs(largest[k]):
+            one = first_largest(peaks)
+            largest[k], at[k] = peaks[one], middles[one]
+    return (largest, at) if np.ndim(values(motion)) > 1 else (largest[0], at[0])
+
+
+def moved_to(motion: Motion, drives: ArrayLike) -> Motion:
+    """The linkage of a motion at its first drive, where its branch is defined, and at other ones."""
+    speed, acceleration = float(motion.timing.speed), float(motion.timing.acceleration)
+    return move(motion.given, np.append(motion.drive[0], drives), motion.solution.spec, speed, acceleration)
 
 
 def _known(values: Real) -> Real:

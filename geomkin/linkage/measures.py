@@ -193,7 +193,7 @@ def transmission_extreme(motion: Motion, sign: Literal[1, -1]) -> tuple[float, f
     value, drive = largest_between(
         motion, lambda moved: sign * np.degrees(np.where(moved.assembled, moved.transmission_angle, np.nan))
     )
-    return (0.0 if abs(value) < NO_ANGLE_DEG else sign * value), drive
+    return 0.0 if abs(value) < NO_ANGLE_DEG else sign * float(value), float(drive)
 
 
 # Largest number of bodies whose lengths are listed.

@@ -77,9 +77,9 @@ class SliderCrank(AbstractLinkage):
                 "offset",
                 f"found {self.offset:g} mm, but crank and coupler together reach only "
                 f"{self.crank + self.coupler:g} mm, so the loop cannot close",
-                f"give less than {rounded_down(self.crank + self.coupler)} mm or lengthen the others",
+                f"give less than {rounded_down(float(self.crank + self.coupler))} mm or lengthen the others",
                 "does-not-assemble",
-                inside(self.crank + self.coupler, 1),
+                inside(float(self.crank + self.coupler), 1),
             )
 
     @cached_property
@@ -163,9 +163,9 @@ class InvertedSliderCrank(AbstractLinkage):
             raise DesignError(
                 "offset",
                 f"found {self.offset:g} mm, but the crank pin is at most {farthest:g} mm from the rocker pivot",
-                f"give less than {rounded_down(farthest)} mm",
+                f"give less than {rounded_down(float(farthest))} mm",
                 "does-not-assemble",
-                inside(farthest, 1),
+                inside(float(farthest), 1),
             )
 
     @cached_property
@@ -497,9 +497,9 @@ class FourBar(AbstractLinkage):
                 longest,
                 f"found {lengths[longest]:g} mm, but the other three links together reach only {others:g} mm, "
                 "so the loop cannot close",
-                f"give {longest} less than {rounded_down(others)} mm or lengthen the others",
+                f"give {longest} less than {rounded_down(float(others))} mm or lengthen the others",
                 "does-not-assemble",
-                inside(others, 1),
+                inside(float(others), 1),
             )
 
     @cached_property

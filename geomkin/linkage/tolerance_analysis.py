@@ -251,7 +251,7 @@ class ToleranceAnalysis:
     @cached_property
     def _range_terms(self) -> Real:
         """Deviations of the largest less the smallest value over the frames, one for each length and pin."""
-        values = _values(self.motion, self._quantity)
+        values = output_values(self.motion, self._quantity)
         if _is_direction(self._quantity):
             values = unwrapped_deg(values)
         if np.iscomplexobj(values) or np.isnan(values).all():
@@ -354,7 +354,7 @@ class ToleranceAnalysis:
             remedy = "use the worst case or the root sum square, or a branch of 1 or -1"
             raise DesignError("branch", "found follow, which is too slow for many linkages", remedy, "too-much-work")
         rng = np.random.default_rng(seed)
-        exact = _values(self.motion, self._quantity)[:, None]
+        exact = output_values(self.motion, self._quantity)[:, None]
         deviation = np.empty((frames, linkages), dtype=exact.dtype)
         timing = self.motion.timing
         rates = (np.ravel(rate) if np.ndim(rate) else float(rate) for rate in (timing.speed, timing.acceleration))
@@ -366,7 +366,7 @@ class ToleranceAnalysis:
             except DesignError as error:
                 remedy = "use the worst case or the root sum square"
                 raise DesignError("linkages", error.problem, remedy, error.id) from None
-            values = _values(motion, self._quantity)
+            values = output_values(motion, self._quantity)
             apart = np.angle(values * np.conj(exact)) if _is_direction(self._quantity) else values - exact
             deviation[:, start : start + BATCH] = apart
         return SampledDeviations(deviation.real if _is_direction(self._quantity) else deviation, self.motion.assembled)
@@ -417,7 +417,7 @@ def _is_direction(quantity: Quantity) -> bool:
     return quantity.kind == "body" and quantity.order == 0
 
 
-def _values(motion: Motion, quantity: Quantity) -> Array:
+def output_values(motion: Motion, quantity: Quantity) -> Array:
     """Values of a quantity at the frames; of an angle its direction, a unit complex number."""
     match quantity.kind:
         case "point":

@@ -116,7 +116,8 @@ class Check:
 
     def __str__(self) -> str:
         n = self.digits(3)
-        value = "unknown" if isnan(self.value) else f"{self.value:.{n}g} {self.unit}".rstrip()
+        # Adding 0 removes the sign of -0.
+        value = "unknown" if isnan(self.value) else f"{self.value + 0.0:.{n}g} {self.unit}".rstrip()
         text = f"{self.name} {value}"
         if self.passed:
             return text

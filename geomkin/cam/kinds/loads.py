@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +18,7 @@ from ...model.material import Material
 from ...model.motor import Motor, root_mean_square
 from ...model.scene import Limit, SceneMark, drawn_at
 from ...model.table import Column
-from ...plane.vec import Real, first_largest
+from ...plane.vec import Real
 from ...recipe.settings import BodyMass, Drive, Gravity, gravity_entry
 from ..cam import Cam
 from ..dynamics import (
@@ -235,11 +236,11 @@ class LoadedCam:
             advice = "give a thicker sheet, a stronger material, a weaker spring or a larger base_radius"
             yield Check("contact_safety", name, safety, "at least", least, "", advice, "contact_pressure", at)
         if self.motor is not None:
-            torque = np.abs(self.forces.torque)
-            at = float(np.degrees(self.drive.angles[first_largest(torque)])) if np.isfinite(torque).any() else np.nan
-            position = at if np.isfinite(at) else None
+            peak, at = self._extreme(lambda t: np.abs(self.forces_at(t).torque))
+            position = at if np.isfinite(peak) else None
             key = "stock.motor" if self.on_plate else "loads.motor"
-            yield motor_check(self.motor, self.forces.duty, "camshaft_torque", position, key)
+            duty = replace(self.forces.duty, between=peak) if np.isfinite(peak) else self.forces.duty
+            yield motor_check(self.motor, duty, "camshaft_torque", position, key)
 
     def _contact_advice(self) -> tuple[str, tuple[Suggestion, ...]]:
         """What keeps the follower on the cam, and keys of the recipe with values that do."""

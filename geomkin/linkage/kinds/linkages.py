@@ -124,9 +124,13 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         if self.loads is None:
             return None
         masses = self.body_masses if self.stock.material else {}
-        copies = self.moving_copies if self.copies else ()
         on_plate = self.stock.motor is not None
-        return LoadedLinkage(self.loads, self.motion, masses, copies, self.given_motor, on_plate, self.balanced)
+        return LoadedLinkage(
+            self.loads, self.motion, masses, self._copies_of, self.given_motor, on_plate, self.balanced
+        )
+
+    def _copies_of(self, motion: Motion) -> tuple[Copied, ...]:
+        return tuple(copied(self.copies, motion, self.linkage, self.signs)) if self.copies else ()
 
     @property
     def given_motor(self) -> Motor | None:
@@ -208,14 +212,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
     @cached_property
     def moving_copies(self) -> tuple[Copied, ...]:
         """The motion of each copy."""
-        return tuple(copied(self.copies, self.motion, self.linkage, self.signs))
+        return self._copies_of(self.motion)
 
     @cached_property
     def stance(self) -> Stance | None:
         """How a walker stands on its feet; None without feet, or if the distances of the copies are unknown."""
         if self.foot is None:
             return None
-        return stance_of(self.foot, self.motion, self.moving_copies, self.shared, self._stacks, self.stock.thickness)
+        return stance_of(self.foot, self.motion, self._copies_of, self.shared, self._stacks, self.stock.thickness)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -285,7 +289,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe):
         motion, rows = self.moved_at(turn)
         scene = linkage_scene(motion, motion_table(motion), self.own_parts, self.stack.layers, rates=False)
         if self.copies:
-            scene = self._with_copies(scene, tuple(copied(self.copies, motion, self.linkage, self.signs)))
+            scene = self._with_copies(scene, self._copies_of(motion))
         return scene.at_frames(rows)
 
     def torque_at(self, turn: Real) -> Real | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -16,8 +16,9 @@ from ...model.mass import Mass
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Hodograph, Plot, SceneMark
 from ...model.table import Column, vector_columns
-from ...plane.vec import Real, first_largest
-from ..checks import driver_at
+from ...plane.vec import Real
+from ..checks import in_driver_unit
+from ..drive_limits import largest_between
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import Linkage
 from ..motion import Motion
@@ -27,19 +28,23 @@ from .counterweights import UNBALANCED, BalancedPlates
 from .loads import LoadsTable
 from .runs import LinkageRun, linkage_run
 
+# Name of the effort with that of the copies among the peaks.
+EFFORT = "effort"
+
 
 @record(eq=False)
 class LoadedLinkage:
     """The forces of a linkage in motion, and the torque of the shaft that it shares with its copies.
 
-    table: the loads. masses: of the parts by body. copies: on the same shaft. given_motor: on that shaft, or None.
-    on_plate: whether a plate has the holes for a motor. balanced: plates with counterweights, or None.
+    table: the loads. masses: of the parts by body. copies_of: those on the same shaft, of a motion. given_motor: on
+    that shaft, or None. on_plate: whether a plate has the holes for a motor. balanced: plates with counterweights, or
+    None.
     """
 
     table: LoadsTable
     motion: Motion
     masses: Mapping[str, Mass]
-    copies: tuple[Copied, ...]
+    copies_of: Callable[[Motion], tuple[Copied, ...]]
     given_motor: Motor | None
     on_plate: bool
     balanced: BalancedPlates | None = None
@@ -48,6 +53,11 @@ class LoadedLinkage:
     def linkage(self) -> Linkage:
         """The linkage."""
         return self.motion.linkage
+
+    @cached_property
+    def copies(self) -> tuple[Copied, ...]:
+        """The copies on the same shaft."""
+        return self.copies_of(self.motion)
 
     @cached_property
     def analysis(self) -> ForceAnalysis:
@@ -67,7 +77,26 @@ class LoadedLinkage:
     @property
     def duty(self) -> MotorDuty:
         """Torque and speed of the shaft."""
-        return replace(self.analysis.duty, torque=self.effort)
+        peak = self.peaks[EFFORT][0]
+        return replace(self.analysis.duty, torque=self.effort, between=0.0 if np.isnan(peak) else peak)
+
+    @cached_property
+    def peaks(self) -> Mapping[str, tuple[float, float]]:
+        """Largest driver effort, that with the copies, and largest force at each pin, also between frames, by name.
+
+        Each with the driver there.
+        """
+        names = ("driver", EFFORT, *self.linkage.pins)
+
+        def sizes(motion: Motion) -> Real:
+            loaded = replace(self, motion=motion)
+            forces = (
+                np.fmax.reduce([np.abs(loaded.analysis.pin(pin, body)) for body in bodies[1:]])
+                for pin, bodies in self.linkage.pins.items()
+            )
+            return np.array([np.abs(loaded.analysis.driver), np.abs(loaded.effort), *forces])
+
+        return dict(zip(names, zip(*(array.tolist() for array in largest_between(self.motion, sizes)))))
 
     @cached_property
     def motor(self) -> Motor | None:
@@ -153,8 +182,8 @@ class LoadedLinkage:
         others += self.run.checks if self.run else ()
         if self.motor is None:
             return others
-        known = np.isfinite(self.effort).any()
-        at = driver_at(self.motion, first_largest(np.abs(self.effort))) if known else None
+        peak, drive = self.peaks[EFFORT]
+        at = None if np.isnan(peak) else in_driver_unit(self.motion, drive)
         column = "shaft_torque" if self.copies else "driver_torque"
         return (
             motor_check(self.motor, self.duty, column, at, "stock.motor" if self.on_plate else "loads.motor"),
@@ -166,22 +195,20 @@ class LoadedLinkage:
         """Peak and rms driver effort, largest pin forces and the motor; without unknown ones."""
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
-        efforts = {effort: analysis.driver, **({"shaft_torque_N_mm": self.effort} if self.copies else {})}
+        efforts = {effort: ("driver", analysis.driver)}
+        efforts |= {"shaft_torque_N_mm": (EFFORT, self.effort)} if self.copies else {}
         result: dict[str, object] = {}
-        for key, values in efforts.items():
-            if np.isfinite(values).any():
-                peak = first_largest(np.abs(values))
+        for key, (name, values) in efforts.items():
+            peak, drive = self.peaks[name]
+            if np.isfinite(peak):
+                nearest = np.argmin(np.abs(self.motion.drive - drive))
                 result[key] = {
-                    "peak": to_digits(values[peak]),
-                    f"peak_at_{unit}": to_digits(driver_at(self.motion, peak)),
+                    "peak": to_digits(np.copysign(peak, values[nearest])),
+                    f"peak_at_{unit}": to_digits(in_driver_unit(self.motion, drive), 6),
                     "rms": to_digits(root_mean_square(values, self.motion.drive)),
                 }
-        sizes = {
-            pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
-            for pin, bodies in self.linkage.pins.items()
-        }
         result["largest_pin_force_N"] = {
-            pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
+            pin: to_digits(self.peaks[pin][0]) for pin in self.linkage.pins if np.isfinite(self.peaks[pin][0])
         }
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)

@@ -19,11 +19,11 @@ from ...model.table import Column, Table
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Real, first_largest, unit
 from ..checks import in_driver_unit
-from ..drive_limits import largest_between
+from ..drive_limits import dead_centres, largest_between, moved_to
 from ..motion import Motion
 from ..moving import move
 from ..sensitivity import quantities
-from ..tolerance_analysis import SampledDeviations, ToleranceAnalysis, tolerances
+from ..tolerance_analysis import SampledDeviations, ToleranceAnalysis, output_values, tolerances
 
 # Frames at which random linkages are compared: more would only take longer, since deviations change slowly.
 SAMPLED_FRAMES = 72
@@ -146,7 +146,30 @@ class OutputDeviation:
         return self._largest(lambda analysis: analysis.root_sum_square * self.factor)[0]
 
     def _largest(self, values: Callable[[ToleranceAnalysis], Real]) -> tuple[float, float]:
-        return largest_between(self.analysis.motion, lambda motion: values(replace(self.analysis, motion=motion)))
+        largest, drive = largest_between(
+            self.analysis.motion, lambda motion: values(replace(self.analysis, motion=motion))
+        )
+        return float(largest), float(drive)
+
+    @cached_property
+    def of_range(self) -> ToleranceAnalysis:
+        """The analysis with the positions at which the output is largest and least, also between frames."""
+        motion, output = self.analysis.motion, quantities(self.analysis.motion.linkage)[self.given.of]
+        drive, (first, last) = motion.drive, motion.drive[[0, -1]].tolist()
+        if self.is_path or first == last:
+            return self.analysis
+        if output.kind == "body" and not output.order:
+            ends = dead_centres(motion.given, output.name, motion.solution.spec, (first, last))
+        else:
+
+            def both_ways(moved: Motion) -> Real:
+                values = output_values(moved, output)
+                return np.array([values, -values])
+
+            ends = largest_between(motion, both_ways)[1]
+        drives = np.unique([*drive, *ends[np.isfinite(ends)]])
+        drives = drives if last > first else drives[::-1]
+        return replace(self.analysis, motion=moved_to(motion, drives[1:]))
 
     def loosest(self, rule: Literal["worst_case", "root_sum_square"]) -> float | None:
         """The loosest tolerance of all lengths that keeps the limit, mm, also between frames; None if there is none."""
@@ -297,9 +320,9 @@ class OutputDeviation:
                 name: to_digits(value, 6) for name, value in contributions.items() if value > ROUNDING * worst
             },
         }
-        if np.isfinite(self.analysis.range_worst_case):
-            entries[f"range_worst_case_{unit}"] = to_digits(self.analysis.range_worst_case * self.factor, 6)
-            entries[f"range_root_sum_square_{unit}"] = to_digits(self.analysis.range_root_sum_square * self.factor, 6)
+        if np.isfinite(self.of_range.range_worst_case):
+            entries[f"range_worst_case_{unit}"] = to_digits(self.of_range.range_worst_case * self.factor, 6)
+            entries[f"range_root_sum_square_{unit}"] = to_digits(self.of_range.range_root_sum_square * self.factor, 6)
         if self.given.limit is not None:
             rules: tuple[Literal["worst_case", "root_sum_square"], ...] = ("worst_case", "root_sum_square")
             loosest = {rule: self.loosest(rule) for rule in rules}
