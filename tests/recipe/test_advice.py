@@ -140,10 +140,10 @@ def test_values_named_by_refusals_are_accepted_for_many_changes(kind, units):
 
 # Limits with more digits than a message shows.
 REFUSED = [
-    ({"kind": "slider-crank", "linkage": {"crank": 30.123456789, "coupler": 90.98765432199, "offset": 500}}, "linkage.offset"),
-    ({"kind": "shaper", "linkage": {"ground": 100.123456789, "crank": 300, "lever": 250, "link": 60, "ram_height": 85}}, "linkage.crank"),
+    ({"kind": "slider-crank", "linkage": {"crank": 30.123912345, "coupler": 90.98779654321, "offset": 500}}, "linkage.offset"),
+    ({"kind": "shaper", "linkage": {"ground": 100.12391234567, "crank": 300, "lever": 250, "link": 60, "ram_height": 85}}, "linkage.crank"),
     ({"kind": "four-bar", "linkage": {"ground": 300.3, "crank": 30.123456789, "coupler": 90.98765432199, "rocker": 70.1234567}}, "linkage.ground"),
-    ({"kind": "inverted-slider-crank", "linkage": {"ground": 100.123456789, "crank": 30.98765432, "offset": 333}}, "linkage.offset"),
+    ({"kind": "inverted-slider-crank", "linkage": {"ground": 100.12391234567, "crank": 30.98779654321, "offset": 333}}, "linkage.offset"),
     ({"kind": "spur-gear", "gear": {"teeth": 24, "module": 1.234567891}, "stock": {"bore": 333}}, "stock.bore"),
     ({"kind": "spur-gear", "gear": {"teeth": 24, "module": 1.234567891}, "stock": {"bore": 5, "bore_form": "D", "flat": 2}}, "stock.flat"),
     ({"kind": "disk-cam", "cam": {"base_radius": 41.1234567891, "follower": ROLLER | {"offset": 77}, "program": RISE}}, "cam.follower.offset"),

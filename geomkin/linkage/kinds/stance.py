@@ -88,7 +88,7 @@ class Stance:
     def least_margin(self) -> tuple[float, float]:
         """Least margin, mm, also between frames, and the drive there."""
         largest, drive = largest_between(self.motion, lambda motion: -self.of(motion).margin)
-        return without_rounding(-largest, float(np.abs(self.feet).max())), float(drive)
+        return without_rounding(-float(largest), float(np.abs(self.feet).max())), float(drive)
 
     @cached_property
     def tilt_range_deg(self) -> Mapping[str, tuple[float, float]]:
