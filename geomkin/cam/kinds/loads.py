@@ -15,7 +15,7 @@ from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, 
 from ...model.check import Check, Suggestion
 from ...model.mass import Mass
 from ...model.material import Material
-from ...model.motor import Motor, root_mean_square
+from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Limit, SceneMark, drawn_at
 from ...model.table import Column
 from ...plane.vec import Real
@@ -174,7 +174,18 @@ class LoadedCam:
     def motor(self) -> Motor | None:
         """The given motor; without one the smallest that suffices, None if no motor can drive the cam."""
         known = np.isfinite(self.forces.torque).any()
-        return self.given_motor or (smallest_motor(self.forces.duty) if known else None)
+        return self.given_motor or (smallest_motor(self.duty) if known else None)
+
+    @cached_property
+    def peak_torque(self) -> tuple[float, float]:
+        """Largest torque of either sense over a turn, N mm, and its cam angle, deg; nan if none is known."""
+        return self._extreme(lambda angle: np.abs(self.forces_at(angle).torque))
+
+    @property
+    def duty(self) -> MotorDuty:
+        """Torque and speed of the camshaft."""
+        peak = self.peak_torque[0]
+        return replace(self.forces.duty, between=peak if np.isfinite(peak) else 0.0)
 
     def _extreme(self, values: Callable[[Real], Real], sign: int = 1) -> tuple[float, float]:
         """Largest known value over a turn, with sign -1 the least, and its cam angle, deg; nan if none is known."""
@@ -236,11 +247,10 @@ class LoadedCam:
             advice = "give a thicker sheet, a stronger material, a weaker spring or a larger base_radius"
             yield Check("contact_safety", name, safety, "at least", least, "", advice, "contact_pressure", at)
         if self.motor is not None:
-            peak, at = self._extreme(lambda t: np.abs(self.forces_at(t).torque))
+            peak, at = self.peak_torque
             position = at if np.isfinite(peak) else None
             key = "stock.motor" if self.on_plate else "loads.motor"
-            duty = replace(self.forces.duty, between=peak) if np.isfinite(peak) else self.forces.duty
-            yield motor_check(self.motor, duty, "camshaft_torque", position, key)
+            yield motor_check(self.motor, self.duty, "camshaft_torque", position, key)
 
     def _contact_advice(self) -> tuple[str, tuple[Suggestion, ...]]:
         """What keeps the follower on the cam, and keys of the recipe with values that do."""
@@ -260,7 +270,7 @@ class LoadedCam:
         """Peaks, limits of the contact, and the motor, as entries of summary.json."""
         arm, torque = self.cam.follower.oscillates, self.forces.torque
         result: dict[str, object] = {}
-        peak, at = self._extreme(lambda t: np.abs(self.forces_at(t).torque))
+        peak, at = self.peak_torque
         if np.isfinite(peak):
             size = float(self.forces_at(np.radians([at])).torque[0])
             rms = to_digits(root_mean_square(torque, self.drive.angles))
@@ -279,5 +289,5 @@ class LoadedCam:
         rate = f"least_spring_rate_{'N_mm_per_rad' if arm else 'N_per_mm'}"
         result[rate] = to_digits(least_stiffness(self.cam, self.loads, speed))
         if self.motor:
-            result["motor"] = motor_summary(self.motor, self.forces.duty)
+            result["motor"] = motor_summary(self.motor, self.duty)
         return result
