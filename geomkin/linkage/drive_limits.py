@@ -200,7 +200,7 @@ def share_reached(motion: Motion) -> tuple[float, float | None]:
     return reached / float(np.ptp(motion.drive)), end
 
 
-def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[Real, Real]:
+def largest_between(motion: Motion, values: Callable[[Motion], Real], to_limits: bool = False) -> tuple[Real, Real]:
     """Largest values of outputs over the range of a motion, also between its frames, and the drives there.
 
     Parameters
@@ -209,6 +209,8 @@ def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[R
         Motion of one linkage; a peak narrower than two of its steps is missed.
     values : callable
         The outputs at the frames of a motion, (outputs, frames) or (frames,); nan where they are unknown.
+    to_limits : bool
+        Whether limits of the driver beyond the last known frame count too. Forces and deviations are infinite there.
 
     Returns
     -------
@@ -220,7 +222,13 @@ def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[R
     Derived here: the peaks among the frames are narrowed to rounding.
     """
     drive = motion.drive
-    at_frames = np.atleast_2d(_known(values(motion)))
+
+    def known_values(moved: Motion) -> Real:
+        with np.errstate(all="ignore"):
+            outputs = np.atleast_2d(values(moved))
+        return np.where(np.isfinite(outputs), outputs, -np.inf)
+
+    at_frames, is_single = known_values(motion), np.ndim(values(motion)) == 1
     first = np.array([first_largest(row) if np.isfinite(row).any() else -1 for row in at_frames])
     known = np.flatnonzero(first >= 0)
     largest, at = np.full((2, len(at_frames)), np.nan)
@@ -231,13 +239,16 @@ def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[R
     tops = [np.sort(top[np.argsort(-at_frames[k, top], kind="stable")[:MOST_PEAKS]]) for k, top in zip(known, tops)]
     owner = np.repeat(known, [len(top) for top in tops])
     if len(drive) < 2 or not owner.size:
-        return (largest, at) if np.ndim(values(motion)) > 1 else (largest[0], at[0])
+        return (largest[0], at[0]) if is_single else (largest, at)
     top = np.concatenate(tops)
-    low, high = drive[np.maximum(top - 1, 0)], drive[np.minimum(top + 1, len(drive) - 1)]
+    before, after = np.maximum(top - 1, 0), np.minimum(top + 1, len(drive) - 1)
+    if not to_limits:
+        before, after = (np.where(np.isfinite(at_frames[owner, k]), k, top) for k in (before, after))
+    low, high = drive[before], drive[after]
     for _ in range(REFINED):
         places = np.linspace(low, high, PLACES)
         heights = (
-            np.atleast_2d(_known(values(moved_to(motion, places.ravel()))))[:, 1:]
+            known_values(moved_to(motion, places.ravel()))[:, 1:]
             .reshape(-1, *places.shape)[owner, :, range(len(owner))]
             .T
         )
@@ -252,18 +263,13 @@ def largest_between(motion: Motion, values: Callable[[Motion], Real]) -> tuple[R
         if peaks.max() > largest[k] + HIGHER * abs(largest[k]):
             one = first_largest(peaks)
             largest[k], at[k] = peaks[one], middles[one]
-    return (largest, at) if np.ndim(values(motion)) > 1 else (largest[0], at[0])
+    return (largest[0], at[0]) if is_single else (largest, at)
 
 
 def moved_to(motion: Motion, drives: ArrayLike) -> Motion:
     """The linkage of a motion at its first drive, where its branch is defined, and at other ones."""
     speed, acceleration = float(motion.timing.speed), float(motion.timing.acceleration)
     return move(motion.given, np.append(motion.drive[0], drives), motion.solution.spec, speed, acceleration)
-
-
-def _known(values: Real) -> Real:
-    """Values, with -inf where they are unknown."""
-    return np.where(np.isnan(values), -np.inf, values)
 
 
 def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:

@@ -191,7 +191,9 @@ NO_ANGLE_DEG = 1e-5
 def transmission_extreme(motion: Motion, sign: Literal[1, -1]) -> tuple[float, float]:
     """Largest (1) or least (-1) transmission angle, deg, also between frames, and the drive there; nan if unknown."""
     value, drive = largest_between(
-        motion, lambda moved: sign * np.degrees(np.where(moved.assembled, moved.transmission_angle, np.nan))
+        motion,
+        lambda moved: sign * np.degrees(np.where(moved.assembled, moved.transmission_angle, np.nan)),
+        to_limits=True,
     )
     return 0.0 if abs(value) < NO_ANGLE_DEG else sign * float(value), float(drive)
 
