@@ -405,7 +405,9 @@ def errors_named_by_key(file: str, recipe: AbstractRecipe) -> Iterator[None]:
             if _is_default(recipe, key)
             else error.problem
         )
-        problems = reading.in_unit([Problem(key, problem, error.remedy, error.id)], type(recipe), recipe.length_unit)
+        problems = reading.in_unit(
+            [Problem(key, problem, error.remedy, error.id, error.value)], type(recipe), recipe.length_unit
+        )
         raise RecipeError(file, problems) from None
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import PositiveFloat, between, checked
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, entry, quantity
+from ..core.fields import FARTHEST, entry, quantity, rounded_up
 from ..core.records import record
 from ..model.mass import Mass
 from ..model.material import Material, hertz_pressure
@@ -380,7 +380,8 @@ def check_follower_loads(cam: Cam, loads: FollowerLoads) -> None:
     lift = largest(cam.program.breaks, lambda t: cam.program.motion(t).lift)[0]
     if loads.friction.overhang < lift:
         problem = f"found {loads.friction.overhang:g} mm, less than the largest lift: the follower would hit its guide"
-        raise DesignError("loads.friction.overhang", problem, f"give at least {lift:.6g}", "out-of-range")
+        least = rounded_up(lift)
+        raise DesignError("loads.friction.overhang", problem, f"give at least {least}", "out-of-range", least)
 
 
 def _static_force(cam: Cam, loads: FollowerLoads, angle: Real) -> Real:

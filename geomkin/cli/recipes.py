@@ -127,7 +127,7 @@ def refusal(file: Path, error: Exception) -> Refused:
         case RecipeError():
             return Refused(str(error), error.problems)
         case DesignError():
-            return Refused(str(error), (Problem(error.field, error.problem, error.remedy, error.id),))
+            return Refused(str(error), (error.as_problem,))
         case FileError():
             return Refused(str(error), (Problem("", f"{error.file} {error.problem}", error.remedy, error.id),))
         case GeomkinError():
@@ -184,8 +184,7 @@ def end(outcomes: Outcomes[Made], as_json: bool = False, strict: bool = False, s
     """
     for file, outcome in outcomes if as_json else ():
         if isinstance(outcome, Refused):
-            names = ("id", "key", "problem", "remedy")
-            problems = [{name: getattr(problem, name) for name in names} for problem in outcome.problems]
+            problems = [problem.to_dict() for problem in outcome.problems]
             print_json({"name": file.stem, "file": str(file), "problems": problems})
         else:
             about = {"name": outcome.name, "kind": outcome.kind, "file": str(file)}

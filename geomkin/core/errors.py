@@ -41,6 +41,8 @@ class DesignError(GeomkinError, ValueError):
         What to change.
     id : str
         Kind of refusal, one of `ProblemId`.
+    value : float, optional
+        A value of the field that is accepted, if the remedy names one.
 
     Examples
     --------
@@ -52,14 +54,31 @@ class DesignError(GeomkinError, ValueError):
     ground
     """
 
-    def __init__(self, field: str, problem: str, remedy: str, id: ProblemId = "impossible-geometry"):
+    def __init__(
+        self,
+        field: str,
+        problem: str,
+        remedy: str,
+        id: ProblemId = "impossible-geometry",
+        value: float | str | None = None,
+    ):
         field, problem, remedy = harmless(field), harmless(problem), harmless(remedy)
         super().__init__(f"{field}: {problem}; {remedy}")
         self.field, self.problem, self.remedy, self.id = field, problem, remedy, id
+        self.value = None if value is None else float(value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # By default an exception is pickled with its text as the only argument, which __init__ does not accept.
-        return type(self), (self.field, self.problem, self.remedy, self.id), self.__dict__
+        return type(self), (self.field, self.problem, self.remedy, self.id, self.value), self.__dict__
+
+    def named(self, field: str) -> DesignError:
+        """The same error of another field, such as that of a recipe."""
+        return DesignError(field, self.problem, self.remedy, self.id, self.value)
+
+    @property
+    def as_problem(self) -> Problem:
+        """The error as a problem of a recipe, its field being the key."""
+        return Problem(self.field, self.problem, self.remedy, self.id, self.value)
 
 
 @dataclass(frozen=True)
@@ -76,12 +95,20 @@ class Problem:
         What to change.
     id : str
         Kind of refusal, one of `ProblemId`.
+    value : float, optional
+        A value of the key that is accepted, if the remedy names one.
     """
 
     key: str
     problem: str
     remedy: str
     id: ProblemId = "impossible-geometry"
+    value: float | None = None
+
+    def to_dict(self) -> dict[str, str | float]:
+        """The entries of the problem in JSON."""
+        known = {} if self.value is None else {"value": self.value}
+        return {name: harmless(getattr(self, name)) for name in ("id", "key", "problem", "remedy")} | known
 
     def __repr__(self) -> str:
         return printable(f"Problem({self})", 120)

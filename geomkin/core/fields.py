@@ -153,6 +153,10 @@ def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
 DIGITS = 7
 
 
+# Share by which a limit that is advised is inside the computed one, which may be a rounding error beyond.
+ROUNDING = 1e-9
+
+
 def rounded_up(least: float, digits: int = DIGITS) -> str:
     """The smallest number with this many digits that is not below `least`, as text, for remedies."""
     return _rounded(least, digits, ROUND_CEILING)
@@ -161,6 +165,11 @@ def rounded_up(least: float, digits: int = DIGITS) -> str:
 def rounded_down(most: float, digits: int = DIGITS) -> str:
     """The largest number with this many digits that is not above `most`, as text."""
     return _rounded(most, digits, ROUND_FLOOR)
+
+
+def inside(limit: float, side: Literal[1, -1], digits: int = DIGITS) -> str:
+    """A number just inside a limit that it may not reach, as text; side: 1 for an upper limit, -1 for a lower one."""
+    return (rounded_down if side > 0 else rounded_up)(limit - side * abs(limit) * 10.0 ** (1 - digits), digits)
 
 
 def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:

@@ -139,7 +139,8 @@ class LengthUnit:
         problem_text, remedy = (
             self.text(text, is_length, digits=DIGITS_IN_PROBLEM) for text in (problem.problem, problem.remedy)
         )
-        return dataclasses.replace(problem, problem=problem_text, remedy=remedy)
+        value = problem.value if problem.value is None or not is_length else self.in_digits(problem.value, "mm")
+        return dataclasses.replace(problem, problem=problem_text, remedy=remedy, value=value)
 
     def entries(self, data: Any, power: int = 0, lengths: Collection[str] = ()) -> Any:
         """Entries of a summary, and their names such as `thickness_mm`, in this unit.

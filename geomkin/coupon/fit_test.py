@@ -53,7 +53,8 @@ class FitTest:
                 opening = size - below * self.step
                 problem = f"found {self.step:g} mm, with which the smallest opening for {name} = {size:g} mm and "
                 problem += f"count = {self.count} would be {opening:.4g} mm wide"
-                raise DesignError("step", problem, f"give at most {rounded_down(largest, 3)} mm", "conflict")
+                most = rounded_down(largest, 3)
+                raise DesignError("step", problem, f"give at most {most} mm", "conflict", most)
 
     @property
     def offsets(self) -> Real:

@@ -187,6 +187,7 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
             f"found {tolerance:g} mm for the {part.name}, which is about {size:.3g} mm across",
             f"give at least {rounded_up(FINEST * size / share, 2)} mm",
             "out-of-range",
+            rounded_up(FINEST * size / share, 2),
         )
 
 

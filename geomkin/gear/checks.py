@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.arguments import FloatOrNan, PositiveFloat, checked
-from ..model.check import Check
+from ..core.fields import ROUNDING, rounded_down
+from ..model.check import Check, Suggestion
 from .conjugate.conjugate import BEYOND, Conjugate
 from .contract import AbstractGear
 from .pair import GearPair
@@ -107,7 +108,7 @@ def mesh_checks(pair: GearPair | RackPair, name: str = "") -> tuple[Check, ...]:
 
 @checked
 def strength_checks(
-    loaded: AbstractMeshStrength, name: str = "", limit: FloatOrNan | None = None, unit: str = "N mm"
+    loaded: AbstractMeshStrength, name: str = "", limit: FloatOrNan | None = None, key: str = "loads.torque_n_mm"
 ) -> tuple[Check, ...]:
     """Check the teeth of two gears under a load.
 
@@ -119,8 +120,8 @@ def strength_checks(
         Name of the pair in the ids and names of the checks.
     limit : float, optional
         Load that the advice names; by default the torque on the driving gear at which a safety falls to its limit.
-    unit : str
-        Unit of that load.
+    key : str
+        Key of that load in a recipe.
 
     Returns
     -------
@@ -132,21 +133,25 @@ def strength_checks(
     Limits are constants of `geomkin.gear.strength`. Stresses are nominal ones, with the given load factors.
     """
     before, prefix = (f"{name}: ", f"{name}_") if name else ("", "")
-    limit = loaded.torque * loaded.load_margin if limit is None else limit
-    most = f"give at most {limit:.4g} {unit}, a wider face, a larger module or a stronger material"
-    unknown = "give strength, modulus and poisson_ratio of the material"
-    advice = most if np.isfinite(limit) else unknown
+    limit = float(loaded.torque * loaded.load_margin if limit is None else limit)  # type: ignore[arg-type]
+    advice = "give strength, modulus and poisson_ratio of the material"
+    suggestions: tuple[Suggestion, ...] = ()
+    if np.isfinite(limit):
+        most, unit = rounded_down(limit * (1 - ROUNDING), 4), "N" if key.endswith("force_n") else "N mm"
+        advice = f"give at most {most} {unit}, a wider face, a larger module or a stronger material"
+        suggestions = (Suggestion({key: float(most)}),)
     roots = (
         Check(
             f"{prefix}{gear}_root_safety", f"{before}strength of the {gear} gear's roots over their stress",
-            teeth.root_safety, "at least", LEAST_ROOT_SAFETY, "", advice,
+            teeth.root_safety, "at least", LEAST_ROOT_SAFETY, "", advice, suggestions=suggestions,
         )
         for gear, teeth in zip(loaded.pair.names, loaded.teeth)
         if teeth is not UNKNOWN
     )  # fmt: skip
     words = f"{before}pressure at which the flanks yield over their pressure"
     safety = loaded.contact_safety
-    return *roots, Check(f"{prefix}contact_safety", words, safety, "at least", LEAST_CONTACT_SAFETY, "", advice)
+    id, least = f"{prefix}contact_safety", LEAST_CONTACT_SAFETY
+    return *roots, Check(id, words, safety, "at least", least, "", advice, suggestions=suggestions)
 
 
 @checked

@@ -318,7 +318,7 @@ def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: flo
     """Raise DesignError if module or pressure angle of the driven gear `name`, cut by `tool`, are not the driver's."""
     if abs(driver.module - module) > 1e-9 * driver.module:
         problem = f"found {module:g} mm, but the driving gear has {driver.module:g} mm; they must be equal"
-        raise DesignError(f"{name}.module", problem, f"give {driver.module:.10g}", "conflict")
+        raise DesignError(f"{name}.module", problem, f"give {driver.module:.15g}", "conflict", driver.module)
     if abs(driver.pressure_angle - pressure_angle) > 1e-9:
         angles = np.degrees(pressure_angle), np.degrees(driver.pressure_angle)
         problem = f"found {angles[0]:g} deg, but the driving gear has {angles[1]:g} deg; they must be equal"

@@ -73,6 +73,7 @@ class RackCutter:
                 "dedendum",
                 f"found {self.dedendum:g}, but the rack's flanks meet at {np.pi / 4 / np.tan(slope):.4g} modules",
                 f"give at most {rounded_down(np.pi / 4 / np.tan(slope))}, or a smaller pressure_angle_deg",
+                value=rounded_down(np.pi / 4 / np.tan(slope)),
             )
         largest = narrowest * np.cos(slope) / (1 - np.sin(slope))
         if self.tip_radius > largest:
@@ -80,6 +81,7 @@ class RackCutter:
                 "tip_radius",
                 f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules",
                 f"give at most {rounded_down(largest)}, or a smaller dedendum",
+                value=rounded_down(largest),
             )
         room = max(0.0, np.pi / 4 - self.addendum * np.tan(slope)) * np.cos(slope) / (1 - np.sin(slope))
         if self.fillet_radius > room:
@@ -87,6 +89,7 @@ class RackCutter:
                 "fillet_radius",
                 f"found {self.fillet_radius:g}, but the rack's spaces have room for {room:.4g} modules",
                 f"give at most {rounded_down(room)}, or a smaller addendum",
+                value=rounded_down(room),
             )
 
     @property

@@ -168,9 +168,9 @@ def over_pins(gear: AbstractInvoluteGear, pin: Length | None = None) -> PinMeasu
     slack = 1e-9 * gear.module
     if not (start - slack <= touching <= end + slack and sign * (radius - gear.tip_radius) + pin / 2 > 0):
         remedy = "measure the span instead" if pin == best else f"give about {best:.4g} mm"
-        raise DesignError(
-            "pin", f"found {pin:g} mm, for which the pin is below the tips or misses the flanks", remedy, "out-of-range"
-        )
+        value = None if pin == best else best
+        problem = f"found {pin:g} mm, for which the pin is below the tips or misses the flanks"
+        raise DesignError("pin", problem, remedy, "out-of-range", value)
     across = 2 * radius * (np.cos(np.pi / (2 * gear.teeth)) if gear.teeth % 2 else 1.0)
     return PinMeasure(float(across + sign * pin), float(pin), radius, float(np.hypot(base, touching)))
 
@@ -223,6 +223,7 @@ def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasu
             f"found {r:g} mm, outside the involute",
             f"give {rounded_up(low)} to {rounded_down(high)} mm",
             "out-of-range",
+            rounded_up(low),
         )
     arc = gear.thickness(r)
     half = arc / (2 * r)

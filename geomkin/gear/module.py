@@ -46,4 +46,5 @@ def settle_module(gear: Any) -> None:
             f"found {gear.diametral_pitch:g}, which means a module of {module:.6g} mm",
             f"give {INCH / LARGEST:g} to 1e5",
             "out-of-range",
+            INCH / LARGEST if module > LARGEST else 1e5,
         )

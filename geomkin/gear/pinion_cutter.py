@@ -73,6 +73,7 @@ class PinionCutter:
                 "tip_radius",
                 f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
                 f"give at most {rounded_down(largest)}, or a smaller addendum",
+                value=rounded_down(largest),
             )
 
     @property

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
-from ..core.fields import entry, quantity, rounded_down, rounded_up
+from ..core.fields import entry, inside, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..core.reprs import moving_picture
 from ..plane.primitives import Polyline
@@ -77,7 +77,8 @@ class GearRack(AbstractGear):
             raise DesignError(
                 "height",
                 f"found {self.height:g} modules, no more than the teeth are deep",
-                f"give more than {self.rack.dedendum:g}",
+                f"give more than {rounded_up(self.rack.dedendum)}",
+                value=inside(self.rack.dedendum, -1),
             )
         if self._tip < 0:
             most = self.tooth_thickness_allowance + 2 * self.module * self._tip
@@ -88,7 +89,8 @@ class GearRack(AbstractGear):
             raise DesignError(
                 "tooth_thickness_allowance",
                 f"found {self.tooth_thickness_allowance:g} mm, for which the teeth are pointed",
-                f"give at most {most * (1 - 1e-5):.6g}",
+                f"give at most {inside(most, 1, 6)}",
+                value=inside(most, 1, 6),
             )
 
     @checked
@@ -237,6 +239,7 @@ class RackPair:
                 "distance",
                 f"found {self.distance:g} mm, at which the teeth jam",
                 f"give at least {rounded_up(least)} mm",
+                value=rounded_up(least),
             )
         start, end = self.contact_lengths
         if end <= start:
@@ -246,6 +249,7 @@ class RackPair:
                 f"give at most {rounded_down(self._farthest())} mm, where the contact ratio is 1"
                 if self._farthest() >= self._tight_distance
                 else "give taller teeth",
+                value=rounded_down(self._farthest()) if self._farthest() >= self._tight_distance else None,
             )
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..core.errors import DesignError
-from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
+from ..core.fields import entry, inside, last_fit, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import PolarArray
@@ -388,8 +388,8 @@ class RingGear(AbstractInvoluteGear):
             raise DesignError(
                 "tooth_thickness_allowance",
                 f"found {self.tooth_thickness_allowance:g} mm, for which the flanks meet outside the tip circle",
-                # Slightly less, so that the rounded number is valid too.
-                f"give at most {most * (1 - 1e-5):.6g}",
+                f"give at most {inside(most, 1, 6)}",
+                value=inside(most, 1, 6),
             )
         raise DesignError(
             "profile_shift",
@@ -405,11 +405,13 @@ class RingGear(AbstractInvoluteGear):
             return replace(self.tooth, cutter=replace(cutter, fillet_radius=radius)).has_fillet_room
 
         fitting = [share * given for share in np.linspace(0.01, 0.99, 99).tolist() if fits(share * given)]
-        most = f"at most {rounded_down(last_fit(fits, fitting[-1], given))}, " if fitting else ""
+        value = rounded_down(last_fit(fits, fitting[-1], given)) if fitting else 0.0
+        most = f"at most {value}, " if fitting else ""
         raise DesignError(
             "cutter.fillet_radius",
             f"found {given:g}, for which there is no room between the cutter's flanks outside its base circle",
             f"give {most}0 or a smaller addendum of the ring",
+            value=value,
         )
 
     @property

@@ -9,7 +9,7 @@ from typing import Literal, NoReturn
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import entry, last_fit, quantity, rounded_down
+from ..core.fields import entry, inside, last_fit, quantity, rounded_down
 from ..core.records import record
 from ..plane.joined import PolarArray
 from ..plane.primitives import Polyline
@@ -120,7 +120,8 @@ class SpurGear(AbstractInvoluteGear):
             raise DesignError(
                 "tooth_thickness_allowance",
                 f"found {self.tooth_thickness_allowance:g} mm, which leaves no tooth",
-                f"give at most {most * (1 - 1e-5):.6g}",
+                f"give at most {inside(most, 1, 6)}",
+                value=inside(most, 1, 6),
             )
         tooth, found = self._sharp, f"found {self.profile_shift:g}"
         remedy = "more teeth or a smaller addendum"
@@ -161,7 +162,8 @@ class SpurGear(AbstractInvoluteGear):
             raise DesignError("tip_chamfer", problem, "give one of them", "conflict")
         if 0 < self.tip_chamfer < SMALLEST_CHAMFER:
             remedy = f"give 0 or at least {SMALLEST_CHAMFER:g}"
-            raise DesignError("tip_chamfer", f"found {self.tip_chamfer:g}, which is too small", remedy, "out-of-range")
+            problem = f"found {self.tip_chamfer:g}, which is too small"
+            raise DesignError("tip_chamfer", problem, remedy, "out-of-range", SMALLEST_CHAMFER)
         if self.tip_rounding:
             name, value = "tip_rounding", self.tip_rounding
             most = largest_rounding(self.base_radius, self.tooth.half_angle_at_base, self.tip_radius)
@@ -182,6 +184,7 @@ class SpurGear(AbstractInvoluteGear):
                 name,
                 f"found {value:g}, but the tips have room for {most / self.module:.4g} modules",
                 f"give at most {rounded_down(most / self.module)}",
+                value=rounded_down(most / self.module),
             )
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import last_fit, quantity
+from ..core.fields import last_fit, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..model.material import Material, hertz_pressure
 from ..model.table import Column, Table
@@ -203,9 +203,8 @@ def tooth_form(gear: AbstractInvoluteGear, radius: PositiveFloat | None = None) 
     inner, outer = (gear.base_radius * float(np.hypot(1, roll)) for roll in tooth.rolls)
     radius = outer if radius is None else radius
     if not inner * (1 - 1e-9) <= radius <= outer * (1 + 1e-9):
-        raise DesignError(
-            "radius", f"found {radius:g} mm", f"give {inner:.6g} to {outer:.6g}, on the involute", "out-of-range"
-        )
+        remedy = f"give {rounded_up(inner)} to {rounded_down(outer)}, on the involute"
+        raise DesignError("radius", f"found {radius:g} mm", remedy, "out-of-range", rounded_down(outer))
     # Direction of the force, which is tangent to the base circle, from the normal of the tooth's middle.
     incline = float(np.arccos(gear.base_radius / radius)) - tooth.half_angle(radius)
     apex = gear.base_radius / np.cos(incline)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..core.arguments import ArgumentType, PositiveFloat, between, checked, whole_between
 from ..core.errors import DesignError
-from ..core.fields import EXACT_DIGITS, as_fraction, rounded_up, significant_digits
+from ..core.fields import EXACT_DIGITS, as_fraction, rounded_up, significant_digits, to_digits
 from ..core.records import record
 from ..plane.vec import Real
 from .train import FEWEST_TEETH, MOST_TEETH, GearTrain
@@ -255,7 +255,8 @@ def _train(candidate: _Candidate, module: float, reverted: bool, centre_distance
     distance = train.pairs[0].centre_distance
     if centre_distance is not None and abs(distance / centre_distance - 1) > 1e-6:
         problem = f"found {centre_distance:g} mm, at which gears of so few teeth would be undercut"
-        raise DesignError("centre_distance", problem, f"give at least {rounded_up(UNDERCUT_FREE * module / 2)} mm")
+        least = rounded_up(UNDERCUT_FREE * module / 2)
+        raise DesignError("centre_distance", problem, f"give at least {least} mm", value=least)
     return train
 
 
@@ -265,7 +266,9 @@ def _teeth_of(centre_distance: float, module: float, least: int, most: int) -> i
     nearest = int(min(max(round(teeth), 2 * least), 2 * most))
     if abs(teeth - nearest) > 1e-6 * nearest:
         problem = f"found {centre_distance:g} mm, which {teeth:.6g} teeth of module {module:g} mm would need"
-        raise DesignError("centre_distance", problem, f"give {nearest * module / 2:.7g} mm, for {nearest} teeth")
+        distance = to_digits(nearest * module / 2, 10)
+        remedy = f"give {distance:.10g} mm, for {nearest} teeth"
+        raise DesignError("centre_distance", problem, remedy, value=distance)
     return nearest
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..model.check import Check
-from ..plane.vec import first_largest
 from .assembly_failures import assembly_failure
+from .drive_limits import share_reached
+from .measures import transmission_extreme
 from .motion import Motion
 
 # deg. Below it the coupler pushes the rocker into its pivot more than round it, and play and friction grow quickly
@@ -29,24 +30,26 @@ LARGEST_DRAWN = 5.0
 
 
 def reached(motion: Motion, what: str, advice: str = "") -> Check:
-    """Share of the frames that a motion reaches. what: whose way they are, such as "crank's turn"."""
-    share, at = 100 * float(motion.assembled.mean()), None
-    if not motion.assembled.all():
-        at = driver_at(motion, int(np.argmin(motion.assembled)))
-    return Check("share_reached", f"share of the {what} reached", share, "at least", 100, "%", advice, at=at)
+    """Share of the driver's range that a motion reaches. what: whose range, such as "crank's turn"."""
+    share, end = share_reached(motion)
+    at = None if end is None else in_driver_unit(motion, end)
+    return Check("share_reached", f"share of the {what} reached", 100 * share, "at least", 100, "%", advice, at=at)
+
+
+def in_driver_unit(motion: Motion, drive: float) -> float:
+    """A drive as tables state it: deg, or mm if it slides."""
+    return drive if motion.linkage.driven_slider else float(np.degrees(drive))
 
 
 def driver_at(motion: Motion, frame: int) -> float:
     """The driver at a frame as tables state it: deg, or mm if it slides."""
-    drive = float(motion.drive[frame])
-    return drive if motion.linkage.driven_slider else float(np.degrees(drive))
+    return in_driver_unit(motion, float(motion.drive[frame]))
 
 
 def transmission_check(motion: Motion, advice: str = "") -> Check:
-    """The least transmission angle over the frames, deg."""
-    angle = np.degrees(np.where(motion.assembled, motion.transmission_angle, np.nan))
-    known = bool(np.isfinite(angle).any())
-    least, at = (float(np.nanmin(angle)), driver_at(motion, first_largest(-angle))) if known else (np.nan, None)
+    """The least transmission angle over the motion, deg."""
+    least, drive = transmission_extreme(motion, -1)
+    at = None if np.isnan(least) else in_driver_unit(motion, drive)
     name, column, limit = "least transmission angle", "transmission_angle", LEAST_TRANSMISSION_ANGLE_DEG
     return Check("transmission_angle", name, least, "at least", limit, "deg", advice, column, at)
 
@@ -63,8 +66,9 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
     Returns
     -------
     tuple of Check
-        The share of frames reached, %, and the least transmission angle, deg. The second is missing if the driver
-        drives nothing else. The advice of a failed check names the dyad that opens first.
+        The share of the driver's range that is reached, %, and the least transmission angle, deg, both also between
+        frames. The second is missing if the driver drives nothing else. The advice of a failed check names the dyad
+        that opens first.
 
     Raises
     ------

@@ -333,6 +333,7 @@ def _drawn(
         f"found {tolerance:g} mm, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
         f"give at least {rounded_up(worst / AIM, 4)} mm, or fewer points or dashes",
         "too-much-work",
+        rounded_up(worst / AIM, 4),
     )
 
 

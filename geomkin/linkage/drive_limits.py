@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..plane.vec import Mask, Real, dot
+from ..plane.vec import Mask, Real, dot, first_largest
 from .linkage import OneLinkage
-from .motion import is_translating
+from .motion import Motion, is_translating
 from .moving import move, placements_for
 from .solve.branch import Branch, as_branch_spec
 from .solve.drive_range import DriveRange
@@ -36,6 +37,14 @@ RESTING = 1e-6
 # Position within an interval, as a share of it, at which it is checked whether the linkage closes. In the middle two
 # guides may be parallel for a moment; near an end rounding of that end may decide.
 WITHIN = 0.381966
+# Share of a range below which a gap in it is a rounding error: a limit moves by the square root of an error of lengths.
+SMALLEST_GAP = 1e-7
+# Largest number of peaks among the frames of a motion that are refined, and the largest number of times that they are
+# narrowed, each to a 16th: to rounding also where the output has a corner, as an angle that is folded at 90 deg.
+MOST_PEAKS, REFINED, PLACES = 8, 13, 33
+# Relative difference of a peak and its neighbours below which it is found, and above which it exceeds a frame: smaller
+# ones are rounding.
+FLAT, HIGHER = 1e-13, 1e-12
 
 
 @checked
@@ -167,6 +176,100 @@ def dead_centres(linkage: OneLinkage, output: str, branch: Branch = 1, span: tup
         speed = np.abs(move(linkage, np.append(span[0], zeros), branch).bodies[output].origin.first)[1:]
         zeros = zeros[speed <= RESTING * np.abs(line)]
     return zeros
+
+
+def share_reached(motion: Motion) -> tuple[float, float | None]:
+    """Share of the driver's range, from 0 to 1, in which the linkage can be assembled, and the drive where it ends.
+
+    The range is that of the frames, between which limits of the driver are solved for. The drive is None if all is
+    reached.
+    """
+    start, reached, end = float(motion.drive[0]), 0.0, None
+    ends = {float(q) for q in (motion.drive.min(), motion.drive.max())} - {start}
+    for last in sorted(ends, key=lambda q: abs(q - motion.drive[-1])):
+        parts = driver_limits(motion.given, motion.solution.spec, (start, last))
+        length = sum(high - low for low, high in parts)
+        if abs(last - start) - length <= SMALLEST_GAP * abs(last - start):
+            length = abs(last - start)
+        elif end is None:
+            low, high = (parts[0] if last > start else parts[-1][::-1]) if parts else (start, start)
+            end = high if low == start else start
+        reached += length
+    if not ends:
+        return float(motion.assembled.mean()), None if motion.assembled.all() else start
+    return reached / float(np.ptp(motion.drive)), end
+
+
+def largest_between(motion: Motion, values: Callable[[Motion], Real], to_limits: bool = False) -> tuple[Real, Real]:
+    """Largest values of outputs over the range of a motion, also between its frames, and the drives there.
+
+    Parameters
+    ----------
+    motion : Motion
+        Motion of one linkage; a peak narrower than two of its steps is missed.
+    values : callable
+        The outputs at the frames of a motion, (outputs, frames) or (frames,); nan where they are unknown.
+    to_limits : bool
+        Whether limits of the driver beyond the last known frame count too. Forces and deviations are infinite there.
+
+    Returns
+    -------
+    (array, array)
+        Each of shape (outputs,), or () for a single output; nan if an output is known at no frame.
+
+    Notes
+    -----
+    Derived here: the peaks among the frames are narrowed to rounding.
+    """
+    drive = motion.drive
+
+    def known_values(moved: Motion) -> Real:
+        with np.errstate(all="ignore"):
+            outputs = np.atleast_2d(values(moved))
+        return np.where(np.isfinite(outputs), outputs, -np.inf)
+
+    at_frames, is_single = known_values(motion), np.ndim(values(motion)) == 1
+    first = np.array([first_largest(row) if np.isfinite(row).any() else -1 for row in at_frames])
+    known = np.flatnonzero(first >= 0)
+    largest, at = np.full((2, len(at_frames)), np.nan)
+    largest[known], at[known] = at_frames[known, first[known]], drive[first[known]]
+    around = np.pad(at_frames, ((0, 0), (1, 1)), constant_values=-np.inf)
+    is_top = np.isfinite(at_frames) & (at_frames >= around[:, :-2]) & (at_frames >= around[:, 2:])
+    tops = [np.flatnonzero(is_top[k]) for k in known]
+    tops = [np.sort(top[np.argsort(-at_frames[k, top], kind="stable")[:MOST_PEAKS]]) for k, top in zip(known, tops)]
+    owner = np.repeat(known, [len(top) for top in tops])
+    if len(drive) < 2 or not owner.size:
+        return (largest[0], at[0]) if is_single else (largest, at)
+    top = np.concatenate(tops)
+    before, after = np.maximum(top - 1, 0), np.minimum(top + 1, len(drive) - 1)
+    if not to_limits:
+        before, after = (np.where(np.isfinite(at_frames[owner, k]), k, top) for k in (before, after))
+    low, high = drive[before], drive[after]
+    for _ in range(REFINED):
+        places = np.linspace(low, high, PLACES)
+        heights = (
+            known_values(moved_to(motion, places.ravel()))[:, 1:]
+            .reshape(-1, *places.shape)[owner, :, range(len(owner))]
+            .T
+        )
+        best = np.argmax(heights, axis=0)
+        before, after = np.maximum(best - 1, 0), np.minimum(best + 1, PLACES - 1)
+        peak, below, beyond = (np.take_along_axis(heights, k[None], axis=0)[0] for k in (best, before, after))
+        low, middle, high = (np.take_along_axis(places, k[None], axis=0)[0] for k in (before, best, after))
+        if np.all(np.minimum(below, beyond) >= peak - FLAT * np.abs(peak)):
+            break
+    for k in known:
+        peaks, middles = peak[owner == k], middle[owner == k]
+        if peaks.max() > largest[k] + HIGHER * abs(largest[k]):
+            one = first_largest(peaks)
+            largest[k], at[k] = peaks[one], middles[one]
+    return (largest[0], at[0]) if is_single else (largest, at)
+
+
+def moved_to(motion: Motion, drives: ArrayLike) -> Motion:
+    """The linkage of a motion at its first drive, where its branch is defined, and at other ones."""
+    speed, acceleration = float(motion.timing.speed), float(motion.timing.acceleration)
+    return move(motion.given, np.append(motion.drive[0], drives), motion.solution.spec, speed, acceleration)
 
 
 def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:

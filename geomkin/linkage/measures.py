@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..model.rotating import RotatingBody
 from ..plane.vec import Real, Whole, dot
+from .drive_limits import largest_between
 from .linkage import AbstractLinkage
 from .motion import Motion
 from .named_linkages import FourBar, SliderCrank
@@ -159,7 +160,7 @@ def _is_of(motion: Motion, linkage: FourBar | SliderCrank) -> bool:
 
 @checked
 def least_transmission_angle(motion: Motion) -> Real:
-    """Smallest transmission angle over the frames that are reached.
+    """Smallest transmission angle over the frames that are reached; `linkage_checks` also has that between frames.
 
     Parameters
     ----------
@@ -183,6 +184,20 @@ def least_transmission_angle(motion: Motion) -> Real:
     return least
 
 
+# deg. A smaller transmission angle is 0: next to a limit of the driver it changes by the root of a rounding error.
+NO_ANGLE_DEG = 1e-5
+
+
+def transmission_extreme(motion: Motion, sign: Literal[1, -1]) -> tuple[float, float]:
+    """Largest (1) or least (-1) transmission angle, deg, also between frames, and the drive there; nan if unknown."""
+    value, drive = largest_between(
+        motion,
+        lambda moved: sign * np.degrees(np.where(moved.assembled, moved.transmission_angle, np.nan)),
+        to_limits=True,
+    )
+    return 0.0 if abs(value) < NO_ANGLE_DEG else sign * float(value), float(drive)
+
+
 # Largest number of bodies whose lengths are listed.
 MOST_LISTED = 12
 
@@ -196,9 +211,9 @@ def motion_quantities(linkage: AbstractLinkage, motion: Motion) -> dict[str, str
         pairs = zip(pins, [*pins[1:], pins[0]]) if len(pins) > 2 else [tuple(pins)] * (len(pins) == 2)
         if lengths := [f"{abs(b - a):.5g}" for a, b in pairs]:
             listed[body.replace("_", " ")] = f"{', '.join(lengths)} mm"
-    angle = np.degrees(motion.transmission_angle[motion.assembled])
-    if np.isfinite(angle).any():
-        listed["transmission angle"] = f"{np.nanmin(angle):.4g} to {np.nanmax(angle):.4g} deg"
+    least, largest = (transmission_extreme(motion, sign)[0] for sign in (-1, 1))
+    if np.isfinite(least):
+        listed["transmission angle"] = f"{least:.4g} to {largest:.4g} deg"
     return listed
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, entry, quantity
+from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, entry, inside, quantity, rounded_down
 from ..core.records import record
 from .linkage import AbstractLinkage, Linkage, Slider
 
@@ -77,8 +77,9 @@ class SliderCrank(AbstractLinkage):
                 "offset",
                 f"found {self.offset:g} mm, but crank and coupler together reach only "
                 f"{self.crank + self.coupler:g} mm, so the loop cannot close",
-                f"give less than {self.crank + self.coupler:g} mm or lengthen the others",
+                f"give less than {rounded_down(float(self.crank + self.coupler))} mm or lengthen the others",
                 "does-not-assemble",
+                inside(float(self.crank + self.coupler), 1),
             )
 
     @cached_property
@@ -162,8 +163,9 @@ class InvertedSliderCrank(AbstractLinkage):
             raise DesignError(
                 "offset",
                 f"found {self.offset:g} mm, but the crank pin is at most {farthest:g} mm from the rocker pivot",
-                f"give less than {farthest:g} mm",
+                f"give less than {rounded_down(float(farthest))} mm",
                 "does-not-assemble",
+                inside(float(farthest), 1),
             )
 
     @cached_property
@@ -395,7 +397,8 @@ class Shaper(AbstractLinkage):
                 "crank",
                 f"found {self.crank:g} mm, but the lever turns over unless the crank is shorter than the ground, "
                 f"{self.ground:g} mm",
-                f"give less than {self.ground:g} mm",
+                f"give less than {rounded_down(self.ground)} mm",
+                value=inside(self.ground, 1),
             )
 
     @cached_property
@@ -494,8 +497,9 @@ class FourBar(AbstractLinkage):
                 longest,
                 f"found {lengths[longest]:g} mm, but the other three links together reach only {others:g} mm, "
                 "so the loop cannot close",
-                f"give {longest} less than {others:g} mm or lengthen the others",
+                f"give {longest} less than {rounded_down(float(others))} mm or lengthen the others",
                 "does-not-assemble",
+                inside(float(others), 1),
             )
 
     @cached_property

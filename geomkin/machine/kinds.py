@@ -84,7 +84,7 @@ def _read(given: object, folder: Any) -> AbstractRecipe:
         return recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe
     except RecipeError as error:
         first = error.problems[0]
-        raise DesignError(first.key, first.problem, first.remedy, first.id) from None
+        raise DesignError(first.key, first.problem, first.remedy, first.id, first.value) from None
 
 
 def _refuse_machine(key: str = "kind") -> NoReturn:
@@ -309,7 +309,7 @@ class MachineRecipe(AbstractRecipe):
             duty = MotorDuty(self.input_torque, np.full(angle.shape, RPM * self.drive.speed_rpm), angle)
             known = np.isfinite(duty.torque).any()
             at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
-            yield motor_check(motor, duty, TORQUE, at, on_plate=True)
+            yield motor_check(motor, duty, TORQUE, at, f"mechanisms.{self.graph.driver}.recipe.{stock}.{key}")
 
     @cached_property
     def scene(self) -> Scene:
@@ -396,13 +396,18 @@ class MachineRecipe(AbstractRecipe):
     def _checks_of(self, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
         """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
         for name, recipe in self.recipes.items():
+            # A recipe in a file of its own has no keys in this one.
+            is_file, key = self.mechanisms[name].recipe.is_in_own_file, f"mechanisms.{name}.recipe"
             with errors_of(name):
                 checks: tuple[Check, ...] = getattr(recipe, kind)
             for check in checks:
                 if check.id == "motor_torque" and name in self.graph.sources:
                     continue  # A motor of the recipe alone, which the machine does not have.
                 id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
-                yield replace(check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason)
+                inner = () if is_file else tuple(suggestion.under(key) for suggestion in check.suggestions)
+                yield replace(
+                    check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason, suggestions=inner
+                )
 
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:
@@ -492,4 +497,4 @@ def errors_of(name: str) -> Iterator[None]:
         yield
     except DesignError as error:
         field = error.field if error.field.startswith("mechanisms") else f"mechanisms.{name}.recipe.{error.field}"
-        raise DesignError(field, error.problem, error.remedy, error.id) from None
+        raise error.named(field) from None

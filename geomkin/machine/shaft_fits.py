@@ -18,7 +18,7 @@ from ..model.rotating import RotatingBody
 from ..model.scene import SceneBody
 from ..plane.flatten import flatten
 from ..plane.region import distances
-from ..plane.vec import Complex
+from ..plane.vec import Complex, without_rounding
 from ..recipe.recipe import AbstractRecipe
 from .placed import PlacedMechanism
 from .shafts import Shaft, ShaftGraph
@@ -99,7 +99,7 @@ class ShaftFit:
         bores = {name: bore.diameter if bore else np.nan for name, bore in self.bores.items()}
         words = ", ".join(f"{name} {bore:g} mm" if bore > 0 else f"{name} none" for name, bore in bores.items())
         advice = "give all bodies on this shaft the same bore: bore of gears and cams, pin_diameter of linkages"
-        spread = float(np.ptp(list(bores.values())))
+        spread = without_rounding(np.ptp(list(bores.values())), max(bores.values()))
         yield Check(f"{id}_bores", f"difference of bores on one shaft ({words})", spread, "at most", 0.0, "mm", advice)
         if not self.diameter > 0:
             return
@@ -109,7 +109,7 @@ class ShaftFit:
         yield Check(
             f"{id}_room",
             f"distance of shaft {self.shaft}{beside}",
-            room - self.diameter / 2,
+            without_rounding(room - self.diameter / 2, self.diameter),
             "at least",
             0.0,
             "mm",
@@ -166,7 +166,7 @@ def motor_room(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     advice = (
         "put these mechanisms on the other side of the plate, or change their angle_deg or the train's directions_deg"
     )
-    value = room - face.face_width / 2
+    value = without_rounding(room - face.face_width / 2, face.face_width)
     yield Check("motor_room", f"distance of the motor and {name}", value, "at least", 0.0, "mm", advice)
 
 

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, quantity
+from ..core.fields import FARTHEST, inside, quantity, rounded_down, to_digits
 from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..plane.curve import AbstractCurve
@@ -108,6 +108,7 @@ class BaseOpening:
                 f"found {self.diameter:g} mm, but the base has a hole for {self.item}",
                 f"give at least {SMALLEST:g} mm, or omit base",
                 "conflict",
+                SMALLEST,
             )
         if self.motor:
             return face_of(self.motor).holes(clearance, self.points[0])
@@ -182,7 +183,8 @@ def _check_apart(first: BaseOpening, second: BaseOpening, clearance: float) -> N
         key,
         f"found {value:g} mm: the holes for {first.item} and {second.item} in the base are {apart:.6g} mm apart "
         f"and together {2 * wide:.6g} mm wide, so they meet",
-        f"give less than {most:.6g} mm" if most > 0 else "move them apart",
+        f"give less than {rounded_down(to_digits(most, 12))} mm" if most > 0 else "move them apart",
+        value=inside(most, 1) if most > 0 else None,
     )
 
 

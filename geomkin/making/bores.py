@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, quantity, rounded_down
+from ..core.fields import FARTHEST, inside, quantity, rounded_down, to_digits
 from ..core.records import record
 from ..model.part import HoleFit
 from ..plane.primitives import Circle, Polyline
@@ -59,12 +59,15 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
             if most > SMALLEST
             else "make the part larger"
         )
-        raise DesignError(key, f"found {diameter:g} mm {room}", f"give 0 for none, or {sizes}")
+        remedy = f"give 0 for none, or {sizes}"
+        raise DesignError(key, f"found {diameter:g} mm {room}", remedy, value=inside(most, 1) if most > SMALLEST else 0)
     if diameter + clearance >= widest:
+        most = to_digits(widest - diameter, 12)
         raise DesignError(
             f"{key.rpartition('.')[0]}.clearance",
             f"found {clearance:g} mm for a shaft of {diameter:g} mm {room}",
-            f"give less than {widest - diameter:.4g} mm, or a smaller {key.rpartition('.')[2]}",
+            f"give less than {rounded_down(most)} mm, or a smaller {key.rpartition('.')[2]}",
+            value=inside(most, 1),
         )
     return (Circle(centre, (diameter + clearance) / 2),)
 

@@ -6,7 +6,7 @@ from math import cos, pi
 from typing import Any, Literal
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, entry, quantity, rounded_down
+from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
@@ -229,7 +229,8 @@ class AbstractBored:
             raise DesignError("flat", problem, 'omit it, or give bore_form = "D"', "conflict")
         if self.motor is not None and self.bore >= (boss := face_of(self.motor).boss_diameter):
             problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
-            raise DesignError("bore", problem, f"give less than {boss:g} mm, or omit motor")
+            remedy = f"give less than {rounded_down(boss)} mm, or omit motor"
+            raise DesignError("bore", problem, remedy, value=inside(boss, 1))
         if self.bore_form in FLATS:
             self._check_flat()
         if self.fit == "press":
@@ -249,8 +250,9 @@ class AbstractBored:
         narrowest = self.across_flat or self.bore
         if 0 < narrowest < self.interference + SMALLEST:
             problem = f"found {self.interference:g} mm, which leaves no hole for a shaft {narrowest:g} mm across"
-            most = f"give at most {rounded_down(narrowest - SMALLEST)} mm"
-            raise DesignError("interference", problem, most if narrowest > SMALLEST else "give a thicker shaft")
+            value = rounded_down(narrowest - SMALLEST) if narrowest > SMALLEST else None
+            remedy = "give a thicker shaft" if value is None else f"give at most {value} mm"
+            raise DesignError("interference", problem, remedy, value=value)
 
     def _check_flat(self) -> None:
         half, across = (self.bore / 2 if self.bore_form == "D" else 0.0), self.across_flat
@@ -271,8 +273,9 @@ class AbstractBored:
             raise DesignError(
                 "flat",
                 f"found {across:g} mm across a shaft of {self.bore:g} mm",
-                f"give more than {half:.6g} and less than {self.bore:g} mm",
+                f"give more than {rounded_up(half)} and less than {rounded_down(self.bore)} mm",
                 "out-of-range",
+                inside(self.bore, 1),
             )
         for name, size in (("keyway_width", self.keyway_width), ("keyway_depth", self.keyway_depth)):
             if size:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import ArgumentType, PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, ComplexPoint, Length, NotBoolean, entry, quantity
+from ..core.fields import FARTHEST, ComplexPoint, Length, NotBoolean, entry, inside, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
@@ -129,23 +129,26 @@ class MotorFace:
             raise DesignError("thread", f"found {self.thread:g} mm", f"give {MOTOR_THREADS} mm", "out-of-range")
         if self.least_depth > self.largest_depth:
             problem = f"found {self.least_depth:g} mm, more than largest_depth"
-            raise DesignError("least_depth", problem, f"give at most {self.largest_depth:g} mm", "conflict")
+            most = self.largest_depth
+            raise DesignError("least_depth", problem, f"give at most {rounded_down(most)} mm", "conflict", most)
         if self.boss_diameter <= self.shaft:
             problem = f"found {self.boss_diameter:g} mm round a shaft of {self.shaft:g} mm"
-            raise DesignError("boss_diameter", problem, f"give more than {self.shaft:g} mm", "conflict")
+            remedy = f"give more than {rounded_up(self.shaft)} mm"
+            raise DesignError("boss_diameter", problem, remedy, "conflict", inside(self.shaft, -1))
         least = self.shaft / 2 if self.flats == 1 else 0.0
         if self.flat is not None and not least < self.flat < self.shaft:
             problem = f"found {self.flat:g} mm across a shaft of {self.shaft:g} mm"
-            limits = f"give more than {least:g} and less than {self.shaft:g} mm"
-            raise DesignError("flat", problem, limits, "out-of-range")
+            limits = f"give more than {rounded_up(least)} and less than {rounded_down(self.shaft)} mm"
+            raise DesignError("flat", problem, limits, "out-of-range", inside(self.shaft, 1))
         if len(self.screws) < 2:
             raise DesignError("screws", f"found {len(self.screws)}", "give at least two")
         places, half = np.array(self.screws), self.face_width / 2
         clear = (self.boss_diameter + self.screw_hole) / 2
-        inside = np.maximum(np.abs((places - self.face_offset).real), np.abs(places.imag)) < half
-        if not (inside & (np.abs(places) > clear)).all():
+        on_face = np.maximum(np.abs((places - self.face_offset).real), np.abs(places.imag)) < half
+        if not (on_face & (np.abs(places) > clear)).all():
             problem = "found a screw in the hole of the boss, or off the face"
-            raise DesignError("screws", problem, f"give places more than {clear:g} mm from the shaft, on the face")
+            remedy = f"give places more than {rounded_up(clear)} mm from the shaft, on the face"
+            raise DesignError("screws", problem, remedy)
 
     def __str__(self) -> str:
         return self.product
@@ -212,7 +215,7 @@ class MotorFace:
             raise DesignError(
                 key,
                 f"found {motor_face_name(self)}, whose {high}, under a plate {thickness:g} mm thick",
-                f"give a thickness of at least {least:g} mm, or omit the motor",
+                f"give a thickness of at least {rounded_up(least)} mm, or omit the motor",
             )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.fields import entry, to_digits
-from ..model.check import Check
+from ..model.check import Check, Suggestion
 from ..model.motor import Motor, MotorDuty
 from .motor_faces import MOTOR_FACES
 from .named import NamedIn
@@ -138,13 +138,14 @@ def motor_name(motor: Motor) -> str | None:
 
 
 def motor_check(
-    motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None, on_plate: bool = False
+    motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None, key: str = "loads.motor"
 ) -> Check:
     """Check that a motor supplies the torque and speed of its duty, by the margin of `smallest_motor`.
 
-    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`. on_plate: whether a plate
-    has the holes for the motor, so that only motors with a known face can replace it.
+    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`. key: the motor's in the
+    recipe; if it is not among the loads, a plate has the holes for it, and only motors with a known face replace it.
     """
+    on_plate = not key.endswith("loads.motor")
     names = [name for name in MOTORS if name in MOTOR_FACES or not on_plate]
     better = _lightest(names, duty, LEAST_MOTOR_MARGIN)
     change = "choose another motor by its torque: none of the table suffices"
@@ -154,7 +155,8 @@ def motor_check(
     advice = _excess(motor, duty) + change
     name = f"torque of the {motor.name} to that required"
     limit = LEAST_MOTOR_MARGIN
-    return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at)
+    suggestions = (Suggestion({key: better}),) if better else ()
+    return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at, "", suggestions)
 
 
 def _excess(motor: Motor, duty: MotorDuty) -> str:

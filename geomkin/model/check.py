@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from math import isnan
 from typing import Annotated, Literal
 
@@ -16,6 +18,26 @@ from ..plane.vec import rounded
 AnyNumber = Annotated[
     float, ArgumentType(lambda value: isinstance(value, REAL) and not isinstance(value, bool), "a number")
 ]
+
+
+@record
+class Suggestion:
+    """Values with which a failed check passes, as data beside its advice.
+
+    Parameters
+    ----------
+    values : mapping of str to float or str
+        Value of each dotted key of the recipe, such as `tolerances.tolerance`; all of them together.
+    unit : str
+        Unit of the numbers.
+    """
+
+    values: Mapping[str, float | str]
+    unit: str = ""
+
+    def under(self, key: str) -> Suggestion:
+        """The same, of a recipe that another one has under a key."""
+        return replace(self, values={f"{key}.{inner}": value for inner, value in self.values.items()})
 
 
 @record(checked=True)
@@ -41,6 +63,8 @@ class Check:
         it slides. None if unknown.
     expected : str
         The reason that the recipe gives for an intended failure; "" if there is none.
+    suggestions : tuple of Suggestion
+        Changes of the recipe's values, each of which lets the check pass; empty if none is known.
     """
 
     id: str
@@ -53,6 +77,7 @@ class Check:
     column: str = ""
     at: AnyNumber | None = None
     expected: str = ""
+    suggestions: tuple[Suggestion, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -65,6 +90,8 @@ class Check:
         # Rounding displaces the position of a maximum by the square root of its size: further decimals would be noise.
         known |= {"at": float(rounded(self.at, 3)) + 0.0} if self.at is not None else {}
         known |= {"expected": self.expected} if self.expected and not self.passed else {}
+        if self.suggestions and not self.passed:
+            known["suggestions"] = [dict(suggestion.values) for suggestion in self.suggestions]
         return {
             "id": self.id,
             "name": self.name,
@@ -89,7 +116,8 @@ class Check:
 
     def __str__(self) -> str:
         n = self.digits(3)
-        value = "unknown" if isnan(self.value) else f"{self.value:.{n}g} {self.unit}".rstrip()
+        # Adding 0 removes the sign of -0.
+        value = "unknown" if isnan(self.value) else f"{self.value + 0.0:.{n}g} {self.unit}".rstrip()
         text = f"{self.name} {value}"
         if self.passed:
             return text

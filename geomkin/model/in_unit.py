@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..core.units import MM, LengthUnit
-from .check import Check
+from .check import Check, Suggestion
 from .scene import Choice, Limit, Plot, Scene
 from .table import Column, Table
 
@@ -36,7 +36,17 @@ def check_in(unit: LengthUnit, check: Check, slides: bool = False) -> Check:
         unit=unit.unit(check.unit),
         advice=unit.text(check.advice),
         at=at,
+        suggestions=tuple(suggestion_in(unit, suggestion) for suggestion in check.suggestions),
     )
+
+
+def suggestion_in(unit: LengthUnit, suggestion: Suggestion) -> Suggestion:
+    """The suggestion in this unit."""
+    values = {
+        key: value if isinstance(value, str) else unit.in_digits(value, suggestion.unit)
+        for key, value in suggestion.values.items()
+    }
+    return Suggestion(values, unit.unit(suggestion.unit))
 
 
 def scene_in(unit: LengthUnit, scene: Scene) -> Scene:

@@ -50,6 +50,8 @@ class MotorDuty:
         rad/s.
     angle : array, shape (frames,)
         Angle of the shaft, rad.
+    between : float
+        Largest torque of either sense between the frames, N mm, if it exceeds those at them.
 
     Examples
     --------
@@ -63,6 +65,7 @@ class MotorDuty:
     torque: _Row
     speed: _Row
     angle: _Row
+    between: float = 0.0
 
     def __post_init__(self) -> None:
         if not len(self.torque) == len(self.speed) == len(self.angle) > 0:
@@ -73,7 +76,7 @@ class MotorDuty:
     def peak_torque(self) -> float:
         """Largest torque of either sense, N mm; nan if all are unknown."""
         known = self.torque[np.isfinite(self.torque)]
-        return float(np.abs(known).max()) if known.size else float("nan")
+        return max(float(np.abs(known).max()), self.between) if known.size else float("nan")
 
     @cached_property
     def rms_torque(self) -> float:
@@ -181,5 +184,7 @@ class Motor:
         supplied, required = self.torque_at(duty.speed[known]), np.abs(duty.torque[known])
         if not supplied.all():
             return 0.0
+        peak = np.argmax(required)
+        required[peak] = duty.peak_torque
         with np.errstate(divide="ignore"):
             return float(min(np.min(supplied / required), np.divide(self.lasting_torque_n_mm, duty.rms_torque)))

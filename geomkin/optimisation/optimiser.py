@@ -230,7 +230,7 @@ def optimised(
     except DesignError as error:
         if table is None or error.field not in omitted:
             raise
-        raise DesignError(f"optimise.{error.field}", error.problem, error.remedy, error.id) from None
+        raise error.named(f"optimise.{error.field}") from None
     if out is None:
         return found
     if isinstance(found, ParetoFront):

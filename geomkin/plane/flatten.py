@@ -149,9 +149,10 @@ def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Rea
     count: Real = np.asarray(sweep) / (2 * half)
     if (total := float(np.sum(count))) > MOST_CHORDS:
         # The count is inversely proportional to the root of the tolerance.
-        remedy = f"give at least {rounded_up(tolerance * (total / MOST_CHORDS) ** 2, 4)} mm"
+        enough = rounded_up(tolerance * (total / MOST_CHORDS) ** 2, 4)
+        remedy = f"give at least {enough} mm"
         raise DesignError(
-            "tolerance", f"found {tolerance:g} mm, which takes {total:,.0f} chords", remedy, "too-much-work"
+            "tolerance", f"found {tolerance:g} mm, which takes {total:,.0f} chords", remedy, "too-much-work", enough
         )
     return count - 1e-9
 

@@ -25,6 +25,8 @@ BESIDE_HALF = 2.0**-44
 # Relative difference up to which two values count as equally large. With a smaller one rounding decides between the
 # equally bad positions of a symmetric mechanism; with a larger one different values count as equal.
 TIED = 1e-9
+# Share of the size of numbers up to which their difference is a rounding error.
+NOTHING = 1e-12
 
 
 @checked
@@ -70,6 +72,11 @@ def as_unit(direction: ArrayLike) -> Complex:
 def known(mask: Mask, values: Array) -> Array:
     """Values where a mask is true; elsewhere nan, in both parts of complex values."""
     return np.where(mask, values, complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan)
+
+
+def without_rounding(value: float, size: float) -> float:
+    """A difference of numbers of a size; 0 if it is not larger than their rounding errors."""
+    return 0.0 if abs(value) <= NOTHING * size else float(value)
 
 
 def first_largest(values: Real) -> int:

@@ -77,8 +77,7 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     try:
         recipe = scaled(recipe, data.get("scale", 1.0)) if kind.can_be_scaled else recipe
     except DesignError as error:
-        problem = Problem(error.field, error.problem, error.remedy, error.id)
-        raise RecipeError(file, in_unit([problem], kind, unit)) from None
+        raise RecipeError(file, in_unit([error.as_problem], kind, unit)) from None
     object.__setattr__(recipe, "loaded_table", data)
     return recipe
 

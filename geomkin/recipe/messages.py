@@ -114,7 +114,7 @@ def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
             return _unknown_key(str(e["loc"][-1]), key, tables, recipe, is_shown)
         case "value_error" if isinstance(e["ctx"]["error"], DesignError):
             cause = e["ctx"]["error"]
-            return Problem(_join(key, cause.field), cause.problem, cause.remedy, cause.id)
+            return cause.named(_join(key, cause.field)).as_problem
         case "literal_error":
             expected = e["ctx"]["expected"]
             near = did_you_mean(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
@@ -223,7 +223,7 @@ def _location(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dat
         if tagged and len(tables) > 1:
             tables = tagged
             continue
-        key = _join(key, printable(part, 60) or '""')
+        key = ".".join(filter(None, (key, printable(part, 60) or '""')))
         owners = [t for t in tables if part in {f.name for f in dataclasses.fields(t)}]
         # Inside a field whose keys the user chooses, such as bodies, the field itself describes the value.
         if owners or not is_free:

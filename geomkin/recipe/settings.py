@@ -22,7 +22,7 @@ from ..core.fields import (
 from ..core.records import record
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
-from ..model.check import Check
+from ..model.check import Check, Suggestion
 from ..model.mass import Mass
 from ..plane.vec import Real
 
@@ -84,6 +84,7 @@ def check_rows(key: str, span: float, step: float, unit: str, columns: int = 1) 
             f"found {step:g} {unit} for a range of {span:g} {unit}, which takes {span / step:,.0f} rows{cells}",
             f"give at least {rounded_up(span / most, 4)} {unit}",
             "too-much-work",
+            rounded_up(span / most, 4),
         )
 
 
@@ -207,6 +208,7 @@ def _check_speed(key: str, speed: float, least: float) -> None:
             f"found {speed:g}",
             f"give at least {least:g}, or at most {-least:g} for the opposite direction",
             "out-of-range",
+            least,
         )
 
 
@@ -318,7 +320,10 @@ class Turn:
         if not 1 <= quarters <= MOST_QUARTERS or abs(turn - quarters * np.pi / 2) > IN_RADIANS:
             return ()
         advice = f"{turn:g} looks like radians; the same in degrees is {90 * quarters}"
-        return (Check("driver_range", "rotation of the driver", turn, "at least", 90 * quarters, "deg", advice),)
+        end = self.start_deg + float(np.copysign(90 * quarters, self.end_deg - self.start_deg))
+        meant = (Suggestion({"drive.end_deg": end}, "deg"),)
+        name = "rotation of the driver"
+        return (Check("driver_range", name, turn, "at least", 90 * quarters, "deg", advice, suggestions=meant),)
 
     def check_rows(self, columns: int = 1) -> None:
         """DesignError if a table with so many columns would have too many rows."""

@@ -37,7 +37,7 @@ class VariedRecipe:
                     key.startswith(problem.key) and key[len(problem.key) :][:1] in ("", ".", "[") for key in changes
                 )
                 if problem.id == "unknown-key" and asked:
-                    raise DesignError(problem.key, problem.problem, problem.remedy, problem.id) from None
+                    raise DesignError(problem.key, problem.problem, problem.remedy, problem.id, problem.value) from None
 
 
 def varied(source: AbstractRecipe | str | Path | Mapping[str, Any]) -> tuple[VariedRecipe, str]:

@@ -62,7 +62,7 @@ def with_workshop(
             merged["files"] = {**_common_kerf(printable(name), measured, material_of.values()), **files}
         return merged
     except DesignError as error:
-        problem = Problem(error.field, error.problem, error.remedy, error.id)
+        problem = error.as_problem
         raise RecipeError(file, [shown_problem(problem, recipe, unit)]) from None
 
 
@@ -90,7 +90,7 @@ def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
                 found = [shown_problem(p, MeasuredFits, UNITS[units]) for p in explain(error, MeasuredFits)]
                 problems += (dataclasses.replace(p, key=".".join(filter(None, (material, p.key)))) for p in found)
     except DesignError as error:
-        raise DesignError("workshop", error.problem, error.remedy, error.id) from None
+        raise error.named("workshop") from None
     except RecipeError as error:
         problems += error.problems
     if problems:

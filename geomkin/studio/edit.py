@@ -135,20 +135,17 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         with errors_named_by_key("recipe", recipe):
             (_checks if request.get("lane") == "checks" else _scene)(recipe, request.get("locks") or (), reply)
     except RecipeError as error:
-        reply["problems"] = [_entry(problem) for problem in error.problems]
+        reply["problems"] = [problem.to_dict() for problem in error.problems]
     except DesignError as error:
-        reply["problems"] = [_entry(Problem(error.field, error.problem, error.remedy, error.id))]
+        reply["problems"] = [error.as_problem.to_dict()]
     except GeomkinError as error:
-        reply["problems"] = [_entry(Problem("", str(error), ""))]
+        reply["problems"] = [Problem("", str(error), "").to_dict()]
     except (MemoryError, RecursionError):
-        reply["problems"] = [_entry(Problem("", "it takes too much memory", "give smaller numbers", "too-much-work"))]
+        problem = Problem("", "it takes too much memory", "give smaller numbers", "too-much-work")
+        reply["problems"] = [problem.to_dict()]
     if reply["problems"]:
         reply["scene"] = None
     return reply
-
-
-def _entry(problem: Problem) -> dict[str, str]:
-    return {name: harmless(getattr(problem, name)) for name in ("key", "problem", "remedy", "id")}
 
 
 def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply: Answer) -> None:

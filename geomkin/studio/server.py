@@ -263,17 +263,17 @@ def _text(body: Mapping[str, Any], name: str) -> str:
     return value
 
 
-def _problems(error: GeomkinError) -> list[dict[str, str]]:
+def _problems(error: GeomkinError) -> list[dict[str, str | float]]:
     match error:
         case RecipeError():
             problems = list(error.problems)
         case DesignError():
-            problems = [Problem(error.field, error.problem, error.remedy, error.id)]
+            problems = [error.as_problem]
         case FileError():
             problems = [Problem("", f"{error.file} {error.problem}", error.remedy, error.id)]
         case _:
             problems = [Problem("", str(error), "")]
-    return [{name: harmless(getattr(p, name)) for name in ("key", "problem", "remedy", "id")} for p in problems]
+    return [problem.to_dict() for problem in problems]
 
 
 class StudioServer(ThreadingHTTPServer):

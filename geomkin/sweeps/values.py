@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import DesignError, printable, shown
+from ..core.fields import rounded_up
 
 # Largest number of combinations, with which slow kinds already take hours.
 MOST = 10_000
@@ -94,7 +95,7 @@ def _range(key: str, text: str, start: Decimal, stop: Decimal, step: Decimal) ->
     if steps >= MOST:
         least = Context(3, ROUND_CEILING, traps=[]).divide(abs(EXACT.subtract(stop, start)), Decimal(MOST - 1))
         problem = f"found {shown(text.strip())}, which is more than {MOST:,} values"
-        raise DesignError(key, problem, f"give a step of at least {float(least):g}", "too-much-work")
+        raise DesignError(key, problem, f"give a step of at least {rounded_up(float(least), 3)}", "too-much-work")
     whole = all(part == part.to_integral_value() for part in (start, step)) and max(abs(start), abs(stop)) < 2**53
     values = [EXACT.add(start, EXACT.multiply(step, Decimal(k))) for k in range(int(steps) + 1)]
     return [int(value) if whole else float(value) for value in values]

@@ -42,7 +42,9 @@ def test_torques_do_no_work_whichever_member_drives(driver, fixed):
     assert min(map(abs, turned.values())) == pytest.approx(360)
     by_sun = planetary(torque=abs(torques["sun"])).aspect("loads").meshes.strength
     assert recipe.aspect("loads").meshes.strength.planet_bearing_load == pytest.approx(by_sun.planet_bearing_load)
-    assert recipe.aspect("loads").meshes.strength.torque_limit / 900 == pytest.approx(by_sun.torque_limit / abs(torques["sun"]))
+    assert recipe.aspect("loads").meshes.strength.torque_limit / 900 == pytest.approx(
+        by_sun.torque_limit / abs(torques["sun"])
+    )
 
 
 def test_the_scene_moves_the_members_of_the_table():

@@ -30,11 +30,11 @@ def test_a_bar_is_stretched_or_bent_across_its_hole(pull, stress):
     assert all(check.passed for check in checks.values())
 
 
-def six_bar():
+def six_bar(frames=37):
     """A loaded six-bar with a ternary plate, springs and inertia."""
     four_bar = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 35j)
     linkage = gk.StephensonSixBar(four_bar, link=90, output=60, output_pivot=120 + 90j)
-    drive = np.linspace(0, 2 * np.pi, 37)
+    drive = np.linspace(0, 2 * np.pi, frames)
     motion = gk.move(linkage, drive, speed=15.0)
     masses = {name: gk.Mass(0.1, 20 + 5j, 80) for name in ("crank", "coupler", "rocker", "link", "output")}
     spring = gk.Spring("rocker", 30 + 4j, "ground", 0j, stiffness=0.5)
@@ -88,11 +88,12 @@ def test_stresses_are_those_of_the_other_side_of_each_section():
         found = plate_stress(loads, part, stack.plates[part.name].centres, 1e-3)
         assert found == pytest.approx(worst, rel=2e-3, abs=1e-4 * worst.max())
         largest.append(worst.max())
-    assert values(result, stack=stack)["plate_stress"].value == pytest.approx(max(largest), rel=2e-3)
+    # The largest is between two of these frames.
+    assert 0 <= values(result, stack=stack)["plate_stress"].value / max(largest) - 1 < 0.01
 
 
 def test_shear_of_a_pin_is_that_of_the_plates_above_each_joint():
-    result = six_bar()
+    result = six_bar(721)
     stack = gk.linkage.stack_links(result.motion, STEEL)
     shears = []
     for pin in stack.pins:
@@ -101,7 +102,7 @@ def test_shear_of_a_pin_is_that_of_the_plates_above_each_joint():
             shears.append(np.abs(sum(result.pin(pin.name, body) for body in above)).max())
     assert len(shears) > 6
     area = np.pi / 4 * (5 - 1.2269 * 0.8) ** 2
-    assert values(result, stack=stack)["pin_shear"].value == pytest.approx(max(shears) / area)
+    assert values(result, stack=stack)["pin_shear"].value == pytest.approx(max(shears) / area, rel=1e-4)
 
 
 def test_a_pressure_of_a_thousand_times_the_limit_asks_for_the_units():

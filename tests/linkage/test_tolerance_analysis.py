@@ -222,3 +222,18 @@ def test_many_linkages_are_not_followed_from_frame_to_frame():
     with pytest.raises(gk.DesignError) as error:
         gk.tolerances(followed, "coupler_point", 0.1).monte_carlo(10)
     assert error.value.field == "branch" and error.value.id == "too-much-work"
+
+
+def test_shares_within_the_root_sum_square_follow_from_the_distributions():
+    """Two equal lengths in line, and a point that deviates in two directions, in closed form."""
+    slider = gk.move(gk.SliderCrank(crank=30, coupler=90), [0.0])
+    sum_of_two = gk.tolerances(slider, "slide_displacement", {"crank": 0.1, "coupler": 0.1})
+    assert sum_of_two.share_within_root_sum_square("uniform") == pytest.approx(1 - (2 - 2**0.5) ** 2 / 4, abs=0.004)
+    assert sum_of_two.share_within_root_sum_square() == pytest.approx(0.9973, abs=0.001)
+    bars = gk.move(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j), [1.0])
+    around = gk.tolerances(bars, "coupler_point", {"coupler_point.x": 0.1, "coupler_point.y": 0.1})
+    assert around.share_within_root_sum_square("uniform") == pytest.approx(np.pi / 4, abs=0.005)
+    assert around.share_within_root_sum_square("normal") == pytest.approx(1 - np.exp(-4.5), abs=0.002)
+    # The hole of a pin lies anywhere in a circle, whose radius is the root sum square of the crank's pin.
+    hole = gk.tolerances(bars, "crank_pin", 0.0, {"crank_pivot": 0.2})
+    assert hole.share_within_root_sum_square("uniform") == 1

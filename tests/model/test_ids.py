@@ -96,9 +96,11 @@ def test_rise_and_return_of_a_cam_have_frames_of_their_own(recipes):
 def test_an_unreachable_range_is_worst_where_it_is_left_first():
     recipe = gk.load("kind = 'four-bar'\n[linkage]\nground = 100\ncrank = 80\ncoupler = 60\nrocker = 50\n")
     check = next(check for check in recipe.checks if check.id == "share_reached")
-    first = int(np.argmin(recipe.motion.assembled))
-    assert check.at == pytest.approx(np.degrees(recipe.motion.drive[first])) and not check.passed
-    assert worst_frame(check, recipe.scene) == first
+    # Cosine rule at the crank's pivot, coupler and rocker in line.
+    limit = np.degrees(np.arccos((100**2 + 80**2 - (60 + 50) ** 2) / (2 * 100 * 80)))
+    assert check.at == pytest.approx(limit) and not check.passed
+    nearest = int(np.argmin(np.abs(np.degrees(recipe.motion.drive) - limit)))
+    assert worst_frame(check, recipe.scene) == nearest
 
 
 def test_the_largest_output_error_is_at_its_peak():

@@ -87,6 +87,7 @@ def test_unreachable_part_of_the_range_is_reported_and_the_rest_is_checked():
     checks = {check.name: check for check in recipe.design_checks}
     reached, least = checks["share of the crank's turn reached"], checks["least transmission angle"]
     assert not reached.passed and "rocker_pin opens first, at crank 79 deg" in str(reached)
-    # At 78 deg, the last frame reached: cosine rule at the rocker pin.
-    diagonal = abs(40 - 30 * np.exp(1j * np.radians(78))) ** 2
-    assert least.value == pytest.approx(180 - np.degrees(np.arccos((20**2 + 25**2 - diagonal) / 1000)), rel=1e-9)
+    # At the limit, between two frames, coupler and rocker are in line: cosine rule at the crank's pivot.
+    limit = np.degrees(np.arccos((40**2 + 30**2 - (20 + 25) ** 2) / (2 * 40 * 30)))
+    assert reached.value == pytest.approx(100 * limit / 180, rel=1e-9) and least.value == 0
+    assert reached.at == pytest.approx(limit) and least.at == pytest.approx(limit)

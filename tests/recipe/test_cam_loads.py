@@ -129,9 +129,9 @@ def test_a_scaled_cam_keeps_its_forces_and_multiplies_its_torque():
 
 def test_the_named_motor_is_judged_by_its_torque_at_the_speed():
     recipe = cam(SPRING | {"motor": "nema23"}, drive={"speed_rpm": 200, "step_deg": 1})
-    torque = recipe.table["camshaft_torque"]
-    # Half of the holding torque of 1240 N mm; the root mean square is smaller than the peak.
-    assert check(recipe, "motor_torque").value == pytest.approx(620 / np.abs(torque).max(), rel=1e-9)
+    peak = np.abs(recipe.table["camshaft_torque"]).max()
+    # Half of the holding torque of 1240 N mm over the peak, which is between two rows; the root mean square is smaller.
+    assert 620 / (1.0001 * peak) < check(recipe, "motor_torque").value <= 620 / peak
     assert recipe.notes["loads"]["motor"]["motor"] == "nema23"
 
 

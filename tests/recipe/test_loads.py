@@ -130,7 +130,10 @@ def test_the_summary_has_peak_and_mean_and_the_page_has_plots():
     loads, torque = recipe.notes["loads"], recipe.table["driver_torque"]
     effort = loads["driver_torque_N_mm"]
     peak = np.argmax(np.abs(torque))
-    assert effort["peak"] == pytest.approx(torque[peak]) and effort["peak_at_deg"] == pytest.approx(120 + 10 * peak)
+    # Between two rows.
+    assert 0 <= effort["peak"] / torque[peak] - 1 < 1e-3 and effort["peak_at_deg"] == pytest.approx(
+        120 + 10 * peak, abs=10
+    )
     # Linear between the frames; the mean of the squares by 1000 samples of each step.
     fine = np.interp(np.linspace(0, 12, 12001), np.arange(13), torque**2)
     assert effort["rms"] == pytest.approx(np.sqrt(fine.mean()), rel=1e-3)
@@ -138,7 +141,7 @@ def test_the_summary_has_peak_and_mean_and_the_page_has_plots():
         sizes = [
             recipe.table[id] for id in recipe.table.ids if id.startswith(f"{pin}_force") and id[-2:] not in ("_x", "_y")
         ]
-        assert force == pytest.approx(max(map(np.max, sizes)))
+        assert 0 <= force / max(map(np.max, sizes)) - 1 + 1e-8 < 0.01
     assert len(loads["largest_pin_force_N"]) == 4 and loads["undetermined"] == []
     plotted = {id for plot in recipe.scene.plots for id in plot.columns}
     assert {"driver_torque", "crank_pin_force_on_coupler", "rocker_pivot_force_on_rocker"} <= plotted
@@ -238,7 +241,7 @@ def test_the_motor_is_the_one_named_or_mounted_or_the_smallest_that_suffices():
         return recipe, check
 
     recipe, check = motor({})
-    duty = recipe.aspect("loads").analysis.duty
+    duty = recipe.aspect("loads").duty
     lighter = [one for one in gk.making.MOTORS.values() if one.mass_g < recipe.aspect("loads").motor.mass_g]
     assert check.passed and check.value >= 1.5 and lighter and all(one.margin(duty) < 1.5 for one in lighter)
     assert recipe.notes["loads"]["motor"] == {
@@ -255,7 +258,7 @@ def test_the_motor_is_the_one_named_or_mounted_or_the_smallest_that_suffices():
     own = {"name": "own", "torque_n_mm": 4000, "speed_rpm": 120, "lasting_torque_n_mm": 5000, "mass_g": 1}
     recipe, check = motor({"motor": own}, scale=2)
     # At half of the speed without load half of the torque is left, for twice the torque of the smaller linkage.
-    assert check.value == pytest.approx(2000 / (2 * np.abs(duty.torque).max()), rel=1e-9)
+    assert check.value == pytest.approx(2000 / (2 * duty.peak_torque), rel=1e-9)
     assert motor({}, stock={"motor": "nema17"})[0].aspect("loads").motor == gk.making.motor("nema17")
     with pytest.raises(gk.RecipeError, match="shaft"):
         loads = {"masses": {"slider": {"mass_kg": 1}}, "motor": "nema17"}

@@ -50,7 +50,8 @@ def test_the_limit_is_checked_and_the_advised_tolerance_just_passes():
     failed = four_bar(KNOWN | {"limit": 0.4})
     (check,) = [check for check in failed.checks if check.id == "deviation"]
     assert not check.passed and check.column == "coupler_point_worst_case" and check.unit == "mm"
-    assert check.value == pytest.approx(np.max(failed.table[check.column]))
+    # The largest value is between two rows.
+    assert 0 <= check.value - np.max(failed.table[check.column]) < 1e-3 * check.value
     advised = failed.notes["tolerances"]["loosest_tolerance_mm"]["worst_case"]
     for factor, passes in ((0.999, True), (1.001, False)):
         again = four_bar(KNOWN | {"limit": 0.4, "tolerance": advised * factor})
@@ -91,8 +92,8 @@ def test_random_linkages_in_the_summary_agree_with_the_root_sum_square(tmp_path)
     assert sum(found["contributions_deg"].values()) >= found["worst_case_deg"] * (1 - 1e-6)
     ends = gk.move(gk.FourBar(100, 30, 90, 70), gk.linkage.dead_centres(gk.FourBar(100, 30, 90, 70), "rocker"))
     swing = gk.tolerances(ends, "rocker_angle", 0.1).range_worst_case
-    # The ends of the swing are sampled at whole steps.
-    assert found["range_worst_case_deg"] == pytest.approx(np.degrees(swing), rel=0.05)
+    # Its ends are between two rows.
+    assert found["range_worst_case_deg"] == pytest.approx(np.degrees(swing), rel=1e-5)
     assert "random" not in four_bar(KNOWN | {"linkages": 0}).notes["tolerances"]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arguments import ArgumentType
 from ...core.errors import DesignError
-from ...core.fields import KindTable, OneOfKinds, rounded_up
+from ...core.fields import KindTable, OneOfKinds, inside, rounded_up
 from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
@@ -90,6 +90,7 @@ def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:
             "stock.stem_length",
             f"found {stem:g} mm, too short for two guide pins with bars {width:g} mm wide",
             f"give at least {rounded_up(least)} mm, or omit base",
+            value=rounded_up(least),
         )
     inner, outer = (Hole("pivot_bore", bars.pivot_bore, width, distance * along) for distance in (first, stem))
     return inner, outer
@@ -136,7 +137,8 @@ def stemmed_face(face: tuple[float, float], tilt: float, width: float, stem: flo
         raise DesignError(
             "stock.stem_length",
             f"found {stem:g} mm, too short for a bar {width:g} mm wide along the face",
-            f"give more than {1.5 * width / along.imag:.4g} mm",
+            f"give more than {rounded_up(1.5 * width / along.imag)} mm",
+            value=inside(1.5 * width / along.imag, -1),
         )
     corners = [low, high, high + 1j * width, right, end + aside, end - aside, left, low + 1j * width]
     bulges = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]

@@ -10,7 +10,7 @@ from typing import Literal, Self
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, entry, inside, quantity, rounded_down
 from ...core.records import record
 from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
@@ -183,7 +183,8 @@ class TranslatingRoller(AbstractRoller):
             raise DesignError(
                 "follower.offset",
                 f"found {self.offset:g} mm, not below the prime radius of {prime:g} mm",
-                f"give an offset below {prime:g} mm or a larger base_radius",
+                f"give an offset below {rounded_down(prime)} mm or a larger base_radius",
+                value=inside(prime, 1),
             )
 
     def base_radius_range(self, largest_lift: float) -> tuple[float, float]:

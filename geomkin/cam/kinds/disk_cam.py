@@ -29,6 +29,7 @@ from ...recipe.template import example
 from ..base_circle import least_base_circle
 from ..cam import Cam
 from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
+from ..extrema import largest
 from ..followers.follower import FOLLOWERS
 from ..measures import cam_table
 from ..parts import CamStock
@@ -166,11 +167,18 @@ class DiskCamRecipe(AbstractComposedRecipe):
     @property
     def quantities(self) -> Mapping[str, str]:
         """Largest lift, range of the pressure angle, and the lift lost to undercut."""
-        angle, (unit, size) = np.asarray(self.table["pressure_angle"]), self.cam.follower.lift_unit
-        lost = self.made.cut.worst[0] * size
+        unit, size = self.cam.follower.lift_unit
+        lost, breaks = self.made.cut.worst[0] * size, self.cam.program.breaks
+        lift = largest(breaks, lambda angle: self.cam.program.motion(angle).lift)[0] * size
+
+        def extreme_deg(sign: int) -> float:
+            value = largest(breaks, lambda angle: sign * self.cam.contact(angle).pressure_angle)[0]
+            # Smaller angles are rounding; adding 0 removes the sign of -0.
+            return round(sign * float(np.degrees(value)), 9) + 0.0
+
         return {
-            "largest lift": f"{np.max(self.table['lift']):.4g} {unit}",
-            "pressure angle": f"{np.min(angle):.3g} to {np.max(angle):.3g} deg",
+            "largest lift": f"{lift:.4g} {unit}",
+            "pressure angle": f"{extreme_deg(-1):.3g} to {extreme_deg(1):.3g} deg",
             "undercut": f"loses {lost:.3g} {unit} of lift" if lost else "none",
         }
 

@@ -9,16 +9,16 @@ from functools import cached_property
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, rounded_up, to_digits
+from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_digits
 from ...core.records import record
 from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
-from ...model.check import Check
+from ...model.check import Check, Suggestion
 from ...model.mass import Mass
 from ...model.material import Material
-from ...model.motor import Motor, root_mean_square
+from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Limit, Plot, Scene, SceneMark, drawn_at
 from ...model.table import Column, Table
-from ...plane.vec import Real, first_largest
+from ...plane.vec import Real
 from ...recipe.aspect import ALONE, AbstractAspect, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..cam import Cam
@@ -192,7 +192,18 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
         """The given motor; without one the smallest that suffices, None if no motor can drive the cam."""
         known = np.isfinite(self.forces.torque).any()
         given = self.given.motor or self.mechanism.mounted_motor
-        return given or (smallest_motor(self.forces.duty) if known else None)
+        return given or (smallest_motor(self.duty) if known else None)
+
+    @cached_property
+    def peak_torque(self) -> tuple[float, float]:
+        """Largest torque of either sense over a turn, N mm, and its cam angle, deg; nan if none is known."""
+        return self._extreme(lambda angle: np.abs(self.forces_at(angle).torque))
+
+    @property
+    def duty(self) -> MotorDuty:
+        """Torque and speed of the camshaft."""
+        peak = self.peak_torque[0]
+        return replace(self.forces.duty, between=peak if np.isfinite(peak) else 0.0)
 
     def _extreme(self, values: Callable[[Real], Real], sign: int = 1) -> tuple[float, float]:
         """Largest known value over a turn, with sign -1 the least, and its cam angle, deg; nan if none is known."""
@@ -244,8 +255,8 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
         least, at = self._extreme(self.contact, -1)
         if self.cam.program.jumps.velocity.any():
             least = -np.inf
-        name, advice = "least force between cam and follower", self._contact_advice()
-        yield Check("follower_contact", name, least, "at least", 0, "N", advice, "contact_force", at)
+        name, (advice, kept) = "least force between cam and follower", self._contact_advice()
+        yield Check("follower_contact", name, least, "at least", 0, "N", advice, "contact_force", at, "", kept)
         if self.loads.friction:
             share, at = self._extreme(lambda t: self.forces_at(t).guide_share, -1)
             advice = "friction jams the guide near 0: give a longer guide, less overhang or a larger base_radius"
@@ -258,23 +269,23 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
             advice = "give a thicker sheet, a stronger material, a weaker spring or a larger base_radius"
             yield Check("contact_safety", name, safety, "at least", least, "", advice, "contact_pressure", at)
         if self.motor is not None:
-            torque = np.abs(self.forces.torque)
-            at = float(np.degrees(self.angles[first_largest(torque)])) if np.isfinite(torque).any() else np.nan
-            position = at if np.isfinite(at) else None
-            yield motor_check(
-                self.motor, self.forces.duty, "camshaft_torque", position, self.mechanism.stock.motor is not None
-            )
+            peak, at = self.peak_torque
+            position = at if np.isfinite(peak) else None
+            key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
+            yield motor_check(self.motor, self.duty, "camshaft_torque", position, key)
 
-    def _contact_advice(self) -> str:
-        """What keeps the follower on the cam: keys of the recipe with values that do."""
+    def _contact_advice(self) -> tuple[str, tuple[Suggestion, ...]]:
+        """What keeps the follower on the cam, and keys of the recipe with values that do."""
         if self.cam.program.jumps.velocity.any():
-            return "the velocity of the follower jumps: start and end the motion with a law that rests there"
+            return "the velocity of the follower jumps: start and end the motion with a law that rests there", ()
         rate, preload, _ = ARM if self.cam.follower.oscillates else STRAIGHT
         speed = self.mechanism.speed
         values = {preload: least_preload(self.cam, self.loads, speed)}
         values[rate] = least_stiffness(self.cam, self.loads, speed)
-        choices = [f"{key} = {rounded_up(value, 4)}" for key, value in values.items() if np.isfinite(value)]
-        return f"give {', '.join([*choices, 'a lighter follower or a lower speed'])}"
+        enough = {key: rounded_up(value * (1 + ROUNDING), 4) for key, value in values.items() if np.isfinite(value)}
+        choices = [f"{key} = {value}" for key, value in enough.items()]
+        advice = f"give {', '.join([*choices, 'a lighter follower or a lower speed'])}"
+        return advice, tuple(Suggestion({f"loads.{key}": float(value)}) for key, value in enough.items())
 
     @property
     def entries(self) -> Mapping[str, object]:
@@ -285,7 +296,7 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
         """Peaks, limits of the contact, and the motor, as entries of summary.json."""
         arm, torque = self.cam.follower.oscillates, self.forces.torque
         result: dict[str, object] = {}
-        peak, at = self._extreme(lambda t: np.abs(self.forces_at(t).torque))
+        peak, at = self.peak_torque
         if np.isfinite(peak):
             size = float(self.forces_at(np.radians([at])).torque[0])
             rms = to_digits(root_mean_square(torque, self.angles))
@@ -304,5 +315,5 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
         rate = f"least_spring_rate_{'N_mm_per_rad' if arm else 'N_per_mm'}"
         result[rate] = to_digits(least_stiffness(self.cam, self.loads, speed))
         if self.motor:
-            result["motor"] = motor_summary(self.motor, self.forces.duty)
+            result["motor"] = motor_summary(self.motor, self.duty)
         return result

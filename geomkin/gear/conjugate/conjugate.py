@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.arguments import FloatOrNan, checked, whole_between
 from ...core.errors import DesignError
-from ...core.fields import Length, Size
+from ...core.fields import Length, Size, inside, rounded_down
 from ...core.records import record
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Reversed
@@ -237,8 +237,8 @@ def _check_depth(tooth: AbstractCurve, pitch_radius: float, addendum: float, rin
         raise DesignError(
             "addendum",
             f"found {addendum:.5g} mm, but the spaces of the gear are only {deep:.5g} mm deep below its pitch circle",
-            # Slightly less, so that the rounded number is valid too.
-            f"give at most {deep * (1 - 1e-5):.6g}",
+            f"give at most {inside(deep, 1, 6)}",
+            value=inside(deep, 1, 6),
         )
 
 
@@ -264,7 +264,8 @@ def _piece(steps: list[BoundaryPiece], teeth: int, ring: bool, pitch_radius: flo
         raise DesignError(
             "addendum",
             f"found {abs(abs(last) - pitch_radius):.5g} mm, for which the mate's teeth are pointed",
-            f"give at most {most:.6g}, or a gear with thinner teeth",
+            f"give at most {rounded_down(most, 6)}, or a gear with thinner teeth",
+            value=rounded_down(most, 6),
         )
     samples = np.concatenate([np.abs(p.point(p.breaks[0] + (p.breaks[-1] - p.breaks[0]) * GRID)) for p in pieces])
     root = float(samples.max() if ring else samples.min())

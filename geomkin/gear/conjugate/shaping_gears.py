@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, ComplexPoint, Length, entry, quantity, rounded_down, rounded_up
+from ...core.fields import FARTHEST, ComplexPoint, Length, entry, inside, quantity, rounded_down, rounded_up, to_digits
 from ...core.records import record
 from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.flatten import flatten
@@ -100,7 +100,8 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             raise DesignError(
                 "backlash",
                 f"found {backlash:.5g} mm, for which adjacent teeth of the mate's cutter meet",
-                f"give at most {self.most_backlash * (1 - 1e-5):.6g}",
+                f"give at most {inside(self.most_backlash, 1, 6)}",
+                value=inside(self.most_backlash, 1, 6),
             )
         flank = Moved(self.flank, Pose(0j, np.exp(-0.5j * backlash / self.pitch_radius)))
         if clearance == 0:
@@ -117,7 +118,8 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             raise DesignError(
                 "clearance",
                 f"found {clearance:.5g} mm, but the flanks, extended beyond the tip, meet after {room:.5g} mm",
-                f"give at most {room * (1 - 1e-5):.6g}",
+                f"give at most {inside(room, 1, 6)}",
+                value=inside(room, 1, 6),
             )
         return self._toothed([flank, Segment(end, end + s * along)]).piece
 
@@ -163,7 +165,7 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             raise DesignError(
                 "flank",
                 f"it extends {far:.5g} mm from the axis, but the pitch radius is {self.pitch_radius:.5g} mm",
-                f"keep it within {most * (1 - 1e-5):.6g} mm of the axis",
+                f"keep it within {inside(most, 1, 6)} mm of the axis",
                 "out-of-range",
             )
 
@@ -248,6 +250,7 @@ class StraightSidedGear(AbstractFlankGear):
                 "addendum",
                 f"found {self.addendum:g}, but the flanks meet {largest:.4g} modules above the pitch circle",
                 f"give at most {rounded_down(largest)}, or a smaller flank_angle_deg",
+                value=rounded_down(largest),
             )
         half = np.arctan2(self.root_thickness / 2, self.pitch_radius - self.dedendum * self.module)
         if half > np.pi / self.teeth:
@@ -255,6 +258,7 @@ class StraightSidedGear(AbstractFlankGear):
                 "dedendum",
                 f"found {self.dedendum:g}, for which adjacent teeth meet",
                 f"give at most {rounded_down(self._deepest())}, or a smaller flank_angle_deg",
+                value=rounded_down(self._deepest()),
             )
         if self.root_radius >= self.pitch_radius:
             problem = f"found {self.dedendum:g}, for which the bottom lands are outside the pitch circle"
@@ -337,7 +341,7 @@ class PointToothGear(AbstractFlankGear):
         try:
             self._check_flank()
         except DesignError as error:
-            raise DesignError("points", error.problem, error.remedy, error.id) from None
+            raise error.named("points") from None
 
     def _check_points(self) -> None:
         """Raise DesignError for too many points, or points that no tooth could have."""
@@ -357,7 +361,7 @@ class PointToothGear(AbstractFlankGear):
                 "points",
                 f"point {far[0] + 1} is {abs(points[far[0]]):.5g} mm from the axis, but the pitch radius is "
                 f"{self.pitch_radius:.5g} mm",
-                f"give points within {most * (1 - 1e-5):.6g} mm of the axis",
+                f"give points within {inside(most, 1, 6)} mm of the axis",
                 "out-of-range",
             )
 
@@ -402,7 +406,11 @@ class LanternPinion(AbstractShaper):
         settle_module(self)
         if self.pin_diameter is None:
             raise DesignError(
-                "pin_diameter", "is missing", f"give it in mm, about {1.25 * self.module:.3g}", "missing-key"
+                "pin_diameter",
+                "is missing",
+                f"give it in mm, about {1.25 * self.module:.3g}",
+                "missing-key",
+                to_digits(1.25 * self.module, 3),
             )
         chord = 2 * self.pitch_radius * np.sin(np.pi / self.pins)
         if self.pin_diameter >= chord:
@@ -410,6 +418,7 @@ class LanternPinion(AbstractShaper):
                 "pin_diameter",
                 f"found {self.pin_diameter:g} mm, but adjacent pins are {chord:.4g} mm apart",
                 f"give less than {rounded_down(chord)} mm, about {chord / 2:.3g}",
+                value=to_digits(chord / 2, 3),
             )
 
     @property
@@ -470,7 +479,8 @@ class LanternPinion(AbstractShaper):
             raise DesignError(
                 "backlash",
                 f"found {backlash:.5g} mm, for which no teeth of the wheel remain between two pins",
-                f"give at most {self.most_backlash * (1 - 1e-5):.6g}",
+                f"give at most {inside(self.most_backlash, 1, 6)}",
+                value=inside(self.most_backlash, 1, 6),
             )
         centre, radius, turn = 1j * self.pitch_radius, self.pin_diameter / 2, 0.5 * backlash / self.pitch_radius
         right: list[AbstractCurve] = [Arc(centre, centre - 1j * radius, np.pi / 2)]

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, to_digits
+from ...core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import PLAY, Assembly
 from ...making.bases import BaseStock
@@ -158,9 +158,9 @@ def _mate(gear: AbstractShaper, wanted: Mate) -> Conjugate:
         most = _most_backlash(gear, wanted)
         if most < wanted.backlash:
             problem = f"found {wanted.backlash:g} mm, for which the mate has no teeth"
-            # Slightly less, so that the rounded number is valid too.
-            raise DesignError("mate.backlash", problem, f"give at most {most * (1 - 1e-5):.6g}") from None
-        raise DesignError(KEYS.get(error.field, error.field), error.problem, error.remedy, error.id) from None
+            enough = inside(most, 1, 6)
+            raise DesignError("mate.backlash", problem, f"give at most {enough}", value=enough) from None
+        raise error.named(KEYS.get(error.field, error.field)) from None
 
 
 def _most_backlash(gear: AbstractShaper, wanted: Mate) -> float:

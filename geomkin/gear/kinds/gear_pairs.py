@@ -397,7 +397,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = RackStrength(self.design, loads, self.stock.thickness, (material, material))
-        return LoadedMeshes(strength, {"": strength}, strength.force_limit, rack_strength_notes(strength), "N")
+        return LoadedMeshes(
+            strength, {"": strength}, strength.force_limit, rack_strength_notes(strength), "loads.force_n"
+        )
 
     @cached_property
     def design(self) -> RackPair:

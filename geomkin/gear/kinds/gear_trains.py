@@ -202,7 +202,8 @@ class GearTrainRecipe(AbstractLoadedRecipe):
         materials = tuple(gear.stock.material for gear in gears if gear.stock.material)
         strength = TrainStrength(self.design, loads, self.stock.thickness, materials)
         stages = {f"stage_{k}": stage for k, stage in enumerate(strength.stages, 1)}
-        return LoadedMeshes(strength, stages, strength.torque_limit, train_strength_notes(strength))
+        summary = train_strength_notes(strength)
+        return LoadedMeshes(strength, stages, strength.torque_limit, summary, "loads.output_torque_n_mm")
 
     @cached_property
     def design(self) -> GearTrain:

@@ -17,6 +17,7 @@ from ...model.check import Check
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.joined import PolarArray
+from ...plane.vec import without_rounding
 from ...recipe.recipe import AbstractAssembledRecipe
 from ...recipe.settings import Files
 from ..contract import AbstractInvoluteGear
@@ -120,8 +121,9 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
                 raise DesignError(
                     f"{key}.thickness",
                     f"found {thickness:g} mm, but the first gear has {first:g} mm; herringbones need equal faces",
-                    f"give {first:g} mm",
+                    f"give {first:.15g} mm",
                     "conflict",
+                    first,
                 )
 
 
@@ -164,7 +166,7 @@ def boss_checks(name: str, radius: float, motor: MountedMotorKey | None, base: B
     """
     if motor is None or base is None:
         return ()
-    rests = radius - (face_of(motor).boss_diameter + base.clearance) / 2
+    rests = without_rounding(radius - (face_of(motor).boss_diameter + base.clearance) / 2, radius)
     words = f"{name} beyond the hole for the motor's boss"
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 

@@ -37,15 +37,15 @@ HELICAL = f"{BALANCED}; tooth forces and stresses are not computed, as their for
 class LoadedMeshes:
     """The meshes of a recipe under its loads.
 
-    strength: of the pair, train or set. meshes: by the name that their checks have in front. limit: load at which a
-    safety falls to its limit, in the unit. summary: entries of summary.json.
+    strength: of the pair, train or set. meshes: by the name that their checks have in front. limit: load of the key at
+    which a safety falls to its limit. summary: entries of summary.json.
     """
 
     strength: PairStrength | RackStrength | TrainStrength | PlanetaryStrength
     meshes: Mapping[str, AbstractMeshStrength]
     limit: float
     summary: Mapping[str, object]
-    unit: str = "N mm"
+    key: str = "loads.torque_n_mm"
 
 
 class AbstractLoadedRecipe(AbstractComposedRecipe):
@@ -96,7 +96,7 @@ class GearLoadsAspect(AbstractAspect[AbstractLoadedRecipe, LoadFactors]):
     def checks(self) -> Iterator[Check]:
         if self.meshes:
             for name, mesh in self.meshes.meshes.items():
-                yield from strength_checks(mesh, name, self.meshes.limit, self.meshes.unit)
+                yield from strength_checks(mesh, name, self.meshes.limit, self.meshes.key)
 
     @property
     def entries(self) -> Mapping[str, object]:

@@ -22,7 +22,7 @@ from ...model.part import Part
 from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
-from ...plane.vec import Real
+from ...plane.vec import Real, without_rounding
 from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks
 from ..contract import AbstractInvoluteGear
@@ -193,7 +193,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         motor, planet = self.sun_stock.motor, self.planet_stock
         if motor is None or self.base is not None or not planet.bore or not turns_with_shaft(planet):
             return ()
-        room = self.design.inner.centre_distance - collar_across(planet.bore) / 2 - plate_radius(motor)
+        distance = self.design.inner.centre_distance
+        room = without_rounding(distance - collar_across(planet.bore) / 2 - plate_radius(motor), distance)
         advice = 'give a base, more teeth, or planets that run on their shafts: fit = "running" in a round bore'
         name = "collars under the carrier beside motor_plate"
         return (Check("collars_beside_motor_plate", name, room, "at least", 0, "mm", advice),)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, quantity
+from ...core.fields import FARTHEST, inside, quantity, rounded_down, to_digits
 from ...core.records import record
 from ...making.bores import clearance, fits_of, shaft
 from ...making.fits import (
@@ -180,10 +180,12 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
     hole = pinion.pin_diameter / 2 + stock.clearance / 2
     apart = abs(pinion.circles[1].centre - pinion.circles[0].centre) - 2 * hole
     if apart <= 0:
+        most = to_digits(stock.clearance + apart, 12)
         raise DesignError(
             "stock.clearance",
             f"found {stock.clearance:g} mm, with which the pins' holes meet",
-            f"give less than {stock.clearance + apart:.4g} mm, or thinner pins",
+            f"give less than {rounded_down(most)} mm, or thinner pins" if most > 0 else "give thinner pins",
+            value=inside(most, 1) if most > 0 else None,
         )
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
     first = pinion.circles[0].centre

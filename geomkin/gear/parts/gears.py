@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.arguments import PositiveFloat, PositiveInt, checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, entry, inside, quantity, rounded_down, rounded_up, to_digits
 from ...core.records import record
 from ...making.fits import AbstractBored
 from ...making.materials import MaterialKey, material_entry
@@ -228,7 +228,7 @@ def base_plate(
             keys[int(holes[1] > holes[0])],
             f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
             "meet in the plate",
-            f"give bores and clearances of less than {2 * apart:.6g} mm together",
+            f"give bores and clearances of less than {rounded_down(2 * apart)} mm together",
         )
     circles = tuple(Circle(z, d / 2) for z, d in zip(axes, holes) if d)
     return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness, body="ground")
@@ -246,14 +246,16 @@ def openings(web: Web | None, bore: float, root_radius: float, key: str) -> tupl
         raise DesignError(
             f"{key}.hub",
             f"found {web.hub:g} mm for a hole of {2 * bore:.4g} mm",
-            f"give more than {2 * bore:.4g} mm",
+            f"give more than {rounded_up(2 * bore)} mm",
+            value=inside(2 * bore, -1),
         )
     if outer <= inner:
         most = root_radius - inner
         raise DesignError(
             f"{key}.rim",
             f"found {web.rim:g} mm, which leaves no room between hub and rim",
-            f"give less than {most:.4g} mm" if most > 0 else "give a smaller hub",
+            f"give less than {rounded_down(to_digits(most, 12))} mm" if most > 0 else "give a smaller hub",
+            value=inside(most, 1) if most > 0 else None,
         )
     opening = _window(web, inner, outer, key) if web.form == "spokes" else _hole(web, inner, outer, key)
     places = 1j * np.exp(2j * np.pi * (np.arange(web.count) + 0.5) / web.count)

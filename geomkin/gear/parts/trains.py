@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import quantity, rounded_down
+from ...core.fields import inside, quantity, rounded_down
 from ...core.records import record
 from ...making.assembly import (
     Assembly,
@@ -110,7 +110,8 @@ class TrainStocks:
         for key, stock in (("first_stock", self.first), ("last_stock", self.last)):
             if stock is not None and stock.thickness != self.stock.thickness:
                 problem = f"found {stock.thickness:g} mm, but the other gears have {self.stock.thickness:g} mm"
-                raise DesignError(f"{key}.thickness", problem, f"give {self.stock.thickness:g} mm", "conflict")
+                thickness = self.stock.thickness
+                raise DesignError(f"{key}.thickness", problem, f"give {thickness:.15g} mm", "conflict", thickness)
         for key, other in (("stock", self.stock), ("last_stock", self.last)):
             if other is not None and other.motor is not None:
                 problem = "found a motor for gears that are driven"
@@ -144,7 +145,7 @@ def _check_shared(one: TrainGear, other: TrainGear) -> None:
     """Refuse two gears on one arbor with different bores, or that lock each other."""
     if one.stock.bore != other.stock.bore:
         problem = f"found {other.stock.bore:g} mm, but {one.name} on the same arbor has {one.stock.bore:g} mm"
-        raise DesignError(f"{other.key}.bore", problem, f"give {one.stock.bore:g} mm", "conflict")
+        raise DesignError(f"{other.key}.bore", problem, f"give {one.stock.bore:.15g} mm", "conflict", one.stock.bore)
     if one.axis != other.axis and _is_fixed(one.stock) and _is_fixed(other.stock):
         problem = f"{one.name} and {other.name} are fixed to one arbor but turn at different speeds, so the train locks"
         remedy = f'let one of them run on the arbor: bore_form = "round" and fit = "running" in {other.key}'
@@ -204,7 +205,7 @@ def _pin_holes(
         most = room - stock.clearance
         remedy = f"give less than {rounded_down(most)} mm, or 0 for glue" if most > SMALLEST else "give 0, for glue"
         problem = f"found {stock.pin:g} mm, but there are {max(room, 0):.4g} mm between bore and teeth of {item.name}"
-        raise DesignError("stock.pin", problem, remedy)
+        raise DesignError("stock.pin", problem, remedy, value=inside(most, 1) if most > SMALLEST else 0.0)
     radius, middle = (stock.pin + stock.clearance) / 2, stock.hole_reach + room / 2
     holes = tuple(Circle(complex(side * middle), radius) for side in (1, -1))
     return holes, PINS * fits_of(stock.pin, stock.clearance)

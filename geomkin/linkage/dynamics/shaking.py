@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
+from ...core.fields import FARTHEST, ComplexPoint, entry, inside, quantity, rounded_up
 from ...core.records import record
 from ...plane.vec import Complex, Real, cross
 from ..motion import Motion
@@ -225,11 +225,12 @@ def _peaks(
     linkage: SliderCrank, masses: SliderCrankMasses, product: complex, branch: Branch, acceleration: float
 ) -> tuple[Real, Complex]:
     """Crank angles at which the force has its largest maxima, and sum m a there, without the counterbalance."""
-    if linkage.coupler <= linkage.crank + np.abs(linkage.offset):
+    if linkage.coupler <= (least := float(linkage.crank + np.abs(linkage.offset))):
         raise DesignError(
             "coupler",
             f"found {linkage.coupler:g} mm, so the crank cannot turn fully",
-            f"give more than {linkage.crank + np.abs(linkage.offset):g} mm, crank and offset together",
+            f"give more than {rounded_up(least)} mm, crank and offset together",
+            value=inside(least, -1),
         )
     driven = replace(linkage, driver="crank")
     size = np.abs(_from_crank(driven, masses, LOOKS, branch, acceleration) + product)

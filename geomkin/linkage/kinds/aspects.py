@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from ...core.errors import DesignError
 from ...core.fields import to_digits
 from ...core.records import record
@@ -15,7 +13,7 @@ from ...model.check import Check
 from ...model.scene import Scene
 from ...model.table import Column, Table
 from ...recipe.aspect import AbstractAspect
-from ..measures import least_transmission_angle
+from ..measures import transmission_extreme
 from ..motion import Motion
 from ..parts.counterweight_plates import RoundEnd
 from ..scene import linkage_scene
@@ -83,7 +81,7 @@ class BothModesAspect(AbstractLinkageAspect[bool]):
     @property
     def entries(self) -> Mapping[str, object]:
         joint, motion = self.other
-        angle = {"least_transmission_angle_deg": to_digits(np.degrees(least_transmission_angle(motion)), 10)}
+        angle = {"least_transmission_angle_deg": to_digits(transmission_extreme(motion, -1)[0], 10)}
         return {"other_mode": {"joint": joint, **self.mechanism.reaches(motion.solution.spec), **angle}}
 
 

@@ -51,7 +51,7 @@ class CounterweightsTable:
         try:
             fixed_pivots(linkage, self.bodies)
         except DesignError as error:
-            raise DesignError(f"loads.counterweights.{error.field}", error.problem, error.remedy, error.id) from None
+            raise error.named(f"loads.counterweights.{error.field}") from None
         if stock.material is None:
             problem = "is missing, and the mass of counterweights depends on it"
             raise DesignError(
@@ -139,7 +139,7 @@ def balanced_plates(
                 analysis.motion, analysis.loads, table.bodies, max_mass=max_mass, max_radius=table.distance
             ).counterweights
         except DesignError as error:
-            raise DesignError("loads.counterweights", error.problem, error.remedy, error.id) from None
+            raise error.named("loads.counterweights") from None
         moments = {body: complex(mass.mass * (mass.centre - pivots[body])) for body, mass in best.items() if mass.mass}
         ends = {
             body: round_end(plates[body], stock, stock.material, pivots[body], moment, table.distance)

@@ -19,7 +19,7 @@ from ...model.scene import Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
-from ...plane.vec import Complex, Real
+from ...plane.vec import Complex, Real, without_rounding
 from ...recipe.settings import Files, Turn
 from ..checks import SAME_CURVE, collision_check, reached
 from ..cognate_linkages import cognates, roberts_linkage, third_pivot
@@ -80,10 +80,11 @@ class Grid:
         if points * np.ceil(turn / (2 * self.dash_deg)) > MOST_DASHES:
             found = f"found {self.dash_deg:g} deg, which for {points} points over {turn:g} deg makes more than "
             most = MOST_DASHES // points
-            remedy = f"give at least {rounded_up(turn / (2 * most), 4)} deg"
+            enough = rounded_up(turn / (2 * most), 4)
+            remedy, value = f"give at least {enough} deg", None if turn > 180 * most else enough
             if turn > 180 * most:
                 remedy = f"give 90 deg and at most {MOST_DASHES // int(np.ceil(turn / 180))} points"
-            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy, "too-much-work")
+            raise DesignError("grid.dash_deg", f"{found}{MOST_DASHES:,} dashes", remedy, "too-much-work", value)
         drive.check_rows(1 + 2 * points + 4 * len(self.chosen))
 
 
@@ -303,6 +304,8 @@ class CognatesRecipe(AbstractMovedRecipe):
         tracks = [m.point("coupler_point").position for m in self.motions]
         apart = max(np.abs(t - tracks[0]).max() for t in tracks)
         pivot = np.abs(self.figure.point("third_pivot").position - third_pivot(self.linkage)).max()
+        size = float(np.max(self.figure.linkage.size))
+        apart, pivot = without_rounding(apart, size), without_rounding(pivot, size)
         return (
             reached(self.motions[0], "driver's turn", "give a shorter range"),
             Check(

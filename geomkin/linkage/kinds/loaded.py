@@ -16,10 +16,12 @@ from ...model.mass import Mass
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
-from ...plane.vec import Real, first_largest
-from ..checks import driver_at
+from ...plane.vec import Real
+from ..checks import in_driver_unit
+from ..drive_limits import largest_between
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import Linkage
+from ..motion import Motion
 from ..parts.counterweight_plates import RoundEnd
 from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
@@ -28,6 +30,9 @@ from .copies import Copied
 from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
 from .loads import LoadsTable, number_of_columns
 from .runs import LinkageRun, linkage_run
+
+# Name of the effort with that of the copies among the peaks.
+EFFORT = "effort"
 
 
 @record(eq=False)
@@ -106,7 +111,27 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
     @property
     def duty(self) -> MotorDuty:
         """Torque and speed of the shaft."""
-        return replace(self.analysis.duty, torque=self.effort)
+        peak = self.peaks[EFFORT][0]
+        return replace(self.analysis.duty, torque=self.effort, between=0.0 if np.isnan(peak) else peak)
+
+    @cached_property
+    def peaks(self) -> Mapping[str, tuple[float, float]]:
+        """Largest driver effort, that with the copies, and largest force at each pin, also between frames, by name.
+
+        Each with the driver there.
+        """
+        made, names = self.mechanism, ("driver", EFFORT, *self.linkage.pins)
+
+        def sizes(motion: Motion) -> Real:
+            analysis = self.given.forces_of(motion, self.masses, made.setting)
+            forces = (
+                np.fmax.reduce([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
+                for pin, bodies in self.linkage.pins.items()
+            )
+            effort = self._effort(analysis, made.copies_of(motion))
+            return np.array([np.abs(analysis.driver), np.abs(effort), *forces])
+
+        return dict(zip(names, zip(*(array.tolist() for array in largest_between(made.motion, sizes)))))
 
     @cached_property
     def motor(self) -> Motor | None:
@@ -205,10 +230,11 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
     def _motor_checks(self) -> Iterator[Check]:
         if self.motor is None:
             return
-        known = np.isfinite(self.effort).any()
-        at = driver_at(self.mechanism.motion, first_largest(np.abs(self.effort))) if known else None
+        peak, drive = self.peaks[EFFORT]
+        at = None if np.isnan(peak) else in_driver_unit(self.mechanism.motion, drive)
         column = "shaft_torque" if self.mechanism.copies else "driver_torque"
-        yield motor_check(self.motor, self.duty, column, at, self.mechanism.stock.motor is not None)
+        key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
+        yield motor_check(self.motor, self.duty, column, at, key)
 
     @property
     def entries(self) -> Mapping[str, object]:
@@ -219,22 +245,21 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Peak and rms driver effort, largest pin forces, efficiency and motor; without unknown ones."""
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
-        efforts = {effort: analysis.driver, **({"shaft_torque_N_mm": self.effort} if self.mechanism.copies else {})}
+        efforts = {effort: ("driver", analysis.driver)}
+        efforts |= {"shaft_torque_N_mm": (EFFORT, self.effort)} if self.mechanism.copies else {}
         result: dict[str, object] = {}
-        for key, values in efforts.items():
-            if np.isfinite(values).any():
-                peak = first_largest(np.abs(values))
+        for key, (name, values) in efforts.items():
+            peak, drive = self.peaks[name]
+            if np.isfinite(peak):
+                motion = self.mechanism.motion
+                nearest = np.argmin(np.abs(motion.drive - drive))
                 result[key] = {
-                    "peak": to_digits(values[peak]),
-                    f"peak_at_{unit}": to_digits(driver_at(self.mechanism.motion, peak)),
-                    "rms": to_digits(root_mean_square(values, self.mechanism.motion.drive)),
+                    "peak": to_digits(np.copysign(peak, values[nearest])),
+                    f"peak_at_{unit}": to_digits(in_driver_unit(motion, drive), 6),
+                    "rms": to_digits(root_mean_square(values, motion.drive)),
                 }
-        sizes = {
-            pin: np.concatenate([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
-            for pin, bodies in self.linkage.pins.items()
-        }
         result["largest_pin_force_N"] = {
-            pin: to_digits(np.nanmax(force)) for pin, force in sizes.items() if np.isfinite(force).any()
+            pin: to_digits(self.peaks[pin][0]) for pin in self.linkage.pins if np.isfinite(self.peaks[pin][0])
         }
         efficiency = to_digits_or_none(float(analysis.efficiency)) if analysis.loads.friction else None
         if efficiency is not None:

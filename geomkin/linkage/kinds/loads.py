@@ -181,7 +181,7 @@ class LoadsTable:
                 except DesignError as error:
                     name = error.field.partition(".")[2]
                     field = f"loads.{key}[{k}]{f'.{name}' if name else ''}"
-                    raise DesignError(field, error.problem, error.remedy, error.id) from None
+                    raise error.named(field) from None
         for body in self.masses:
             known_body(motion.linkage, body, "loads.masses")
         for k, force in enumerate(self.forces):

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, check_sizes, entry, quantity
+from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, check_sizes, entry, quantity, rounded_down
 from ...core.names import check_names
 from ...core.records import record
 from ...model.scene import SceneHandle
@@ -274,7 +274,7 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
         raise DesignError(
             f"corners[{k}]",
             f"{b:g} and {c:g} mm form no triangle with the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
-            f"give two lengths that differ by less than {base:g} mm and together exceed it",
+            f"give two lengths that differ by less than {rounded_down(base)} mm and together exceed it",
         )
     # Kahan, Miscalculating area and angles of a needle-like triangle: this keeps the digits of a needle's height.
     long, middle, short = sorted((base, b, c), reverse=True)

@@ -12,7 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
-from ...model.check import Check
+from ...model.check import Check, Suggestion
 from ...model.handles import point_handle
 from ...model.material import Material
 from ...model.part import HoleFit, Part
@@ -20,9 +20,8 @@ from ...model.roles import Role
 from ...model.scene import Hodograph, Limit, Plot, Scene, SceneHandle
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
-from ...plane.vec import first_largest
 from ...recipe.settings import Files, Turn
-from ..checks import MOST_FORCE_TO_BEST, collision_check, driver_at, reached
+from ..checks import MOST_FORCE_TO_BEST, collision_check, reached
 from ..dynamics.shaking import (
     Counterbalance,
     SliderCrankMasses,
@@ -96,14 +95,18 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         """Angular acceleration of the crank over its speed squared."""
         return self.drive.acceleration / self.drive.speed**2
 
+    def _with(self, product: float) -> Counterbalance:
+        return judged_counterbalance(self.linkage, self.masses, product, self.branch, self.acceleration)
+
+    @cached_property
+    def counterbalances(self) -> Mapping[str, Counterbalance]:
+        """Without, with the given and with the best counterbalance."""
+        return {"none": self._with(0.0), "given": self._with(self.counterbalance), "best": self.best}
+
     @property
     def largest(self) -> dict[str, float]:
         """Largest force over the turn, N, without, with the given and with the best counterbalance."""
-        counterbalances = {
-            name: judged_counterbalance(self.linkage, self.masses, product, self.branch, self.acceleration)
-            for name, product in (("none", 0.0), ("given", self.counterbalance))
-        } | {"best": self.best}
-        return {name: counterbalance.largest * self.drive.speed**2 for name, counterbalance in counterbalances.items()}
+        return {name: one.largest * self.drive.speed**2 for name, one in self.counterbalances.items()}
 
     @cached_property
     def table(self) -> Table:
@@ -150,22 +153,31 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        largest = self.largest
+        given, best = self.counterbalances["given"], self.best.product.real
         # If the best counterbalance leaves no force, only rounding would be left to divide by.
-        least = max(largest["best"], ROUNDING * max(largest.values()))
-        share = max(largest["given"], least) / least if least > 0 else 1.0
-        advice = f"give counterbalance = {self.best.product.real + 0.0:.6g}"
+        least = max(self.best.largest, ROUNDING * max(one.largest for one in self.counterbalances.values()))
+
+        def share(one: Counterbalance) -> float:
+            return max(one.largest, least) / least if least > 0 else 1.0
+
+        # As few digits as suffice.
+        rounded = (to_digits(best, digits) for digits in range(6, 18))
+        product = next((value for value in rounded if share(self._with(value)) <= MOST_FORCE_TO_BEST), best)
+        name, advice = "largest force, given to best counterbalance", f"give counterbalance = {product!r}"
+        first, worst = min(self.drive.span_deg), float(np.degrees(given.angles[0]))
+        at, suggestions = first + (worst - first) % 360, (Suggestion({"counterbalance": product}, "kg mm"),)
         return (
             reached(self.motion, "crank's turn"),
             Check(
                 "force_to_best",
-                "largest force, given to best counterbalance",
-                share,
+                name,
+                share(given),
                 "at most",
                 MOST_FORCE_TO_BEST,
                 "",
                 advice,
-                at=driver_at(self.motion, first_largest(self.table["force_given"])),
+                at=at,
+                suggestions=suggestions,
             ),
             collision_check(len(self.made.stack.collisions), "see summary.json"),
             *self.drive.checks,

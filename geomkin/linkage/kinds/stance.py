@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -12,8 +12,9 @@ from ...core.errors import DesignError, shown
 from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...model.check import Check
-from ...plane.vec import Complex, Real
-from ..checks import driver_at
+from ...plane.vec import Complex, Real, without_rounding
+from ..checks import in_driver_unit
+from ..drive_limits import largest_between
 from ..linkage import Linkage
 from ..motion import Motion
 from ..standing import ground_slopes, support_margin
@@ -61,13 +62,14 @@ class Stance:
     """The feet of a linkage and its copies over a turn, seen from above: x along the path, y along the shaft, mm.
 
     feet: shape (feet, frames); height: of the feet in the frame, of the same shape. centre: of the weight, in the
-    middle of all fixed pivots. motion: of the first linkage.
+    middle of all fixed pivots. motion: of the first linkage. of: how it stands in another motion.
     """
 
     feet: Complex
     height: Real
     centre: complex
     motion: Motion
+    of: Callable[[Motion], Stance]
 
     @cached_property
     def margin(self) -> Real:
@@ -80,30 +82,43 @@ class Stance:
         slope = ground_slopes(self.feet, self.height, self.centre)
         return {"along": np.degrees(np.arctan(slope.real)), "across": np.degrees(np.arctan(slope.imag))}
 
-    @property
-    def rocking_deg(self) -> Mapping[str, float]:
-        """Range of the tilt, deg; nan if it falls over."""
-        return {direction: float(np.ptp(tilt)) for direction, tilt in self.tilt_deg.items()}
+    @cached_property
+    def least_margin(self) -> tuple[float, float]:
+        """Least margin, mm, also between frames, and the drive there."""
+        largest, drive = largest_between(self.motion, lambda motion: -self.of(motion).margin)
+        return without_rounding(-float(largest), float(np.abs(self.feet).max())), float(drive)
+
+    @cached_property
+    def tilt_range_deg(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest tilt, deg, also between frames; nan if it falls over."""
+        if not all(np.isfinite(tilt).all() for tilt in self.tilt_deg.values()):
+            return dict.fromkeys(self.tilt_deg, (np.nan, np.nan))
+
+        def both_ways(motion: Motion) -> Real:
+            return np.concatenate([(-tilt, tilt) for tilt in self.of(motion).tilt_deg.values()])
+
+        ends = largest_between(self.motion, both_ways)[0].reshape(-1, 2).tolist()
+        return {direction: (0.0 - low, high) for direction, (low, high) in zip(self.tilt_deg, ends)}
 
     @property
     def checks(self) -> Iterator[Check]:
         """That the centre stays above the support polygon, and that the frame rocks little."""
-        least = int(np.argmin(self.margin))
+        least, drive = self.least_margin
         advice = "give further copies at other phases, or mirrored ones, so that a foot is on each side of the frame"
-        at = driver_at(self.motion, least)
+        at = in_driver_unit(self.motion, drive)
         name = "least distance of the frame's centre inside its feet"
-        yield Check("support_margin", name, float(self.margin[least]), "at least", 0, "mm", advice, at=at)
+        yield Check("support_margin", name, least, "at least", 0, "mm", advice, at=at)
         advice = f"give six legs, by {SIX_LEGS} above the first table in place of others"
-        for direction, value in self.rocking_deg.items():
+        for direction, (low, high) in self.tilt_range_deg.items():
             name = f"tilt {direction} the path, largest minus least"
-            yield Check(f"tilt_{direction}", name, value, "at most", MOST_ROCKING_DEG, "deg", advice)
+            yield Check(f"tilt_{direction}", name, high - low, "at most", MOST_ROCKING_DEG, "deg", advice)
 
     @property
     def remarks(self) -> Iterator[str]:
         """That four legs tip, and the place of the weight for which the checks hold."""
         if len(self.feet) == 4:
             yield FOUR_LEGS
-        if (margin := float(self.margin.min())) > 0:
+        if (margin := self.least_margin[0]) > 0:
             yield (
                 f"It stands if its weight is in the middle, {self.centre.imag:.4g} mm from the outer face of the first "
                 f"ground: fix the battery so that it balances there, within {margin:.2g} mm."
@@ -113,11 +128,11 @@ class Stance:
     def summary(self) -> Mapping[str, object]:
         """Least margin and the range of the tilts."""
         tilts = {
-            f"tilt_{direction}_deg": [to_digits(tilt.min()), to_digits(tilt.max())]
-            for direction, tilt in self.tilt_deg.items()
-            if np.isfinite(tilt).all()
+            f"tilt_{direction}_deg": [to_digits(low), to_digits(high)]
+            for direction, (low, high) in self.tilt_range_deg.items()
+            if np.isfinite(low)
         }
-        return {"least_margin_mm": to_digits(self.margin.min()), **tilts}
+        return {"least_margin_mm": to_digits(self.least_margin[0]), **tilts}
 
 
 @record(eq=False)
@@ -131,17 +146,20 @@ class StandingAspect(AbstractLinkageAspect[str]):
 
     @cached_property
     def stance(self) -> Stance | None:
-        """The feet over a turn; None if the distances of the copies are unknown."""
-        made, motion = self.mechanism, self.mechanism.motion
-        if any(not rod.pin for rod in made.shared):
+        """How it stands over a turn; None if the distances of the copies are unknown."""
+        if any(not rod.pin for rod in self.mechanism.shared):
             return None
+        return self._stance_in(self.mechanism.motion)
+
+    def _stance_in(self, motion: Motion) -> Stance:
+        made = self.mechanism
         linkage, sheet = motion.linkage, made.stock.thickness
         body = next(name for name, points in linkage.bodies.items() if self.given in points)
         pivots = [pin for pin, bodies in linkage.pins.items() if linkage.ground in bodies]
         first = Copied(motion, np.arange(len(motion.drive)), None)
         feet, height, fixed, start = [], [], [], 0.0
         rooms = (*(rod.room for rod in made.shared), 0.0)
-        for copy, stack, room in zip((first, *made.moving_copies), made.stacks, rooms):
+        for copy, stack, room in zip((first, *made.copies_of(motion)), made.stacks, rooms):
             total = (1 + max(stack.layers.values())) * sheet
             layer = next(stack.layers[name] for name, plate in stack.plates.items() if plate.body == body)
             inside = (layer + 0.5) * sheet
@@ -150,7 +168,7 @@ class StandingAspect(AbstractLinkageAspect[str]):
             height.append(place.imag)
             fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
             start += total + room
-        return Stance(np.array(feet), np.array(height), complex(np.mean(fixed), start / 2), motion)
+        return Stance(np.array(feet), np.array(height), complex(np.mean(fixed), start / 2), motion, self._stance_in)
 
     @property
     def checks(self) -> Iterator[Check]:

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ...core.arguments import between
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, entry, quantity, to_digits
+from ...core.fields import FARTHEST, AsWritten, entry, quantity, rounded_down, to_digits
 from ...core.records import record
-from ...model.check import Check
+from ...model.check import Check, Suggestion
 from ...model.scene import Limit, Plot, Scene, SceneRegion
 from ...model.table import Column, Table
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Real, first_largest, unit
-from ..checks import driver_at
+from ..checks import in_driver_unit
+from ..drive_limits import dead_centres, largest_between, moved_to
 from ..motion import Motion
 from ..moving import move
 from ..sensitivity import quantities
-from ..tolerance_analysis import SampledDeviations, ToleranceAnalysis, tolerances
+from ..tolerance_analysis import SampledDeviations, ToleranceAnalysis, output_values, tolerances
 from .aspects import AbstractLinkageAspect
 
 # Frames at which random linkages are compared: more would only take longer, since deviations change slowly.
@@ -82,7 +83,7 @@ class TolerancesTable:
             lengths = {**every.lengths, **self.lengths}
             return tolerances(motion, self.of, lengths, clearance if self.clearance is None else self.clearance)
         except DesignError as error:
-            raise DesignError(f"tolerances.{error.field}", error.problem, error.remedy, error.id) from None
+            raise error.named(f"tolerances.{error.field}") from None
 
 
 def tolerances_entry() -> Any:
@@ -139,12 +140,48 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         return self.analysis.worst_case * self.factor
 
     @cached_property
-    def largest(self) -> tuple[float, float, int]:
-        """Largest worst case and root sum square, and the frame of the former; nan if none is known."""
-        if not np.isfinite(self.worst_case).any():
-            return np.nan, np.nan, 0
-        frame = first_largest(self.worst_case)
-        return float(self.worst_case[frame]), float(np.nanmax(self.analysis.root_sum_square)) * self.factor, frame
+    def largest(self) -> tuple[float, float]:
+        """Largest worst case, also between frames, and the driver there as tables state it; nan if none is known."""
+        worst, drive = self._largest(lambda analysis: analysis.worst_case * self.factor)
+        return worst, in_driver_unit(self.analysis.motion, drive)
+
+    @cached_property
+    def root_sum_square(self) -> float:
+        """Largest root sum square, also between frames."""
+        return self._largest(lambda analysis: analysis.root_sum_square * self.factor)[0]
+
+    def _largest(self, values: Callable[[ToleranceAnalysis], Real]) -> tuple[float, float]:
+        largest, drive = largest_between(
+            self.analysis.motion, lambda motion: values(replace(self.analysis, motion=motion))
+        )
+        return float(largest), float(drive)
+
+    @cached_property
+    def of_range(self) -> ToleranceAnalysis:
+        """The analysis with the positions at which the output is largest and least, also between frames."""
+        motion, output = self.analysis.motion, quantities(self.analysis.motion.linkage)[self.given.of]
+        drive, (first, last) = motion.drive, motion.drive[[0, -1]].tolist()
+        if self.is_path or first == last:
+            return self.analysis
+        if output.kind == "body" and not output.order:
+            ends = dead_centres(motion.given, output.name, motion.solution.spec, (first, last))
+        else:
+
+            def both_ways(moved: Motion) -> Real:
+                values = output_values(moved, output)
+                return np.array([values, -values])
+
+            ends = largest_between(motion, both_ways)[1]
+        drives = np.unique([*drive, *ends[np.isfinite(ends)]])
+        drives = drives if last > first else drives[::-1]
+        return replace(self.analysis, motion=moved_to(motion, drives[1:]))
+
+    def loosest(self, rule: Literal["worst_case", "root_sum_square"]) -> float | None:
+        """The loosest tolerance of all lengths that keeps the limit, mm, also between frames; None if there is none."""
+        assert self.given.limit is not None
+        bound = self.given.limit / self.factor
+        loosest = -self._largest(lambda analysis: -analysis.loosest_at_frames(bound, rule))[0]
+        return loosest if loosest > 0 else None
 
     @cached_property
     def across(self) -> tuple[Complex, Real]:
@@ -158,7 +195,8 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         of, words = self.given.of, self.given.of.replace("_", " ")
         yield Column(f"{of}_worst_case", self.unit, f"worst-case deviation of {words}", self.worst_case)
         squares = self.analysis.root_sum_square * self.factor
-        yield Column(f"{of}_root_sum_square", self.unit, f"deviation of {words} by root sum square", squares)
+        meaning = "deviation, a tolerance being three standard deviations, of"
+        yield Column(f"{of}_root_sum_square", self.unit, f"{meaning} {words} by root sum square", squares)
         if self.is_path:
             meaning = "worst-case deviation across the path"
             yield Column(f"{of}_across_path", self.unit, f"{meaning} of {words}", self.across[1])
@@ -183,20 +221,24 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         limit = self.given.limit
         if limit is None:
             return
-        worst, _, frame = self.largest
-        at = driver_at(self.analysis.motion, frame) if np.isfinite(worst) else None
+        worst, at = self.largest
         name = f"worst-case deviation of {self.given.of}"
         column = f"{self.given.of}_worst_case"
-        yield Check("deviation", name, worst, "at most", limit, self.unit, self._advice(limit), column, at)
+        if np.isnan(worst):
+            yield Check("deviation", name, worst, "at most", limit, self.unit, "give another output", column)
+            return
+        advice, suggestions = self._advice() if worst > limit else ("", ())
+        yield Check("deviation", name, worst, "at most", limit, self.unit, advice, column, at, suggestions=suggestions)
 
-    def _advice(self, limit: float) -> str:
-        if not np.isfinite(self.largest[0]):
-            return "give another output"
-        try:
-            loosest = self.analysis.loosest(limit / self.factor)
-        except DesignError:
-            return "the clearance alone exceeds it: give a smaller clearance, or other lengths"
-        return f"cut all lengths to {loosest:.3g} mm, or give a smaller clearance"
+    def _advice(self) -> tuple[str, tuple[Suggestion, ...]]:
+        loosest = self.loosest("worst_case")
+        if not loosest:
+            return "the clearance alone exceeds it: give a smaller clearance, or other lengths", ()
+        tolerance = rounded_down(loosest * (1 - ROUNDING), 3)
+        keys = ["tolerances.tolerance"] * bool(self.given.tolerance)
+        keys += [f"tolerances.lengths.{name}" for name, value in self.given.lengths.items() if value]
+        advice = f"cut all lengths to at most {tolerance} mm, or give a smaller clearance"
+        return advice, (Suggestion(dict.fromkeys(keys, float(tolerance)), "mm"),)
 
     @cached_property
     def enlarged(self) -> float:
@@ -228,7 +270,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         if not self.given.linkages:
             return None
         step = max(1, -(-len(motion.drive) // SAMPLED_FRAMES))
-        frames = np.unique([*range(0, len(motion.drive), step), self.largest[2]])
+        frames = np.unique([*range(0, len(motion.drive), step), first_largest(self.worst_case)])
         try:
             speed, acceleration = float(motion.timing.speed), float(motion.timing.acceleration)
             some = move(motion.given, motion.drive[frames], motion.solution.spec, speed, acceleration)
@@ -236,18 +278,27 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         except DesignError:
             return None
 
+    @cached_property
+    def within(self) -> Mapping[str, float]:
+        """Share of the linkages within the root sum square, %, by the distribution of the errors of lengths."""
+        errors: tuple[Literal["normal", "uniform"], ...] = ("normal", "uniform")
+        return {name: to_digits(100 * self.analysis.share_within_root_sum_square(name), 3) for name in errors}
+
     @property
     def remark(self) -> str:
-        """One sentence on the largest deviation."""
-        worst, squares, _ = self.largest
+        """The largest deviation, and what the root sum square assumes."""
+        worst, _ = self.largest
         if not np.isfinite(worst):
             return f"The deviation of {self.given.of} is not known at any position."
         clearance = max(self.analysis.clearances.values(), default=0.0)
         band = f" The band about its path is enlarged {self.enlarged:g} times." if self.enlarged else ""
+        normal, uniform = (f"{self.within[errors]:g} %" for errors in ("normal", "uniform"))
         return (
             f"If lengths are cut to {self.given.tolerance:g} mm and holes are {clearance:g} mm wider than their pins, "
-            f"{self.given.of} deviates by at most {worst:.3g} {self.unit}, and by less than {squares:.3g} {self.unit} "
-            f"in 99.7 % of all linkages.{band}"
+            f"{self.given.of} deviates by at most {worst:.3g} {self.unit}. The root sum square is "
+            f"{self.root_sum_square:.3g} {self.unit}: {normal} of all linkages keep within it if errors of lengths are "
+            f"normally distributed, a tolerance being three standard deviations, and {uniform} if they are uniformly "
+            f"distributed.{band}"
         )
 
     def on_scene(self, scene: Scene) -> Scene:
@@ -259,7 +310,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
 
     @property
     def entries(self) -> Mapping[str, object]:
-        worst, squares, frame = self.largest
+        worst, at = self.largest
         unit = self.unit.replace("/", "_per_")
         if not np.isfinite(worst):
             return {"tolerances": {"of": self.given.of, f"worst_case_{unit}": None}}
@@ -271,18 +322,21 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         entries: dict[str, object] = {
             "of": self.given.of,
             f"worst_case_{unit}": to_digits(worst, 6),
-            f"worst_case_at_{driver}": to_digits(driver_at(self.analysis.motion, frame), 6),
-            f"root_sum_square_{unit}": to_digits(squares, 6),
+            f"worst_case_at_{driver}": to_digits(at, 6),
+            f"root_sum_square_{unit}": to_digits(self.root_sum_square, 6),
+            "within_root_sum_square_percent": self.within,
             # Smaller ones are rounding.
             f"contributions_{unit}": {
                 name: to_digits(value, 6) for name, value in contributions.items() if value > ROUNDING * worst
             },
         }
-        if np.isfinite(self.analysis.range_worst_case):
-            entries[f"range_worst_case_{unit}"] = to_digits(self.analysis.range_worst_case * self.factor, 6)
-            entries[f"range_root_sum_square_{unit}"] = to_digits(self.analysis.range_root_sum_square * self.factor, 6)
+        if np.isfinite(self.of_range.range_worst_case):
+            entries[f"range_worst_case_{unit}"] = to_digits(self.of_range.range_worst_case * self.factor, 6)
+            entries[f"range_root_sum_square_{unit}"] = to_digits(self.of_range.range_root_sum_square * self.factor, 6)
         if self.given.limit is not None:
-            entries["loosest_tolerance_mm"] = self._loosest(self.given.limit)
+            rules: tuple[Literal["worst_case", "root_sum_square"], ...] = ("worst_case", "root_sum_square")
+            loosest = {rule: self.loosest(rule) for rule in rules}
+            entries["loosest_tolerance_mm"] = {rule: value and to_digits(value, 6) for rule, value in loosest.items()}
         if self.sampled is not None:
             largest = self.sampled.largest() * self.factor
             entries["random"] = {
@@ -294,16 +348,6 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
                 share = self.sampled.share_within(self.given.limit / self.factor)
                 entries["random"]["within_limit_percent"] = to_digits(100 * share, 6)  # type: ignore[index]
         return {"tolerances": entries}
-
-    def _loosest(self, limit: float) -> Mapping[str, float | None]:
-        """By the rule; None if the clearances alone exceed the limit."""
-        found: dict[str, float | None] = {}
-        for rule in ("worst_case", "root_sum_square"):
-            try:
-                found[rule] = to_digits(self.analysis.loosest(limit / self.factor, rule), 6)
-            except DesignError:
-                found[rule] = None
-        return found
 
 
 def _convex(quad: Complex) -> Complex:

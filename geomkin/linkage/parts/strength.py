@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import field, replace
 from itertools import permutations
 
 import numpy as np
@@ -16,8 +16,9 @@ from ...making.fasteners import MINOR_DEPTH
 from ...model.check import Check
 from ...model.part import Part
 from ...plane.flatten import flatten
-from ...plane.vec import Array, Complex, Real, cross, dot, first_largest
-from ..checks import driver_at
+from ...plane.vec import Array, Complex, Real, cross, dot
+from ..checks import in_driver_unit
+from ..drive_limits import largest_between, moved_to
 from ..dynamics.inverse import ForceAnalysis
 from ..dynamics.wrenches import Wrenches
 from ..motion import Motion
@@ -261,36 +262,61 @@ def linkage_strength_checks(
     if fastener.form == "screw" and fastener.size:
         core -= MINOR_DEPTH * fastener.size.pitch
     area = np.pi / 4 * core**2
-    shears = ((name, force / area) for name, force in pin_shears(analysis, stack))
-    checks = [_check("pin_shear", "shear stress of pin", shears, MOST_PIN_SHEAR, motion, "give thicker pins")]
+
+    def shears(analysis: ForceAnalysis) -> Iterator[tuple[str, Real]]:
+        return ((name, force / area) for name, force in pin_shears(analysis, stack))
+
+    def pressures(analysis: ForceAnalysis) -> Iterator[tuple[str, Real]]:
+        return pin_pressures(analysis, stack, stock)
+
+    checks = [_check("pin_shear", "shear stress of pin", shears, MOST_PIN_SHEAR, analysis, "give thicker pins")]
     if material and material.bearing_pressure:
         advice = "give thicker pins, a thicker sheet or another material"
-        pressures, most = pin_pressures(analysis, stack, stock), material.bearing_pressure
-        checks.append(_check("pin_pressure", "pressure of pin", pressures, most, motion, advice))
+        most = material.bearing_pressure
+        checks.append(_check("pin_pressure", "pressure of pin", pressures, most, analysis, advice))
     if material and material.carried_stress:
-        loads, tolerance = plate_loads(analysis), FINE * stock.bar_width
-        stresses = (
-            (part.name, plate_stress(loads, part, plate.section_points, tolerance))
+        tolerance = FINE * stock.bar_width
+        plates = [
+            (part, plate.section_points)
             for part in link_parts(motion, stock, stack)
             if (plate := stack.plates.get(part.name)) and plate.body != motion.linkage.ground
-        )
+        ]
+
+        def stresses(analysis: ForceAnalysis) -> Iterator[tuple[str, Real]]:
+            loads = plate_loads(analysis)
+            return ((part.name, plate_stress(loads, part, points, tolerance)) for part, points in plates)
+
         most = material.carried_stress / LEAST_PLATE_SAFETY
         advice = "give wider bars, a thicker sheet or another material"
-        checks.append(_check("plate_stress", "stress of the", stresses, most, motion, advice))
+        checks.append(_check("plate_stress", "stress of the", stresses, most, analysis, advice))
     return tuple(check for check in checks if check)
 
 
 def _check(
-    id: str, what: str, values: Iterator[tuple[str, Real]], most: float, motion: Motion, advice: str
+    id: str,
+    what: str,
+    values: Callable[[ForceAnalysis], Iterator[tuple[str, Real]]],
+    most: float,
+    analysis: ForceAnalysis,
+    advice: str,
 ) -> Check | None:
-    """Check of the largest of some named values over the frames; None if none is known."""
-    known = [(name, value) for name, value in values if np.isfinite(value).any()]
-    if not known:
+    """Check of the largest of some named values, also between frames; None if none is known."""
+    motion, names = analysis.motion, [name for name, _ in values(analysis)]
+    if not names:
         return None
-    name, value = max(known, key=lambda pair: float(np.nanmax(pair[1])))
-    largest = float(np.nanmax(value))
+
+    def sizes(moved: Motion) -> Real:
+        named = values(replace(analysis, motion=moved))
+        return np.array([np.broadcast_to(value, moved.drive.shape) for _, value in named])
+
+    largest, drive = largest_between(motion, lambda moved: np.fmax.reduce(sizes(moved)))
+    if np.isnan(largest):
+        return None
+    at_worst = moved_to(motion, [drive])
+    worst = int(np.nanargmax(sizes(at_worst)[:, -1]))
     if largest > WRONG_UNIT * most:
         advice = "a unit is probably wrong: forces are in N, lengths in mm, masses in kg"
     # A value that is the same at all frames has no worst one.
-    at = driver_at(motion, first_largest(value)) if np.shape(value) == motion.drive.shape else None
-    return Check(id, f"{what} {name}", largest, "at most", to_digits(most, 6), "N/mm2", advice, at=at)
+    at = in_driver_unit(motion, float(drive)) if np.ptp(sizes(motion)[worst]) else None
+    value, limit = float(largest), to_digits(most, 6)
+    return Check(id, f"{what} {names[worst]}", value, "at most", limit, "N/mm2", advice, at=at)

@@ -234,6 +234,7 @@ def _check_output_range(wanted: WantedFunction, output_deg: float) -> None:
             f"found {output_deg:g}, with which the output would cover {turn:.6g} deg",
             f"give at most {rounded_down(359 / float(np.ptp(shares)), 4)} deg, or a range in which it rises or falls",
             "out-of-range",
+            float(np.sign(output_deg)) * float(rounded_down(359 / float(np.ptp(shares)), 4)),
         )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...core.arguments import ArgumentType, are_reals, checked, numbers
 from ...core.errors import DesignError, printable, shown
 from ...core.expressions import Expression as Expression
+from ...core.fields import rounded_down, rounded_up
 from ...core.records import record
 from ...plane.spline import Spline
 from ...plane.vec import Real
@@ -201,7 +202,7 @@ def _through(rows: Real, x0: float, x1: float) -> Callable[[Real], Real]:
         raise DesignError(
             "span",
             f"found {x0:g} to {x1:g}",
-            f"give a range within that of the rows, {x[0]:g} to {x[-1]:g}",
+            f"give a range within that of the rows, {rounded_up(x[0])} to {rounded_down(x[-1])}",
             "out-of-range",
         )
     # The table is flattened so that the chord length, which is the spline's parameter, equals x.

@@ -158,7 +158,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
                 wanted.driving_point,
             )
         except DesignError as error:
-            raise DesignError(f"wanted.{error.field}", error.problem, error.remedy, error.id) from None
+            raise error.named(f"wanted.{error.field}") from None
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:

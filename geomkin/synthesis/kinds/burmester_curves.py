@@ -19,7 +19,7 @@ from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Moved, SubCurve
 from ...plane.primitives import Circle
-from ...plane.vec import Complex, Pose, Real
+from ...plane.vec import Complex, Pose, Real, without_rounding
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Files
 from ..found import ten_digits
@@ -171,7 +171,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
     def design_checks(self) -> tuple[Check, ...]:
         """Compares distances, which the curves were not computed from."""
         lengths = np.abs(self.pins - self.dyads[1])
-        missed = float(np.max(np.ptp(lengths, axis=0) / (self.reach + lengths[0])))
+        missed = without_rounding(np.max(np.ptp(lengths, axis=0) / (self.reach + lengths[0])), 1.0)
         advice = "the poses are so close together that rounding decides the curves; move them apart"
         name = "largest miss of a pose by a dyad, to its length"
         return (Check("pose_miss", name, missed, "at most", MISSED, "", advice),)

@@ -321,7 +321,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             key = (
                 error.field if error.field == table or error.field.startswith(f"{table}.") else f"{table}.{error.field}"
             )
-            raise DesignError(key, error.problem, error.remedy, error.id) from None
+            raise error.named(key) from None
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
-from ...core.fields import Size, rounded_down, rounded_up
+from ...core.fields import Size, inside, rounded_down, rounded_up
 from ...core.records import record
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Real
@@ -179,7 +179,8 @@ def crank_rocker(
         free = float(np.radians(free_angle_deg))
         if not low < free < high:
             ends = f"more than {rounded_up(family.range_deg[0])} deg and less than 45"
-            raise DesignError("free_angle_deg", f"found {free_angle_deg:g}", f"give {ends}", "out-of-range")
+            least_free = inside(family.range_deg[0], -1)
+            raise DesignError("free_angle_deg", f"found {free_angle_deg:g}", f"give {ends}", "out-of-range", least_free)
     sizes = {k: float(size) for k, size in _sizes(float(swing), float(turn), np.array(free)).items()}
     scale = scale_for_link(sizes, name, length)
     lengths = {k: length if k == name else scale * size for k, size in sizes.items()}
@@ -251,7 +252,8 @@ def no_such_turn(
     found, low, high = (turn if in_deg else turn / (360 - turn) for turn in (turn_deg, *ends))
     unit = " deg" if in_deg else ""
     remedy = f"give {rounded_up(low)} to {rounded_down(high)}{unit}{alternative}"
-    return DesignError(field, f"found {found:.7g}{unit}, which {problem}", remedy)
+    nearest = rounded_up(low) if found < low else rounded_down(high)
+    return DesignError(field, f"found {found:.7g}{unit}, which {problem}", remedy, value=nearest)
 
 
 def free_range(swing: float, turn: float) -> tuple[float, float]:
@@ -297,7 +299,8 @@ def _ratio(swing_deg: float, largest: float | None) -> float:
         return float(max(TURNING_RATIO, 2 * least))
     if largest <= least * 1.0001:
         found = f"found {largest:g}, but with a swing of {swing_deg:g} deg rocker over crank is larger"
-        raise DesignError("largest_ratio", found, f"give at least {rounded_up(least * 1.0002, 4)}")
+        enough = rounded_up(least * 1.0002, 4)
+        raise DesignError("largest_ratio", found, f"give at least {enough}", value=enough)
     return largest
 
 

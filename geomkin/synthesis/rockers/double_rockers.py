@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
-from ...core.fields import Size, last_fit, rounded_down, rounded_up
+from ...core.fields import Size, inside, last_fit, rounded_down, rounded_up
 from ...core.records import record
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar
@@ -397,7 +397,8 @@ def _weights_for_size(name: str, value: float, ground: float, ends: tuple[Real, 
         remedy = f"give more than {rounded_up(low)} and less than {rounded_down(high)} mm"
     else:
         remedy = f"give more than {rounded_up(low)} mm"
-    raise DesignError(name, f"found {value:g} mm, which no linkage of the family has", remedy)
+    nearest = inside(low, -1) if value <= low or not np.isfinite(high) else inside(high, 1)
+    raise DesignError(name, f"found {value:g} mm, which no linkage of the family has", remedy, value=nearest)
 
 
 def _best(wanted: TwoPositions, ends: tuple[Real, Real], largest: float) -> tuple[float, bool]:
@@ -422,7 +423,8 @@ def _best(wanted: TwoPositions, ends: tuple[Real, Real], largest: float) -> tupl
     least = float(ratio(np.array([least_ratio_at]))[0])
     if not least < largest:
         found = f"found {largest:g}, but the least ratio of all linkages that fit is {least:.6g}"
-        raise DesignError("largest_ratio", found, f"give at least {rounded_up(1.001 * least, 4)}")
+        enough = rounded_up(1.001 * least, 4)
+        raise DesignError("largest_ratio", found, f"give at least {enough}", value=enough)
 
     def fits(free: float) -> bool:
         return bool(ratio(np.array([free]))[0] <= largest)

@@ -158,6 +158,7 @@ def scale_for_link(sizes: Mapping[str, float], name: str, length: float) -> floa
             f"found {length:g} mm, which makes a link of {longest * scale:g} mm",
             f"give {most} mm",
             "out-of-range",
+            most,
         )
     if shortest * scale < SMALLEST:
         least = rounded_up(SMALLEST * sizes[name] / shortest)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, Size, rounded_down, rounded_up
+from ...core.fields import FARTHEST, Size, inside, rounded_down, rounded_up
 from ...core.records import record
 from ...linkage.named_linkages import SliderCrank
 from ...plane.vec import Real
@@ -219,7 +219,9 @@ def _free_of(name: str, size: float, stroke: float, turn: float, ends: tuple[flo
         raise DesignError(name, problem, "leave it out, give another turn, or give the coupler")
     if not low < wanted < high:
         range_text = f"more than {rounded_up(low)} and less than {rounded_down(high)}{unit}"
-        raise DesignError(name, f"found {size:g}{unit}, which no such slider-crank has", f"give {range_text}")
+        problem = f"found {size:g}{unit}, which no such slider-crank has"
+        nearest = inside(high, 1) if wanted >= high else inside(low, -1)
+        raise DesignError(name, problem, f"give {range_text}", value=nearest)
     if name == "free_angle_deg":
         return float(np.radians(size))
     # With s the cosine of twice the free angle, 2 w2 = 1 + s cos f makes each of the three equations linear in s.
