@@ -15,6 +15,7 @@ from .core.errors import DesignError, GeomkinError, Problem, RecipeError, harmle
 from .core.fields import to_digits
 from .core.names import PathName, file_name_flaw
 from .core.records import record
+from .core.units import UNITS
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, StaticSource
@@ -25,7 +26,7 @@ from .model.part import Part
 from .model.table import Table
 from .recipe import load as reading
 from .recipe.load import to_toml
-from .recipe.recipe import SHARED, AbstractRecipe
+from .recipe.recipe import SHARED, AbstractGoal, AbstractRecipe
 from .recipe.settings import Files, Format
 from .recipe.shown import ShownRecipe
 
@@ -210,13 +211,12 @@ def _computed(
         wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         contents = {file: content for files in written.values() for file, content in files.items()}
-        found_recipe = recipe.found_recipe
         found_file = {}
-        if found_recipe is not None:
-            found_recipe = dataclasses.replace(found_recipe, units=recipe.units)
+        if isinstance(recipe, AbstractGoal):
+            found_recipe = dataclasses.replace(recipe.design, units=recipe.units)
             found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
         contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
-        facts, remarks = _facts(results), results.texts((*recipe.remarks, *recipe.unknown_expectations))
+        facts, remarks = _facts(results), results.remarks
     return Made(name, recipe.kind, checks, {}, facts, remarks), contents
 
 
@@ -344,7 +344,7 @@ def _with_file(recipe: AbstractRecipe | Readable) -> tuple[str, AbstractRecipe]:
 def _formats_of(recipe: AbstractRecipe) -> list[str]:
     """The formats of a recipe, each once; with the default formats, without those for which its kind has no data."""
     wanted = dict.fromkeys(recipe.files.write)
-    bare = recipe.files.wants_all and not recipe.has_scene()
+    bare = recipe.files.wants_all and type(recipe).scene in (None, AbstractRecipe.scene)
     return [name for name in wanted if not (bare and WRITERS[name].needs == "scene")]
 
 
@@ -356,7 +356,7 @@ def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
     if not isinstance(source, AbstractRecipe):
         return job
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
-    unit, about = source.length_unit, source.length_unit.text(source.introduction)
+    unit, about = UNITS[source.units], ShownRecipe(source).introduction
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp, unit=unit)
 
 
@@ -406,7 +406,7 @@ def errors_named_by_key(file: str, recipe: AbstractRecipe) -> Iterator[None]:
             else error.problem
         )
         problems = reading.in_unit(
-            [Problem(key, problem, error.remedy, error.id, error.value)], type(recipe), recipe.length_unit
+            [Problem(key, problem, error.remedy, error.id, error.value)], type(recipe), UNITS[recipe.units]
         )
         raise RecipeError(file, problems) from None
 

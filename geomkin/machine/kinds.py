@@ -27,7 +27,7 @@ from ..model.table import Table
 from ..plane.vec import Pose, Real
 from ..recipe.aspect import ALONE, Setting
 from ..recipe.load import from_table, short_table, to_toml, whole_table
-from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.recipe import AbstractGoal, AbstractRecipe, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
 from ..recipe.toml import LARGEST, parsed
 from .placed import TORQUE, PlacedMechanism, joined_scene, joined_table
@@ -435,7 +435,7 @@ class MachineRecipe(AbstractRecipe):
     def notes(self) -> Mapping[str, object]:
         graph = self.graph
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
-        return {"period_turns": {"driver": str(graph.period), **turns}, **self.assembly_summary}
+        return {"period_turns": {"driver": str(graph.period), **turns}, **assembly_summary(self)}
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import Any, get_args, get_origin
 
 from ..core.dotted_keys import Number, key_parts, numbers_in
 from ..core.errors import Problem
-from ..core.units import MM, LengthUnit
+from ..core.units import MM, UNITS, LengthUnit
 from .messages import field_of, hints_of, kind_of, options_of, tables_in
 from .recipe import AbstractRecipe
 
@@ -34,7 +34,7 @@ def from_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str,
 
 def shown_numbers(recipe: AbstractRecipe) -> Iterator[Number]:
     """All numbers of a recipe in its unit of length."""
-    unit = recipe.length_unit
+    unit = UNITS[recipe.units]
     for number in numbers_in(recipe):
         names = [part for part in key_parts(number.field) if isinstance(part, str)]
         is_kept = unit is MM or names_mm(names[-1])

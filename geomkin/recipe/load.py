@@ -134,11 +134,11 @@ def whole_table(recipe: AbstractRecipe, has_inner_defaults: bool = True) -> dict
     """All keys of a recipe, and of recipes inside it, with their values as JSON states them, in its unit of length."""
     context = {"has_defaults": has_inner_defaults}
     table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json", context=context)
-    if recipe.length_unit is MM:
+    if UNITS[recipe.units] is MM:
         return table
     from .lengths import from_mm
 
-    return from_mm(table, type(recipe), recipe.length_unit)
+    return from_mm(table, type(recipe), UNITS[recipe.units])
 
 
 def short_table(recipe: AbstractRecipe) -> dict[str, Any]:

@@ -16,17 +16,17 @@ from ..core.fields import entry, to_digits
 from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
-from ..core.units import UNITS, LengthUnit, Units
+from ..core.units import Units
 from ..model.beam import beam_checks
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.part import Bought, Part
 from ..model.rotating import RotatingBody
-from ..model.scene import Candidate, Scene, SceneHandle
+from ..model.scene import Candidate, Scene
 from ..model.table import Table
 from ..model.walls import ADVICE, thinnest_walls, wall_checks
-from ..plane.vec import Complex, Real
-from .aspect import ALONE, Setting
+from ..plane.vec import Real
+from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable
 
 # Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
@@ -66,7 +66,7 @@ class _Shared:
 SHARED = tuple(field.name for field in dataclasses.fields(_Shared))
 
 
-class AbstractRecipe(_Shared, ABC):
+class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
 
     A subclass has the field `kind`, a Literal with a single value, then its tables, the mechanism's first and `files`
@@ -81,8 +81,6 @@ class AbstractRecipe(_Shared, ABC):
     name: str = ""
     # The table that the recipe was loaded from, with the values of its workshop file; None if it was made in Python.
     loaded_table: Mapping[str, Any] | None = None
-    # Where and how fast it runs; a machine places it elsewhere, see `in_setting`.
-    setting: Setting = ALONE
     # Whether a recipe of the kind takes the key `scale`, as those of linkages and cams do.
     can_be_scaled: ClassVar[bool] = False
     # Whether it takes the key `workshop`; a recipe of several recipes leaves it to these.
@@ -93,11 +91,6 @@ class AbstractRecipe(_Shared, ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving_picture
-
-    @property
-    def length_unit(self) -> LengthUnit:
-        """The unit of lengths in files and messages; the fields themselves are in mm."""
-        return UNITS[self.units]
 
     @property
     def is_in_own_file(self) -> bool:
@@ -129,39 +122,15 @@ class AbstractRecipe(_Shared, ABC):
         """Assembly steps from the bottom up, one line each; empty if the kind has none."""
         return ()
 
-    @property
-    def assembly_summary(self) -> Mapping[str, object]:
-        """Items to buy, assembly steps and masses, as entries of summary.json; empty ones are left out."""
-        entries = {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
-        return {**{name: lines for name, lines in entries.items() if lines}, **self.mass_summary}
-
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:
         """Mass of each body in its frame, by name, if its parts have a material."""
         return part_masses(self.parts)
 
     @property
-    def mass_summary(self) -> Mapping[str, object]:
-        """Masses as an entry of summary.json; empty without a material."""
-        bodies = {
-            name: {
-                "mass_kg": to_digits(float(mass.mass)),
-                "centre_mm": [round(float(z), 6) + 0.0 for z in (mass.centre.real, mass.centre.imag)],
-                "inertia_kg_mm2": to_digits(float(mass.inertia)),
-            }
-            for name, mass in self.body_masses.items()
-        }
-        return {"masses": bodies} if bodies else {}
-
-    @property
     @abstractmethod
     def design_checks(self) -> tuple[Check, ...]:
         """Checks of the mechanism, without those of the walls of its parts."""
-
-    @property
-    def motion_checks(self) -> tuple[Check, ...]:
-        """Checks that an editor shows during a drag: `design_checks`, without those of plates if they take long."""
-        return self.design_checks
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
@@ -185,18 +154,6 @@ class AbstractRecipe(_Shared, ABC):
             return ADVICE
         return f"give a smaller {smaller}" + (f", or a larger {larger}" if larger else "")
 
-    @property
-    def unknown_expectations(self) -> tuple[str, ...]:
-        """A sentence for each entry of `expected_failures` that is not the id of a check."""
-        from .messages import did_you_mean
-
-        ids = [check.id for check in self.checks]
-        return tuple(
-            f"expected_failures.{id}: no check has this id; {did_you_mean(id, ids)}the checks are {', '.join(ids)}"
-            for id in self.expected_failures
-            if id not in ids
-        )
-
     @cached_property
     def walls(self) -> Mapping[str, float]:
         """The thinnest wall of each part, mm, by the part's name; inf for one that has none.
@@ -210,66 +167,6 @@ class AbstractRecipe(_Shared, ABC):
     def scene(self) -> Scene | None:
         """The moving drawing; None if the kind has none."""
         return None
-
-    @property
-    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
-        """Bodies that turn in a constant ratio to the driver, by name, the driver first.
-
-        By these a machine joins the mechanism to others; empty if it cannot be part of a machine.
-        """
-        return {}
-
-    def scene_at(self, turn: Real) -> Scene:
-        """The scene at rotations of the driver from its first position, rad, (frames,), of any size and order.
-
-        A kind with `rotating_bodies` has it. The table holds positions and angles; the time is that of a machine.
-        """
-        raise NotImplementedError
-
-    def torque_at(self, turn: Real) -> Real | None:
-        """Torque on the driver under the loads, N mm, at rotations as in `scene_at`; None without loads.
-
-        Positive in the direction in which the rotations count.
-        """
-        return None
-
-    @property
-    def depends_on_setting(self) -> bool:
-        """Whether results besides rates change with the setting, as those of loads do."""
-        return False
-
-    def in_setting(self, setting: Setting) -> Self:
-        """The same recipe where it is placed; all its results are then those of this speed and position."""
-        if not self.depends_on_setting or setting == self.setting:
-            return self
-        kept = {*(field.name for field in dataclasses.fields(self)), "name", "loaded_table"}
-        other = object.__new__(type(self))
-        vars(other).update({key: value for key, value in vars(self).items() if key in kept}, setting=setting)
-        return other
-
-    @property
-    def quantities(self) -> Mapping[str, str]:
-        """Lengths, types and ranges that an editor shows next to the scene and the checks, by label."""
-        return {}
-
-    @property
-    def handles(self) -> tuple[SceneHandle, ...]:
-        """Handles that a user can drag in an editor. An editor computes them again at each step of a drag."""
-        return ()
-
-    def handle_position(self, id: str) -> Complex:
-        """Positions of one of the `handles` at the frames."""
-        return next(handle.at for handle in self.handles if handle.id == id)
-
-    @property
-    def candidates(self) -> tuple[Candidate, ...]:
-        """Designs among which one key of the recipe chooses; empty if there is nothing to choose."""
-        return ()
-
-    @classmethod
-    def has_scene(cls) -> bool:
-        """Whether the kind has a scene, without computing it."""
-        return cls.scene is not None and cls.scene is not AbstractRecipe.scene
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -324,11 +221,6 @@ class AbstractRecipe(_Shared, ABC):
         """Sentences on the result that its page and the terminal show."""
         return ()
 
-    @property
-    def found_recipe(self) -> AbstractRecipe | None:
-        """The recipe that a goal found, which is written with its files; None for other kinds."""
-        return None
-
     @classmethod
     def about(cls) -> str:
         """One line that introduces the kind."""
@@ -338,11 +230,6 @@ class AbstractRecipe(_Shared, ABC):
     def subtitle(self) -> str:
         """One line that introduces this mechanism; by default that of its kind."""
         return self.about()
-
-    @property
-    def introduction(self) -> str:
-        """The sentences at the head of the page: the subtitle, remarks, and why there are no forces."""
-        return " ".join(text for text in (self.subtitle, *self.remarks, self.forces_missing) if text)
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
@@ -372,6 +259,25 @@ def part_masses(parts: Iterable[Part]) -> dict[str, Mass]:
         if part.body and part.mass is not None:
             bodies[part.body] = bodies[part.body] + part.mass if part.body in bodies else part.mass
     return bodies
+
+
+def assembly_summary(recipe: AbstractRecipe) -> Mapping[str, object]:
+    """Items to buy, assembly steps and masses, as entries of summary.json; empty ones are left out."""
+    entries = {"bought": [item.data for item in recipe.bought], "steps": list(recipe.steps)}
+    return {**{name: lines for name, lines in entries.items() if lines}, **mass_summary(recipe)}
+
+
+def mass_summary(recipe: AbstractRecipe) -> Mapping[str, object]:
+    """Masses as an entry of summary.json; empty without a material."""
+    bodies = {
+        name: {
+            "mass_kg": to_digits(float(mass.mass)),
+            "centre_mm": [round(float(z), 6) + 0.0 for z in (mass.centre.real, mass.centre.imag)],
+            "inertia_kg_mm2": to_digits(float(mass.inertia)),
+        }
+        for name, mass in recipe.body_masses.items()
+    }
+    return {"masses": bodies} if bodies else {}
 
 
 @checked
@@ -419,8 +325,9 @@ class AbstractGoal(AbstractRecipe):
         """The recipe that was found."""
 
     @property
-    def found_recipe(self) -> AbstractRecipe:
-        return self.design
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Designs among which one key of the recipe chooses; empty if there is nothing to choose."""
+        return ()
 
     @property
     def table(self) -> Table:

@@ -6,13 +6,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 
-from ..core.units import MM
+from ..core.units import MM, UNITS
 from ..model.check import Check
 from ..model.in_unit import check_in, scene_in, table_in
 from ..model.part import Bought, Part
 from ..model.scene import Scene
 from ..model.table import Table
 from ..plane.vec import Real
+from .messages import did_you_mean
 from .recipe import AbstractRecipe
 
 
@@ -28,7 +29,7 @@ class ShownRecipe:
     """
 
     def __init__(self, recipe: AbstractRecipe):
-        self.recipe, self.unit = recipe, recipe.length_unit
+        self.recipe, self.unit = recipe, UNITS[recipe.units]
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -98,6 +99,23 @@ class ShownRecipe:
     def further_values(self) -> Mapping[str, Real]:
         """Coordinates that formulas may use besides the columns of the table."""
         return {id: self.unit.of(values) for id, values in self.recipe.further_values.items()}
+
+    @property
+    def introduction(self) -> str:
+        """The sentences at the head of the page: the subtitle, remarks, and why there are no forces."""
+        recipe = self.recipe
+        return self.unit.text(" ".join(filter(None, (recipe.subtitle, *recipe.remarks, recipe.forces_missing))))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on the result, and on entries of `expected_failures` that are the id of no check."""
+        ids = [check.id for check in self.recipe.checks]
+        unknown = (
+            f"expected_failures.{id}: no check has this id; {did_you_mean(id, ids)}the checks are {', '.join(ids)}"
+            for id in self.recipe.expected_failures
+            if id not in ids
+        )
+        return self.texts((*self.recipe.remarks, *unknown))
 
     def texts(self, lines: Iterable[str]) -> tuple[str, ...]:
         """Lines of text."""

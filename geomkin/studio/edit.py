@@ -12,7 +12,7 @@ from ..build import errors_named_by_key
 from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable, shown
 from ..core.fields import FARTHEST
-from ..core.units import MM
+from ..core.units import MM, UNITS
 from ..export.still import kept_frames
 from ..export.summary import as_json
 from ..model.check import Check
@@ -22,7 +22,7 @@ from ..plane.vec import Real
 from ..recipe.keys import edited_text, with_values
 from ..recipe.lengths import shown_numbers
 from ..recipe.load import from_table, whole_table
-from ..recipe.recipe import AbstractRecipe
+from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.toml import parsed
 from .drag import drag, is_locked
@@ -173,10 +173,10 @@ def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply
 
 def _factors(recipe: AbstractRecipe, handle: SceneHandle) -> tuple[float, float]:
     """Factors from x and y as they are shown to those of the handle: plots are in the recipe's unit, drawings in mm."""
-    if handle.shape != "plot" or recipe.length_unit is MM:
+    if handle.shape != "plot" or UNITS[recipe.units] is MM:
         return 1.0, 1.0
     units = recipe.table.columns[0].unit, recipe.table.column(handle.column).unit
-    return recipe.length_unit.factor(units[0]), recipe.length_unit.factor(units[1])
+    return UNITS[recipe.units].factor(units[0]), UNITS[recipe.units].factor(units[1])
 
 
 def _pointer(wanted: Mapping[str, Any]) -> tuple[complex, int, tuple[float, float]]:
@@ -312,7 +312,7 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
             "label": harmless(candidate.label),
             "lines": [[_row(stroke.real), _row(stroke.imag)] for stroke in candidate.lines],
         }
-        for candidate in recipe.candidates
+        for candidate in (recipe.candidates if isinstance(recipe, AbstractGoal) else ())
     ]
     thicknesses = [results.unit.in_digits(part.thickness, "mm") for part in recipe.parts]
     parts = [{"name": p.name, "count": p.count, "thickness": t} for p, t in zip(recipe.parts, thicknesses)]

@@ -191,8 +191,7 @@ def _(recipe: AbstractRecipe) -> Job:
     if recipe.scene is None:
         return replace(_job(recipe.parts), name=name)
     shown, text = ShownRecipe(recipe), partial(to_toml, recipe)
-    about = shown.unit.text(recipe.introduction)
-    return Job(name, shown, recipe.files.tolerance, about=about, recipe=text, unit=shown.unit)
+    return Job(name, shown, recipe.files.tolerance, about=shown.introduction, recipe=text, unit=shown.unit)
 
 
 @_job.register(str)

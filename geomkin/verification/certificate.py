@@ -16,7 +16,7 @@ from ..core.fields import to_digits
 from ..core.names import PathName, file_name_flaw
 from ..core.progress import report
 from ..core.records import record
-from ..core.units import MM, LengthUnit
+from ..core.units import MM, UNITS, LengthUnit
 from ..export.formats import format_of
 from ..export.stamp import LAYOUT, Stamp, recipe_hash
 from ..export.summary import FOUND, NAME, read_summary
@@ -241,7 +241,7 @@ def _certificate(folder: Path) -> Certificate:
         recipe.files.tolerance,
         recipe.files.kerf,
         files,
-        unit=recipe.length_unit,
+        unit=UNITS[recipe.units],
     )
 
 

@@ -10,6 +10,7 @@ import geomkin as gk
 from geomkin.cam.program.program import Program
 from geomkin.cam.program.segments import LiftTable
 from geomkin.cam.program.smoothing_spline import smoothest_within
+from geomkin.core.units import UNITS
 
 CASES = Path(__file__).parents[1] / "cases"
 TURN = np.linspace(0, 2 * np.pi, 7001)
@@ -90,7 +91,7 @@ def test_within_that_a_check_advises_is_accepted_and_passes(unit, mm, tmp_path):
 
     recipe, (failed,) = checks(text)
     assert not failed.passed
-    advised = re.search(r"at least (\S+) ", recipe.length_unit.text(failed.advice))[1]
+    advised = re.search(r"at least (\S+) ", UNITS[recipe.units].text(failed.advice))[1]
     _, (followed,) = checks(text.replace("decimals = 3", f"within = {advised}"))
     assert followed.passed
 

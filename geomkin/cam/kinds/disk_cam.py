@@ -24,6 +24,7 @@ from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
+from ...recipe.recipe import assembly_summary
 from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
 from ..base_circle import least_base_circle
@@ -219,7 +220,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
                 }
                 for k, best in sorted(cam.program.optima.items())
             ]
-        return notes, {**self.assembly_summary, **({"undercut": self._undercut()} if self.made.cut.found else {})}
+        return notes, {**assembly_summary(self), **({"undercut": self._undercut()} if self.made.cut.found else {})}
 
     def _peaks(self) -> dict[str, dict[str, object]]:
         """For each segment that moves: the peaks of its derivatives by cam angle, and its peak factors."""

@@ -8,12 +8,13 @@ from typing import Literal
 
 from ...core.fields import entry
 from ...core.records import record
+from ...core.units import UNITS
 from ...making.materials import MATERIALS, MaterialKey, material_entry
 from ...model.check import Check
 from ...model.part import Bought, Part
 from ...model.scene import Scene
 from ...model.table import Table
-from ...recipe.recipe import AbstractRecipe
+from ...recipe.recipe import AbstractRecipe, assembly_summary
 from ...recipe.settings import Files
 from ...recipe.toml import toml_key
 from ..fit_test import FitTest
@@ -78,7 +79,7 @@ class FitTestRecipe(AbstractRecipe):
         known = next((name for name, material in MATERIALS.items() if material == self.material), None)
         name = known or (self.material.name if self.material else "the material of your recipes")
         lengths = (GAUGE_WIDTH + self.files.kerf, self.openings.pin, self.files.kerf)
-        gauge, pin, compensated = (f"{self.length_unit.of(length):g}" for length in lengths)
+        gauge, pin, compensated = (f"{UNITS[self.units].of(length):g}" for length in lengths)
         # Holes are drawn narrower by the kerf that is compensated already.
         kerf = f"(kerf - {compensated})" if self.files.kerf else "kerf"
         return (
@@ -111,4 +112,4 @@ class FitTestRecipe(AbstractRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        return {"gauge_width_mm": GAUGE_WIDTH, "workshop_file": list(self.workshop_file), **self.assembly_summary}
+        return {"gauge_width_mm": GAUGE_WIDTH, "workshop_file": list(self.workshop_file), **assembly_summary(self)}

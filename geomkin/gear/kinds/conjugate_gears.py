@@ -22,7 +22,7 @@ from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.curve import AbstractCurve
-from ...recipe.recipe import AbstractAssembledRecipe, part_masses
+from ...recipe.recipe import AbstractAssembledRecipe, assembly_summary, part_masses
 from ...recipe.settings import Files
 from ..checks import conjugate_checks, touch_check
 from ..conjugate.conjugate import Conjugate, conjugate, flank_table, pin_table
@@ -119,7 +119,7 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
                 # The other side of the tooth is the mirror image.
                 if u.start < 1
             ],
-            **self.assembly_summary,
+            **assembly_summary(self),
         }
 
     @property

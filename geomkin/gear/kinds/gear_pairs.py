@@ -22,6 +22,7 @@ from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Real
+from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks
 from ..contract import AbstractInvoluteGear
@@ -50,6 +51,7 @@ from .helical import (
     tips_entry,
 )
 from .loaded import (
+    RACK_WITHOUT_LOADS,
     AbstractLoadedRecipe,
     LoadedMeshes,
     loaded_materials,
@@ -196,7 +198,7 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
         mesh = mesh_notes(self.design, self.helix, self.face_width)
-        return self.mesh_notes({"pair": mesh}, sizes), self.assembly_summary
+        return self.mesh_notes({"pair": mesh}, sizes), assembly_summary(self)
 
 
 @record(kw_only=True)
@@ -381,6 +383,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     )
     stock: GearStock = entry("sheet of both, and bore of the pinion", default=GearStock())
     base: RackBaseStock | None = entry("a base plate that guides the rack; none if omitted", default=None)
+    without_loads: ClassVar[str] = RACK_WITHOUT_LOADS
     loads: RackLoads | None = entry(
         "force on the rack, for pinion torque and strength; the stock then names its material", default=None
     )
@@ -468,4 +471,4 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
             "interferences": list(pair.interferences),
         }
         sizes = {"pinion": (pair.pinion, self.helix, width)}
-        return self.mesh_notes({"pair": mesh}, sizes), self.assembly_summary
+        return self.mesh_notes({"pair": mesh}, sizes), assembly_summary(self)

@@ -19,6 +19,7 @@ from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
+from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks
 from ..module import LARGEST
@@ -283,7 +284,7 @@ class GearTrainRecipe(AbstractLoadedRecipe):
             },
             "measures_mm": {g.name: gear_notes(g.gear) for g in self.stocks.gears(train)},
         }
-        return notes, self.assembly_summary
+        return notes, assembly_summary(self)
 
     @property
     def facts(self) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real, without_rounding
+from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks
 from ..contract import AbstractInvoluteGear
@@ -279,4 +280,4 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
             "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
         }
-        return self.mesh_notes(meshes, sizes), self.assembly_summary
+        return self.mesh_notes(meshes, sizes), assembly_summary(self)

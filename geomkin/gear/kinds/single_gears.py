@@ -15,6 +15,7 @@ from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
+from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Files
 from ..checks import gear_checks
 from ..cutters import undercut_free_shift
@@ -56,7 +57,7 @@ class AbstractSingleGearRecipe(AbstractHelicalRecipe):
     def notes(self) -> Mapping[str, object]:
         measures = gear_notes(self.design, self.helix, self.stock.thickness)
         helix = helix_notes(self.design, self.helix, self.stock.thickness)
-        return {**helix, "measures_mm": measures, **self.assembly_summary}
+        return {**helix, "measures_mm": measures, **assembly_summary(self)}
 
 
 @record(kw_only=True)

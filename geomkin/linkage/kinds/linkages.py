@@ -17,6 +17,7 @@ from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
+from ...recipe.recipe import mass_summary
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..linkage import AbstractLinkage
@@ -122,7 +123,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Range of the driver and links that turn fully; masses and the stack of plates."""
         before = {**self.made.reaches(self.made.branch), **self.turning}
-        return before, {**self.mass_summary, "stack": self.made.stack_summary}
+        return before, {**mass_summary(self), "stack": self.made.stack_summary}
 
     @cached_property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:

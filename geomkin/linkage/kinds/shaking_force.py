@@ -20,6 +20,7 @@ from ...model.roles import Role
 from ...model.scene import Hodograph, Limit, Plot, Scene, SceneHandle
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
+from ...recipe.recipe import mass_summary
 from ...recipe.settings import Files, Turn
 from ..checks import MOST_FORCE_TO_BEST, collision_check, reached
 from ..dynamics.shaking import (
@@ -231,6 +232,6 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
         return {
             "best_counterbalance_kg_mm": to_digits(self.best.product.real),
             "largest_force_N": {name: to_digits(force) for name, force in self.largest.items()},
-            **self.mass_summary,
+            **mass_summary(self),
             "stack": {**self.made.stack.summary(), "steps": list(self.steps)},
         }
