@@ -2,140 +2,38 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, NoReturn
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from ..core.arguments import ArgumentType
-from ..core.errors import DesignError, RecipeError, shown
+from ..core.errors import DesignError, shown
 from ..core.fields import entry, quantity
-from ..core.names import check_names, read_text_file
+from ..core.names import check_names
 from ..core.records import record
 from ..making.motors import MOTORS, motor_check
 from ..model.check import Check
 from ..model.mass import Mass
 from ..model.motor import RPM, MotorDuty
-from ..model.part import Bought, Part
+from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
 from ..recipe.aspect import ALONE, Setting
-from ..recipe.load import from_table, short_table, to_toml, whole_table
-from ..recipe.recipe import AbstractGoal, AbstractRecipe, assembly_summary
+from ..recipe.load import from_table, to_toml
+from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
-from ..recipe.toml import LARGEST, parsed
+from .assembly import MachineAssembly
+from .mechanism import Mechanism, refuse_machine
 from .placed import TORQUE, PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
 
 # Most mechanisms of a machine: what a page shows and a person tells apart. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
-# The name of a recipe's file: no folder.
-FILE_NAME = re.compile(r"[^/\\]+\.toml")
-
-
-class RecipeOrFile(ArgumentType):
-    """Marks a recipe that a table gives inline, or by the name of a file next to the file of the table."""
-
-    def __init__(self) -> None:
-        super().__init__(lambda value: isinstance(value, AbstractRecipe), "a recipe")
-
-    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
-        from pydantic_core import core_schema
-
-        return core_schema.with_info_plain_validator_function(
-            lambda value, info: _read(value, (info.context or {}).get("folder", ".")),
-            serialization=core_schema.plain_serializer_function_ser_schema(_written, info_arg=True),
-        )
-
-    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
-        return {"format": "recipe"}
-
-
-def _read(given: object, folder: Any) -> AbstractRecipe:
-    """The recipe of an inline table or of a file in the folder."""
-    if isinstance(given, AbstractRecipe):
-        return given
-    try:
-        file, table = "recipe", given
-        if isinstance(given, str):
-            if not FILE_NAME.fullmatch(given):
-                remedy = 'give the name of a file next to this one, such as "leg.toml"'
-                raise DesignError("", f"found {shown(given)}", remedy, "out-of-range")
-            file = given
-            text = read_text_file(given, folder, "the file of a recipe")
-            if len(text) > LARGEST:
-                problem = f"{given} is larger than {LARGEST:,} bytes"
-                raise DesignError("", problem, "give a recipe, a short TOML file", "too-much-work")
-            table = parsed(text, given)
-        if not isinstance(table, Mapping):
-            remedy = 'give a file next to this one, such as "leg.toml", or a table with kind'
-            raise DesignError("", f"found {shown(given)}", remedy, "wrong-type")
-        # A machine is refused before its own mechanisms are read, for files may name each other in a circle.
-        if table.get("kind") == "machine":
-            _refuse_machine()
-        recipe = from_table(table, file, folder)
-        return recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe
-    except RecipeError as error:
-        first = error.problems[0]
-        raise DesignError(first.key, first.problem, first.remedy, first.id, first.value) from None
-
-
-def _refuse_machine(key: str = "kind") -> NoReturn:
-    remedy = "give its mechanisms in this recipe, or a recipe of another kind"
-    raise DesignError(key, "found a machine in a machine", remedy, "conflict")
-
-
-def _written(recipe: AbstractRecipe, info: Any) -> str | dict[str, Any]:
-    """The name of its file, or its keys as an inline table; with `has_defaults` in the context, all of them."""
-    if recipe.name:
-        return f"{recipe.name}.toml"
-    return whole_table(recipe) if (info.context or {}).get("has_defaults") else short_table(recipe)
-
-
-@record(checked=True, kw_only=True)
-class Mechanism:
-    """A mechanism of a machine.
-
-    Parameters
-    ----------
-    recipe : AbstractRecipe
-        Its recipe, of a linkage, a disk cam, a gear pair, a gear train or a planetary set.
-    turned_by : str, optional
-        The body that turns its driver, as `mechanism.body`; None for the one that a motor or a hand drives.
-    phase_deg : float, optional
-        Rotation of its driver from its own first position when the machine is at its first, deg.
-    angle_deg : float, optional
-        Rotation of the whole mechanism about the axis of its driver, deg.
-    upside_down : bool, optional
-        Whether its layers are in the reverse order, its ground on top.
-    """
-
-    recipe: Annotated[AbstractRecipe, RecipeOrFile()] = entry(
-        'its recipe: a file next to this one, such as "leg.toml", or a table with kind',
-        example="leg.toml",
-    )
-    turned_by: str | None = entry(
-        'the body that turns its driver, such as "pair.second"; omitted for the one that a motor or a hand drives',
-        default=None,
-    )
-    phase_deg: float = quantity(
-        "rotation of its driver from its own first position when the machine is at its first",
-        "deg",
-        default=0.0,
-        at_least=-360,
-        at_most=360,
-    )
-    angle_deg: float = quantity(
-        "rotation of the whole mechanism about the axis of its driver", "deg", default=0.0, at_least=-360, at_most=360
-    )
-    upside_down: bool = entry("whether its layers are in the reverse order, its ground on top", default=False)
 
 
 @record(checked=True)
@@ -157,7 +55,7 @@ class MachineDrive:
 
 
 @record(kw_only=True)
-class MachineRecipe(AbstractRecipe):
+class MachineRecipe(AbstractAssembledRecipe):
     """Several mechanisms on common shafts, such as a gear train that turns two cranks: one motion, one bill.
 
     The mechanisms lie above one another in the order of the recipe. The axis of each driver is on the axis of the body
@@ -192,7 +90,7 @@ class MachineRecipe(AbstractRecipe):
                 raise DesignError("mechanisms", problem, f"name one of them without {name}_", "conflict")
         for name, mechanism in self.mechanisms.items():
             if isinstance(mechanism.recipe, MachineRecipe):
-                _refuse_machine(f"mechanisms.{name}.recipe")
+                refuse_machine(f"mechanisms.{name}.recipe")
             if not mechanism.recipe.name and mechanism.recipe.units != self.units:
                 problem = f'found "{mechanism.recipe.units}" in a machine with units = "{self.units}"'
                 remedy = "omit it, or give the recipe in a file of its own"
@@ -203,18 +101,9 @@ class MachineRecipe(AbstractRecipe):
             if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
                 problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
                 raise DesignError("files.kerf", problem, f"give kerf = {kerf:g} in [files]", "conflict")
-        if not any(isinstance(recipe, AbstractGoal) for recipe in self._alone.values()):
+        if not any(isinstance(recipe, AbstractGoal) for recipe in alone(self.mechanisms).values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
-
-    @cached_property
-    def _alone(self) -> Mapping[str, AbstractRecipe]:
-        """The recipe of each mechanism as if it stood alone; equal ones are the same object."""
-        recipes: list[AbstractRecipe] = []
-        for mechanism in self.mechanisms.values():
-            equal = (r for r in recipes if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
-            recipes.append(next(equal, mechanism.recipe))
-        return dict(zip(self.mechanisms, recipes))
 
     @cached_property
     def recipes(self) -> Mapping[str, AbstractRecipe]:
@@ -224,7 +113,7 @@ class MachineRecipe(AbstractRecipe):
         """
         placed: dict[tuple[int, Setting], AbstractRecipe] = {}
         recipes = {}
-        for name, recipe in self._alone.items():
+        for name, recipe in alone(self.mechanisms).items():
             speed = float(self.graph.speeds[name]) * RPM * self.drive.speed_rpm
             setting = Setting(speed, 0.0, complex(self.poses[name].direction))
             key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
@@ -235,7 +124,7 @@ class MachineRecipe(AbstractRecipe):
     def graph(self) -> ShaftGraph:
         """Which mechanism turns which."""
         bodies = {}
-        for name, recipe in self._alone.items():
+        for name, recipe in alone(self.mechanisms).items():
             with errors_of(name):
                 bodies[name] = recipe.rotating_bodies
             if not bodies[name]:
@@ -298,19 +187,6 @@ class MachineRecipe(AbstractRecipe):
         ]
         return np.sum(torques, axis=0) if torques else None
 
-    @property
-    def motor_checks(self) -> Iterator[Check]:
-        """Whether the motor on the driver, if it is of the table, supplies the torque."""
-        recipe = self.recipes[self.graph.driver]
-        stock, _, key = motor_key(recipe).partition(".")
-        motor = MOTORS.get(str(getattr(getattr(recipe, stock), key))) if key else None
-        if motor is not None and self.input_torque is not None:
-            angle = 2 * np.pi * self.turns
-            duty = MotorDuty(self.input_torque, np.full(angle.shape, RPM * self.drive.speed_rpm), angle)
-            known = np.isfinite(duty.torque).any()
-            at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
-            yield motor_check(motor, duty, TORQUE, at, f"mechanisms.{self.graph.driver}.recipe.{stock}.{key}")
-
     @cached_property
     def scene(self) -> Scene:
         """All mechanisms over the period."""
@@ -335,55 +211,19 @@ class MachineRecipe(AbstractRecipe):
         return tuple(shaft_fits(self.graph, self.placed))
 
     @property
-    def bought(self) -> tuple[Bought, ...]:
-        """Items of all mechanisms, equal ones in one line, and the shafts that join them instead of their own."""
-        lines: dict[str, Bought] = {}
-        for name, recipe in self.recipes.items():
-            replaced = [item for item in recipe.shaft_items if {(name, j) for j in item.joints} & self._replaced]
-            for item in recipe.bought:
-                own = [other for other in replaced if other.name == item.name]
-                joints = set(item.joints).difference(*(other.joints for other in own))
-                kept = tuple(f"{name} {joint}" for joint in item.joints if joint in joints)
-                add(lines, replace(item, count=item.count - sum(other.count for other in own), joints=kept))
-        for shaft in self.shafts:
-            for item in shaft.bought:
-                add(lines, item)
-        return tuple(lines.values())
-
-    @property
-    def _replaced(self) -> set[tuple[str, str]]:
-        """Mechanism and joint of each shaft that a shaft of the machine replaces."""
-        return {joint for shaft in self.shafts for joint in shaft.joints.items()}
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        """The shafts that join the mechanisms, then the steps of each mechanism."""
-        own = (f"{name}: {step}" for name, recipe in self.recipes.items() for step in recipe.steps)
-        phases = (
-            f"turn the driver of {name} by {mechanism.phase_deg:g} deg before it is fixed to its shaft"
-            for name, mechanism in self.mechanisms.items()
-            if mechanism.phase_deg
-        )
-        neighbours = (
-            f"set {upper} above {lower} on tubes as high as the nuts and collars between them"
-            for lower, upper in pairwise(self.mechanisms)
-        )
-        turned = (
-            f"turn {name} upside down, its ground on top"
-            for name, mechanism in self.mechanisms.items()
-            if mechanism.upside_down
-        )
-        return (*(shaft.step for shaft in self.shafts), *own, *turned, *neighbours, *phases)
+    def assembly(self) -> MachineAssembly:
+        """One bill of all mechanisms and of the shafts that join them."""
+        return MachineAssembly(self.mechanisms, self.recipes, self.shafts)
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        own = self._checks_of("design_checks")
+        own = checks_of(self, "design_checks")
         shafts = (check for shaft in self.shafts for check in shaft.checks(self.placed))
-        return (*own, *shafts, *motor_room(self.graph, self.placed), *self.motor_checks)
+        return (*own, *shafts, *motor_room(self.graph, self.placed), *motor_checks(self))
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:
-        return (*self._checks_of("motion_checks"), *self.motor_checks)
+        return (*checks_of(self, "motion_checks"), *motor_checks(self))
 
     def wall_advice(self, part: Part) -> str:
         owners = [name for name in self.recipes if part.name.startswith(f"{name}_".replace(" ", "_"))]
@@ -392,22 +232,6 @@ class MachineRecipe(AbstractRecipe):
         name = max(owners, key=len)
         own = part.name.removeprefix(f"{name}_".replace(" ", "_"))
         return f"{name}: {self.recipes[name].wall_advice(replace(part, name=own))}"
-
-    def _checks_of(self, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
-        """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
-        for name, recipe in self.recipes.items():
-            # A recipe in a file of its own has no keys in this one.
-            is_file, key = self.mechanisms[name].recipe.is_in_own_file, f"mechanisms.{name}.recipe"
-            with errors_of(name):
-                checks: tuple[Check, ...] = getattr(recipe, kind)
-            for check in checks:
-                if check.id == "motor_torque" and name in self.graph.sources:
-                    continue  # A motor of the recipe alone, which the machine does not have.
-                id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
-                inner = () if is_file else tuple(suggestion.under(key) for suggestion in check.suggestions)
-                yield replace(
-                    check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason, suggestions=inner
-                )
 
     @cached_property
     def body_masses(self) -> Mapping[str, Mass]:
@@ -470,6 +294,45 @@ class MachineRecipe(AbstractRecipe):
         }
 
 
+def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:
+    """The recipe of each mechanism as if it stood alone; equal ones are the same object."""
+    recipes: list[AbstractRecipe] = []
+    for mechanism in mechanisms.values():
+        equal = (r for r in recipes if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
+        recipes.append(next(equal, mechanism.recipe))
+    return dict(zip(mechanisms, recipes))
+
+
+def motor_checks(machine: MachineRecipe) -> Iterator[Check]:
+    """Whether the motor on the driver, if it is of the table, supplies the torque."""
+    recipe = machine.recipes[machine.graph.driver]
+    stock, _, key = motor_key(recipe).partition(".")
+    motor = MOTORS.get(str(getattr(getattr(recipe, stock), key))) if key else None
+    if motor is not None and machine.input_torque is not None:
+        angle = 2 * np.pi * machine.turns
+        duty = MotorDuty(machine.input_torque, np.full(angle.shape, RPM * machine.drive.speed_rpm), angle)
+        known = np.isfinite(duty.torque).any()
+        at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
+        yield motor_check(motor, duty, TORQUE, at, f"mechanisms.{machine.graph.driver}.recipe.{stock}.{key}")
+
+
+def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
+    """Checks of all mechanisms under the names of the machine; their columns and positions are not those of it."""
+    for name, recipe in machine.recipes.items():
+        # A recipe in a file of its own has no keys in this one.
+        is_file, key = machine.mechanisms[name].recipe.is_in_own_file, f"mechanisms.{name}.recipe"
+        with errors_of(name):
+            checks: tuple[Check, ...] = getattr(recipe, kind)
+        for check in checks:
+            if check.id == "motor_torque" and name in machine.graph.sources:
+                continue  # A motor of the recipe alone, which the machine does not have.
+            id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
+            inner = () if is_file else tuple(suggestion.under(key) for suggestion in check.suggestions)
+            yield replace(
+                check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason, suggestions=inner
+            )
+
+
 EXAMPLE_PAIR: dict[str, object] = {
     "first": {"teeth": 12, "module": 2, "profile_shift": 0.3},
     "second": {"teeth": 36, "module": 2},
@@ -481,13 +344,6 @@ EXAMPLE_CRANK: dict[str, object] = {
     "linkage": {"crank": 20, "coupler": 70},
     "stock": {"thickness": 4, "pin_diameter": 4},
 }
-
-
-def add(lines: dict[str, Bought], item: Bought) -> None:
-    """Add an item to the lines of a bill."""
-    if item.count:
-        before = lines.get(item.name, Bought(item.name, 0, ()))
-        lines[item.name] = Bought(item.name, before.count + item.count, (*before.joints, *item.joints))
 
 
 @contextmanager

@@ -1,0 +1,118 @@
+"""A mechanism of a machine in a recipe: its own recipe, inline or in a file, and its place on the shafts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any, NoReturn
+
+from ..core.arguments import ArgumentType
+from ..core.errors import DesignError, RecipeError, shown
+from ..core.fields import entry, quantity
+from ..core.names import read_text_file
+from ..core.records import record
+from ..recipe.load import from_table, short_table, whole_table
+from ..recipe.recipe import AbstractRecipe
+from ..recipe.toml import LARGEST, parsed
+
+# The name of a recipe's file: no folder.
+FILE_NAME = re.compile(r"[^/\\]+\.toml")
+
+
+class RecipeOrFile(ArgumentType):
+    """Marks a recipe that a table gives inline, or by the name of a file next to the file of the table."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda value: isinstance(value, AbstractRecipe), "a recipe")
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.with_info_plain_validator_function(
+            lambda value, info: _read(value, (info.context or {}).get("folder", ".")),
+            serialization=core_schema.plain_serializer_function_ser_schema(_written, info_arg=True),
+        )
+
+    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
+        return {"format": "recipe"}
+
+
+def _read(given: object, folder: Any) -> AbstractRecipe:
+    """The recipe of an inline table or of a file in the folder."""
+    if isinstance(given, AbstractRecipe):
+        return given
+    try:
+        file, table = "recipe", given
+        if isinstance(given, str):
+            if not FILE_NAME.fullmatch(given):
+                remedy = 'give the name of a file next to this one, such as "leg.toml"'
+                raise DesignError("", f"found {shown(given)}", remedy, "out-of-range")
+            file = given
+            text = read_text_file(given, folder, "the file of a recipe")
+            if len(text) > LARGEST:
+                problem = f"{given} is larger than {LARGEST:,} bytes"
+                raise DesignError("", problem, "give a recipe, a short TOML file", "too-much-work")
+            table = parsed(text, given)
+        if not isinstance(table, Mapping):
+            remedy = 'give a file next to this one, such as "leg.toml", or a table with kind'
+            raise DesignError("", f"found {shown(given)}", remedy, "wrong-type")
+        # A machine is refused before its own mechanisms are read, for files may name each other in a circle.
+        if table.get("kind") == "machine":
+            refuse_machine()
+        recipe = from_table(table, file, folder)
+        return recipe.with_name(file.removesuffix(".toml")) if isinstance(given, str) else recipe
+    except RecipeError as error:
+        first = error.problems[0]
+        raise DesignError(first.key, first.problem, first.remedy, first.id, first.value) from None
+
+
+def refuse_machine(key: str = "kind") -> NoReturn:
+    """DesignError for a machine as a mechanism of a machine. key: of its kind."""
+    remedy = "give its mechanisms in this recipe, or a recipe of another kind"
+    raise DesignError(key, "found a machine in a machine", remedy, "conflict")
+
+
+def _written(recipe: AbstractRecipe, info: Any) -> str | dict[str, Any]:
+    """The name of its file, or its keys as an inline table; with `has_defaults` in the context, all of them."""
+    if recipe.name:
+        return f"{recipe.name}.toml"
+    return whole_table(recipe) if (info.context or {}).get("has_defaults") else short_table(recipe)
+
+
+@record(checked=True, kw_only=True)
+class Mechanism:
+    """A mechanism of a machine.
+
+    Parameters
+    ----------
+    recipe : AbstractRecipe
+        Its recipe, of a linkage, a disk cam, a gear pair, a gear train or a planetary set.
+    turned_by : str, optional
+        The body that turns its driver, as `mechanism.body`; None for the one that a motor or a hand drives.
+    phase_deg : float, optional
+        Rotation of its driver from its own first position when the machine is at its first, deg.
+    angle_deg : float, optional
+        Rotation of the whole mechanism about the axis of its driver, deg.
+    upside_down : bool, optional
+        Whether its layers are in the reverse order, its ground on top.
+    """
+
+    recipe: Annotated[AbstractRecipe, RecipeOrFile()] = entry(
+        'its recipe: a file next to this one, such as "leg.toml", or a table with kind',
+        example="leg.toml",
+    )
+    turned_by: str | None = entry(
+        'the body that turns its driver, such as "pair.second"; omitted for the one that a motor or a hand drives',
+        default=None,
+    )
+    phase_deg: float = quantity(
+        "rotation of its driver from its own first position when the machine is at its first",
+        "deg",
+        default=0.0,
+        at_least=-360,
+        at_most=360,
+    )
+    angle_deg: float = quantity(
+        "rotation of the whole mechanism about the axis of its driver", "deg", default=0.0, at_least=-360, at_most=360
+    )
+    upside_down: bool = entry("whether its layers are in the reverse order, its ground on top", default=False)
