@@ -275,7 +275,7 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
             yield motor_check(self.motor, self.duty, "camshaft_torque", position, key)
 
     def _contact_advice(self) -> tuple[str, tuple[Suggestion, ...]]:
-        """What keeps the follower on the cam, and keys of the recipe with values that do."""
+        """Advice for a follower that leaves the cam, and recipe values that keep contact."""
         if self.cam.program.jumps.velocity.any():
             return "the velocity of the follower jumps: start and end the motion with a law that rests there", ()
         rate, preload, _ = ARM if self.cam.follower.oscillates else STRAIGHT
