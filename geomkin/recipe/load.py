@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import is_dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..core.arguments import checked
 from ..core.errors import DesignError, Problem, ProblemId, RecipeError, printable, shown
+from ..core.field_visitor import fields_of
 from ..core.fields import KindTable
 from ..core.names import Folder
 from ..core.scaling import scaled
@@ -148,17 +149,14 @@ def short_table(recipe: AbstractRecipe) -> dict[str, Any]:
 
 
 def _without_defaults(thing: Any, table: dict[str, Any], is_deep: bool = False) -> dict[str, Any]:
-    usual = {f.name for f in fields(thing) if f.name != "kind" and getattr(thing, f.name) == _default(f)}
+    declared = fields_of(type(thing))
+    usual = {name for name in declared if name != "kind" and getattr(thing, name) == declared[name].default}
     kept = {key: value for key, value in table.items() if key not in usual}
     for key, value in kept.items() if is_deep else ():
         if isinstance(value, dict) and is_dataclass(inner := getattr(thing, key)):
             # An empty table would not be written.
             kept[key] = _without_defaults(inner, value, is_deep) or value
     return kept
-
-
-def _default(field: Field[Any]) -> object:
-    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 def table_lines(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:

@@ -6,15 +6,16 @@ import dataclasses
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal
 
 from pydantic import TypeAdapter
 
 from ..core.errors import DesignError, printable
+from ..core.field_visitor import DeclaredField, fields_of, kind_of
 from ..core.fields import allowed
 from .kinds import kind_names, recipe_class
 from .load import adapter, short_table, table_lines
-from .messages import did_you_mean, kind_of, tables_in, words_in
+from .messages import did_you_mean
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
 
@@ -48,22 +49,23 @@ def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None)
 
     given: values by dotted key that replace examples. base: an instance with the values of all other fields.
     """
-    hints, given = get_type_hints(cls), given or {}
+    given = given or {}
     values = {}
-    for field in dataclasses.fields(cls):
-        inside = {key.partition(".")[2]: value for key, value in given.items() if key.startswith(f"{field.name}.")}
-        shown = field.metadata.get("examples", [None])[0] if base is None else getattr(base, field.name)
-        if field.name == "kind" and base is None:
-            values["kind"] = field.default
-        elif field.name in given:
-            values[field.name] = given[field.name]
+    for name, declared in fields_of(cls).items():
+        inside = {key.partition(".")[2]: value for key, value in given.items() if key.startswith(f"{name}.")}
+        shown = declared.about.get("examples", [None])[0] if base is None else getattr(base, name)
+        if name == "kind" and base is None:
+            values["kind"] = declared.default
+        elif name in given:
+            values[name] = given[name]
         elif inside:
-            table = type(shown) if dataclasses.is_dataclass(shown) else hints[field.name]
-            values[field.name] = example(table, given=inside, base=shown if dataclasses.is_dataclass(shown) else None)
+            is_table = dataclasses.is_dataclass(shown)
+            table = type(shown) if is_table else declared.tables[0]
+            values[name] = example(table, given=inside, base=shown if is_table else None)
         elif base is not None or (shown is not None and shown is not dataclasses.MISSING):
-            values[field.name] = shown
-        elif field.default is dataclasses.MISSING:
-            values[field.name] = example(hints[field.name])
+            values[name] = shown
+        elif declared.is_required:
+            values[name] = example(declared.tables[0])
     return cls(**values)
 
 
@@ -91,9 +93,9 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
             plain.append(("# workshop =", WORKSHOP))
         if value.can_be_scaled:
             plain.append(("# scale = 1", SCALE))
-    for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name in SHARED)):
-        inner = getattr(value, field.name)
-        name = f"{path}.{field.name}" if path else field.name
+    for declared in sorted(fields_of(type(value)).values(), key=lambda f: (f.name != "kind", f.name in SHARED)):
+        inner = getattr(value, declared.name)
+        name = f"{path}.{declared.name}" if path else declared.name
         rows = getattr(inner, "segments", inner)
         if isinstance(rows, tuple | list) and rows and dataclasses.is_dataclass(rows[0]):
             for row in rows:
@@ -104,33 +106,34 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
         elif isinstance(inner, AbstractRecipe):
             tables += ["", f"[{name}]", *table_lines(name, short_table(inner))]
         elif isinstance(inner, dict) and inner:
-            tables += ["", f"[{name}]  # {field.metadata['description']}"]
+            tables += ["", f"[{name}]  # {declared.about['description']}"]
             tables += [f"{key} = {toml_value(item)}" for key, item in inner.items()]
         elif dataclasses.is_dataclass(inner):
             tables += ["", f"[{name}]", *_table(name, inner, offered)]
         else:
-            text, note = _line(field, inner, get_type_hints(type(value))[field.name])
-            if field.name == "kind" and path in offered:
+            text, note = _line(declared, inner)
+            if declared.name == "kind" and path in offered:
                 note = " or ".join(offered[path])
             if name in offered:
-                note += f"; shown by --with {field.name}"
+                note += f"; shown by --with {declared.name}"
             plain.append((text, note))
     width = min(36, max((len(text) for text, _ in plain), default=0))
     return [f"{text:<{width}}  # {note}" if note else text for text, note in plain] + tables
 
 
-def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, str]:
-    note = field.metadata.get("description", "")
-    if "unit" in field.metadata:
-        limits = allowed(field.metadata | {"unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
+def _line(declared: DeclaredField, value: Any) -> tuple[str, str]:
+    name, about = declared.name, declared.about
+    note = about.get("description", "")
+    if "unit" in about:
+        limits = allowed({**about, "unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
         note += f"; {limits}" if limits else ""
-    elif len(words := words_in(hint)) > (get_origin(hint) is Literal):
-        note += "; " + " or ".join(words)
+    elif len(declared.choices) > 1:
+        note += "; " + " or ".join(map(str, declared.choices))
     if value is None:
-        return f"# {field.name} =", note
-    required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-    optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
-    return f"{'# ' if optional else ''}{field.name} = {toml_value(value)}", note
+        return f"# {name} =", note
+    is_usual = value in (declared.field.default, about.get("filled_in"), {})
+    optional = not declared.is_required and is_usual and name != "kind"
+    return f"{'# ' if optional else ''}{name} = {toml_value(value)}", note
 
 
 def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
@@ -139,17 +142,16 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     An optional table has the single kind "".
     """
     tables_by_key: dict[str, dict[str, type]] = {}
-    hints = get_type_hints(recipe)
-    for field in dataclasses.fields(recipe):
-        tables, key = tables_in(hints[field.name]), path + field.name
-        if str in get_args(hints[field.name]):
+    for declared in fields_of(recipe).values():
+        tables, key = declared.tables, path + declared.name
+        if str in declared.options:
             # A table with a name, such as a motor, is given by its name.
             continue
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
-        is_shown = bool(field.metadata.get("examples", [None])[0])
+        is_shown = bool(declared.about.get("examples", [None])[0])
         if len(kinds) > 1:
             tables_by_key[key] = kinds
-        elif tables and not is_shown and (field.default is None or get_origin(hints[field.name]) is tuple):
+        elif tables and not is_shown and (declared.field.default is None or declared.is_rows):
             tables_by_key[key] = {"": tables[0]}
         elif len(tables) == 1:
             tables_by_key |= choices(tables[0], f"{key}.")

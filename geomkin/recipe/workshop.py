@@ -9,12 +9,13 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from ..core.errors import DesignError, Problem, RecipeError, printable, shown
+from ..core.field_visitor import fields_of
 from ..core.fields import FARTHEST, quantity
 from ..core.names import Folder, read_text_file
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit
 from .lengths import in_mm, shown_problem
-from .messages import did_you_mean, explain, hints_of, tables_in
+from .messages import did_you_mean, explain
 from .recipe import FITS, AbstractRecipe, is_stock
 from .settings import kerf
 from .toml import LARGEST, parsed
@@ -56,7 +57,7 @@ def with_workshop(
         material_of = _materials(data, stocks, printable(name), measured)
         merged = dict(data)
         for key, stock in stocks.items():
-            merged[key] = _stated(measured[material_of[key]], FITS & hints_of(stock).keys()) | data.get(key, {})
+            merged[key] = _stated(measured[material_of[key]], FITS & fields_of(stock).keys()) | data.get(key, {})
         files = data.get("files", {})
         if isinstance(files, Mapping) and "kerf" not in files:
             merged["files"] = {**_common_kerf(printable(name), measured, material_of.values()), **files}
@@ -104,10 +105,9 @@ def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
 
 def _stocks(data: Mapping[str, Any], recipe: type) -> dict[str, type]:
     """Classes of the stocks and the base that a recipe has, by key; optional ones only if its table has them."""
-    hints = hints_of(recipe)
-    stocks = {field.name: field for field in dataclasses.fields(recipe) if is_stock(field.name)}
-    given = (key for key, field in stocks.items() if key in data or field.default is not None)
-    return {key: tables_in(hints[key])[0] for key in given if isinstance(data.get(key, {}), Mapping)}
+    stocks = {key: declared for key, declared in fields_of(recipe).items() if is_stock(key)}
+    given = (key for key, declared in stocks.items() if key in data or declared.field.default is not None)
+    return {key: stocks[key].tables[0] for key in given if isinstance(data.get(key, {}), Mapping)}
 
 
 def _materials(
@@ -130,7 +130,7 @@ def _materials(
             raise DesignError(_key(key), problem, remedy, "conflict")
         stated[key] = material
     if not stated and len(measured) > 1:
-        key = next((key for key, stock in stocks.items() if "material" in hints_of(stock)), "")
+        key = next((key for key, stock in stocks.items() if "material" in fields_of(stock)), "")
         problem = f"is missing, and {name} has values for {listed}"
         raise DesignError(_key(key), problem, "give one of these", "missing-key")
     first = next(iter((*stated.values(), *measured)))
