@@ -5,23 +5,112 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING
-from functools import cache
-from types import UnionType
-from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
+from functools import cache, cached_property
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
+
+from .arguments import ArgumentType
 
 T = TypeVar("T")
 # The field of a dataclass that a recipe writes as the list of its rows, such as a motion program.
 ROWS = "segments"
 
 
+class WrittenForm:
+    """Marks a type whose values a recipe writes in another form; by default in that of its type."""
+
+    @property
+    def choices(self) -> list[str]:
+        """The only texts that are allowed; empty if there are others."""
+        return []
+
+    def read(self, given: Any, folder: Any) -> Any:
+        """What is read as a value of the type, or the value itself. folder: holds the files that a recipe names."""
+        return given
+
+    def finished(self, value: Any) -> Any:
+        """The value of the field for one of the type."""
+        return value
+
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        """The reverse, for JSON."""
+        return write(value)
+
+    def schema(self, of_type: dict[str, Any]) -> dict[str, Any]:
+        """The JSON Schema, from that of the type."""
+        return of_type
+
+
+class TypeShape(NamedTuple):
+    """A type as a recipe knows it: without nothing, arrays and functions, which only Python has.
+
+    options: the types of a union. is_optional: whether None is allowed too. choices: texts and numbers of a `Literal`.
+    """
+
+    options: tuple[Any, ...]
+    is_optional: bool
+    choices: tuple[Any, ...] = ()
+    form: WrittenForm | None = None
+    mark: ArgumentType | None = None
+
+    @property
+    def origin(self) -> Any:
+        """Of the only or first option."""
+        return get_origin(self.options[0])
+
+    @property
+    def tables(self) -> list[type]:
+        """Classes of the tables that it names itself, not in lists or under names."""
+        return [table for option in self.options if get_origin(option) is None for table in tables_in(option)]
+
+    @property
+    def is_recipe(self) -> bool:
+        """Whether it is a recipe of any kind."""
+        return is_open(self.options[0])
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether it is a union of other types than tables."""
+        return len(self.options) > 1 and len(self.tables) < len(self.options)
+
+
+def type_shape(hint: Any) -> TypeShape:
+    """The shape of a type."""
+    marks = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    types = _united(get_args(hint)[0] if marks else hint)
+    options = tuple(o for o in types if o is not NoneType and get_origin(o) not in (np.ndarray, Callable))
+    if len(options) == 1 and get_origin(options[0]) is Annotated:
+        return type_shape(options[0])._replace(is_optional=NoneType in types)
+    choices = tuple(choice for option in options if get_origin(option) is Literal for choice in get_args(option))
+    form = next((mark for mark in marks if isinstance(mark, WrittenForm)), None)
+    mark = next((mark for mark in marks if isinstance(mark, ArgumentType)), None)
+    return TypeShape(options, NoneType in types, choices, form, mark)
+
+
+# The shape of an item of a list or table. Of a field it is not cached by its type, since `Literal["left", "right"]` and
+# `Literal["right", "left"]` are equal but differ in their order.
+item_shape: Callable[[Any], TypeShape] = cache(type_shape)
+
+
+def _united(hint: Any) -> tuple[Any, ...]:
+    """The types of a union."""
+    if get_origin(hint) in (Union, UnionType):
+        return tuple(option for part in get_args(hint) for option in _united(part))
+    return (hint,)
+
+
 @dataclasses.dataclass(frozen=True)
 class DeclaredField:
-    """A field of a dataclass, with its type without annotations."""
+    """A field of a dataclass, with its type."""
 
     field: dataclasses.Field[Any]
     hint: Any
+
+    @cached_property
+    def shape(self) -> TypeShape:
+        return type_shape(self.hint)
 
     @property
     def name(self) -> str:
@@ -45,11 +134,6 @@ class DeclaredField:
         return not names_mm(self.name) and any("mm" in unit for unit in units)
 
     @property
-    def options(self) -> tuple[Any, ...]:
-        """The types of a union."""
-        return options_of(self.hint)
-
-    @property
     def default(self) -> Any:
         """Its default value; `dataclasses.MISSING` if it is required."""
         return self.field.default if self.field.default_factory is MISSING else self.field.default_factory()
@@ -57,11 +141,6 @@ class DeclaredField:
     @property
     def is_required(self) -> bool:
         return self.default is MISSING
-
-    @property
-    def choices(self) -> list[Any]:
-        """The texts and numbers that a `Literal` allows."""
-        return [choice for option in self.options if get_origin(option) is Literal for choice in get_args(option)]
 
     @property
     def tables(self) -> list[type]:
@@ -84,20 +163,12 @@ class DeclaredField:
 
 
 def _fields_of(table: type) -> Mapping[str, DeclaredField]:
-    hints = get_type_hints(table)
+    hints = get_type_hints(table, include_extras=True)
     return {field.name: DeclaredField(field, hints[field.name]) for field in dataclasses.fields(table)}
 
 
 # The fields of a dataclass by name.
 fields_of: Callable[[Any], Mapping[str, DeclaredField]] = cache(_fields_of)
-
-
-# Not cached, since `Literal["left", "right"]` and `Literal["right", "left"]` are equal but differ in their order.
-def options_of(hint: Any) -> tuple[Any, ...]:
-    """The types of a union."""
-    if get_origin(hint) in (Union, UnionType):
-        return tuple(option for part in get_args(hint) for option in options_of(part))
-    return (hint,)
 
 
 def is_open(hint: Any) -> bool:
@@ -130,15 +201,15 @@ def _holds(hint: Any, type: type) -> bool:
     return hint is type or any(_holds(part, type) for part in get_args(hint))
 
 
-def _item_hint(options: Sequence[Any], k: int) -> Any:
-    """The type of an item of a list, if one of the options is a list."""
-    for option in options:
+def row_shape(shape: TypeShape, k: int) -> TypeShape:
+    """The shape of an item of a list; of any value if it is not one."""
+    for option in shape.options:
         if dataclasses.is_dataclass(option) and ROWS in fields_of(option):
-            return _item_hint((fields_of(option)[ROWS].hint,), k)
+            return row_shape(fields_of(option)[ROWS].shape, k)
         if get_origin(option) in (tuple, list, Sequence):
             items = [item for item in get_args(option) if item is not ...]
-            return items[min(k, len(items) - 1)]
-    return Any
+            return item_shape(items[min(k, len(items) - 1)])
+    return item_shape(Any)
 
 
 class Number(NamedTuple):
@@ -204,20 +275,19 @@ class _Visit(NamedTuple):
                 continue
             key = path if name == ROWS else f"{path}.{name}" if path else name
             value = thing[name] if is_mapping else getattr(thing, name)
-            other = self.value(value, declared.hint, key, declared, declared.units)
+            other = self.value(value, declared.shape, key, declared, declared.units)
             changed |= {} if other is value else {name: other}
         if not changed:
             return thing
         return {**thing, **changed} if is_mapping else dataclasses.replace(thing, **changed)
 
     def value(
-        self, value: Any, hint: Any, key: str, declared: DeclaredField, units: tuple[str, ...], field: str = ""
+        self, value: Any, shape: TypeShape, key: str, declared: DeclaredField, units: tuple[str, ...], field: str = ""
     ) -> Any:
         """A value with other numbers. field: key of the row that holds it; by default its own."""
-        options = options_of(hint)
         # A field may be a sign, 1 or -1, or the position of a joint.
-        is_sign = isinstance(value, int) and value in (1, -1) and int in options
-        units = units or (("mm",) if complex in options and not is_sign else ())
+        is_sign = isinstance(value, int) and value in (1, -1) and int in shape.options
+        units = units or (("mm",) if complex in shape.options and not is_sign else ())
         if isinstance(value, complex):
             parts = (value.real, value.imag)
             x, y = (self.number(f"{key}[{k}]", key, part, declared, units) for k, part in enumerate(parts))
@@ -225,7 +295,7 @@ class _Visit(NamedTuple):
         if isinstance(value, (int, float, np.number, np.ndarray)) and not isinstance(value, bool):
             return self.number(key, field or key, value, declared, units)
         if isinstance(value, Mapping):
-            return self.mapping(value, options, key, declared, units)
+            return self.mapping(value, shape, key, declared, units)
         if dataclasses.is_dataclass(value):
             entered = self.enter(value, key)
             return self.table(value, type(value), key) if entered is None else entered
@@ -234,7 +304,7 @@ class _Visit(NamedTuple):
             is_row = not any(isinstance(item, (list, tuple)) for item in value)
             columns = [(units[k % len(units)],) if units and is_row else units for k in range(len(value))]
             items = [
-                self.value(item, _item_hint(options, k), f"{key}[{k}]", declared, columns[k], field)
+                self.value(item, row_shape(shape, k), f"{key}[{k}]", declared, columns[k], field)
                 for k, item in enumerate(value)
             ]
             is_same = all(item is other for item, other in zip(items, value))
@@ -244,19 +314,16 @@ class _Visit(NamedTuple):
     def number(self, key: str, field: str, value: Any, declared: DeclaredField, units: tuple[str, ...]) -> Any:
         return self.change(Number(key, field, value, units[0] if units else "", declared))
 
-    def mapping(
-        self, value: Any, options: Sequence[Any], key: str, declared: DeclaredField, units: tuple[str, ...]
-    ) -> Any:
+    def mapping(self, value: Any, shape: TypeShape, key: str, declared: DeclaredField, units: tuple[str, ...]) -> Any:
         """Values under names that the user chooses, or the table of a dataclass."""
-        for option in options:
+        for option in shape.options:
             if get_origin(option) in (dict, Mapping):
-                inner = get_args(option)[1]
+                inner = item_shape(get_args(option)[1])
                 items = {k: self.value(item, inner, f"{key}.{k}", declared, units) for k, item in value.items()}
                 return value if all(items[k] is value[k] for k in items) else items
-            if is_open(option):
-                entered = self.enter(value, key)
-                return value if entered is None else entered
-        tables = [table for option in options if isinstance(option, type) for table in tables_in(option)]
-        given = value.get("kind")
+        if shape.is_recipe:
+            entered = self.enter(value, key)
+            return value if entered is None else entered
+        tables, given = shape.tables, value.get("kind")
         table = next((table for table in tables if kind_of(table) == given), tables[0] if tables else None)
         return self.table(value, table, key) if table else value

@@ -7,16 +7,11 @@ from collections.abc import Iterable
 from difflib import SequenceMatcher
 from typing import Any
 
-from pydantic import ValidationError
-
 from ..core.dotted_keys import key_parts
-from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
+from ..core.errors import Problem, printable
 from ..core.field_visitor import DeclaredField, fields_of, kind_of
 from ..core.fields import allowed
 
-# Largest number of problems with a full explanation. One mistake, or a file that is no recipe, may cause many more, and
-# each explanation takes time.
-EXPLAINED = 200
 NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]{0,12}|°|%|\"|')\s*")
 # One `key = value` of a line, if the value is neither a text, a list nor a table.
 PLAIN = re.compile(r"([\w.-]+)[ \t]*=[ \t]*([^\s\"'\[{,}#][^\"'\[{}#]*?|)[ \t]*(?=,\s*[\w.-]+\s*=|[}#]|$)")
@@ -32,22 +27,6 @@ UNSUPPORTED = {
 }
 # Words in unknown keys that belong in the table `loads`, if the recipe has it.
 SERVED_BY_LOADS = "friction damping force forces torque torques load gravity weight mass inertia spring springs"
-
-# Error types of pydantic -> ids of problems; all others are "wrong-type".
-ID_OF: dict[str, ProblemId] = {
-    "finite_number": "not-finite",
-    **dict.fromkeys(("greater_than", "greater_than_equal", "less_than", "less_than_equal"), "out-of-range"),
-}
-
-
-def explain(error: ValidationError, recipe: type) -> list[Problem]:
-    """One problem for each error, in the file's order of keys."""
-    errors = error.errors(include_url=False)
-    return [_problem(e, recipe, k < MOST_SHOWN) for k, e in enumerate(errors[:EXPLAINED])] + [
-        Problem(printable(".".join(map(str, e["loc"]))), printable(e["msg"]), "correct it", "wrong-type")
-        for e in errors[EXPLAINED:]
-    ]
-
 
 # Renamed keys whose old and new names are too different for `did_you_mean`.
 RENAMED = {
@@ -90,49 +69,10 @@ def _unsupported(key: object) -> str:
     return next((topic for topic, signs in UNSUPPORTED.items() if words & set(signs.split())), "")
 
 
-def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
-    """The problem of one error of pydantic. Similar names are only searched for if the problem is shown."""
-    tables, declared, key = _location(e["loc"], recipe)
-    about = declared.about if declared else {}
-    found = f"found {shown(e['input'])}"
-    match e["type"]:
-        case "missing":
-            choices = " or ".join(map(str, declared.choices)) if declared else ""
-            value = ": ".join(filter(None, (_allowed_value(about) or "it", choices)))
-            return Problem(key, "is missing", _table_remedy(declared, key) or f"give {value}", "missing-key")
-        case "unexpected_keyword_argument":
-            return _unknown_key(str(e["loc"][-1]), key, tables, recipe, is_shown)
-        case "value_error" if isinstance(e["ctx"]["error"], DesignError):
-            cause = e["ctx"]["error"]
-            return Problem(_join(key, cause.field), cause.problem, cause.remedy, cause.id)
-        case "literal_error":
-            expected = e["ctx"]["expected"]
-            near = did_you_mean(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
-            return Problem(key, found, f"{near}give {expected}", "out-of-range")
-        case "union_tag_invalid" | "union_tag_not_found":
-            tags = [str(kind_of(t)) for t in tables if kind_of(t)]
-            tag = e["input"].get("kind") if isinstance(e["input"], dict) else None
-            problem = "is missing" if tag is None else f"found {shown(tag)}"
-            remedy = f"{did_you_mean(tag, tags)}give {' or '.join(map(repr, tags))}"
-            return Problem(_join(key, "kind"), problem, remedy, "missing-key" if tag is None else "unknown-kind")
-        case "dataclass_type" | "model_attributes_type" | "dict_type":
-            known = dict.fromkeys(name for t in tables for name in fields_of(t))
-            value = _allowed_value(about) or f"a table with {', '.join(known)}"
-            return Problem(key, found, _table_remedy(declared, key) or f"give {value}", "wrong-type")
-        case "less_than_equal" | "greater_than_equal" if "unit" not in about:
-            limit = next(iter(e["ctx"].values()))
-            remedy = f"give numbers between {-abs(limit):g} and {abs(limit):g} ({_allowed_value(about)})"
-            return Problem(key, found, remedy, "out-of-range")
-        case _:
-            is_short = "unit" in about and isinstance(e["input"], str) and len(e["input"]) < 100
-            meant = number_meant(e["input"], quoted=True) if is_short else ""
-            remedy = f"{meant + '; ' if meant else ''}give {_allowed_value(about) or e['msg']}"
-            return Problem(key, found, remedy, ID_OF.get(e["type"], "wrong-type"))
-
-
-def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown: bool) -> Problem:
-    known = list(dict.fromkeys(name for t in tables for name in fields_of(t)))
-    known += ["workshop"] if recipe in tables and hasattr(recipe, "loaded_table") else []
+def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) -> Problem:
+    """The problem of a key that a table does not have. Similar names are only searched for if the problem is shown."""
+    known = list(fields_of(table))
+    known += ["workshop"] if recipe is table and hasattr(recipe, "loaded_table") else []
     problem, remedy = "unknown key", f"known here: {', '.join(known)}"
     if not is_shown:
         return Problem(key, problem, remedy, "unknown-key")
@@ -150,7 +90,7 @@ def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown
     return Problem(key, problem, near + remedy, "unknown-key")
 
 
-def _table_remedy(declared: DeclaredField | None, key: str) -> str:
+def table_remedy(declared: DeclaredField | None, key: str) -> str:
     """`give a table ...` and its keys, if a field holds tables; otherwise ""."""
     tables = declared.tables if declared else []
     if not declared or not tables:
@@ -177,7 +117,7 @@ def _headings(table: type, name: str, path: str = "") -> list[str]:
     return list(dict.fromkeys(headings))
 
 
-def _allowed_value(about: Any) -> str:
+def allowed_value(about: Any) -> str:
     """The allowed values of a key: its meaning, and for numbers the range."""
     meaning = about.get("description", "").removesuffix(f", {about.get('unit')}")
     return f"{allowed(about)} ({meaning})" if "unit" in about else meaning
@@ -196,7 +136,7 @@ def _location(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], Dec
         if tagged and len(tables) > 1 and not is_name:
             tables = tagged
             continue
-        key = _join(key, printable(part, 60) or '""')
+        key = joined_key(key, printable(part, 60) or '""')
         owners = [fields_of(t)[part] for t in tables if part in fields_of(t) and not is_name]
         is_name = any(owner.is_named for owner in owners)
         # Inside a field whose keys the user chooses, such as bodies, the field itself describes the value.
@@ -211,7 +151,7 @@ def field_of(key: str, recipe: type) -> DeclaredField | None:
     return _location(tuple(key_parts(key)), recipe)[1]
 
 
-def _join(key: str, part: str) -> str:
+def joined_key(key: str, part: str) -> str:
     """A dotted key; `cam.program` + `program[2].law` does not repeat the table's name."""
     last = key.rsplit(".", 1)[-1]
     if part == last or part.startswith(f"{last}["):

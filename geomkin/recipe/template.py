@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal
-
-from pydantic import TypeAdapter
+from typing import Any
 
 from ..core.errors import DesignError, printable
 from ..core.field_visitor import DeclaredField, fields_of, kind_of
 from ..core.fields import allowed
-from .kinds import kind_names, recipe_class
-from .load import adapter, short_table, table_lines
+from .load import short_table, table_lines
 from .messages import did_you_mean
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
 
 # Editors look for the schema in the folder of the recipe, so no network is needed.
 SCHEMA = "geomkin.schema.json"
-# Descriptions of the keys that loading applies, so that no class has them as fields.
-WORKSHOP = "file with the kerf and the fits of your materials, such as workshop/laser.toml"
-SCALE = "multiplies all lengths except those of stock, base and files; from 1e-06 to 1e+06"
 
 
 def template(recipe: type[AbstractRecipe], options: Sequence[str] = ()) -> str:
@@ -89,10 +82,7 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
     """Lines of a table: its keys with plain values first, then the tables in it."""
     plain, tables = [], []
     if not path:
-        if value.takes_workshop:
-            plain.append(("# workshop =", WORKSHOP))
-        if value.can_be_scaled:
-            plain.append(("# scale = 1", SCALE))
+        plain += [_line(declared, declared.default) for declared in value.applied_fields().values()]
     for declared in sorted(fields_of(type(value)).values(), key=lambda f: (f.name != "kind", f.name in SHARED)):
         inner = getattr(value, declared.name)
         name = f"{path}.{declared.name}" if path else declared.name
@@ -127,8 +117,8 @@ def _line(declared: DeclaredField, value: Any) -> tuple[str, str]:
     if "unit" in about:
         limits = allowed({**about, "unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
         note += f"; {limits}" if limits else ""
-    elif len(declared.choices) > 1:
-        note += "; " + " or ".join(map(str, declared.choices))
+    elif len(declared.shape.choices) > 1:
+        note += "; " + " or ".join(map(str, declared.shape.choices))
     if value is None:
         return f"# {name} =", note
     is_usual = value in (declared.field.default, about.get("filled_in"), {})
@@ -144,7 +134,7 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     tables_by_key: dict[str, dict[str, type]] = {}
     for declared in fields_of(recipe).values():
         tables, key = declared.tables, path + declared.name
-        if str in declared.options:
+        if str in declared.shape.options:
             # A table with a name, such as a motor, is given by its name.
             continue
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
@@ -186,81 +176,3 @@ def chosen_tables(recipe: type, options: Iterable[str]) -> dict[str, str]:
                 )
             chosen[key] = kind
     return chosen
-
-
-def schema() -> dict[str, Any]:
-    """The JSON Schema of all kinds of recipe.
-
-    Each kind of a table has an `if` on its `kind` and a `then`, so that an editor marks only the wrong key. With
-    `oneOf`, a choice between all kinds, it would mark the whole table.
-    """
-    kinds = {name: recipe_class(name) for name in kind_names()}
-    inputs: list[tuple[str, Literal["validation"], TypeAdapter[Any]]] = [
-        (name, "validation", adapter(recipe)) for name, recipe in kinds.items()
-    ]
-    by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
-    for table in shared["$defs"].values():
-        table["additionalProperties"] = False
-    for name, recipe in kinds.items():
-        properties = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]["properties"]
-        if recipe.takes_workshop:
-            properties["workshop"] = {"type": "string", "description": WORKSHOP}
-        if recipe.can_be_scaled:
-            properties["scale"] = {
-                "type": "number",
-                "minimum": 1e-6,
-                "maximum": 1e6,
-                "description": SCALE,
-            }
-    recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_plain(shared), **recipes}
-
-
-def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
-    """A table of one of several kinds. tables: kind -> reference; usual: the kind if the key is missing."""
-    return {
-        "type": "object",
-        "required": [] if usual else ["kind"],
-        "properties": {"kind": {"enum": list(tables)}},
-        "allOf": [
-            {
-                "if": {"required": [] if name == usual else ["kind"], "properties": {"kind": {"const": name}}},
-                "then": {"$ref": reference},
-            }
-            for name, reference in tables.items()
-        ],
-    }  # fmt: skip
-
-
-def _plain(node: Any) -> Any:
-    """The schema without null and complex numbers, which TOML does not have, and with choices by `kind`."""
-    if isinstance(node, list):
-        return [_plain(part) for part in node]
-    if not isinstance(node, dict):
-        return node
-    if node.get("format") == "recipe":
-        # A file's name, or a recipe in the recipe.
-        return {"type": ["string", "object"], "if": {"type": "object"}, "then": {"$ref": "#"}}
-    node = {key: part if key in ("default", "enum", "const") else _plain(part) for key, part in node.items()}
-    # Sections such as Notes are for readers of the code.
-    if isinstance(node.get("description"), str):
-        node["description"] = re.split(r"\n\n(?:Source\b|\w+\n---)", node["description"])[0]
-    # Examples are Python values; templates show them as TOML.
-    if isinstance(node.get("examples"), list):
-        del node["examples"]
-    if "discriminator" in node:
-        choice = node.pop("discriminator")
-        del node["oneOf"]
-        node |= _by_kind(choice["mapping"], choice.get("usual", ""))
-    if "anyOf" in node:
-        types = [part for part in node.pop("anyOf") if part != {"type": "null"}]
-        node = types[0] | node if len(types) == 1 else {"anyOf": types} | node
-    if "default" in node:
-        default = node.pop("default")
-        if isinstance(default, str) and node.get("type") == "array":
-            point = complex(default)
-            default = [point.real, point.imag]
-        # Editors do not use default tables.
-        if default is not None and not isinstance(default, dict):
-            node["default"] = default
-    return node

@@ -6,8 +6,6 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from ..core.errors import DesignError, Problem, RecipeError, printable, shown
 from ..core.field_visitor import fields_of
 from ..core.fields import FARTHEST, quantity
@@ -15,7 +13,8 @@ from ..core.names import Folder, read_text_file
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit
 from .lengths import in_mm, shown_problem
-from .messages import did_you_mean, explain
+from .messages import did_you_mean
+from .reader import read_table
 from .recipe import FITS, AbstractRecipe, is_stock
 from .settings import kerf
 from .toml import LARGEST, parsed
@@ -35,9 +34,6 @@ class MeasuredFits:
     interference: float | None = quantity(
         "interference of a press-fit bore", "mm", default=None, at_least=-1, at_most=FARTHEST
     )
-
-
-ADAPTER = TypeAdapter(MeasuredFits)
 
 
 def with_workshop(
@@ -84,12 +80,10 @@ def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
             problem = f"{printable(name)}: units: found {shown(units)}"
             raise DesignError("workshop", problem, 'give "mm" or "in"', "out-of-range")
         for material, values in table.items():
-            try:
-                lengths = in_mm(values, MeasuredFits, UNITS[units]) if isinstance(values, Mapping) else values
-                measured[material] = ADAPTER.validate_python(lengths, extra="forbid")
-            except ValidationError as error:
-                found = [shown_problem(p, MeasuredFits, UNITS[units]) for p in explain(error, MeasuredFits)]
-                problems += (dataclasses.replace(p, key=".".join(filter(None, (material, p.key)))) for p in found)
+            lengths = in_mm(values, MeasuredFits, UNITS[units]) if isinstance(values, Mapping) else values
+            measured[material], wrong = read_table(lengths, MeasuredFits, None)
+            found = [shown_problem(p, MeasuredFits, UNITS[units]) for p in wrong]
+            problems += [dataclasses.replace(p, key=".".join(filter(None, (material, p.key)))) for p in found]
     except DesignError as error:
         raise DesignError("workshop", error.problem, error.remedy, error.id) from None
     except RecipeError as error:

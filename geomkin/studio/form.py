@@ -6,12 +6,10 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal, get_origin
 
-from ..core.field_visitor import DeclaredField, fields_of, is_open, kind_of, names_mm
-from ..core.fields import entry, quantity
+from ..core.field_visitor import DeclaredField, fields_of, kind_of, names_mm
 from ..core.units import MM, UNITS, LengthUnit
 from ..recipe.kinds import recipe_class
 from ..recipe.recipe import SHARED, AbstractRecipe
-from ..recipe.template import SCALE, WORKSHOP
 
 
 def recipe_form(kind: str, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -47,10 +45,7 @@ def recipe_form(kind: str, values: Mapping[str, Any] | None = None) -> dict[str,
     # The same table may be inside several kinds of table.
     found = _groups(recipe, "", {"title": f"kind: {kind}", "help": recipe.about()}, values or {})
     groups = list({group["key"]: group for group in found}.values())
-    groups[0]["fields"].append(_described("workshop", DeclaredField(entry(WORKSHOP, default=None), str)))
-    if recipe.can_be_scaled:
-        scale = quantity(SCALE, default=1.0, at_least=1e-6, at_most=1e6)
-        groups[0]["fields"].append(_described("scale", DeclaredField(scale, float)))
+    groups[0]["fields"] += [_described(key, declared) for key, declared in recipe.applied_fields().items()]
     unit = UNITS.get((values or {}).get("units", ""), MM)
     for fields in (fields for group in groups for fields in (group["fields"], *group.get("kinds", {}).values())):
         fields[:] = [_in_unit(field, unit) for field in fields]
@@ -85,7 +80,7 @@ def _groups(
         for declared in sorted(fields_of(one).values(), key=lambda declared: declared.name in SHARED):
             key = f"{path}.{declared.name}" if path else declared.name
             inner = declared.tables
-            if is_open(declared.hint) and f"{key}.kind" in values:
+            if declared.shape.is_recipe and f"{key}.kind" in values:
                 yield from _inner_recipe(key, values)
             elif declared.is_named and inner:
                 for name in _names(key, values):
@@ -112,7 +107,7 @@ def _inner_recipe(key: str, values: Mapping[str, Any]) -> Iterator[dict[str, Any
 
 def _file_note(table: type, path: str, values: Mapping[str, Any]) -> str:
     """Where the values of a table's recipe are edited, if it is a file."""
-    keys = [f"{path}.{name}" for name, declared in fields_of(table).items() if is_open(declared.hint)]
+    keys = [f"{path}.{name}" for name, declared in fields_of(table).items() if declared.shape.is_recipe]
     return "; ".join(f"to edit the values of its recipe, open {values[key]}" for key in keys if key in values)
 
 
@@ -132,8 +127,8 @@ def _fields(table: type, path: str, values: Mapping[str, Any]) -> Iterator[dict[
 
 
 def _described(key: str, declared: DeclaredField) -> dict[str, Any]:
-    about, choices = declared.about, declared.choices
-    types = [option for option in declared.options if get_origin(option) is not Literal and option is not type(None)]
+    about, choices = declared.about, list(declared.shape.choices)
+    types = [option for option in declared.shape.options if get_origin(option) is not Literal]
     return {
         "key": key,
         "type": _type(types, choices, about),

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arguments import between
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, entry, quantity, to_digits
+from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.scene import Limit, Plot, SceneRegion
@@ -53,7 +53,7 @@ class TolerancesTable:
         at_least=0,
         at_most=FARTHEST,
     )
-    lengths: dict[str, Annotated[float, AsWritten(), between(0, FARTHEST, "mm")]] = entry(
+    lengths: dict[str, Annotated[float, between(0, FARTHEST, "mm")]] = entry(
         "tolerances of single lengths in place of that, such as crank = 0.05", default_factory=dict, units=("mm",)
     )
     clearance: float | None = quantity(
