@@ -166,7 +166,6 @@ HEAVY = {
     "shapely",
     "trimesh",
     "ezdxf",
-    "pydantic",
     "click",
     "scipy",
     "matplotlib",

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.arguments import FloatOrNan, between, checked, whole_between
 from ..core.errors import DesignError
-from ..core.fields import AsWritten, entry, quantity
+from ..core.fields import entry, quantity
 from ..core.records import record
 from ..core.reprs import moving_picture
 from ..model.table import Column, Table
@@ -27,8 +27,8 @@ from .spur import SpurGear
 FEWEST_TEETH, MOST_TEETH = 6, 1000
 MOST_STAGES = 8
 
-Teeth = Annotated[int, AsWritten(), whole_between(FEWEST_TEETH, MOST_TEETH)]
-Direction = Annotated[float, AsWritten(), between(-3600, 3600, "deg")]
+Teeth = Annotated[int, whole_between(FEWEST_TEETH, MOST_TEETH)]
+Direction = Annotated[float, between(-3600, 3600, "deg")]
 Stages = tuple[tuple[Teeth, Teeth], ...]
 
 

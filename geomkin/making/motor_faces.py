@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.arguments import ArgumentType, PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, ComplexPoint, Length, NotBoolean, entry, inside, quantity, rounded_down, rounded_up
+from ..core.fields import FARTHEST, ComplexPoint, Length, entry, inside, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
@@ -122,7 +122,7 @@ class MotorFace:
         at_most=FARTHEST,
     )
 
-    flats: Annotated[Literal[1, 2], NotBoolean()] = entry("number of flats of the shaft", default=1)
+    flats: Literal[1, 2] = entry("number of flats of the shaft", default=1)
 
     def __post_init__(self) -> None:
         if round(self.thread, 9) not in MOTOR_SCREWS:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.dotted_keys import Number
 from ..core.errors import GeomkinError, RecipeError
+from ..core.field_visitor import Number
 from ..model.scene import SceneHandle
 from ..plane.vec import Array, Real
 from ..recipe.recipe import AbstractRecipe

@@ -141,14 +141,10 @@ def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(com
 
 
 LOADED = ["geomkin.build"]
-# Their loaders go on after whatever goes wrong inside them, an interrupt included.
-SWALLOWED = ["pydantic_core"]
 MORE = ["click", "numpy", "geomkin.export.stl", "shapely", "ezdxf.acc.vector", "shapely.lib"]
 
 
-@pytest.mark.parametrize(
-    "name", [*LOADED, *SWALLOWED, *(pytest.param(name, marks=pytest.mark.campaign) for name in MORE)]
-)
+@pytest.mark.parametrize("name", [*LOADED, *(pytest.param(name, marks=pytest.mark.campaign) for name in MORE)])
 def test_interrupted_while_loading_it_ends_at_once(command, recipe, here, name):
     (here / "r.toml").write_text(recipe("four-bar"))
     done = command("run", "r.toml", before=AT_IMPORT.format(name=name))

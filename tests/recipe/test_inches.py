@@ -16,6 +16,7 @@ import pytest
 import geomkin as gk
 from geomkin.core.dotted_keys import key_parts, numbers_in
 from geomkin.core.units import IN
+from geomkin.recipe.keys import with_values
 from geomkin.recipe.load import from_table, to_toml
 from geomkin.recipe.shown import ShownRecipe
 from geomkin.studio.edit import answer
@@ -237,6 +238,46 @@ def test_limits_in_sentences_stay_allowed():
     limits = "give at least 1 mm, at most 2 mm, more than 3 mm or less than 4 mm"
     for number, word, least in zip(re.findall(r"[\d.]+", IN.text(limits)), (1, 2, 3, 4), (True, False, True, False)):
         assert (float(number) * INCH >= word) if least else (float(number) * INCH <= word)
+
+
+WRONG = {
+    "linkage.coupler_point": [-1e12, 7.5, {"a": 1}, {"a": 1, "b": 2}, [[1.5, 2.5]], [1, 2, 3], ["a", 2]],
+    "linkage.origin": [3, [1], [{"a": 1.5}]],
+    "linkage.crank": [[2.5], {"a": 1.25}, [[1, 2], [3, 4]]],
+    "stock": [[{"thickness": 2.5}], 3],
+    "branches.rocker_pin": [7, [1, 2, 3]],
+    "loads.forces[0].point": [2.5],
+    "loads.forces": [{"body": 1}, 2.5],
+}
+
+
+@pytest.mark.parametrize(("key", "value"), [(key, value) for key, values in WRONG.items() for value in values])
+def test_a_wrong_value_is_shown_as_it_was_written(key, value):
+    loads = {"forces": [{"body": "coupler", "force_n": [1, 2], "point": [1, 2]}]}
+    recipe = with_values({**FOUR_BAR, "loads": loads}, {key: value})
+    with pytest.raises(gk.RecipeError) as refused:
+        from_table(recipe)
+    found = [problem.problem for problem in refused.value.problems if problem.key.startswith(key)]
+    assert found
+    shown = [float(number) for text in found for number in re.findall(r"-?[\d.]+(?:e[-+]?\d+)?", text)]
+    # A point that has a wrong coordinate is shown by this coordinate.
+    assert {number for number in shown if number} <= set(numbers_of(value))
+
+
+def numbers_of(value):
+    """All numbers in a value, whatever their place."""
+    if isinstance(value, dict | list):
+        return [n for item in (value.values() if isinstance(value, dict) else value) for n in numbers_of(item)]
+    return [value] if isinstance(value, int | float) else []
+
+
+@pytest.mark.parametrize("kind", [[], {"a": 1}, 3, True])
+def test_a_kind_that_is_no_text_is_refused_under_its_key(kind):
+    cam = {"base_radius": 1, "follower": {"kind": kind, "roller_radius": 0.3}, "program": [{"kind": kind, "rise": 1}]}
+    for units in ("mm", "in"):
+        with pytest.raises(gk.RecipeError) as refused:
+            from_table({"kind": "disk-cam", "units": units, "cam": cam})
+        assert {problem.key for problem in refused.value.problems} == {"cam.follower.kind", "cam.program[0].kind"}
 
 
 def test_workshop_file_has_its_own_unit():

@@ -8,7 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe.kinds import KINDS, recipe_class
-from geomkin.recipe.load import adapter
+from geomkin.recipe.load import whole_table
 from geomkin.recipe.recipe import UNSCALED
 from tests.texts import choices_of, parse, schema_of_all, template_of
 
@@ -96,9 +96,7 @@ def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
         held = tomllib.loads(text)
         for key in ("stock", "base", "files"):
             held.pop(key, None)
-        small, big = (
-            adapter(recipe_class(name)).dump_python(gk.load(held | more), mode="json") for more in ({}, {"scale": 2})
-        )
+        small, big = (whole_table(gk.load(held | more)) for more in ({}, {"scale": 2}))
         before, after = dict(lengths_of(small)), dict(lengths_of(big))
         assert set(before) == set(after)
         for key, value in before.items():
