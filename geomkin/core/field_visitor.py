@@ -72,8 +72,9 @@ class TypeShape(NamedTuple):
 
     @property
     def is_mixed(self) -> bool:
-        """Whether it is a union of other types than tables."""
-        return len(self.options) > 1 and len(self.tables) < len(self.options)
+        """Whether it is a union of other types than tables or choices."""
+        others = [option for option in self.options if get_origin(option) is not Literal]
+        return len(self.options) > 1 and len(self.tables) < len(others)
 
 
 def type_shape(hint: Any) -> TypeShape:
@@ -286,7 +287,7 @@ class _Visit(NamedTuple):
     ) -> Any:
         """A value with other numbers. field: key of the row that holds it; by default its own."""
         # A field may be a sign, 1 or -1, or the position of a joint.
-        is_sign = isinstance(value, int) and value in (1, -1) and int in shape.options
+        is_sign = isinstance(value, int) and value in shape.choices
         units = units or (("mm",) if complex in shape.options and not is_sign else ())
         if isinstance(value, complex):
             parts = (value.real, value.imag)

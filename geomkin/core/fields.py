@@ -187,10 +187,10 @@ def _rounded(value: float, digits: int, mode: str) -> str:
 
 def refusal_id(value: Any, about: Any) -> ProblemId:
     """Id of the problem of a value that does not fit."""
-    if is_endless(value):
-        return "not-finite"
     if isinstance(value, (list, tuple)):
         return "wrong-type"
+    if is_endless(value):
+        return "not-finite"
     return "out-of-range" if numbers(value, "iu" if about.get("whole") else "iuf") is not None else "wrong-type"
 
 

@@ -96,10 +96,10 @@ class _TableReader:
         option, origin, tables = shape.options[0], shape.origin, shape.tables
         if given is None and shape.is_optional:
             return None
-        if shape.choices:
-            return self.choice(given, shape.choices, key)
         if shape.is_mixed and not (tables and isinstance(given, Mapping)):
             return self.first(given, shape.options, key, declared)
+        if shape.choices:
+            return self.choice(given, shape.choices, key)
         if origin in (tuple, Sequence):
             return self.rows(given, get_args(option) if origin is tuple else (*get_args(option), ...), key, declared)
         if origin in (dict, Mapping):
@@ -130,8 +130,6 @@ class _TableReader:
     def first(self, given: Any, options: Sequence[Any], key: str, declared: DeclaredField) -> Any:
         """The first of several types that fits."""
         for option in options:
-            if option is int and given not in (1, -1):
-                continue
             trial = _TableReader(self.recipe, self.folder)
             value = trial.value(given, item_shape(option), key, declared)
             if value is not WRONG:

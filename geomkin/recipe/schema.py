@@ -91,10 +91,10 @@ def _type(shape: TypeShape, about: Mapping[str, Any], tables: dict[str, Any]) ->
 
 def _shape(shape: TypeShape, about: Mapping[str, Any], tables: dict[str, Any]) -> dict[str, Any]:
     option, origin, inner = shape.options[0], shape.origin, shape.tables
-    if shape.choices:
-        return {"const": shape.choices[0]} if len(shape.choices) == 1 else {"enum": list(shape.choices)}
     if shape.is_mixed:
         return {"anyOf": [_type(item_shape(option), about, tables) for option in shape.options]}
+    if shape.choices:
+        return {"const": shape.choices[0]} if len(shape.choices) == 1 else {"enum": list(shape.choices)}
     if origin is tuple and get_args(option)[-1] is not ...:
         items = [_type(item_shape(item), {}, tables) for item in get_args(option)]
         return {"type": "array", "prefixItems": items, "minItems": len(items), "maxItems": len(items)}
@@ -113,4 +113,6 @@ def _shape(shape: TypeShape, about: Mapping[str, Any], tables: dict[str, Any]) -
     if option is complex:
         return _type(item_shape(tuple[Coordinate, Coordinate]), {}, tables)
     limits = {LIMITS[key]: about[key] for key in LIMITS if key in about}
+    if shape.mark and shape.mark.limits:
+        limits = dict(zip(("minimum", "maximum"), shape.mark.limits))
     return {"type": TYPES.get(option, "string"), **limits}

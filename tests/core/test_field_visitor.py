@@ -2,6 +2,7 @@
 
 import dataclasses
 import tomllib
+from typing import Literal
 
 import pytest
 
@@ -28,7 +29,7 @@ class Frame:
     width: float = quantity("width", "mm", default=10.0)
     mass: float = quantity("mass", "kg", default=2.0)
     path: Rows = entry("x and angle", default=((1.0, 90.0), (2.0, 45.0)), units=("mm", "deg"))
-    side: int | complex = entry("1, -1 or [x, y]", default=1)
+    side: Literal[1, -1] | complex = entry("1, -1 or [x, y]", default=1)
     hinges: tuple[Hinge, ...] = entry("hinges", default=(Hinge(), Hinge(5j)))
     named: dict[str, Hinge] = entry("hinges by name", default_factory=lambda: {"top": Hinge()})
 

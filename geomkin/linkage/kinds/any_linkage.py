@@ -35,7 +35,10 @@ PLAIN: dict[str, type[AbstractLinkage]] = {recipe.kind: get_type_hints(recipe)["
 DEFAULT_KIND = linkage_kinds.FourBarRecipe.kind
 for _kind, _plain in PLAIN.items():
     _own = [("kind", Literal[_kind], field(default=_kind))]
-    LINKAGES[_kind] = make_dataclass(_plain.__name__, _own, bases=(_plain,), frozen=True, kw_only=True, repr=False)
+    _about = {"__doc__": _plain.__doc__, "__module__": __name__}
+    LINKAGES[_kind] = make_dataclass(
+        f"{_plain.__name__}Table", _own, bases=(_plain,), namespace=_about, frozen=True, kw_only=True, repr=False
+    )
 
 
 def with_kind(linkage: AbstractLinkage) -> AbstractLinkage:

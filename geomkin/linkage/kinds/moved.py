@@ -28,7 +28,7 @@ from .made import DrivenLinkage
 # The branch of all dyads; the same with "follow"; the branches of single joints.
 Side = Literal[1, -1]
 SideOrFollow = Literal[1, -1, "follow"]
-Branches = dict[str, int | complex]
+Branches = dict[str, Side | complex]
 
 
 def branch_entry() -> Any:
