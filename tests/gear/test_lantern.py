@@ -8,6 +8,7 @@ from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.shaping_gears import LanternPinion
 from geomkin.plane import region
 from geomkin.plane.roulettes import Cycloid
+from tests.campaign import by_default
 
 from .sweeping import inner_points, least_clearance
 
@@ -79,11 +80,11 @@ def test_the_longest_teeth_named_in_the_refusal_leave_a_tip():
     assert 0 < wheel(10, 30, 6.0, most, 0.0, False)[1].tip_thickness < 0.2
 
 
-@pytest.mark.parametrize(("teeth", "addendum"), [(20, 3.0), (48, 4.0)])
+@pytest.mark.parametrize(("teeth", "addendum"), by_default([(20, 3.0), (48, 4.0)], slice(1)))
 def test_pins_in_a_ring_always_touch_it_on_their_outer_sides_too(teeth, addendum):
     pinion, mate = wheel(12, teeth, 6.0, addendum, 0.0, True)
     assert mate.contact_ratio(0.0, 2.0) > max(1.0, mate.contact_ratio(0.0, 1.0))
-    for turn in np.linspace(0, 2 * np.pi / 12, 7):
+    for turn in np.linspace(0, 2 * np.pi / 12, 4):
         centres = np.array([circle.centre for circle in pinion.circles]) * np.exp(1j * turn)
         turned = gk.plane.Pose(mate.pose.origin, mate.pose.direction * np.exp(1j * turn * 12 / teeth))
         away = gk.nearest(mate.outline, turned.locate(centres))[1] - 3.0

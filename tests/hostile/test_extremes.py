@@ -87,7 +87,11 @@ def test_the_part_that_falls_out_of_the_cut_is_the_part_asked_for(run, recipe, h
 @pytest.mark.parametrize(
     ("kind", "changes"),
     [
-        ("spur-gear", {"gear.teeth": "10_000", "gear.module": "0.5", "files.write": '["svg", "csv"]'}),
+        pytest.param(
+            "spur-gear",
+            {"gear.teeth": "10_000", "gear.module": "0.5", "files.write": '["svg", "csv"]'},
+            marks=pytest.mark.campaign,
+        ),
         ("spur-gear", {"gear.module": "1e12", "files.write": '["csv"]'}),
         pytest.param(
             "disk-cam",

@@ -50,8 +50,8 @@ def made(recipe, tmp_path_factory):
         text = recipe("four-bar", {"files.write": '["dxf", "svg", "csv"]', "linkage.crank": crank})
         (folder / version).mkdir()
         (folder / version / "r.toml").write_text(text)
-        call = [sys.executable, "-m", "geomkin", "run", f"{version}/r.toml", "--out", version]
-        subprocess.run(call, cwd=folder, check=True)
+    code = "from geomkin import make\nfor version in 'old', 'new':\n    make(f'{version}/r.toml', version)"
+    subprocess.run([sys.executable, "-c", code], cwd=folder, check=True)
     return folder
 
 

@@ -9,6 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.linkage.moving import plan
 from geomkin.linkage.solve.loops import Loops
+from tests.campaign import by_default
 from tests.linkage.examples import ALL, FEW, FOUR_BAR, TURN, crossed_slots, locked
 
 
@@ -238,7 +239,9 @@ SHAPER = gk.Shaper(90, 30, 180, 60, 85, origin=3j).linkage
 YOKE = gk.ScotchYoke(30, 100, 70).linkage
 
 
-@pytest.mark.parametrize("linkage", [CYLINDER, SHAPER, YOKE], ids=["cylinder", "shaper", "yoke"])
+@pytest.mark.parametrize(
+    "linkage", by_default([CYLINDER, SHAPER, YOKE], slice(0, 3, 2)), ids=["cylinder", "shaper", "yoke"]
+)
 def test_orders_of_bodies_and_sliders_give_the_same_motion(linkage):
     drive = np.array([0.7, 2.0])
     before = gk.move(linkage, drive)

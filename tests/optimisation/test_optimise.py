@@ -10,6 +10,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.optimisation.designs import Trials
+from tests.campaign import by_default
 from tests.sweeps.test_sweep import Backwards, spawned
 
 FOUR_BAR = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}
@@ -91,18 +92,25 @@ def test_same_seed_gives_the_same_result():
     assert first.values == second.values and first.evaluations == second.evaluations
 
 
+# At the start the rocker swings too little, so that the constraint has to be met first.
+SWINGS = (
+    FOUR_BAR | {"drive": {"step_deg": 20}},
+    {"linkage.crank": (10, 32), "linkage.rocker": (60, 110)},
+    "range(rocker_angle) >= 62",
+)
+TASKS = {
+    "one": (*SWINGS[:2], TRANSMISSION, SWINGS[2]),
+    "front": (GEAR, {"gear.teeth": (8, 20)}, ["rim", "-tip_thickness"], "undercut <= 0.999999"),
+    "front of a four-bar": (*SWINGS[:2], ["-range(rocker_angle)", "max(rocker_omega)"], SWINGS[2]),
+}
+
+
 @pytest.mark.parametrize(
     "made", [lambda: ThreadPoolExecutor(3), Backwards, pytest.param(spawned, marks=pytest.mark.campaign)]
 )
-@pytest.mark.parametrize("minimise", [TRANSMISSION, ["-range(rocker_angle)", "max(rocker_omega)"]])
-def test_any_executor_gives_the_same_files(tmp_path, made, minimise):
-    # At the start the rocker swings too little, so that the constraint has to be met first.
-    arguments = (
-        FOUR_BAR | {"drive": {"step_deg": 20}},
-        {"linkage.crank": (10, 32), "linkage.rocker": (60, 110)},
-        minimise,
-        "range(rocker_angle) >= 62",
-    )
+@pytest.mark.parametrize("arguments", by_default(TASKS, ["one", "front"]))
+def test_any_executor_gives_the_same_files(tmp_path, made, arguments):
+    arguments = TASKS[arguments]
 
     def files(executor, folder):
         best = gk.optimise(*arguments, starts=2, out=tmp_path / folder, executor=executor)
@@ -261,7 +269,7 @@ def test_a_search_without_time_for_one_design_has_a_reason():
 
 
 def test_time_limit_ends_the_search():
-    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1000, time_limit=2.0)
+    best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1000, time_limit=0.3)
     assert best.cut_short and best.constraints == ()
 
 

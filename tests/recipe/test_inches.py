@@ -20,11 +20,11 @@ from geomkin.recipe.load import from_table, to_toml
 from geomkin.recipe.shown import ShownRecipe
 from geomkin.studio.edit import answer
 from geomkin.studio.form import recipe_form
+from tests.campaign import by_default
 from tests.gallery import FIRST_OF_KIND, RECIPES
 
 INCH = 25.4
-QUICK = ("four-bar", "slider-crank", "disk-cam", "gear-pair", "fit-test", "machine", "crank-rocker-synthesis")
-KINDS = [kind if kind in QUICK else pytest.param(kind, marks=pytest.mark.campaign) for kind in FIRST_OF_KIND]
+KINDS = by_default(FIRST_OF_KIND, ["disk-cam"])
 BAR = {"ground": 4, "crank": 1.25, "coupler": 3.5, "rocker": 2.75, "coupler_point": [1.5, 1]}
 FOUR_BAR = {"kind": "four-bar", "units": "in", "linkage": BAR}
 

@@ -69,6 +69,7 @@ def test_eighteen_timed_points(seed):
     assert len(found.cognates) == 3
 
 
+@pytest.mark.campaign
 def test_six_points_of_a_line_within_bounds():
     found = gk.path_generator(LINE6, bounds=LINE6_BOUNDS)
     assert np.sum(np.abs(moved(found) - LINE6) ** 2) <= 1e-20 and not found.least_squares
