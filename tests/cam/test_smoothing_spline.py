@@ -125,7 +125,7 @@ def test_noisy_rows_of_a_known_law_give_its_acceleration_back():
         assert np.abs(program.motion(np.radians(angles)).lift - lifts)[:-1].max() <= within * (1 + 1e-9)
 
 
-@pytest.mark.parametrize(("count", "size"), [(90, 1e-6), (360, 1e6)])
+@pytest.mark.parametrize(("count", "size"), [(90, 1e-6), (180, 1e6)])
 def test_any_size_and_any_number_of_rows(count, size):
     x = np.linspace(0, 1, count + 1)
     lifts = size * (law(2 * np.pi * x)[0] + np.random.default_rng(1).uniform(-NOISE, NOISE, count + 1))

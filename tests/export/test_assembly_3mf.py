@@ -88,7 +88,7 @@ def test_every_plate_is_where_the_motion_has_it(tmp_path):
 @pytest.mark.parametrize(
     ("text", "at", "meshes"),
     [
-        ("herringbone = true\n" + PAIR, 11, [("first", "second")]),
+        pytest.param("herringbone = true\n" + PAIR, 11, [("first", "second")], marks=pytest.mark.campaign),
         (RACK, 5, [("pinion", "rack")]),
         (PLANETARY, 40, [("sun", "planet"), ("planet", "ring")]),
     ],

@@ -39,7 +39,9 @@ def test_flanks_are_parallel_to_the_epicycloid_of_the_pin_centres(pins, teeth, d
     assert len(z) > 20 and np.abs(off - diameter / 2).max() < 1e-12 * mate.tip_radius
 
 
-@pytest.mark.parametrize(("pins", "teeth", "diameter", "addendum", "clearance", "internal"), CASES)
+@pytest.mark.parametrize(
+    ("pins", "teeth", "diameter", "addendum", "clearance", "internal"), by_default(CASES, slice(0, None, 2))
+)
 def test_the_rolling_pin_never_enters_the_wheel_and_touches_it_everywhere(
     pins, teeth, diameter, addendum, clearance, internal
 ):

@@ -99,7 +99,7 @@ def test_loads_need_a_material(kind):
 
 
 def test_a_kind_without_forces_states_why(tmp_path):
-    made = gk.make("recipes/lantern.toml", tmp_path)
+    made = gk.make("recipes/lantern.toml", tmp_path, ["page"])
     reason = gk.load("recipes/lantern.toml").forces_missing
     page, summary = ((tmp_path / "lantern" / name).read_text() for name in ("lantern.html", "summary.json"))
     assert reason in check_recipe("recipes/lantern.toml").facts

@@ -119,7 +119,7 @@ import os
 from geomkin import make
 import geomkin.export.csv, geomkin.export.dxf, geomkin.export.stl
 copies = []
-for k in range(3):
+for k in range(2):
     if (copy := os.fork()) == 0:
         status = 1
         try:
@@ -129,7 +129,7 @@ for k in range(3):
         finally:
             os._exit(status)
     copies.append(copy)
-assert [os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1]) for copy in copies] == [0] * 3
+assert [os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1]) for copy in copies] == [0] * 2
 """
 
 

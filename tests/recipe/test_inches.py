@@ -158,7 +158,7 @@ def assert_same_numbers(content, mm_content):
 @pytest.mark.parametrize("digits", [1, 4, 9, 14])
 def test_lengths_that_a_user_wrote_are_written_back(digits):
     random = np.random.default_rng(digits)
-    for crank in (0.5, 0.1, 0.3, *(float(f"{x:.{digits}g}") for x in random.uniform(0.1, 0.9, 300))):
+    for crank in (0.5, 0.1, 0.3, *(float(f"{x:.{digits}g}") for x in random.uniform(0.1, 0.9, 100))):
         recipe = gk.load({**FOUR_BAR, "linkage": {**BAR, "crank": crank}})
         assert tomllib.loads(to_toml(recipe))["linkage"]["crank"] == crank
 

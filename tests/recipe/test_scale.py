@@ -49,7 +49,7 @@ ALIKE = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ALIKE)
+@pytest.mark.parametrize("name", by_default(ALIKE, slice(0, None, 3)))
 def test_a_scaled_mechanism_moves_as_a_similar_one(name):
     """Every column of the table, by its unit: lengths and their rates are multiplied, angles and times stay."""
     data = gallery(name)

@@ -110,7 +110,7 @@ def test_every_verdict_of_thousands_agrees_with_simulation():
     "wish",
     [
         (130, -60, 100, -75),
-        (60, 60, 60, 60),
+        pytest.param((60, 60, 60, 60), marks=pytest.mark.campaign),
         (10, 140, 120, 35),
     ],
 )

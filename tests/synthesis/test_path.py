@@ -90,6 +90,7 @@ def test_five_timed_points_about_a_given_pivot():
     assert found.linkage.origin == pytest.approx(0, abs=1e-12) and found.linkage.ground_angle_deg == 0
 
 
+@pytest.mark.campaign
 def test_active_bound_is_met_exactly():
     free = gk.path_generator(K18, 20.0 * np.arange(18))
     held = gk.path_generator(K18, 20.0 * np.arange(18), bounds={"crank": (0.1, 0.25)})
