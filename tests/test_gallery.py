@@ -32,7 +32,13 @@ def schema():
 
 
 # One recipe of each kind always, the others in campaigns, and those that take long.
-EACH_KIND = set(FIRST_OF_KIND.values()) - {"balanced-rocker", "log-generator", "kidney-path", "burmester-curves"}
+EACH_KIND = set(FIRST_OF_KIND.values()) - {
+    "balanced-rocker",
+    "log-generator",
+    "kidney-path",
+    "square-root-slide",
+    "burmester-curves",
+}
 # Of their files those of one recipe of some kinds.
 MADE = ["flat-cam", "gear-pair", "ring-gear", "loaded-pump", "pantograph", "polygons", "scotch-yoke"]
 

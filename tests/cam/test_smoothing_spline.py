@@ -191,6 +191,7 @@ def checks(**how):
     return [check for check in found if "scatter" in check.name]
 
 
+@pytest.mark.campaign
 def test_a_check_fails_for_noisy_rows_followed_too_closely_and_the_band_that_it_names_passes():
     (failed,) = checks(decimals=3, rows=rows())
     assert not failed.passed and failed.value == pytest.approx(

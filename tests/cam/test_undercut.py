@@ -13,7 +13,7 @@ from tests.campaign import by_default
 
 from .cams import UNDERCUT, depth, programme, resting, rolls, seen_from_cam
 
-each_undercut = pytest.mark.parametrize("cam", by_default(UNDERCUT, slice(None, None, 2)), indirect=True)
+each_undercut = pytest.mark.parametrize("cam", by_default(UNDERCUT, slice(None, None, 3)), indirect=True)
 
 
 @pytest.fixture

@@ -90,7 +90,7 @@ def test_every_plate_is_where_the_motion_has_it(tmp_path):
     [
         pytest.param("herringbone = true\n" + PAIR, 11, [("first", "second")], marks=pytest.mark.campaign),
         (RACK, 5, [("pinion", "rack")]),
-        (PLANETARY, 40, [("sun", "planet"), ("planet", "ring")]),
+        pytest.param(PLANETARY, 40, [("sun", "planet"), ("planet", "ring")], marks=pytest.mark.campaign),
     ],
 )
 def test_helical_teeth_mesh_at_every_height(text, at, meshes, tmp_path):

@@ -43,7 +43,7 @@ CASES = [
     pytest.param(straight, 0.2, False, id="straight"),
     pytest.param(straight, 0.05, True, id="straight ring"),
     pytest.param(points, 0.15, False, id="points"),
-    pytest.param(lantern, 0.3, False, id="lantern"),
+    pytest.param(lantern, 0.3, False, id="lantern", marks=pytest.mark.campaign),
     pytest.param(lantern, 0.02, True, id="lantern ring", marks=pytest.mark.campaign),
 ]
 

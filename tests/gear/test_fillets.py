@@ -37,7 +37,7 @@ def clearances(gear, z, steps=301):
     return least
 
 
-@pytest.mark.parametrize("name", by_default(GEARS, GEARS.keys() - {"touched ring"}))
+@pytest.mark.parametrize("name", by_default(GEARS, ["touching", "crossing"]))
 def test_the_tool_leaves_just_this_tooth(name):
     gear = GEARS[name]()
     assert gear.tip_edge is not None

@@ -48,7 +48,7 @@ def pair(request):
     return PAIRS[request.param]
 
 
-@pytest.mark.parametrize("pair", by_default(PAIRS, slice(0, None, 2)), indirect=True)
+@pytest.mark.parametrize("pair", by_default(PAIRS, slice(0, None, 3)), indirect=True)
 def test_meshed_outlines_share_nothing_through_a_pitch_and_do_when_turned_beyond_the_backlash(pair):
     assert not set(pair.interferences) - {"trimming"}
     r2 = pair.working_radii[1]

@@ -193,7 +193,8 @@ def calls_in_all(recipe, tmp_path_factory):
     return int(subprocess.run(call, cwd=folder, capture_output=True, text=True, check=True).stdout.split()[-1])
 
 
-@pytest.mark.parametrize("moment", [2, 12, pytest.param(22, marks=pytest.mark.campaign)])
+@pytest.mark.campaign
+@pytest.mark.parametrize("moment", [2, 12, 22])
 def test_interrupted_at_any_moment_it_says_so_in_one_line(command, recipe, here, calls_in_all, moment):
     (here / "r.toml").write_text(recipe("four-bar"))
     # A third of them while the command itself is loaded.

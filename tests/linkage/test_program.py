@@ -125,6 +125,7 @@ def test_a_motion_can_be_pickled():
     assert np.array_equal(copy.point("coupler_point").acceleration, motion.point("coupler_point").acceleration)
 
 
+@pytest.mark.campaign
 def test_caches_are_bounded():
     """Requests in ever other orders, and sizes under ever other conditions, keep a limited number of functions."""
     rng = np.random.default_rng(1)

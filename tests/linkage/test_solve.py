@@ -247,8 +247,8 @@ def test_orders_of_bodies_and_sliders_give_the_same_motion(linkage):
     before = gk.move(linkage, drive)
     assert before.assembled.all()
     ground, *others = linkage.bodies
-    # Each seventh of them: any of the bodies comes first in some.
-    for order in list(permutations(others))[::7]:
+    # A few of them: any of the bodies comes first in some.
+    for order in list(permutations(others))[::17]:
         bodies = {name: linkage.bodies[name] for name in (ground, *order)}
         for sliders in permutations(linkage.sliders):
             same = gk.Linkage(bodies, linkage.driver, sliders, linkage.origin, linkage.ground_angle_deg)

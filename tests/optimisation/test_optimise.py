@@ -77,6 +77,7 @@ def test_a_length_outside_its_range_of_whole_numbers_still_varies_continuously()
     assert best.values["linkage.coupler"] == pytest.approx(np.sqrt((30**2 + 100**2) / 2), rel=1e-5)
 
 
+@pytest.mark.campaign
 def test_path_passes_through_points_of_a_known_linkage():
     linkage = gk.FourBar(100, 30, 90, 70, coupler_point=40 + 25j)
     points = gk.move(linkage, np.radians([10, 80, 150, 230])).point("coupler_point").position

@@ -260,7 +260,7 @@ def test_checks_of_the_motion_are_quantities_and_those_of_the_plates_come_later(
     assert rows < checks and checks - rows == walls | {"collisions", "pin_hole"}
 
 
-@pytest.mark.parametrize("stem", ["five-poses", "wiper"])
+@pytest.mark.parametrize("stem", by_default(["five-poses", "wiper"], ["five-poses"]))
 def test_the_picture_of_a_candidate_has_the_links_of_the_linkage_that_its_key_chooses(stem):
     text = Path(f"recipes/{stem}.toml").read_text()
     for candidate in answer(text, {}, {"lane": "checks"})["candidates"][:2]:

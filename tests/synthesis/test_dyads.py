@@ -42,7 +42,10 @@ def missed(seed, count, poses, size=1.0):
     return lost
 
 
-@pytest.mark.parametrize(("count", "poses", "size"), [(100, 5, 1.0), (20, 5, 1e-6), (6, 6, 100.0), (4, 8, 1.0)])
+@pytest.mark.parametrize(
+    ("count", "poses", "size"),
+    [(100, 5, 1.0), (20, 5, 1e-6), (6, 6, 100.0), pytest.param(4, 8, 1.0, marks=pytest.mark.campaign)],
+)
 def test_known_linkages_are_given_back(count, poses, size):
     assert not missed(poses, count, poses, size)
 

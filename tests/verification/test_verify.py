@@ -52,7 +52,11 @@ def test_a_vertex_off_its_curve_is_named_with_its_place(copy):
 
 
 # All kinds of damage are tried in campaigns.
-@pytest.mark.parametrize("damage", damages(np.random.default_rng(5), 30)[::5], ids=lambda damage: damage.name)
+SOME = ("dxf vertex", "dxf units", "stl vertex", "step radius", "csv number", "bill count", "glb bits", "3mf triangle")
+DAMAGES = [damage for damage in damages(np.random.default_rng(5), 30) if damage.kind in SOME]
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.name)
 def test_damage_is_found(copy, damage):
     name = damaged(copy, damage)
     only(copy, name)
