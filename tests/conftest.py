@@ -8,7 +8,7 @@ import pytest
 from hypothesis import settings
 
 # The same source passes or fails alike on every machine and day; other examples come with whatever changes a test.
-settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
 settings.load_profile("repeatable")
 
 # Without its bytecode each process of a run, one that a test starts too, compiles the package: seconds instead of tenths.

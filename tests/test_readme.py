@@ -61,7 +61,7 @@ def run_python(block, names):
 
 
 # Pages whose code takes long; the README's command is that of the test at the end.
-LONG = {"README", "synthesis", "files", "optimisation", "recipes"}
+LONG = {"README", "synthesis", "files", "optimisation", "recipes", "forces", "library"}
 
 
 @pytest.mark.parametrize(

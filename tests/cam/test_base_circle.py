@@ -84,7 +84,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", by_default(list(CASES)[::2], slice(0, None, 2)))
+@pytest.mark.parametrize("name", by_default(list(CASES)[::2], ["pressure", "flat with radius"]))
 def test_the_least_base_circle_is_good_and_a_smaller_one_is_not(name):
     case, direction = CASES[name], "clockwise" if len(name) % 2 else "counterclockwise"
     follower, program, limit_deg, least_radius = case

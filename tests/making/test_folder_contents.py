@@ -29,7 +29,7 @@ OVER = {
 # Recipes of one mechanism, since those of a machine have equal letters and spacers on their own parts; files in mm.
 TEXTS = {path.stem: path.read_text() for path in RECIPES.glob("*.toml")}
 SINGLE = [name for name, text in TEXTS.items() if not any(x in text for x in ('kind = "machine"', 'units = "in"'))]
-NAMES = by_default(sorted([*OVER, *SINGLE]), ["gear-pair", "rocker-cam", "motor-crank"])
+NAMES = by_default(sorted([*OVER, *SINGLE]), ["gear-pair", "rocker-cam"])
 
 
 @pytest.fixture(scope="module")

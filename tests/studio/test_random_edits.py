@@ -114,7 +114,7 @@ def play(kind, count, drawn=1.0):
 
 
 # Others in campaigns.
-FEW = ["four-bar", "slider-crank", "linkage", "disk-cam", "spur-gear", "gear-pair", "crank-rocker-synthesis"]
+FEW = ["four-bar", "linkage", "disk-cam", "spur-gear", "crank-rocker-synthesis"]
 
 
 @pytest.mark.parametrize("kind", by_default(kind_names(), FEW))

@@ -210,6 +210,7 @@ def test_parallel_poses_are_met_by_parallelograms_and_two_of_them_by_anything():
         body_guides([(0j, 0.2), (40 + 0j, 0.2), (60 + 0j, 0.2)])
 
 
+@pytest.mark.campaign
 def test_the_search_is_the_same_for_a_seed_and_for_any_size():
     one, other = body_guides(THREE, seed=5), body_guides(THREE, seed=5)
     assert [g.linkage for g in one] == [g.linkage for g in other]

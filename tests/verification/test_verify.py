@@ -52,7 +52,7 @@ def test_a_vertex_off_its_curve_is_named_with_its_place(copy):
 
 
 # All kinds of damage are tried in campaigns.
-SOME = ("dxf vertex", "dxf units", "stl vertex", "step radius", "csv number", "bill count", "glb bits", "3mf triangle")
+SOME = ("dxf vertex", "layer", "stl vertex", "step radius", "csv number", "bill count", "glb bits", "3mf triangle")
 DAMAGES = [damage for damage in damages(np.random.default_rng(5), 30) if damage.kind in SOME]
 
 
