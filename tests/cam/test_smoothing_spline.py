@@ -9,6 +9,7 @@ from geomkin.cam.program.given_lifts import TableFit, spline_through
 from geomkin.cam.program.program import Program
 from geomkin.cam.program.segments import LiftTable
 from geomkin.cam.program.smoothing_spline import BandMatrix, smoothest_within
+from tests.campaign import by_default
 
 NOISE = 0.005
 # Smooth all the way round.
@@ -223,7 +224,7 @@ def scattered(line, sigma=1e-3):
     return tuple(zip((angles + 90).tolist(), lifts.tolist()))
 
 
-@pytest.mark.parametrize("slope", [0, 0.05])
+@pytest.mark.parametrize("slope", by_default([0, 0.05], [0.05]))
 def test_rows_that_scatter_about_a_rest_or_a_steady_motion_are_nothing_but_noise(slope):
     """Their motion has no acceleration that the noise could be a share of."""
     up = {"end_velocity_per_rad": np.degrees(slope), "end_acceleration_per_rad2": 0}

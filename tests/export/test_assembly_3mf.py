@@ -104,6 +104,7 @@ def test_helical_teeth_mesh_at_every_height(text, at, meshes, tmp_path):
             assert first.distance(second) < 0.11
 
 
+@pytest.mark.campaign
 def test_helical_racks_lie_flat_and_apart_on_the_plate(tmp_path):
     stock = "[stock]\nthickness = 60\n"
     (path,) = gk.write(gk.load(RACK + stock + FILES + "0"), tmp_path / "a.3mf")

@@ -49,7 +49,7 @@ CASES = [
 
 
 @pytest.mark.parametrize("clearance", [0.4])
-@pytest.mark.parametrize("internal", [False, True])
+@pytest.mark.parametrize("internal", by_default([False, True], [True]))
 def test_the_turned_straight_tooth_never_enters_its_mate_and_touches_it_everywhere(internal, clearance):
     gear, mate = straight(0.2, internal, clearance)
     turn = np.exp(0.5j * 0.2 / gear.pitch_radius)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import geomkin as gk
 from tests.campaign import by_default
 
 NAMES = ["coupler.stl", "crank.stl", "ground.stl", "r.csv", "r.dxf", "rocker.stl", "spacer.stl", "summary.json"]
@@ -17,14 +18,15 @@ def contents(folder):
     return {p.name: p.read_bytes() for p in Path(folder).iterdir()}
 
 
-@pytest.fixture
-def versions(run, recipe):
+@pytest.fixture(scope="module")
+def versions(recipe, tmp_path_factory):
     """Texts of two versions of one recipe, and the files each makes."""
     made = []
     for crank in ("30", "25"):
         text = recipe("four-bar", {"linkage.crank": crank, "files.write": '["dxf", "stl", "csv"]'})
-        assert run(text, "--out", f"v{crank}").exit_code == 0
-        made.append((text, contents(f"v{crank}/r")))
+        out = tmp_path_factory.mktemp("version")
+        gk.make(gk.load(text).with_name("r"), out)
+        made.append((text, contents(out / "r")))
     assert all(made[0][1][name] != made[1][1][name] for name in ("r.dxf", "crank.stl", "summary.json"))
     return made
 
@@ -107,7 +109,9 @@ FINER = [pytest.param(share, marks=pytest.mark.campaign) for share in (0, 0.9999
 def test_a_full_disk_leaves_every_file_old(versions, command, here, share):
     (_, old), (text, new) = versions
     limit = int(share * max(map(len, new.values())))
-    (here / "v30").rename(here / "out")
+    (here / "out/r").mkdir(parents=True)
+    for name, content in old.items():
+        (here / "out/r" / name).write_bytes(content)
     (here / "r.toml").write_text(text)
     full = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))"
     done = command("run", "r.toml", before=full)

@@ -211,7 +211,7 @@ def puzzle(seed, crossings):
     )
 
 
-@pytest.mark.parametrize("crossings", [False, True])
+@pytest.mark.parametrize("crossings", by_default([False, True], [True]))
 @given(seed=st.integers(0, 10**9))
 def test_the_order_is_the_best_of_all_orders(crossings, seed):
     """Small puzzles against every way to fill the layers."""

@@ -80,6 +80,7 @@ def test_random_poses_have_none_two_or_four_and_all_are_true():
     assert shares[[0, 2, 4]] == pytest.approx([0.10, 0.73, 0.17], abs=0.06)
 
 
+@pytest.mark.campaign
 def test_no_dyad_of_five_poses_is_missed_by_brute_force():
     """Pins over a fine net of the body, polished by a plain simplex of distances, find none that is missing."""
     rng = np.random.default_rng(5)

@@ -159,6 +159,7 @@ def test_known_linkages_are_given_back():
         tried += 1
 
 
+@pytest.mark.campaign
 def test_a_straight_line_is_followed_exactly_by_a_parallelogram():
     found = gk.function_generator("3*x + 1", (0, 1), 60, 60)
     assert found.largest_error_deg < 1e-9 and found.certificate == 0

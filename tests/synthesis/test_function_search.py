@@ -78,6 +78,7 @@ def test_the_least_mean_square_is_that_of_a_grid(exact, most):
     assert (most == 10) == (wanted[0] < most - 1e-3)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("call", "way"), [(slider_function_generator, 50)])
 def test_least_squares_is_a_least_and_its_others_come_by_it(call, way, quick):
     found = call("sin(x)", (0, np.pi / 2), 90, way, method="least-squares")

@@ -24,6 +24,7 @@ def carried(poses, pin):
     return np.array([[z + own * np.exp(1j * t)] for z, t in poses])
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("parallel", by_default([0, 2], [2]))
 def test_the_regions_agree_with_the_branches_of_random_linkages(parallel):
     rng = np.random.default_rng(3 + parallel)
