@@ -190,7 +190,7 @@ class MadeLinkage(DrivenLinkage):
 
     def copies_of(self, motion: Motion) -> tuple[Copied, ...]:
         """The motion of each copy; motion: of the first linkage, over one turn."""
-        return tuple(copied(self.copies, motion, self.linkage, self.branch))
+        return tuple(copied(self.copies, motion, self.linkage, self.branch)) if self.copies else ()
 
     @cached_property
     def moving_copies(self) -> tuple[Copied, ...]:
