@@ -8,8 +8,7 @@ from dataclasses import fields
 import numpy as np
 
 from ..core.arguments import checked
-from ..making.motor_faces import split_motor_parts, with_motor_plate
-from ..model.handles import circle_handle, plot_handle, point_handle
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.scene import (
     Limit,
@@ -19,9 +18,12 @@ from ..model.scene import (
     SceneCurve,
     SceneHandle,
     SceneMark,
+    circle_handle,
     dimension,
     mm,
     playing_time,
+    plot_handle,
+    point_handle,
 )
 from ..model.table import Table
 from ..plane.primitives import Circle

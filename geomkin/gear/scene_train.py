@@ -9,9 +9,8 @@ from math import lcm
 import numpy as np
 
 from ..core.arguments import checked
-from ..model.handles import circle_handle, point_handle
 from ..model.part import Part
-from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, dimension, mm
+from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, circle_handle, dimension, mm, point_handle
 from ..model.table import Table
 from ..plane.curve import Moved
 from ..plane.primitives import Circle

@@ -7,9 +7,9 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
+from .flatten import Intervals, Judge, adaptive_subdivision, direction, probes, tops, turns
 from .joined import Path, PolarArray
 from .primitives import Arc, Circle, Polyline, Segment
-from .subdivision import Intervals, Judge, adaptive_subdivision, direction, probes, tops, turns
 from .vec import Complex, Real, dot, unit
 
 # Positions at which a biarc is compared with its curve.

@@ -23,8 +23,8 @@ from .. import page
 from ..build import make
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, printable
 from ..core.names import file_name_flaw
-from ..export.assembly_svg import assembly_picture
 from ..export.job import Job
+from ..export.scene_svg import assembly_picture
 from ..recipe.kinds import KINDS, all_kinds, recipe_class
 from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe

@@ -16,7 +16,7 @@ from geomkin.export.csv import csv
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
-from geomkin.export.stl import stl
+from geomkin.export.solids import stl
 from geomkin.export.svg import svg
 from geomkin.model.table import xy_columns
 

@@ -29,7 +29,7 @@ def test_a_web_too_fine_to_cut_is_refused_by_its_own_key_wherever(angle, tmp_pat
 )
 def test_of_two_bores_the_wrong_one_is_named(bores, clearance, key):
     from geomkin.gear.parts.bases import pair_base
-    from geomkin.making.bases import BaseStock
+    from geomkin.making.assembly import BaseStock
 
     apart = 30.0 if key != "base.clearance" else 80.0
     with pytest.raises(gk.DesignError) as error:

@@ -143,7 +143,7 @@ def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(com
 LOADED = ["geomkin.build"]
 # Their loaders go on after whatever goes wrong inside them, an interrupt included.
 SWALLOWED = ["pydantic_core"]
-MORE = ["click", "numpy", "geomkin.export.stl", "shapely", "ezdxf.acc.vector", "shapely.lib"]
+MORE = ["click", "numpy", "geomkin.export.solids", "shapely", "ezdxf.acc.vector", "shapely.lib"]
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ INNER = {
     "export.cut": "cut",
     "export.dxf": "dxf",
     "export.layout": "lay_out",
-    "export.stl": "stl",
+    "export.solids": "stl",
     "export.text": "text",
     "gear.conjugate.conjugate": "conjugate",
     "gear.cutters": "RackCutter",

@@ -14,12 +14,11 @@ from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.names import read_text_file
 from ...core.records import record
-from ...making.assembly import Assembly
-from ...making.bases import BaseStock
+from ...making.assembly import Assembly, BaseStock
 from ...model.check import Check
-from ...model.mass import Mass
+from ...model.material import Mass
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real

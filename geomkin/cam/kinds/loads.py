@@ -13,8 +13,7 @@ from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_d
 from ...core.records import record
 from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
 from ...model.check import Check, Suggestion
-from ...model.mass import Mass
-from ...model.material import Material
+from ...model.material import Mass, Material
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Limit, Plot, Scene, SceneMark, drawn_at
 from ...model.table import Column, Table

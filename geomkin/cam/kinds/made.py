@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from functools import cached_property
 
 from ...core.records import record
-from ...making.assembly import Assembly
-from ...making.bases import BaseStock
+from ...making.assembly import Assembly, BaseStock
 from ...making.motors import MOTORS
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...model.motor import Motor
 from ...model.part import Part
 from ...recipe.aspect import Setting

@@ -13,11 +13,10 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ...core.records import record
-from ...making.assembly import PLAY, Assembly
-from ...making.bases import BaseStock
+from ...making.assembly import PLAY, Assembly, BaseStock
 from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table

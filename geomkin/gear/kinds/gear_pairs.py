@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
-from ...making.assembly import Assembly
-from ...making.bases import BaseStock, RackBaseStock
+from ...making.assembly import Assembly, BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.curve import AbstractCurve

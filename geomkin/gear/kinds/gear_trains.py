@@ -10,12 +10,11 @@ from typing import Literal
 from ...core.errors import DesignError
 from ...core.fields import Ratio, entry, quantity, to_digits
 from ...core.records import record
-from ...making.assembly import Assembly
-from ...making.bases import BaseStock
+from ...making.assembly import Assembly, BaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real

@@ -13,13 +13,12 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.records import record
-from ...making.assembly import Assembly, collar_across
-from ...making.bases import BaseStock
+from ...making.assembly import Assembly, BaseStock, collar_across
 from ...making.materials import MATERIALS
-from ...making.motor_faces import plate_radius
+from ...making.motors import plate_radius
 from ...model.check import Check
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real, without_rounding

@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from ...core.records import record
-from ...making.assembly import PLAY, Assembly, AssemblyBuilder, collar_width, glue_bill, pin_bill, seated
-from ...making.bases import BaseStock, RackBaseStock
-from ...making.fits import AbstractBored
+from ...making.assembly import (
+    PLAY,
+    Assembly,
+    AssemblyBuilder,
+    BaseStock,
+    RackBaseStock,
+    collar_width,
+    glue_bill,
+    pin_bill,
+    seated,
+)
+from ...making.bores import AbstractBored
 from ..helix import Helix
 from ..planetary import Member, PlanetarySet
 from .bases import RING_SCREWS

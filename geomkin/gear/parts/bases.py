@@ -9,10 +9,9 @@ import numpy as np
 from ...core.arguments import PositiveFloat, checked
 from ...core.errors import DesignError
 from ...core.fields import Length
-from ...making.assembly import collar_across
-from ...making.bases import BaseOpening, BaseStock, RackBaseStock, standing_plate
+from ...making.assembly import BaseOpening, BaseStock, RackBaseStock, collar_across, standing_plate
 from ...making.bores import bore, fits_of
-from ...making.motor_faces import MountedMotorKey
+from ...making.motors import MountedMotorKey
 from ...model.part import Part
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle, rounded_hull

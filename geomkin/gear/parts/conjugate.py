@@ -11,16 +11,18 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, inside, quantity, rounded_down, to_digits
 from ...core.records import record
-from ...making.bores import clearance, fits_of, shaft
-from ...making.fits import (
+from ...making.bores import (
     AbstractBored,
     BoreForm,
     Fit,
     bore_form_entry,
+    clearance,
     fit_entry,
+    fits_of,
     flat_across,
     keyway_depth,
     keyway_width,
+    shaft,
 )
 from ...model.part import Part
 from ...plane.curve import AbstractCurve

@@ -12,7 +12,7 @@ from ...core.arguments import PositiveFloat, PositiveInt, checked
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, inside, quantity, rounded_down, rounded_up, to_digits
 from ...core.records import record
-from ...making.fits import AbstractBored
+from ...making.bores import AbstractBored
 from ...making.materials import MaterialKey, material_entry
 from ...model.part import HoleFit, Part, Twist
 from ...plane.curve import AbstractCurve

@@ -15,16 +15,17 @@ from ...core.records import record
 from ...making.assembly import (
     Assembly,
     AssemblyBuilder,
+    BaseOpening,
+    BaseStock,
     collar_across,
     collar_width,
     glue_bill,
     pin_bill,
     seated,
+    standing_plate,
     tube_bill,
 )
-from ...making.bases import BaseOpening, BaseStock, standing_plate
-from ...making.bores import SMALLEST, clearance, fits_of, shaft
-from ...making.fits import AbstractBored
+from ...making.bores import SMALLEST, AbstractBored, clearance, fits_of, shaft
 from ...model.check import Check
 from ...model.part import HoleFit, Part
 from ...plane.primitives import Circle

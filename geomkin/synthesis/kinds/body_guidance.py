@@ -18,9 +18,8 @@ from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes, skeleton
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.handles import list_handles, pose_handles
 from ...model.part import Part
-from ...model.scene import Choice, Limit, Plot, Scene, SceneCurve, SceneHandle, SceneRegion
+from ...model.scene import Choice, Limit, Plot, Scene, SceneCurve, SceneHandle, SceneRegion, list_handles, pose_handles
 from ...model.table import Column, Table
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle

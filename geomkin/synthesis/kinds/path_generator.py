@@ -20,9 +20,8 @@ from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, skeleton
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.handles import list_handles
 from ...model.part import Part
-from ...model.scene import SceneCurve, SceneHandle
+from ...model.scene import SceneCurve, SceneHandle, list_handles
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real

@@ -20,7 +20,7 @@ MOST_COMMANDS = 5_000
 PARAMETERS = np.arange(1, 65) / 64
 # Number of arguments of each command.
 ARGUMENT_COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "c": 6, "s": 4, "q": 4, "t": 2, "a": 7, "z": 0}
-NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
+PATH_NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
 FLAG = re.compile(r"[\s,]*([01])")
 COMMAND = re.compile(r"[\s,]*([a-zA-Z])")
 
@@ -90,7 +90,7 @@ class _Reader:
         values = []
         for k in range(ARGUMENT_COUNTS[command]):
             # The two flags of an arc need no separator.
-            number = self.take(FLAG if command == "a" and k in (3, 4) else NUMBER)
+            number = self.take(FLAG if command == "a" and k in (3, 4) else PATH_NUMBER)
             if number is None:
                 found = printable(repr(self.text[self.at : self.at + 20]))
                 raise DesignError(

@@ -1,6 +1,6 @@
 """The first path of an SVG drawing, in mm, with groups, transforms, uses, units and the view box.
 
-The standard library reads the XML, the module `points` the text of the path. Unsupported elements and attributes that
+The standard library reads the XML. Unsupported elements and attributes that
 move a path are refused by name. After Scalable Vector Graphics 2, chapters 5, 7 and 8.
 """
 

@@ -1,19 +1,76 @@
-"""SVG read back by the standard library: paths and circles with their transforms, in mm, y up."""
+"""Drawings read back, DXF by ezdxf and SVG by the standard library. No other module of this package loads ezdxf."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
+from ezdxf.filemanagement import readfile
 
-from ..core.errors import DesignError
+from ..core.errors import DesignError, with_article
 from ..plane.vec import Complex
 from ..synthesis.path.svg_drawings import AffineMap, tag_of, transform_of, tree_of, view_of
-from .drawing import LARGEST, Drawing, Line, Pen, UnreadableError, circle, collected
-from .outline import Outline
+from .outline import LARGEST, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
+
+# Lengths of the units in which drawings are written, by their number in the format, mm.
+UNITS = {1: 25.4, 4: 1.0}
+
+
+def read_dxf(path: Path, error: float) -> Drawing:
+    """The lines of a DXF file, arcs as chords within `error`, mm.
+
+    UnreadableError if it is no DXF file, or has too many vertices.
+    """
+    try:
+        document = readfile(path)
+        entities: list[Any] = list(document.modelspace())
+    except Exception as fault:
+        # The library lets many kinds of error through when a file is damaged.
+        raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
+    problems: list[str] = []
+    if (units := document.header.get("$INSUNITS", 0)) not in UNITS:
+        problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
+    unit = UNITS.get(units, 1.0)
+    lines = collected(_dxf_lines(entities, error, problems, unit))
+    problems += _wrong_extents(document, lines, error, unit)
+    return Drawing(lines, document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
+
+
+def _dxf_lines(entities: list[Any], error: float, problems: list[str], unit: float) -> Iterator[Line]:
+    """The circles and polylines; a sentence is added to `problems` for anything else. unit: of the drawing, mm."""
+    for entity in entities:
+        kind, layer = entity.dxftype(), entity.dxf.layer
+        if kind == "CIRCLE":
+            yield Line(circle(unit * _point(entity.dxf.center), unit * float(entity.dxf.radius), error), layer)
+        elif kind != "LWPOLYLINE":
+            problems.append(f"it has {with_article(kind)} on layer {layer}, which is not a closed polyline or circle")
+        elif len(entity) < 2:
+            problems.append(f"a polyline on layer {layer} has fewer than two vertices")
+        else:
+            rows = np.array(entity.get_points("xyb"), dtype=float).reshape(-1, 3)
+            outline = polyline(unit * (rows[:, 0] + 1j * rows[:, 1]), rows[:, 2].tolist(), bool(entity.closed), error)
+            yield Line(outline, layer)
+
+
+def _wrong_extents(document: Any, lines: Sequence[Line], error: float, unit: float) -> list[str]:
+    """A sentence if the header's extents are not those of the lines."""
+    cut = np.concatenate([line.outline.points for line in lines]) if lines else np.zeros(0, dtype=complex)
+    if not len(cut):
+        return ["it has no lines"]
+    low, high = (unit * _point(document.header.get(name, (np.nan, np.nan))) for name in ("$EXTMIN", "$EXTMAX"))
+    found = np.array([cut.real.min(), cut.imag.min(), cut.real.max(), cut.imag.max()])
+    stated = np.array([low.real, low.imag, high.real, high.imag])
+    far = not np.all(np.abs(found - stated) <= 2 * error + 1e-6)
+    return ["the extents in its header are not those of its lines"] if far else []
+
+
+def _point(place: Any) -> complex:
+    return complex(float(place[0]), float(place[1]))
+
 
 TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([\s,]+)")
 # Numbers that each command takes.
@@ -35,7 +92,7 @@ def read_svg(path: Path, error: float) -> Drawing:
     try:
         root = tree_of(content.decode("utf-8"))
         view = view_of(root)
-        lines = collected(_lines(root, view, "", error, 0))
+        lines = collected(_svg_lines(root, view, "", error, 0))
     except UnicodeDecodeError:
         raise UnreadableError("it is not UTF-8 text") from None
     except DesignError as refusal:
@@ -49,7 +106,7 @@ def read_svg(path: Path, error: float) -> Drawing:
     return Drawing(lines, stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"]))
 
 
-def _lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
+def _svg_lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
     """The lines of an element and of those inside it."""
     if depth > 100:
         raise UnreadableError("its elements are nested more than 100 deep")
@@ -64,7 +121,7 @@ def _lines(element: Element, view: AffineMap, layer: str, error: float, depth: i
         centre = complex(_number(element, "cx"), _number(element, "cy"))
         yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT")
     for child in element:
-        yield from _lines(child, view, layer, error, depth + 1)
+        yield from _svg_lines(child, view, layer, error, depth + 1)
 
 
 def _layer(element: Element) -> str:

@@ -1,4 +1,4 @@
-"""3MF for 3D printing: all copies of all parts, flat and apart, or the assembly."""
+"""Plates as solids: STL, 3MF for printing, and the assembly as GLB. The only writer that loads trimesh."""
 
 from __future__ import annotations
 
@@ -9,13 +9,48 @@ from html import escape
 
 import numpy as np
 
+from ..core.progress import report
 from ..core.units import LengthUnit
 from ..plane.vec import Complex, Real, Whole, rounded
-from .cut import decimals
+from .cut import Cut, decimals
 from .job import Job
 from .layout import lay_out
-from .mesh import solid, solid_cut
-from .still import InPlace, in_place
+from .mesh import solid, solid_cut, triangles
+from .still import InPlace, in_place, rgb
+
+# A triangle in the format: single-precision numbers, then two unused bytes.
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER = 80
+# Size in bytes from which a file is announced before it is written, since it takes seconds.
+LARGE = 10_000_000
+
+
+def write_stl(job: Job) -> dict[str, bytes]:
+    """One file per part, named after it; the progress of large ones is reported."""
+
+    def write(cut: Cut) -> bytes:
+        size = HEADER + 4 + TRIANGLE.itemsize * triangles(cut)
+        if size < LARGE:
+            return stl(cut, job.stamp)
+        name = f"{cut.part.name}.stl"
+        report(0.0, f"{name}, about {size / 1e6:.0f} MB")
+        content = stl(cut, job.stamp)
+        report(1.0, name)
+        return content
+
+    return job.part_files("stl", job.solids, write)
+
+
+def stl(cut: Cut, stamp: str = "") -> bytes:
+    """The part as a binary STL, mm, with its lower face at z = 0 and the stamp in the file's header."""
+    points, faces = solid(cut)
+    corners = points[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
+    records = np.zeros(len(corners), dtype=TRIANGLE)
+    records["normal"], records["corners"] = normals / np.sqrt(np.vecdot(normals, normals))[:, None], corners
+    header = stamp.encode("ascii", "replace").ljust(HEADER, b"\0")[:HEADER] + len(records).to_bytes(4, "little")
+    return header + records.tobytes()
+
 
 TYPES = """<?xml version="1.0" encoding="UTF-8"?>
 <Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" \
@@ -120,3 +155,36 @@ def _matrix(placement: InPlace, digits: int, unit: LengthUnit) -> str:
     turn = f"{direction.real:.10g} {direction.imag:.10g} 0 {-direction.imag + 0.0:.10g} {direction.real:.10g} 0 0 0 1"
     origin, height = unit.of(origin), unit.of(placement.height)
     return f"{turn} {origin.real:.12g} {origin.imag:.12g} {height:.9g}"
+
+
+# From mm, z up, to the format's metres, y up.
+UPRIGHT = 1e-3 * np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1e3]])
+
+
+def glb(job: Job) -> bytes:
+    """The assembly: a node for each part, with its name, in the colour of its body on pages."""
+    import trimesh
+
+    still, placements = in_place(job)
+    assembly = trimesh.Scene(base_frame="assembly", metadata={"stamp": job.stamp} if job.stamp else None)
+    for placement in placements:
+        points, faces = solid(solid_cut(placement.part, job.tolerance))
+        colour = np.array([*rgb(still.tint(placement.body)), 255], dtype=np.uint8)
+        mesh = trimesh.Trimesh(points, faces, vertex_colors=np.tile(colour, (len(points), 1)), process=False)
+        assembly.add_geometry(
+            mesh, node_name=placement.name, geom_name=placement.name, transform=UPRIGHT @ _place(placement)
+        )
+    return bytes(trimesh.exchange.gltf.export_glb(assembly))  # type: ignore[no-untyped-call]
+
+
+def _place(placement: InPlace) -> Real:
+    """Transform from the part's frame to the assembly's, mm."""
+    direction, origin = placement.direction, placement.origin
+    return np.array(
+        [
+            [direction.real, -direction.imag, 0, origin.real],
+            [direction.imag, direction.real, 0, origin.imag],
+            [0, 0, 1, placement.height],
+            [0, 0, 0, 1.0],
+        ]
+    )
