@@ -69,7 +69,7 @@ from .gear.pair import GearPair as GearPair
 from .gear.ring import RingGear as RingGear
 from .gear.spur import SpurGear as SpurGear
 from .gear.train import GearTrain as GearTrain
-from .gear.train_search import gear_train as gear_train
+from .gear.train import gear_train as gear_train
 from .linkage.coupler_curve import CouplerCurve as CouplerCurve
 from .linkage.drive_limits import driver_limits as driver_limits
 from .linkage.dynamics.counterweights import balance as balance

@@ -11,8 +11,8 @@ from ..core.fields import rounded_up
 from ..model.check import Check
 from ..plane.vec import Real, first_largest
 from .cam import Cam
-from .extrema import largest
 from .measures import cam_angles, segment_limits, tightest_convex
+from .program.extrema import largest
 from .undercut import Undercut, undercut
 
 # deg. With a larger angle a guide binds, a smaller one requires larger cams. 30 for straight followers is the rule of

@@ -17,8 +17,8 @@ from ..model.table import Column, Table
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from .contract import check_alike
+from .cutters import Settled
 from .interference import InternalMesh, tip_margins
-from .module import Settled
 from .rack import RackPair
 from .ring import RingGear
 from .spur import SpurGear

@@ -17,8 +17,8 @@ from ..plane.joined import PolarArray
 from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
+from .cutters import Settled, diametral_pitch, module, settle_module
 from .interference import InternalMesh
-from .module import Settled, diametral_pitch, module, settle_module
 from .pinion_cutter import PinionCutter
 from .tooth import envelope_end, toothed, with_land
 

@@ -16,8 +16,7 @@ from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from .contract import AbstractInvoluteGear, check_shortening
-from .cutters import RackCutter
-from .module import Settled, diametral_pitch, module, settle_module
+from .cutters import RackCutter, Settled, diametral_pitch, module, settle_module
 from .tooth import Tooth, largest_rounding, outline
 
 # Teeth of the rack that is shown cutting a gear: more leave the picture, fewer end while the rack still cuts.

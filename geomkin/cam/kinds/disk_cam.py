@@ -29,10 +29,10 @@ from ...recipe.template import example
 from ..base_circle import least_base_circle
 from ..cam import Cam
 from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
-from ..extrema import largest
 from ..followers.follower import FOLLOWERS
 from ..measures import cam_table
 from ..parts import CamStock
+from ..program.extrema import largest
 from ..program.program import Program
 from ..program.segments import (
     Dwell,
@@ -45,10 +45,8 @@ from ..program.segments import (
     Rise,
     Segment,
 )
-from ..scene import cam_handles, cam_scene
-from ..scene_sizes import with_size_plot
-from .loads import CamLoadsAspect, CamLoadsTable
-from .made import MadeCam
+from ..scene import cam_handles, cam_scene, with_size_plot
+from .loads import CamLoadsAspect, CamLoadsTable, MadeCam
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))

@@ -18,7 +18,7 @@ from ...plane.joined import Path, PolarArray, Spline
 from ...plane.primitives import Arc, Circle, Segment
 from ...plane.vec import Pose
 from ..contract import AbstractGear, AbstractShaper
-from ..module import Settled, diametral_pitch, module, settle_module
+from ..cutters import Settled, diametral_pitch, module, settle_module
 from ..tooth import toothed
 
 # Largest radius of a flank, in pitch radii. Larger ones are no teeth, and could need any number of chords.

@@ -29,9 +29,8 @@ from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
 from ..output_loads import RackLoads, RackStrength
 from ..pair import GearPair, InternalGearPair, contact_table
-from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
-from ..parts.bases import pair_base, rack_base
-from ..parts.gears import GearStock, RingStock, base_plate, gear_parts
+from ..parts import GearStock, RingStock, base_plate, gear_parts
+from ..parts_assembly import Wheel, pair_assembly, pair_base, rack_assembly, rack_base
 from ..rack import GearRack, RackPair
 from ..ring import RingGear
 from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene

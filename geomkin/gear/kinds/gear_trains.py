@@ -21,13 +21,22 @@ from ...plane.vec import Real
 from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks
-from ..module import LARGEST
+from ..cutters import LARGEST
 from ..output_loads import TrainLoads, TrainStrength
-from ..parts.gears import GearStock
-from ..parts.trains import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
+from ..parts import GearStock
+from ..parts_train import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
 from ..scene_train import train_handles, train_scene, turned_train_scene
-from ..train import FEWEST_TEETH, MOST_TEETH, Direction, GearTrain, Stages, train_table
-from ..train_search import LARGEST_RATIO, MOST_SEARCHED, gear_train
+from ..train import (
+    FEWEST_TEETH,
+    LARGEST_RATIO,
+    MOST_SEARCHED,
+    MOST_TEETH,
+    Direction,
+    GearTrain,
+    Stages,
+    gear_train,
+    train_table,
+)
 from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
 

@@ -27,9 +27,8 @@ from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks
 from ..contract import AbstractInvoluteGear
 from ..helix import Helix
-from ..parts.assemblies import planetary_assembly, turns_with_shaft
-from ..parts.bases import carrier, planetary_base
-from ..parts.gears import GearStock, RingStock, gear_parts
+from ..parts import GearStock, RingStock, gear_parts
+from ..parts_assembly import carrier, planetary_assembly, planetary_base, turns_with_shaft
 from ..planetary import MEMBERS, Member, PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength

@@ -25,9 +25,9 @@ from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, rounded
 from ...recipe.settings import Drive, Files
-from ..guidance.filemon_waldron import Rectification, rectification
 from ..guidance.guidance import BodyGuide, body_guides
 from ..guidance.guide_groups import KINDS, LARGEST_RATIO, Kind
+from ..guidance.guide_search import Rectification, rectification
 from ..guidance.poses import circle_of_sliders, poles
 from .linkage_goals import LISTED, AbstractLinkageGoal, Search, choose_entry
 

@@ -28,9 +28,8 @@ from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
 from ..found import size_entries, ten_digits
 from ..path.path import LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
-from ..path.points import svg_path_points
 from ..path.search import PathFound
-from ..path.svg_drawings import drawing_points
+from ..path.svg_drawings import drawing_points, svg_path_points
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
 
