@@ -58,7 +58,7 @@ def test_a_check_at_vertices_alone_misses_a_bulge(copy, monkeypatch):
         distance = edges.nearest(outline.points)[1]
         return distance.max(), complex(outline.points[distance.argmax()])
 
-    monkeypatch.setattr(outline, "arc_points", lambda start, *rest: np.array([start]))
+    monkeypatch.setattr(outline.Pen, "edge", lambda pen, start, *rest: pen.add(np.array([start])))
     for module in (outline, comparison):
         monkeypatch.setattr(module, "farthest", farthest_vertex)
     assert not wrong(copy)
