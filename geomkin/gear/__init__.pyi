@@ -91,6 +91,7 @@ from .kinds.planetary import PlanetaryRecipe as PlanetaryRecipe
 from .kinds.single_gears import RingGearRecipe as RingGearRecipe
 from .kinds.single_gears import SpurGearRecipe as SpurGearRecipe
 from .measures import chord as chord
+from .measures import contact_table as contact_table
 from .measures import over_pins as over_pins
 from .measures import span as span
 from .measures import tooth_table as tooth_table
@@ -107,7 +108,6 @@ from .output_loads import (
     TrainStrength as TrainStrength,
 )
 from .pair import InternalGearPair as InternalGearPair
-from .pair import contact_table as contact_table
 from .parts import (
     GearStock as GearStock,
 )

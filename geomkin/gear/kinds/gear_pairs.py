@@ -27,8 +27,9 @@ from ..checks import gear_checks, mesh_checks
 from ..contract import AbstractInvoluteGear
 from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
+from ..measures import contact_table
 from ..output_loads import RackLoads, RackStrength
-from ..pair import GearPair, InternalGearPair, contact_table
+from ..pair import GearPair, InternalGearPair
 from ..parts import GearStock, RingStock, base_plate, gear_parts
 from ..parts_assembly import Wheel, pair_assembly, pair_base, rack_assembly, rack_base
 from ..rack import GearRack, RackPair
