@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 from math import comb
 
@@ -79,74 +79,102 @@ def gradient_search(trials: Trials, box: Box, start: Real, target: Target, of_vi
     reference = None if trials.over() else trials.tried(box.values(start))
     if reference is None:
         return
-    count = len(start)
-    objective_rows, excess_rows = _rows(target, reference, of_violation)
-    scale = max(float(np.abs(objective_rows).max()), 1e-12)
-    has_bound = len(objective_rows) > 1
-    known: dict[bytes, tuple[Real, Real]] = {}
-
-    def results(shares: Real) -> tuple[Real, Real]:
-        """Rows of the objective and of the constraints; far above all others where there is no design."""
-        if trials.over():
-            raise TimeOverError
-        key = shares.tobytes()
-        if key not in known:
-            design = trials.tried(box.values(shares))
-            if design is None:
-                known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
-            else:
-                wanted, excess = _rows(target, design, of_violation)
-                known[key] = (
-                    _resampled(wanted, len(objective_rows)) / scale,
-                    _resampled(excess, len(excess_rows)) + MARGIN,
-                )
-        return known[key]
-
-    def slopes(shares: Real) -> tuple[Real, Real]:
-        """Derivatives of both by the shares."""
-        here, columns = results(shares), []
-        for k in range(count):
-            step = DIFFERENCE if shares[k] + DIFFERENCE <= 1 else -DIFFERENCE
-            there = results(shares + step * np.eye(count)[k])
-            columns.append([(b - a) / step for a, b in zip(here, there)])
-        return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
-
-    def objective(x: Real, gradient: Real) -> float:
-        if has_bound:
-            if gradient.size:
-                gradient[:] = np.append(np.zeros(count), 1.0)
-            return float(x[count])
-        if gradient.size:
-            gradient[:] = slopes(x)[0][0]
-        return float(results(x)[0][0])
-
-    def constraints(values: Real, x: Real, gradient: Real) -> None:
-        wanted_rows, excess = results(x[:count])
-        if has_bound:
-            values[:] = np.concatenate([wanted_rows - x[count], excess])
-        else:
-            values[:] = excess
-        if gradient.size:
-            by_objective, by_excess = slopes(x[:count])
-            if has_bound:
-                gradient[:, :count] = np.concatenate([by_objective, by_excess])
-                gradient[:, count] = np.where(np.arange(len(values)) < len(wanted_rows), -1.0, 0.0)
-            else:
-                gradient[:] = by_excess
-
-    solver = nlopt.opt(nlopt.LD_SLSQP, count + has_bound)
-    solver.set_min_objective(objective)
-    rows = len(excess_rows) + (len(objective_rows) if has_bound else 0)
-    if rows:
-        solver.add_inequality_mconstraint(constraints, np.zeros(rows))
-    solver.set_lower_bounds(np.append(np.zeros(count), [-np.inf] * has_bound))
-    solver.set_upper_bounds(np.append(np.ones(count), [np.inf] * has_bound))
+    programme = _Programme(trials, box, len(start), target, of_violation, _rows(target, reference, of_violation))
+    has_bound, values = programme.has_bound, programme.reference[0]
+    solver = nlopt.opt(nlopt.LD_SLSQP, len(start) + has_bound)
+    solver.set_min_objective(programme.objective)
+    if rows := len(programme.reference[1]) + (len(values) if has_bound else 0):
+        solver.add_inequality_mconstraint(programme.constraints, np.zeros(rows))
+    solver.set_lower_bounds(np.append(np.zeros(len(start)), [-np.inf] * has_bound))
+    solver.set_upper_bounds(np.append(np.ones(len(start)), [np.inf] * has_bound))
     solver.set_ftol_rel(CONVERGED)
     solver.set_xtol_rel(CONVERGED)
     solver.set_maxeval(MOST_STEPS)
     # At an optimum where many values are equal there may be no further step; the best design is known.
     with suppress(TimeOverError, nlopt.RoundoffLimited, nlopt.ForcedStop, nlopt.runtime_error):
-        solver.optimize(np.append(start, [float(objective_rows.max()) / scale] * has_bound))
+        solver.optimize(np.append(start, [float(values.max()) / programme.scale] * has_bound))
+
+
+@record(eq=False)
+class _Programme:
+    """Objective and constraints of a gradient search, as NLopt calls them; its unknowns are shares of a box.
+
+    Parameters
+    ----------
+    count : int
+        Number of shares; if the largest of several values is minimised, their bound is one more unknown.
+    reference : tuple of arrays
+        Rows of the objective and of the constraints at the start.
+    """
+
+    trials: Trials
+    box: Box
+    count: int
+    target: Target
+    of_violation: bool
+    reference: tuple[Real, Real]
+
+    @property
+    def has_bound(self) -> bool:
+        return len(self.reference[0]) > 1
+
+    @cached_property
+    def scale(self) -> float:
+        return max(float(np.abs(self.reference[0]).max()), 1e-12)
+
+    @cached_property
+    def _known(self) -> dict[bytes, tuple[Real, Real]]:
+        return {}
+
+    def results(self, shares: Real) -> tuple[Real, Real]:
+        """Rows of the objective and of the constraints; far above all others where there is no design."""
+        if self.trials.over():
+            raise TimeOverError
+        key, (objective_rows, excess_rows) = shares.tobytes(), self.reference
+        if key not in self._known:
+            design = self.trials.tried(self.box.values(shares))
+            if design is None:
+                self._known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
+            else:
+                wanted, excess = _rows(self.target, design, self.of_violation)
+                self._known[key] = (
+                    _resampled(wanted, len(objective_rows)) / self.scale,
+                    _resampled(excess, len(excess_rows)) + MARGIN,
+                )
+        return self._known[key]
+
+    def slopes(self, shares: Real) -> tuple[Real, Real]:
+        """Derivatives of both by the shares."""
+        here, columns = self.results(shares), []
+        for k in range(self.count):
+            step = DIFFERENCE if shares[k] + DIFFERENCE <= 1 else -DIFFERENCE
+            there = self.results(shares + step * np.eye(self.count)[k])
+            columns.append([(b - a) / step for a, b in zip(here, there)])
+        return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
+
+    def objective(self, x: Real, gradient: Real) -> float:
+        if self.has_bound:
+            if gradient.size:
+                gradient[:] = np.append(np.zeros(self.count), 1.0)
+            return float(x[self.count])
+        if gradient.size:
+            gradient[:] = self.slopes(x)[0][0]
+        return float(self.results(x)[0][0])
+
+    def constraints(self, values: Real, x: Real, gradient: Real) -> None:
+        count = self.count
+        wanted_rows, excess = self.results(x[:count])
+        if self.has_bound:
+            values[:] = np.concatenate([wanted_rows - x[count], excess])
+        else:
+            values[:] = excess
+        if gradient.size:
+            by_objective, by_excess = self.slopes(x[:count])
+            if self.has_bound:
+                gradient[:, :count] = np.concatenate([by_objective, by_excess])
+                gradient[:, count] = np.where(np.arange(len(values)) < len(wanted_rows), -1.0, 0.0)
+            else:
+                gradient[:] = by_excess
 
 
 def _rows(target: Target, design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:
