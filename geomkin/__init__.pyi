@@ -41,11 +41,11 @@ from .build import load as load
 from .build import make as make
 from .build import write as write
 from .cam.cam import Cam as Cam
+from .cam.checks import pressure_angle as pressure_angle
 from .cam.followers.flat import OscillatingFlat as OscillatingFlat
 from .cam.followers.flat import TranslatingFlat as TranslatingFlat
 from .cam.followers.roller import OscillatingRoller as OscillatingRoller
 from .cam.followers.roller import TranslatingRoller as TranslatingRoller
-from .cam.measures import pressure_angle as pressure_angle
 from .cam.program.program import Program as Program
 from .cam.program.segments import Dwell as Dwell
 from .cam.program.segments import Return as Return

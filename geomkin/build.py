@@ -251,9 +251,9 @@ def index(out: PathName = "out") -> dict[Path, int]:
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
-    from .page import index as overview
+    from .page.page import index_page
 
-    contents = overview.index_page(folder)
+    contents = index_page(folder)
     write_whole(folder, contents)
     return {folder / name: len(content) for name, content in contents.items()}
 

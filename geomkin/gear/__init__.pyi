@@ -85,16 +85,33 @@ from .kinds.gear_pairs import (
 from .kinds.gear_pairs import (
     RackAndPinionRecipe as RackAndPinionRecipe,
 )
-from .kinds.gear_trains import GearTrainRecipe as GearTrainRecipe
-from .kinds.gear_trains import TrainSpecification as TrainSpecification
+from .kinds.gear_trains import (
+    GearTrainRecipe as GearTrainRecipe,
+)
+from .kinds.gear_trains import (
+    TrainSpecification as TrainSpecification,
+)
+from .kinds.gear_trains import (
+    train_scene as train_scene,
+)
 from .kinds.planetary import PlanetaryRecipe as PlanetaryRecipe
 from .kinds.single_gears import RingGearRecipe as RingGearRecipe
 from .kinds.single_gears import SpurGearRecipe as SpurGearRecipe
-from .measures import chord as chord
-from .measures import contact_table as contact_table
-from .measures import over_pins as over_pins
-from .measures import span as span
-from .measures import tooth_table as tooth_table
+from .measures import (
+    chord as chord,
+)
+from .measures import (
+    contact_table as contact_table,
+)
+from .measures import (
+    over_pins as over_pins,
+)
+from .measures import (
+    span as span,
+)
+from .measures import (
+    tooth_table as tooth_table,
+)
 from .output_loads import (
     RackLoads as RackLoads,
 )
@@ -176,7 +193,6 @@ from .scene_pairs import (
 from .scene_pairs import (
     planetary_scene as planetary_scene,
 )
-from .scene_train import train_scene as train_scene
 from .strength import (
     GearLoads as GearLoads,
 )

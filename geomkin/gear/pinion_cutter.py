@@ -16,7 +16,7 @@ from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, inverse_involute, involute_function
 from ..plane.vec import Pose
 from .cutters import HelixAngle, transverse_factors
-from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
+from .spur import TipRounding, largest_rounding, tip_rounding, toothed
 
 
 @record(checked=True)

@@ -20,7 +20,7 @@ from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
 from .cutters import Settled, diametral_pitch, module, settle_module
 from .interference import InternalMesh
 from .pinion_cutter import CutterInRing, PinionCutter
-from .tooth import envelope_end, toothed, with_land
+from .spur import envelope_end, toothed, with_land
 
 
 @record

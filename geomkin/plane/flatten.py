@@ -251,6 +251,12 @@ SHARES = np.linspace(0, 1, 11)
 MOST_CHORDS = 5_000_000
 
 
+def check_tolerance(tolerance: float) -> None:
+    """Raise DesignError unless the tolerance is above 0."""
+    if not 0 < tolerance < np.inf:
+        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
+
+
 @checked
 def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
     """Points of a curve whose chords are nowhere farther than a tolerance from it.
@@ -286,8 +292,7 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
     >>> len(gk.flatten(gk.plane.Circle(0j, 10.0), 0.01))
     71
     """
-    if not 0 < tolerance < np.inf:
-        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
+    check_tolerance(tolerance)
     return _points(curve, tolerance, {})
 
 

@@ -32,8 +32,7 @@ from ..recipe.shown import ShownRecipe
 from ..recipe.template import template
 from .edit import Draft, answer
 from .form import recipe_form
-from .jobs import BackgroundJob, Jobs, join_all
-from .workspace import ConflictError, Workspace
+from .workspace import BackgroundJob, ConflictError, Jobs, Workspace, join_all
 
 HOST = "127.0.0.1"
 # The first port that is tried, and how many after it.

@@ -40,6 +40,7 @@ from .comparison import (
     worst_of,
 )  # fmt: skip
 from .outline import LARGEST, UnreadableError
+from .read_back import read_3mf, read_dxf, read_glb, read_step, read_stl, read_svg
 
 # Relative difference of numbers that were written with ten digits, and absolute one as a share of the column's size.
 CLOSE, NOISE = 2e-9, 1e-10
@@ -386,30 +387,22 @@ class Content:
 
 
 def _dxf(path: Path, expected: Expected) -> Content:
-    from .read_drawings import read_dxf
-
     drawing = read_dxf(path, expected.tolerance * FINENESS / 2)
     return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
 
 
 def _svg(path: Path, expected: Expected) -> Content:
-    from .read_drawings import read_svg
-
     drawing = read_svg(path, expected.tolerance * FINENESS / 2)
     return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
 
 
 def _stl(path: Path, expected: Expected) -> Content:
-    from .read_solids import read_stl
-
     meshes, problems, stamp = read_stl(path)
     exact = expected.named(path.stem)
     return Content([measure_mesh(mesh, exact, expected.tolerance) for mesh in meshes], stamp, tuple(problems))
 
 
 def _glb(path: Path, expected: Expected) -> Content:
-    from .read_solids import read_glb
-
     meshes, problems, stamp = read_glb(path)
     refuse_more(len(meshes), len(expected.assembled), MOST_PLATES, "solids")
     measured = [measure_mesh(mesh, expected.in_assembly(mesh.name), expected.tolerance) for mesh in meshes]
@@ -417,8 +410,6 @@ def _glb(path: Path, expected: Expected) -> Content:
 
 
 def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content:
-    from .read_solids import read_3mf
-
     meshes, counts, problems, stamp = read_3mf(path)
     named = expected.in_assembly if assembled else expected.named
     count = len(expected.assembled) if assembled else expected.count
@@ -433,8 +424,6 @@ def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content
 
 
 def _step(path: Path, expected: Expected) -> Content:
-    from .read_solids import read_step
-
     plate = read_step(path, expected.tolerance * FINENESS / 2)
     exact = expected.named(path.stem)
     found = measure_plate((plate.lower, plate.upper), plate.thickness, exact, expected.tolerance)

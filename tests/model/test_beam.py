@@ -9,7 +9,7 @@ import shapely
 
 import geomkin as gk
 from geomkin.model.thin_features import beam_check
-from geomkin.verification.read_drawings import read_svg
+from geomkin.verification.read_back import read_svg
 
 CASE = Path(__file__).parent.parent / "cases" / "kerf-near-root-gap.toml"
 TOLERANCE = 0.005

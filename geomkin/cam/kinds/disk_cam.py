@@ -28,9 +28,8 @@ from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
 from ..base_circle import least_base_circle
 from ..cam import Cam
-from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
+from ..checks import LEAST_CONVEX_RADIUS, cam_checks, cam_table, most_pressure_angle
 from ..followers.follower import FOLLOWERS
-from ..measures import cam_table
 from ..parts import CamStock
 from ..program.extrema import largest
 from ..program.program import Program

@@ -24,6 +24,7 @@ from ...recipe.aspect import ALONE, AbstractAspect, Setting
 from ...recipe.recipe import part_masses
 from ...recipe.settings import BodyMass, Drive, Gravity, gravity_entry
 from ..cam import Cam
+from ..checks import at_jumps
 from ..dynamics import (
     CamForces,
     FollowerLoads,
@@ -34,7 +35,6 @@ from ..dynamics import (
     least_preload,
     least_stiffness,
 )
-from ..measures import at_jumps
 from ..parts import CamStock, cam_assembly, cam_parts, follower_plates, pin_masses
 from ..program.extrema import largest
 from ..undercut import Undercut, undercut

@@ -19,7 +19,7 @@ from ...plane.primitives import Arc, Circle, Segment
 from ...plane.vec import Pose
 from ..contract import AbstractGear, AbstractShaper
 from ..cutters import Settled, diametral_pitch, module, settle_module
-from ..tooth import toothed
+from ..spur import toothed
 
 # Largest radius of a flank, in pitch radii. Larger ones are no teeth, and could need any number of chords.
 FARTHEST_OUT = 4
