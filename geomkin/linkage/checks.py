@@ -23,7 +23,7 @@ LEAST_ANGLE_OF_POLYGONS_DEG = 5
 LEAST_HOLE_TO_THICKNESS = 0.5
 # mm. Traces of one curve by three linkages that are farther apart are not the same; derived here, of rounding.
 SAME_CURVE = 1e-6
-# Largest force over the least that it could be. Nobody feels five percent; derived here.
+# Largest force over the least that it could be; chosen here.
 MOST_FORCE_TO_BEST = 1.05
 # Diameters and radii that are drawn, in longest links. Larger ones leave nothing else to be seen; derived here.
 LARGEST_DRAWN = 5.0
@@ -84,7 +84,7 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
             "motion", "found many linkages at once", "give one, for each has checks of its own", "wrong-type"
         )
     driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, assembly_failure(motion)
-    advice = f"shorten the {driver} or give a shorter way" if turns else "give a shorter stroke"
+    advice = f"shorten the {driver} or give a smaller range of the driver" if turns else "give a shorter stroke"
     share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{opens}; {advice}" if opens else advice)
     transmission = transmission_check(motion, "near a dead centre: change the link lengths")
     return (share,) if motion.assembled.any() and np.isnan(transmission.value) else (share, transmission)

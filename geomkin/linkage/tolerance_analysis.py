@@ -495,10 +495,10 @@ def tolerances(motion: Motion, of: str, lengths: Amounts = 0.0, clearances: Amou
 
     Notes
     -----
-    Worst case and root sum square are linearised: they hold for deviations that are small beside the linkage, and not
-    next to a dead centre. The Monte Carlo analysis solves every linkage. Chase and Parkinson, A survey of research in
-    the application of tolerance analysis to the design of mechanical assemblies, Research in Engineering Design 3,
-    1991.
+    Worst case and root sum square are linearised: they hold for deviations that are small compared with the linkage,
+    and not next to a dead centre. The Monte Carlo analysis solves every linkage. Chase and Parkinson, A survey of
+    research in the application of tolerance analysis to the design of mechanical assemblies, Research in Engineering
+    Design 3, 1991.
 
     Examples
     --------

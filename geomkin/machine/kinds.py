@@ -32,7 +32,7 @@ from .placed import TORQUE, PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
 
-# Most mechanisms of a machine: what a page shows and a person tells apart. Twelve legs and their train are 13.
+# Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
 
 

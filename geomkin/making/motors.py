@@ -24,7 +24,7 @@ from ..core.fields import (
 )
 from ..core.records import record
 from ..model.check import Check, Suggestion
-from ..model.motor import Motor, MotorDuty
+from ..model.motor import RPM, Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
@@ -139,6 +139,11 @@ def smallest_motor(duty: MotorDuty, margin: PositiveFloat = LEAST_MOTOR_MARGIN) 
     return MOTORS[name] if name else None
 
 
+def nearest_motor(duty: MotorDuty) -> Motor:
+    """The motor of the table with the largest margin; the fastest of equal ones."""
+    return max(MOTORS.values(), key=lambda motor: (motor.margin(duty), motor.speed_rpm))
+
+
 def _lightest(names: Iterable[str], duty: MotorDuty, margin: float) -> str | None:
     suitable = (name for name in names if MOTORS[name].margin(duty) >= margin)
     return min(suitable, key=lambda name: MOTORS[name].mass_g, default=None)
@@ -166,7 +171,9 @@ def motor_check(
     on_plate = not key.endswith("loads.motor")
     names = [name for name in MOTORS if name in MOTOR_FACES or not on_plate]
     better = _lightest(names, duty, LEAST_MOTOR_MARGIN)
-    change = "choose another motor by its torque: none of the table suffices"
+    power = 1e-3 * duty.peak_torque * RPM * duty.peak_speed_rpm
+    needed = f"{duty.peak_torque:.4g} N mm at up to {duty.peak_speed_rpm:.4g} rpm are required ({power:.3g} W)"
+    change = f"choose another motor by its torque: none of the table suffices; {needed}"
     if better:
         shaft = f", whose shaft has {MOTOR_FACES[better].shaft:g} mm" if on_plate else ""
         change = f'give motor = "{better}" ({MOTORS[better].name}{shaft})'

@@ -84,7 +84,7 @@ def test_plates_under_the_ground_take_up_a_boss_that_is_higher_than_the_sheet(wa
 
 def test_the_walker_does_not_fall_over_and_four_legs_are_warned_of(walker):
     assert {check.id for check in walker.checks if not check.passed} == {"transmission_angle"}
-    assert walker.stance.margin.min() > 25
+    assert walker.aspect("foot").stance.margin.min() > 25
     four = dataclasses.replace(walker, copies=walker.copies[:3])
     assert len(four.remarks) == len(walker.remarks) + 1
 

@@ -125,7 +125,7 @@ def test_batches_equal_single_linkages(name, follow):
 
 
 def test_a_pin_in_two_turning_slots_stands_where_they_cross():
-    """Each slot by a point and its direction, turned with its body; a block's pin stands beside its slot's line."""
+    """Each slot by a point and its direction, turned with its body; a block's pin is next to its slot's line."""
     motion = gk.move(crossed_slots(), TURN)
     crank, rocker = motion.crank.direction, motion.rocker.direction
     lines = [

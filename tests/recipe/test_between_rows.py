@@ -67,9 +67,9 @@ def test_extremes_do_not_depend_on_the_rows(more):
 
 
 def test_peaks_of_forces_are_those_of_a_fine_table():
-    peaks = four_bar(24, loads=PUSHED).loaded.peaks
+    peaks = four_bar(24, loads=PUSHED).aspect("loads").peaks
     fine = four_bar(0.1, loads=PUSHED)
-    driver, pin = np.abs(fine.table["driver_torque"]), fine.loaded.analysis.pin("rocker_pin", "rocker")
+    driver, pin = np.abs(fine.table["driver_torque"]), fine.aspect("loads").analysis.pin("rocker_pin", "rocker")
     assert peaks["driver"][0] == pytest.approx(driver.max(), rel=1e-5)
     assert peaks["driver"][1] == pytest.approx(fine.motion.drive[np.argmax(driver)], abs=2e-3)
     assert peaks["rocker_pin"][0] == pytest.approx(np.abs(pin).max(), rel=1e-5)
@@ -79,7 +79,7 @@ def test_the_tilt_of_a_walker_jumps_between_two_rows():
     walker = gk.load(RECIPES / "motor-walker.toml")
 
     def tilts(step):
-        return dataclasses.replace(walker, drive=dataclasses.replace(walker.drive, step_deg=step)).stance
+        return dataclasses.replace(walker, drive=dataclasses.replace(walker.drive, step_deg=step)).aspect("foot").stance
 
     fine = tilts(0.25)
     for direction, (low, high) in tilts(12).tilt_range_deg.items():

@@ -40,7 +40,7 @@ def test_the_regions_agree_with_the_branches_of_random_linkages(parallel):
         case = driving.of_four_bar(one, other, guides.pivots, "crank")
         if driving.goes_through(case)[0]:
             assert same and regions.drivable(driven)
-        # Whether there is any driver hangs on the direction in which it lies: look all around.
+        # Whether there is any driver depends on the direction in which it lies: look all around.
         found = regions.drives(driven + np.exp(1j * np.linspace(0, 2 * np.pi, 2000))).any()
         if found != regions.drivable(driven):
             # It may be narrow.

@@ -12,7 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_digits
 from ...core.records import record
 from ...making.assembly import Assembly, BaseStock
-from ...making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, smallest_motor
+from ...making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
 from ...model.check import Check, Suggestion
 from ...model.material import Mass, Material
 from ...model.motor import Motor, MotorDuty, root_mean_square
@@ -322,14 +322,14 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
             safety, least = self.material.yielding_pressure / pressure, LEAST_CONTACT_SAFETY
             advice = "give a thicker sheet, a stronger material, a weaker spring or a larger base_radius"
             yield Check("contact_safety", name, safety, "at least", least, "", advice, "contact_pressure", at)
-        if self.motor is not None:
-            peak, at = self.peak_torque
+        peak, at = self.peak_torque
+        if self.motor is not None or np.isfinite(peak):
             position = at if np.isfinite(peak) else None
             key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
-            yield motor_check(self.motor, self.duty, "camshaft_torque", position, key)
+            yield motor_check(self.motor or nearest_motor(self.duty), self.duty, "camshaft_torque", position, key)
 
     def _contact_advice(self) -> tuple[str, tuple[Suggestion, ...]]:
-        """What keeps the follower on the cam, and keys of the recipe with values that do."""
+        """Advice for a follower that leaves the cam, and recipe values that keep contact."""
         if self.cam.program.jumps.velocity.any():
             return "the velocity of the follower jumps: start and end the motion with a law that rests there", ()
         rate, preload, _ = ARM if self.cam.follower.oscillates else STRAIGHT

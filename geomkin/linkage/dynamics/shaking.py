@@ -254,7 +254,7 @@ def _centred(p: Complex, turned: bool) -> complex:
     one, two = (np.array(side) for side in zip(*combinations(p, 2))) if len(p) > 1 else (p[:0], p[:0])
     with np.errstate(invalid="ignore", divide="ignore"):
         if turned:
-            tries = [-p, -(one + two) / 2, *(_circumcentre(*three) for three in combinations(p, 3))]
+            tries = [-p, -(one + two) / 2, *(_negative_circumcentre(*three) for three in combinations(p, 3))]
         else:
             tries = [-p.real, (np.abs(two) ** 2 - np.abs(one) ** 2) / (2 * (one - two).real)]
     u = np.concatenate([np.atleast_1d(t) for t in tries])
@@ -263,7 +263,7 @@ def _centred(p: Complex, turned: bool) -> complex:
     return complex(best) if turned else float(best)
 
 
-def _circumcentre(a: complex, b: complex, c: complex) -> complex:
+def _negative_circumcentre(a: complex, b: complex, c: complex) -> complex:
     """Minus the centre of the circle through three points; not finite if they are in line."""
     b, c = b - a, c - a
     return -(a + 1j * (c * abs(b) ** 2 - b * abs(c) ** 2) / (-2 * np.float64(cross(b, c))))

@@ -107,7 +107,7 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
         motion, grid = self.motion, self.grid
         columns = [Column(f"{motion.linkage.driver}_angle", "deg", "angle of the driver", np.degrees(motion.drive))]
         curves = coupler_curves(motion, grid.points)
-        for k, (short, words, place) in enumerate(_named(grid)):
+        for k, (short, words, place) in enumerate(_grid_points(grid)):
             columns += xy_columns(short, "mm", f"coupler point in {words}", curves.reshape(-1, len(motion.drive))[k])
             if (k // grid.columns + 1, k % grid.columns + 1) in grid.chosen:
                 moved = motion.bodies["coupler"].point(place)
@@ -120,14 +120,14 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
     @cached_property
     def scene(self) -> Scene:
         """The linkage, and the paths of all points of the grid."""
-        named = [short for short, _, _ in _named(self.grid)]
+        named = [short for short, _, _ in _grid_points(self.grid)]
         plots = [place_plot(short) for short in named]
         plots += [place_plot(short, rate) for short in named for rate in ("velocity", "acceleration")]
         scene = linkage_scene(self.motion, self.table, plots=plots)
         curves = coupler_curves(self.motion, self.grid.points).reshape(-1, len(self.motion.drive))
         marks = [
             SceneMark("point", curves[k], "traced", short, trail=True)
-            for k, (short, _, _) in enumerate(_named(self.grid))
+            for k, (short, _, _) in enumerate(_grid_points(self.grid))
         ]
         return replace(scene, marks=(*scene.marks, *marks))
 
@@ -159,12 +159,12 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
             frame = int(np.argmax(motion.assembled))
             marks += skeleton(motion, frame, self.stock)
             coupler = motion.bodies["coupler"]
-            for _, _, place in _named(self.grid):
+            for _, _, place in _grid_points(self.grid):
                 marks.append(Circle(complex(coupler.point(place).position[frame]), self.stock.pin_diameter / 8))
         return (engraved("atlas", marks, self.stock),)
 
 
-def _named(grid: Grid) -> Iterator[tuple[str, str, complex]]:
+def _grid_points(grid: Grid) -> Iterator[tuple[str, str, complex]]:
     for row in range(grid.rows):
         for column in range(grid.columns):
             name = f"row {row + 1}, column {column + 1}"

@@ -76,7 +76,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         branch, given = branch_of(self.branch, self.branches), partial(getattr, self)
         columns = given("coefficients", False), given("effective_components", False)
         driven = (self.linkage, branch, self.input_range, self.setting, *columns)
-        return MadeLinkage(*driven, self.stock, given("copies", ()), bool(given("foot", None)), self._round_ends)
+        return MadeLinkage(*driven, self.stock, given("copies", ()), given("foot", None), self._round_ends)
 
     def _round_ends(self) -> dict[str, RoundEnd]:
         return {body: end for aspect in self.aspects for body, end in aspect.round_ends.items()}

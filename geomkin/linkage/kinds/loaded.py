@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
-from ...making.motors import motor_check, motor_summary, smallest_motor
+from ...making.motors import motor_check, motor_summary, nearest_motor, smallest_motor
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import Motor, MotorDuty, root_mean_square
@@ -31,6 +31,9 @@ from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
 from .loads import LoadsTable, number_of_columns
 from .runs import LinkageRun, linkage_run
 
+# Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
+# nothing that is carried besides the parts is known; chosen here.
+LEAST_CARRIED = 90.0
 # Name of the effort with that of the copies among the peaks.
 EFFORT = "effort"
 
@@ -220,6 +223,7 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Checks of the motor, the counterweights and the run, and of pins and plates if the material is known."""
         stock = self.mechanism.stock
         yield from self._motor_checks
+        yield from self._weight_checks
         if self.balanced:
             yield self.balanced.check(self.analysis)
         yield from self.run.checks if self.run else ()
@@ -227,14 +231,31 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
             yield from linkage_strength_checks(self.analysis, stock, self.mechanism.stack)
 
     @property
-    def _motor_checks(self) -> Iterator[Check]:
-        if self.motor is None:
+    def _weight_checks(self) -> Iterator[Check]:
+        """Whether the forces at the feet of a walker carry the weight of its parts and its motor."""
+        made, gravity = self.mechanism, complex(*self.given.gravity_m_per_s2)
+        if made.foot is None or not gravity:
             return
+        mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in made.masses.values())
+        mass += 1e-3 * made.mounted_motor.mass_g if made.mounted_motor else 0.0
+        carried = sum(force.mean_over_turn() for force in self.given.forces if force.point == made.foot)
+        share = -(carried * gravity.conjugate()).real * (1 + len(made.copies)) / (mass * abs(gravity) ** 2)
+        name = "share of the weight of parts and motor that the forces at the feet carry"
+        advice = (
+            f"the parts weigh {mass * abs(gravity):.3g} N: give [[loads.forces]] at {made.foot} while it stands, by "
+            "over_deg; without them the torque and the motor's margin are those of a walker in the air"
+        )
+        yield Check("weight_carried", name, 100 * share, "at least", LEAST_CARRIED, "%", advice)
+
+    @property
+    def _motor_checks(self) -> Iterator[Check]:
         peak, drive = self.peaks[EFFORT]
+        if self.motor is None and (self.linkage.driver_pivot is None or np.isnan(peak)):
+            return
         at = None if np.isnan(peak) else in_driver_unit(self.mechanism.motion, drive)
         column = "shaft_torque" if self.mechanism.copies else "driver_torque"
         key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
-        yield motor_check(self.motor, self.duty, column, at, key)
+        yield motor_check(self.motor or nearest_motor(self.duty), self.duty, column, at, key)
 
     @property
     def entries(self) -> Mapping[str, object]:

@@ -30,6 +30,10 @@ from .runs import RunTable
 ARROW = 0.05
 
 
+# Positions of the driver over which the mean of a force is taken.
+MEAN_FRAMES = 3600
+
+
 @record(checked=True)
 class PointForce:
     """A force at a point of a body, in a recipe: constant, or given over the driver's angle."""
@@ -54,6 +58,12 @@ class PointForce:
             raise DesignError("over_deg", "its angles fall", "give rising angles", "conflict")
         if angles and angles[-1] - angles[0] > 360:
             raise DesignError("over_deg", f"covers {angles[-1] - angles[0]:g} deg", "give at most 360 deg", "conflict")
+
+    def mean_over_turn(self) -> complex:
+        """Mean of the force over a turn of the driver, N."""
+        force = self.force().force
+        turn = np.linspace(0, 2 * np.pi, MEAN_FRAMES, endpoint=False)
+        return complex(np.mean(force.at(turn))) if isinstance(force, DriveTable) else complex(force)
 
     def force(self) -> Force:
         """The force as the library has it."""

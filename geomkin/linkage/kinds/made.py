@@ -132,13 +132,13 @@ class DrivenLinkage:
 class MadeLinkage(DrivenLinkage):
     """A linkage with its copies as plates in layers.
 
-    stock: sheet and pins. has_feet: whether rods join the grounds of its copies. round_ends: the counterweights of
-    bodies, which may depend on the plates without them.
+    stock: sheet and pins. foot: the point on which it walks; rods then join the grounds of its copies. round_ends: the
+    counterweights of bodies, which may depend on the plates without them.
     """
 
     stock: LinkStock = LinkStock()
     copies: tuple[Copy, ...] = ()
-    has_feet: bool = False
+    foot: str | None = None
     round_ends: Callable[[], Mapping[str, RoundEnd]] = dict
 
     @property
@@ -156,7 +156,7 @@ class MadeLinkage(DrivenLinkage):
     @cached_property
     def frame(self) -> tuple[complex, ...]:
         """Places of the rods that join the grounds of a walker, mm; empty without feet, or if they are not known."""
-        if not self.has_feet or any(not rod.pin for rod in self.shared):
+        if self.foot is None or any(not rod.pin for rod in self.shared):
             return ()
         return frame_places(self.fine_motion, self.stock, self._unframed[0].plates)
 

@@ -190,7 +190,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     def steps(self) -> tuple[str, ...]:
         if all(part.name != "counterweight" for part in self.parts):
             return self.made.stack.steps
-        shaft = "a shaft of yours that turns with crank, instead of the screw"
+        shaft = "a shaft (not supplied) that turns with crank, instead of the screw"
         return (*self.made.stack.steps, f"glue counterweight on {shaft} A, below ground, its middle opposite to B")
 
     def _counterweight(self) -> list[Part]:

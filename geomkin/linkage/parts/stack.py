@@ -233,7 +233,7 @@ class Stack:
                 ("a spacer on {}", [letters[pin.name] for pin in self.pins if layer in pin.spacers]),
                 (
                     "nothing on {}, which a plate here passes",
-                    [letters[pin.name] for pin in pins if layer in self._bare(pin)],
+                    [letters[pin.name] for pin in pins if layer in self._uncovered_layers(pin)],
                 ),
                 ("close {}", [letters[pin.name] for pin in pins if pin.last == layer and pin not in from_above]),
                 # Screws whose nuts are below the ground, since only heads have room above.
@@ -257,7 +257,7 @@ class Stack:
         fixed += "" if fit and (fit.is_press or fit.play < 0) else ", and glue it"
         return f"{crank} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
 
-    def _bare(self, pin: PinSpan) -> set[int]:
+    def _uncovered_layers(self, pin: PinSpan) -> set[int]:
         """Layers that a pin crosses without a plate or spacer."""
         occupied = {self.layers[name] for name in pin.holes + pin.slots}.union(pin.spacers)
         return set(range(pin.first, pin.last + 1)) - occupied

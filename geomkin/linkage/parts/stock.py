@@ -63,7 +63,7 @@ class LinkStock:
     )
     clearance: float = wider(0.2)
     fastener: Literal["screw", "rod"] | None = entry(
-        "screws with nuts, or rods cut flush; by default screws if there is one of pin_diameter and the sheet bears it",
+        "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter",
         default=None,
     )
     play: float = quantity("axial play along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)

@@ -1,0 +1,49 @@
+"""Recipes that no motor drives, and walkers whose feet carry nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+CASES = Path(__file__).parents[1] / "cases"
+
+
+def check(recipe, id):
+    return next(check for check in recipe.checks if check.id == id)
+
+
+def test_the_nearest_motor_is_named_if_none_suffices():
+    recipe = gk.load(CASES / "no-motor-suffices.toml")
+    torque = np.abs(recipe.table["driver_torque"]).max()
+    failed = check(recipe, "motor_torque")
+    margins = [motor.margin(recipe.aspect("loads").duty) for motor in gk.making.MOTORS.values()]
+    assert not failed.passed and failed.value == max(margins) < 1.5
+    # 60 rpm: the torque and the power that are required stand in the advice.
+    assert f"{torque:.3g}"[:3] in failed.advice and f"{torque * 2 * np.pi / 1000:.3g}" in failed.advice
+
+
+def test_a_cam_that_no_motor_turns_is_reported_too():
+    program = [
+        {"kind": "rise", "law": "cycloidal", "rise": 20, "end_deg": 180},
+        {"kind": "return", "law": "cycloidal", "end_deg": 360},
+    ]
+    cam = {"base_radius": 40, "follower": {"kind": "translating-roller", "roller_radius": 8}, "program": program}
+    loads = {"follower": {"mass_kg": 1}, "preload_n": 1e5}
+    assert not check(gk.load({"kind": "disk-cam", "cam": cam, "loads": loads}), "motor_torque").passed
+
+
+def test_a_walker_whose_feet_carry_nothing_is_reported():
+    walker = gk.load(CASES / "walker-without-weight.toml")
+    assert check(walker, "weight_carried").value == 0 and not check(walker, "weight_carried").passed
+
+
+def test_feet_that_carry_the_weight_pass_by_the_mean_of_their_forces():
+    """Six feet of 2.2 N over 174 of 360 deg, against the masses of the summary and the motor of 210 g."""
+    walker = gk.load("recipes/motor-walker.toml")
+    mass = (
+        6 * sum(body["mass_kg"] for body in walker.notes["masses"].values()) + gk.making.motor("37d-50").mass_g / 1000
+    )
+    share = 100 * 6 * 2.2 * 174 / 360 / (9.81 * mass)
+    assert check(walker, "weight_carried").value == pytest.approx(share, rel=1e-2) and share > 100
