@@ -13,9 +13,8 @@ import numpy as np
 from ..core.errors import harmless, printable
 from ..core.fields import to_digits
 from ..core.records import record
-from ..export.csv import csv
 from ..export.files import remove, write_whole
-from ..export.plots import plot_file
+from ..export.tables import csv, plot_file
 from ..export.text import number, text
 from ..model.scene import Plot
 from ..model.table import Column, Table

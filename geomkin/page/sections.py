@@ -12,10 +12,10 @@ from ..core.errors import harmless
 from ..core.units import LengthUnit
 from ..export.job import Job
 from ..export.picture import MARGIN, TURN_DIGITS
-from ..export.plots import hodograph_file
 from ..export.scene_svg import LayerPicture, layer_pictures
 from ..export.still import kept_frames
 from ..export.svg_path import FINE, bounding_box, decimal, path, thumbnail
+from ..export.tables import hodograph_file
 from ..export.text import DIGITS, capital, number, text, unit_sign, with_unit
 from ..model.check import Check
 from ..model.part import Part

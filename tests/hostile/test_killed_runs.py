@@ -105,7 +105,7 @@ def test_killed_in_the_middle_of_a_file_every_file_is_old_or_new(command, made, 
 KILLED_COPIES = """
 import os, random, signal, sys, time
 from geomkin import make
-import geomkin.export.csv, geomkin.export.dxf, geomkin.export.svg
+import geomkin.export.tables, geomkin.export.dxf, geomkin.export.svg
 chance = random.Random(20)
 make("r.toml", "loaded")
 start = time.perf_counter()

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...core.records import record
-from ...export.csv import csv
 from ...export.cut import cut
+from ...export.tables import csv
 from ...model.part import Part
 from ...model.table import Column, Table
 from ...plane.flatten import flatten
