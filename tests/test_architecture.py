@@ -52,15 +52,24 @@ def layer(parts):
     return 2 if inner == "kinds" else 1 if inner.startswith(("checks", "parts", "scene")) else 0
 
 
+MODULES = {file.relative_to(PACKAGE).with_suffix("").parts for file in FILES}
+MODULES |= {name[:k] for name in MODULES for k in range(1, len(name))}
+
+
 @cache
 def tree(file):
     return ast.parse(file.read_text())
 
 
+@cache
+def nodes(file):
+    return list(ast.walk(tree(file)))
+
+
 def modules_by_text(file):
     """Modules of the package that a file's texts name in full, but for docstrings."""
-    docstrings = {node.value for node in ast.walk(tree(file)) if isinstance(node, ast.Expr)}
-    texts = [node for node in ast.walk(tree(file)) if isinstance(node, ast.Constant) and node not in docstrings]
+    docstrings = {node.value for node in nodes(file) if isinstance(node, ast.Expr)}
+    texts = [node for node in nodes(file) if isinstance(node, ast.Constant) and node not in docstrings]
     named = [re.match(r"geomkin((?:\.\w+)+)", text.value) for text in texts if isinstance(text.value, str)]
     paths = [PACKAGE.joinpath(*name[1].split(".")[1:]) for name in named if name]
     return [path for path in paths if path.is_dir() or path.with_suffix(".py").exists()]
@@ -73,7 +82,7 @@ def imports(file):
     The table of formats names modules of its own folder by text, as `module:function`; these count too.
     """
     here, found = file.relative_to(PACKAGE).with_suffix("").parts, []
-    for node in ast.walk(tree(file)):
+    for node in nodes(file):
         if isinstance(node, ast.Import):
             found += [(name.name.split(".")[0], ()) for name in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -84,10 +93,9 @@ def imports(file):
             base = here[: len(here) - node.level] + named if node.level else named[1:]
             for name in node.names:
                 module = (*base, name.name)
-                whole = PACKAGE.joinpath(*module).with_suffix(".py").exists() or PACKAGE.joinpath(*module).is_dir()
-                found.append(("geomkin", module if whole else base or ("__init__",)))
+                found.append(("geomkin", module if module in MODULES else base or ("__init__",)))
         elif isinstance(node, ast.Constant) and (name := re.fullmatch(r"(\w+):\w+", str(node.value))):
-            found += [("geomkin", (*here[:-1], name[1]))] * file.with_name(f"{name[1]}.py").exists()
+            found += [("geomkin", (*here[:-1], name[1]))] * ((*here[:-1], name[1]) in MODULES)
     return tuple(found)
 
 
@@ -166,7 +174,6 @@ HEAVY = {
     "shapely",
     "trimesh",
     "ezdxf",
-    "pydantic",
     "click",
     "scipy",
     "matplotlib",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from tests.campaign import by_default
 
 PACKAGE = Path(gk.__file__).parent
 WITH_EXAMPLES = [path for path in sorted(PACKAGE.rglob("*.py")) if ">>>" in path.read_text(encoding="utf-8")]
@@ -19,7 +20,11 @@ def name_of(path):
     return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
 
 
-@pytest.mark.parametrize("path", WITH_EXAMPLES, ids=name_of)
+@pytest.mark.parametrize(
+    "path",
+    by_default(WITH_EXAMPLES, [path for path in WITH_EXAMPLES if path.parent.parent.name != "synthesis"]),
+    ids=name_of,
+)
 def test_examples_run(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     failed, tried = doctest.testmod(

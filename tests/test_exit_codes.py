@@ -21,8 +21,7 @@ from geomkin.core.progress import report
 def left(monkeypatch, capsys):
     """left(by): how the program ends, and what it says, where the command ends by an exception or a number."""
     handler, often = signal.getsignal(signal.SIGINT), gc.get_threshold()
-    for name in ("OPENBLAS_NUM_THREADS", "PYDANTIC_DISABLE_PLUGINS"):
-        monkeypatch.setenv(name, os.environ.get(name, "kept"))
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", os.environ.get("OPENBLAS_NUM_THREADS", "kept"))
 
     def call(by):
         def cli(standalone_mode):

@@ -15,6 +15,7 @@ from ezdxf import path as dxf_path
 from jsonschema import Draft202012Validator
 
 import geomkin as gk
+from tests.campaign import by_default
 from tests.gallery import FIRST_OF_KIND, NAMES, RECIPES, recipe
 from tests.texts import schema_of_all
 
@@ -30,7 +31,13 @@ def schema():
     return Draft202012Validator(whole)
 
 
-@pytest.mark.parametrize("name", NAMES)
+# One recipe of each kind always, the others in campaigns, and those that take long.
+EACH_KIND = set(FIRST_OF_KIND.values()) - {"balanced-rocker", "log-generator", "kidney-path", "square-root-slide"}
+# Of their files those of one recipe of some kinds.
+MADE = ["flat-cam", "gear-pair", "ring-gear", "loaded-pump", "polygons", "scotch-yoke"]
+
+
+@pytest.mark.parametrize("name", by_default(NAMES, EACH_KIND))
 def test_a_recipe_is_written_as_it_was_read_and_its_scene_shows_its_parts(name, schema, monkeypatch):
     monkeypatch.chdir(RECIPES)
     own = recipe(name)
@@ -62,11 +69,7 @@ def test_a_recipe_is_written_as_it_was_read_and_its_scene_shows_its_parts(name, 
     assert all(id(part.outline) in held for part in own.parts if part.body and not part.name.endswith("spacer"))
 
 
-# One recipe of each kind always, the others in campaigns.
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=() if name in FIRST_OF_KIND.values() else pytest.mark.campaign) for name in NAMES],
-)
+@pytest.mark.parametrize("name", by_default(NAMES, MADE))
 def test_files_of_a_recipe_are_its_parts_and_its_table_and_those_kept(name, tmp_path):
     own = recipe(name)
     result = gk.make(own, tmp_path)

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.cli import cli
+from tests.campaign import by_default
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -59,7 +60,13 @@ def run_python(block, names):
                     assert number == pytest.approx(float(text), abs=0.51 * 10.0**-digits), ast.unparse(node)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+# Pages whose code takes long; the README's command is that of the test at the end.
+LONG = {"README", "synthesis", "files", "optimisation", "recipes", "forces", "library"}
+
+
+@pytest.mark.parametrize(
+    "page", by_default(PAGES, [page for page in PAGES if page.stem not in LONG]), ids=lambda page: page.stem
+)
 def test_code_of_page_runs(page, tmp_path, monkeypatch):
     shutil.copytree(ROOT / "recipes", tmp_path / "recipes")
     monkeypatch.chdir(tmp_path)

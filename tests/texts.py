@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from geomkin.recipe import load, template
+from geomkin.recipe import load, schema, template
 from geomkin.recipe.kinds import recipe_class
 
 
@@ -24,7 +24,7 @@ def recipe_of(name):
 
 def schema_of_all():
     """The schema that editors read."""
-    return template.schema()
+    return schema.schema()
 
 
 def choices_of(name):

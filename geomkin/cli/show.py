@@ -127,7 +127,7 @@ def schema_command() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 
-    from ..recipe.template import schema
+    from ..recipe.schema import schema
 
     click.echo(json.dumps(schema(), indent=1))
 

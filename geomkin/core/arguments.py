@@ -41,12 +41,15 @@ class ArgumentType:
         A refused value of one of these types counts as out of range, any other as of a wrong type.
     each : ArgumentType, optional
         The values that each item of a row may have; errors then name the item.
+    limits : tuple of float, optional
+        The least and the largest value, for the schema.
     """
 
     fits: Callable[[Any], bool]
     allowed: str
     types: tuple[type, ...] = ()
     each: ArgumentType | None = None
+    limits: tuple[float, float] | None = None
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -145,7 +148,9 @@ def argument_type(hint: Any) -> ArgumentType | None:
 def between(least: float, most: float, unit: str = "") -> ArgumentType:
     """One number from `least` to `most`."""
     allowed = f"a number from {least:g} to {most:g}" + (f", in {unit}" if unit else "")
-    return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed, REAL)
+    # A recipe may state lengths in inches.
+    limits = None if unit == "mm" else (least, most)
+    return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed, REAL, limits=limits)
 
 
 def whole_between(least: int, most: int) -> ArgumentType:
@@ -154,6 +159,7 @@ def whole_between(least: int, most: int) -> ArgumentType:
         lambda value: is_whole(value) and bool(least <= value <= most),
         f"a whole number from {least} to {most}",
         REAL,
+        limits=(least, most),
     )
 
 

@@ -2,40 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Iterable
+from typing import Any, TypeVar
 
 from .errors import DesignError, shown
+from .field_visitor import Number, with_numbers
 
 T = TypeVar("T")
 # One part of a key: the position of an item of a list, or a name.
 PART = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
 
 
-class Number(NamedTuple):
-    """A number of a dataclass.
-
-    Parameters
-    ----------
-    key : str
-        Dotted key; items of lists and the x and y of points have `[0]`, `[1]`: `linkage.coupler_point[0]`.
-    field : str
-        The key of the whole value: that of the point or of the field.
-    value : float or int
-        The number.
-    unit : str
-        Its unit as the field declares it; "mm" for points.
-    """
-
-    key: str
-    field: str
-    value: float | int
-    unit: str
-
-
-def numbers_in(thing: Any, path: str = "") -> Iterator[Number]:
+def numbers_in(thing: Any, path: str = "") -> list[Number]:
     """All numbers of a dataclass and of those inside it, in the order of its fields.
 
     Parameters
@@ -47,33 +26,30 @@ def numbers_in(thing: Any, path: str = "") -> Iterator[Number]:
 
     Returns
     -------
-    iterator of Number
+    list of Number
+        Without those of recipes in files of their own.
     """
-    for field in dataclasses.fields(thing):
-        key = f"{path}.{field.name}" if path else field.name
-        yield from _inside(getattr(thing, field.name), key, key, field.metadata)
+    numbers: list[Number] = []
+
+    def listed(number: Number) -> Any:
+        numbers.extend([number] if isinstance(number.value, (int, float)) else [])
+        return number.value
+
+    with_numbers(
+        thing, listed, lambda inner, key: inner if getattr(inner, "is_in_own_file", False) else None, path=path
+    )
+    return numbers
 
 
-def _inside(value: Any, key: str, field: str, about: Mapping[str, Any]) -> Iterator[Number]:
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        yield Number(key, field, value, about.get("unit", about.get("units", ("",))[0]))
-    elif isinstance(value, complex):
-        yield Number(f"{key}[0]", key, value.real, "mm")
-        yield Number(f"{key}[1]", key, value.imag, "mm")
-    elif dataclasses.is_dataclass(value) and not getattr(value, "is_in_own_file", False):
-        # A table that a recipe writes as the list of its segments.
-        segments = getattr(value, "segments", None)
-        yield from numbers_in(value, key) if segments is None else _inside(segments, key, key, {})
-    elif isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _inside(item, f"{key}.{name}", f"{key}.{name}", about)
-    elif isinstance(value, (tuple, list)):
-        units = about.get("units", [about.get("unit", "")] * len(value))
-        for k, item in enumerate(value):
-            is_point = isinstance(item, (int, float)) and len(value) <= 3
-            # Rows of numbers have the units of their columns.
-            inner = about if isinstance(item, (tuple, list)) else {"unit": units[k % len(units)]}
-            yield from _inside(item, f"{key}[{k}]", field if is_point else f"{key}[{k}]", inner)
+def with_number(thing: T, key: str, value: float) -> T:
+    """A dataclass with another value of the number under a key, relative to the dataclass.
+
+    Raises
+    ------
+    DesignError
+        If the dataclass refuses the value.
+    """
+    return with_numbers(thing, lambda number: value if number.key == key else number.value)
 
 
 def key_parts(key: str) -> list[str | int]:
@@ -92,28 +68,3 @@ def texts_by_key(field: str, texts: Iterable[str], form: str) -> dict[str, str]:
             raise DesignError(field, f"{shown(key)} is given twice", f"give {form} once for each key", "conflict")
         by_key[key] = value
     return by_key
-
-
-def with_number(thing: T, key: str, value: float) -> T:
-    """A dataclass with another value of the number under a key, relative to the dataclass.
-
-    Raises
-    ------
-    DesignError
-        If the dataclass refuses the value.
-    """
-    changed: T = _replaced(thing, key_parts(key), value)
-    return changed
-
-
-def _replaced(thing: Any, parts: list[int | str], value: float) -> Any:
-    if not parts:
-        return value
-    part, *rest = parts
-    if isinstance(thing, complex):
-        return complex(value, thing.imag) if part == 0 else complex(thing.real, value)
-    if isinstance(part, int):
-        return (*thing[:part], _replaced(thing[part], rest, value), *thing[part + 1 :])
-    if isinstance(thing, Mapping):
-        return {**thing, part: _replaced(thing[part], rest, value)}
-    return dataclasses.replace(thing, **{part: _replaced(getattr(thing, part), rest, value)})

@@ -1,7 +1,6 @@
 """Declarations of sizes: each serves the range check, error messages, templates and the schema.
 
-A size is a dataclass field whose metadata states its meaning, unit and limits. The keys of the metadata are those that
-pydantic reads from dataclass fields, so that the same declaration validates a recipe, without importing pydantic here.
+A size is a dataclass field whose metadata states its meaning, unit and limits.
 """
 
 from __future__ import annotations
@@ -10,12 +9,12 @@ import dataclasses
 import re
 from collections import UserDict
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from functools import cache, reduce
+from functools import cache
 from math import inf, isfinite, nextafter
-from operator import ge, gt, le, lt, or_
+from operator import ge, gt, le, lt
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 
 from .arguments import ArgumentType, between, check_fields, is_endless, is_place, numbers
 from .errors import DesignError, ProblemId, shown
+from .field_visitor import WrittenForm
 from .reprs import clipped
 
 T = TypeVar("T")
@@ -48,7 +48,7 @@ def quantity(
     limits = {"gt": above, "ge": at_least, "lt": below, "le": at_most}
     metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
     metadata |= {name: limit for name, limit in limits.items() if limit is not None}
-    metadata |= {"whole": True, "strict": True} if whole else {"strict": True, "allow_inf_nan": False}
+    metadata |= {"whole": True} if whole else {}
     metadata["examples"] = [_example(example, default)]
     metadata["filled_in"] = filled_in
     return dataclasses.field(default=default, metadata=metadata)
@@ -72,8 +72,6 @@ def entry(
     }
     if units is not None:
         metadata["units"] = units
-    if isinstance(default, bool):
-        metadata["strict"] = True  # otherwise "yes" and 1 would count as true
     if default_factory is not MISSING:
         return dataclasses.field(default_factory=default_factory, metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
@@ -111,8 +109,8 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         if isinstance(value, Fraction) and not about.get("whole"):
             value = float(value)
             object.__setattr__(thing, field.name, value)
-        if not _fits(value, about, many):
-            raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", _id_of(value, about))
+        if not quantity_fits(value, about, many):
+            raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", refusal_id(value, about))
         if _is_tiny(value, about):
             remedy = f"give {'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
             raise DesignError(field.name, f"found {shown(value)}, which is too small", remedy, "out-of-range")
@@ -187,8 +185,10 @@ def _rounded(value: float, digits: int, mode: str) -> str:
     return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
 
 
-def _id_of(value: Any, about: Any) -> ProblemId:
+def refusal_id(value: Any, about: Any) -> ProblemId:
     """Id of the problem of a value that does not fit."""
+    if isinstance(value, (list, tuple)):
+        return "wrong-type"
     if is_endless(value):
         return "not-finite"
     return "out-of-range" if numbers(value, "iu" if about.get("whole") else "iuf") is not None else "wrong-type"
@@ -197,7 +197,8 @@ def _id_of(value: Any, about: Any) -> ProblemId:
 _TESTS: dict[str, Callable[[Any, Any], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}
 
 
-def _fits(value: Any, about: Any, many: bool) -> bool:
+def quantity_fits(value: Any, about: Any, many: bool = False) -> bool:
+    """Whether a value is a finite number in the range that a field declares, or many of them."""
     number = numbers(value, "iu" if about.get("whole") else "iuf")
     if number is None or isinstance(value, (list, tuple)) or (number.ndim and not many):
         return False
@@ -233,6 +234,8 @@ FARTHEST = 1e9
 # A length that may be 0, and one that may not, mm.
 Length = Annotated[float, between(0, FARTHEST, "mm")]
 Size = Annotated[float, between(SMALLEST, FARTHEST, "mm")]
+# A coordinate, or another number of a row.
+Coordinate = Annotated[float, between(-FARTHEST, FARTHEST)]
 
 
 class PointXY(ArgumentType):
@@ -251,45 +254,10 @@ class PointXY(ArgumentType):
 
         super().__init__(fits, f"a finite complex number, x + yj, in mm, x and y within {FARTHEST:g} of 0")
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
 
-        number = core_schema.float_schema(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False, strict=True)
-        return core_schema.no_info_after_validator_function(
-            lambda xy: complex(*(place if abs(place) >= SMALLEST else 0.0 for place in xy)),
-            core_schema.tuple_schema([number, number]),
-            serialization=core_schema.plain_serializer_function_ser_schema(lambda z: [z.real, z.imag]),
-        )
-
-
-class OneOrMany:
-    """Marks a size that may be an array in the library, one value for each linkage; in a recipe it is one number."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return handler(float)
-
-
-FloatOrArray = Annotated[float | NDArray[np.float64], OneOrMany()]
+FloatOrArray = float | NDArray[np.float64]
 ComplexPoint = Annotated[complex, PointXY()]
 ComplexOrArray = Annotated[complex | NDArray[Any], PointXY(many=True)]
-
-
-class NotBoolean:
-    """Marks a choice of numbers, so that `true` does not count as 1."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
-
-        return core_schema.no_info_before_validator_function(
-            lambda value: str(value).lower() if isinstance(value, bool) else value, handler(source)
-        )
-
-
-class AsWritten:
-    """Marks a number in a row, so that a text such as "1" is refused."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return handler(source) | {"strict": True}
 
 
 # A fraction as a recipe gives it, such as 10/3 or 47.5 / 12.
@@ -298,26 +266,18 @@ FRACTION = re.compile(r"\s*(\d{1,15}(?:\.\d{1,15})?)\s*/\s*(\d{1,15}(?:\.\d{1,15
 EXACT_DIGITS, MOST_PARTS = 9, 10**5
 
 
-class FractionText:
+class FractionText(WrittenForm):
     """Marks a ratio that a recipe may also give as a fraction in a text, such as "10/3"."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
+    def read(self, given: Any, folder: Any) -> Any:
+        match = FRACTION.fullmatch(given) if isinstance(given, str) else None
+        return float(Fraction(match[1]) / Fraction(match[2])) if match and Fraction(match[2]) else given
 
-        return core_schema.no_info_before_validator_function(
-            _ratio_of,
-            handler(source),
-            serialization=core_schema.plain_serializer_function_ser_schema(as_fraction),
-        )
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        return as_fraction(value)
 
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        return {"anyOf": [handler(schema), {"type": "string", "pattern": f"^{FRACTION.pattern}$"}]}
-
-
-def _ratio_of(value: Any) -> Any:
-    """The ratio of a fraction in a text; any other value unchanged, which is then validated as a number."""
-    match = FRACTION.fullmatch(value) if isinstance(value, str) else None
-    return float(Fraction(match[1]) / Fraction(match[2])) if match and Fraction(match[2]) else value
+    def schema(self, of_type: dict[str, Any]) -> dict[str, Any]:
+        return {"anyOf": [of_type, {"type": "string", "pattern": f"^{FRACTION.pattern}$"}]}
 
 
 def as_fraction(ratio: float) -> float | str:
@@ -336,102 +296,19 @@ def significant_digits(number: float) -> tuple[int, float]:
 Ratio = Annotated[float, FractionText()]
 
 
-@dataclass(frozen=True)
-class RowsOf:
-    """Marks rows of a recipe that have a given number of numbers each."""
-
-    numbers: int
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        number = {"type": "float", "strict": True, "allow_inf_nan": False, "ge": -FARTHEST, "le": FARTHEST}
-        return {
-            "type": "tuple",
-            "items_schema": [{"type": "tuple", "items_schema": self.numbers * [number]}],
-            "variadic_item_index": 0,
-        }
-
-
-@dataclass(frozen=True)
-class RowWithin:
-    """Marks a row of numbers of a recipe, such as `[x, y]`, each from -most to most."""
-
-    most: float
-    count: int = 2
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
-
-        number = core_schema.float_schema(ge=-self.most, le=self.most, allow_inf_nan=False, strict=True)
-        return core_schema.tuple_schema([number for _ in range(self.count)])
-
-
-class SignOrPlace:
-    """Marks a branch of one joint: 1 or -1, or a point `[x, y]` in mm to which the joint is nearest."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
-
-        sign = NotBoolean().__get_pydantic_core_schema__(Literal[1, -1], lambda choice: handler.generate_schema(choice))
-        place = PointXY().__get_pydantic_core_schema__(complex, handler)
-        return core_schema.union_schema(
-            [sign, place],
-            custom_error_type="branch",
-            custom_error_message="1, -1 or [x, y]",
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda value: [value.real, value.imag] if isinstance(value, complex) else value
-            ),
-        )
-
-
-class TextOrTexts:
-    """Marks a text or a row of texts of a recipe, so that an error names the key and not one of its types."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
-
-        text = core_schema.str_schema(strict=True)
-        return core_schema.union_schema(
-            [text, core_schema.tuple_schema([text], variadic_item_index=0)],
-            custom_error_type="texts",
-            custom_error_message="a text or a row of texts",
-        )
-
-
 class KindTable(UserDict[str, type[T]]):
     """A mapping of `kind` to the dataclass of a recipe's table; a later change of the mapping affects all recipes.
 
     A class that lacks an abstract method is refused when its row is added; the message lists the missing names.
     """
 
-    # Number of changes of all tables together.
-    changes = 0
-
     def __setitem__(self, kind: str, table: type[T]) -> None:
         if missing := getattr(table, "__abstractmethods__", None):
             raise TypeError(f"{table.__name__} lacks {', '.join(sorted(missing))}")
         super().__setitem__(kind, table)
-        KindTable.changes += 1
-
-    def __delitem__(self, kind: str) -> None:
-        super().__delitem__(kind)
-        KindTable.changes += 1
 
     def __repr__(self) -> str:
         return clipped(f"KindTable({', '.join(self)})")
 
 
-class OneOfKinds:
-    """Marks dataclasses that are distinguished by their `kind`, so that errors refer to the right one.
-
-    The type is a union of them, or an abstract class whose attribute `KINDS` is their table.
-    """
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic import Discriminator
-
-        kinds = getattr(source, "KINDS", None)
-        union = reduce(or_, kinds.values()) if kinds else source
-        return Discriminator("kind").__get_pydantic_core_schema__(union, handler)
-
-
-Rows = Annotated[tuple[tuple[float, float], ...], RowsOf(2)]
+Rows = tuple[tuple[Coordinate, Coordinate], ...]

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-import types
-from collections.abc import Collection, Mapping, Sequence
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
-
-import numpy as np
+from collections.abc import Collection
+from typing import Annotated, Any, TypeVar
 
 from .arguments import between, checked
 from .errors import DesignError
+from .field_visitor import Number, with_numbers
 from .units import length_power
 
 T = TypeVar("T")
@@ -56,60 +53,21 @@ def scaled(thing: T, scale: Scale) -> T:
     if scale == 1:
         return thing
     try:
-        result: T = resized(thing, scale)
+        result: T = thing.at_scale(scale) if hasattr(thing, "at_scale") else with_lengths(thing, scale)
     except DesignError as error:
         problem = f"found {scale:g}, with which {error.field}: {error.problem}"
         raise DesignError("scale", problem, error.remedy, error.id) from None
     return result
 
 
-def resized(thing: Any, scale: float) -> Any:
-    """A dataclass in another size: by its own `at_scale` if it has one, otherwise field by field."""
-    return thing.at_scale(scale) if hasattr(thing, "at_scale") else with_lengths(thing, scale)
-
-
 def with_lengths(thing: Any, scale: float, but: Collection[str] = ()) -> Any:
-    """A dataclass whose fields are multiplied as their declarations require. but: names of fields that stay."""
-    hints = get_type_hints(type(thing), include_extras=True)
-    changed: dict[str, Any] = {}
-    for field in dataclasses.fields(thing):
-        value, about = getattr(thing, field.name), field.metadata
-        if value is None or field.name in but or not field.init:
-            continue
-        if "unit" in about:
-            power = length_power(about["unit"])
-            changed |= {field.name: value * scale**power} if power else {}
-        elif "units" in about:
-            changed[field.name] = _rows(value, [scale ** length_power(unit) for unit in about["units"]])
-        else:
-            changed[field.name] = _resized(value, hints[field.name], scale)
-    return dataclasses.replace(thing, **changed)
+    """A dataclass whose fields are multiplied as their declarations require. but: names of tables that stay."""
 
+    def multiplied(number: Number) -> Any:
+        power = length_power(number.unit)
+        return number.value * scale**power if power else number.value
 
-def _rows(rows: Any, factors: Sequence[float]) -> Any:
-    """Rows of numbers, each column multiplied by its own factor."""
-    if rows and isinstance(rows[0], (tuple, list)):
-        return tuple(_rows(row, factors) for row in rows)
-    return tuple(number * factor for number, factor in zip(rows, factors)) if rows else rows
+    def inside(inner: Any, key: str) -> Any:
+        return inner if key in but else inner.at_scale(scale) if hasattr(inner, "at_scale") else None
 
-
-def _resized(value: Any, hint: Any, scale: float) -> Any:
-    """A value whose points (complex by annotation) are multiplied and whose dataclasses are resized."""
-    origin, inner = get_origin(hint), get_args(hint)
-    if dataclasses.is_dataclass(value):
-        return resized(value, scale)
-    if origin is Annotated:
-        return _resized(value, inner[0], scale)
-    if hint is complex:
-        return np.multiply(value, scale) if np.ndim(value) else value * scale
-    if origin in (Union, types.UnionType):
-        # A field may be a sign or the position of a joint, or a name or the position of a point.
-        if type(value) in inner and isinstance(value, (int, str)):
-            return value
-        return _resized(value, complex if complex in inner else inner[0], scale)
-    if isinstance(value, (tuple, list)) and inner:
-        hints = inner if origin is tuple and inner[-1] is not ... else [inner[0]] * len(value)
-        return tuple(_resized(item, item_hint, scale) for item, item_hint in zip(value, hints))
-    if isinstance(value, Mapping) and inner:
-        return {name: _resized(item, inner[1], scale) for name, item in value.items()}
-    return value
+    return with_numbers(thing, multiplied, inside)

@@ -29,8 +29,8 @@ ALSO_BARE = re.compile(
     rf"{IN_MM.pattern}|(?<![\w#./-])({NUMBER})(?=$|[,;:)\]]|\.$| \(| (?:and|to|or|x|for|with|in mm|in a row)\b)"
 )
 ONE = re.compile(rf"({NUMBER})")
-# What the user wrote.
-QUOTED = re.compile(r"((?<!\w)'[^']*'(?!\w))")
+# What the user wrote: a text, or a table in place of a number, whose numbers are not read.
+QUOTED = re.compile(r"((?<!\w)'[^']*'(?!\w)|\{.*\})")
 SCALE = re.compile(rf"1 mm is ({NUMBER}) ")
 # Ends of names of entries in summaries that are lengths, areas or volumes, such as `thickness_mm`.
 SUFFIX = re.compile(r"(?<!_[nN])(?<!_kg)(?<!_per)_mm([23]?)$")

@@ -16,7 +16,6 @@ from ..core.arguments import ArgumentType, FloatOrNan, PositiveFloat, between, c
 from ..core.errors import DesignError
 from ..core.fields import (
     EXACT_DIGITS,
-    AsWritten,
     as_fraction,
     entry,
     quantity,
@@ -36,8 +35,8 @@ from .spur import SpurGear
 FEWEST_TEETH, MOST_TEETH = 6, 1000
 MOST_STAGES = 8
 
-Teeth = Annotated[int, AsWritten(), whole_between(FEWEST_TEETH, MOST_TEETH)]
-Direction = Annotated[float, AsWritten(), between(-3600, 3600, "deg")]
+Teeth = Annotated[int, whole_between(FEWEST_TEETH, MOST_TEETH)]
+Direction = Annotated[float, between(-3600, 3600, "deg")]
 Stages = tuple[tuple[Teeth, Teeth], ...]
 
 

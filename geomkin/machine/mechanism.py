@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NoReturn
 
-from ..core.arguments import ArgumentType
 from ..core.errors import DesignError, RecipeError, shown
+from ..core.field_visitor import WrittenForm
 from ..core.fields import entry, quantity
 from ..core.names import read_text_file
 from ..core.records import record
-from ..recipe.load import from_table, short_table, whole_table
+from ..recipe.load import from_table
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.toml import LARGEST, parsed
 
@@ -19,22 +19,14 @@ from ..recipe.toml import LARGEST, parsed
 FILE_NAME = re.compile(r"[^/\\]+\.toml")
 
 
-class RecipeOrFile(ArgumentType):
+class RecipeOrFile(WrittenForm):
     """Marks a recipe that a table gives inline, or by the name of a file next to the file of the table."""
 
-    def __init__(self) -> None:
-        super().__init__(lambda value: isinstance(value, AbstractRecipe), "a recipe")
+    def read(self, given: Any, folder: Any) -> Any:
+        return _read(given, folder)
 
-    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
-        from pydantic_core import core_schema
-
-        return core_schema.with_info_plain_validator_function(
-            lambda value, info: _read(value, (info.context or {}).get("folder", ".")),
-            serialization=core_schema.plain_serializer_function_ser_schema(_written, info_arg=True),
-        )
-
-    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
-        return {"format": "recipe"}
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        return f"{value.name}.toml" if value.name else write(value)
 
 
 def _read(given: object, folder: Any) -> AbstractRecipe:
@@ -70,13 +62,6 @@ def refuse_machine(key: str = "kind") -> NoReturn:
     """DesignError for a machine as a mechanism of a machine. key: of its kind."""
     remedy = "give its mechanisms in this recipe, or a recipe of another kind"
     raise DesignError(key, "found a machine in a machine", remedy, "conflict")
-
-
-def _written(recipe: AbstractRecipe, info: Any) -> str | dict[str, Any]:
-    """The name of its file, or its keys as an inline table; with `has_defaults` in the context, all of them."""
-    if recipe.name:
-        return f"{recipe.name}.toml"
-    return whole_table(recipe) if (info.context or {}).get("has_defaults") else short_table(recipe)
 
 
 @record(checked=True, kw_only=True)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import cached_property
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from ..core.errors import DesignError, shown
+from ..core.field_visitor import WrittenForm
 from ..core.records import record
 from ..core.units import INCH
 from ..model.part import Bought
-
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic_core.core_schema import CoreSchema
 
 
 @record
@@ -120,27 +117,20 @@ def screw_text(diameter: float) -> str:
     return f"screw {size.thread}" if size and size.series is UNIFIED else f"screw {diameter:g} mm"
 
 
-class ThreadOrDiameter:
+class ThreadOrDiameter(WrittenForm):
     """Marks a diameter, mm, that a recipe may also give as the name of a thread, such as "M4", "#6-32" or "1/4-20"."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        from pydantic_core import core_schema
+    def read(self, given: Any, folder: Any) -> Any:
+        if isinstance(given, str) and given not in DIAMETERS:
+            raise DesignError("", f"found {shown(given)}", f"give a diameter, or a thread: {THREADS}", "wrong-type")
+        return DIAMETERS[given] if isinstance(given, str) else given
 
-        def read(value: object) -> object:
-            if isinstance(value, str) and value not in DIAMETERS:
-                raise DesignError("", f"found {shown(value)}", f"give a diameter, or a thread: {THREADS}", "wrong-type")
-            return DIAMETERS[value] if isinstance(value, str) else value
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        size = size_of(value)
+        return size.thread if size and size.series is UNIFIED else value
 
-        def written(diameter: float) -> float | str:
-            size = size_of(diameter)
-            return size.thread if size and size.series is UNIFIED else diameter
-
-        return core_schema.no_info_before_validator_function(
-            read, handler(source), serialization=core_schema.plain_serializer_function_ser_schema(written)
-        )
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [handler(schema), {"type": "string", "enum": list(DIAMETERS)}]}
+    def schema(self, plain: dict[str, Any]) -> dict[str, Any]:
+        return {"anyOf": [plain, {"type": "string", "enum": list(DIAMETERS)}]}
 
 
 ThreadDiameter = Annotated[float, ThreadOrDiameter()]

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from ..core.errors import DesignError, shown
+from ..core.field_visitor import WrittenForm
 from ..core.fields import entry
 from ..model.material import Material
 
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic_core.core_schema import CoreSchema
 
-
-class NamedIn:
+class NamedIn(WrittenForm):
     """Marks a field for an entry of a table: in a recipe, its name, or a table of its values.
 
     Parameters
@@ -39,26 +36,19 @@ class NamedIn:
             raise DesignError(key, f"found {shown(name)}", f"give {', '.join(self.entries)}, or {values}")
         return self.entries[name]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        from pydantic_core import core_schema
+    def read(self, given: Any, folder: Any) -> Any:
+        if not isinstance(given, str):
+            return given
+        found = self.find(given, self.key)
+        return given if self.keeps_name else found
 
-        def read(value: object, values: Any) -> object:
-            if not isinstance(value, str):
-                return values(value)
-            found = self.find(value, self.key)
-            return value if self.keeps_name else found
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        names = (name for name, known in self.entries.items() if value in (name, known))
+        return next(names, None) or write(value)
 
-        def written(value: Any, values: Any) -> Any:
-            names = (name for name, known in self.entries.items() if value in (name, known))
-            return next(names, None) or values(value)
-
-        schema = handler.generate_schema(type(next(iter(self.entries.values()))))
-        return core_schema.no_info_wrap_validator_function(
-            read, schema, serialization=core_schema.wrap_serializer_function_ser_schema(written)
-        )
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [{"type": "string", "enum": list(self.entries)}, handler(schema)]}
+    def schema(self, plain: dict[str, Any]) -> dict[str, Any]:
+        table = plain["anyOf"][1] if "anyOf" in plain else plain
+        return {"anyOf": [{"type": "string", "enum": list(self.entries)}, table]}
 
 
 _PRESSURE = "pressure of a slowly turning dry steel pin chosen here"

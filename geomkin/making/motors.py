@@ -14,7 +14,6 @@ from ..core.fields import (
     FARTHEST,
     ComplexPoint,
     Length,
-    NotBoolean,
     entry,
     inside,
     quantity,
@@ -304,7 +303,7 @@ class MotorFace:
         at_most=FARTHEST,
     )
 
-    flats: Annotated[Literal[1, 2], NotBoolean()] = entry("number of flats of the shaft", default=1)
+    flats: Literal[1, 2] = entry("number of flats of the shaft", default=1)
 
     def __post_init__(self) -> None:
         if round(self.thread, 9) not in MOTOR_SCREWS:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
-from functools import cache
+from collections.abc import Callable, Mapping
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from ..core.arguments import checked
 from ..core.errors import DesignError, Problem, ProblemId, RecipeError, printable, shown
-from ..core.fields import KindTable
+from ..core.field_visitor import ROWS, WrittenForm, fields_of
 from ..core.names import Folder
 from ..core.scaling import scaled
 from ..core.units import MM, UNITS, LengthUnit
 from .kinds import kind_names, recipe_class
+from .reader import read_table
 from .recipe import FITS, AbstractRecipe
 from .toml import parsed, table_of, toml_key, toml_value, without_none
 
@@ -68,12 +66,10 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     # `scale` and `workshop` are no fields, since the recipe holds the scaled lengths and the values of the file.
     applied = ("workshop", "scale") if kind.can_be_scaled else ("workshop",)
     fields = {key: value for key, value in data.items() if key not in applied}
-    try:
-        recipe = adapter(kind).validate_python(fields, extra="forbid", context={"folder": folder})
-    except ValidationError as error:
-        from .messages import explain
-
-        raise RecipeError(file, in_unit(explain(error, kind), kind, unit)) from None
+    recipe: AbstractRecipe
+    recipe, problems = read_table(fields, kind, folder)
+    if problems:
+        raise RecipeError(file, in_unit(problems, kind, unit))
     try:
         recipe = scaled(recipe, data.get("scale", 1.0)) if kind.can_be_scaled else recipe
     except DesignError as error:
@@ -89,16 +85,6 @@ def in_unit(problems: list[Problem], kind: type, unit: LengthUnit) -> list[Probl
     from .lengths import shown_problem
 
     return [shown_problem(problem, kind, unit) for problem in problems]
-
-
-def adapter(recipe: type[AbstractRecipe]) -> TypeAdapter[AbstractRecipe]:
-    """Validator and serialiser of the recipes of a kind, with the current rows of all tables of kinds."""
-    return _adapter(recipe, KindTable.changes)
-
-
-@cache
-def _adapter(recipe: type[AbstractRecipe], changes: int) -> TypeAdapter[AbstractRecipe]:
-    return TypeAdapter(recipe)
 
 
 # Tables down to this depth have a heading, such as `[linkage.bodies]`; deeper ones are written inline.
@@ -132,13 +118,37 @@ def plain_table(recipe: AbstractRecipe) -> dict[str, Any]:
 
 def whole_table(recipe: AbstractRecipe, has_inner_defaults: bool = True) -> dict[str, Any]:
     """All keys of a recipe, and of recipes inside it, with their values as JSON states them, in its unit of length."""
-    context = {"has_defaults": has_inner_defaults}
-    table: dict[str, Any] = adapter(type(recipe)).dump_python(recipe, mode="json", context=context)
+    table = _plain_fields(recipe, whole_table if has_inner_defaults else short_table)
     if UNITS[recipe.units] is MM:
         return table
     from .lengths import from_mm
 
     return from_mm(table, type(recipe), UNITS[recipe.units])
+
+
+def plain_value(
+    value: Any, form: WrittenForm | None = None, inner: Callable[[AbstractRecipe], Any] | None = None
+) -> Any:
+    """A value as JSON states it. form: of its field; inner: the table of a recipe in a recipe."""
+    if form and value is not None:
+        return form.written(value, lambda value: plain_value(value, None, inner))
+    if inner and isinstance(value, AbstractRecipe):
+        return inner(value)
+    if is_dataclass(value) and ROWS in fields_of(type(value)):
+        rows, omitted = getattr(value, ROWS), getattr(value, "OMITTED", ())
+        return [{k: v for k, v in plain_value(row).items() if v is not None or k not in omitted} for row in rows]
+    if is_dataclass(value):
+        return _plain_fields(value, inner)
+    if isinstance(value, Mapping):
+        return {name: plain_value(item, None, inner) for name, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [plain_value(item, None, inner) for item in value]
+    return [value.real, value.imag] if isinstance(value, complex) else value
+
+
+def _plain_fields(thing: Any, inner: Callable[[AbstractRecipe], Any] | None) -> dict[str, Any]:
+    fields = fields_of(type(thing))
+    return {name: plain_value(getattr(thing, name), field.shape.form, inner) for name, field in fields.items()}
 
 
 def short_table(recipe: AbstractRecipe) -> dict[str, Any]:
@@ -147,17 +157,14 @@ def short_table(recipe: AbstractRecipe) -> dict[str, Any]:
 
 
 def _without_defaults(thing: Any, table: dict[str, Any], is_deep: bool = False) -> dict[str, Any]:
-    usual = {f.name for f in fields(thing) if f.name != "kind" and getattr(thing, f.name) == _default(f)}
+    declared = fields_of(type(thing))
+    usual = {name for name in declared if name != "kind" and getattr(thing, name) == declared[name].default}
     kept = {key: value for key, value in table.items() if key not in usual}
     for key, value in kept.items() if is_deep else ():
         if isinstance(value, dict) and is_dataclass(inner := getattr(thing, key)):
             # An empty table would not be written.
             kept[key] = _without_defaults(inner, value, is_deep) or value
     return kept
-
-
-def _default(field: Field[Any]) -> object:
-    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 def table_lines(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:

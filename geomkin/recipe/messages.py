@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import MISSING
+from collections.abc import Iterable
 from difflib import SequenceMatcher
-from functools import cache
-from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
-
-from pydantic import ValidationError
+from typing import Any
 
 from ..core.dotted_keys import key_parts
-from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
+from ..core.errors import Problem, printable
+from ..core.field_visitor import DeclaredField, fields_of, kind_of
 from ..core.fields import allowed
 
-# Largest number of problems with a full explanation. One mistake, or a file that is no recipe, may cause many more, and
-# each explanation takes time.
-EXPLAINED = 200
 NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]{0,12}|°|%|\"|')\s*")
 # One `key = value` of a line, if the value is neither a text, a list nor a table.
 PLAIN = re.compile(r"([\w.-]+)[ \t]*=[ \t]*([^\s\"'\[{,}#][^\"'\[{}#]*?|)[ \t]*(?=,\s*[\w.-]+\s*=|[}#]|$)")
@@ -35,28 +27,6 @@ UNSUPPORTED = {
 }
 # Words in unknown keys that belong in the table `loads`, if the recipe has it.
 SERVED_BY_LOADS = "friction damping force forces torque torques load gravity weight mass inertia spring springs"
-
-# Error types of pydantic -> ids of problems; all others are "wrong-type".
-ID_OF: dict[str, ProblemId] = {
-    "finite_number": "not-finite",
-    **dict.fromkeys(("greater_than", "greater_than_equal", "less_than", "less_than_equal"), "out-of-range"),
-}
-
-
-@cache
-def hints_of(table: type) -> dict[str, Any]:
-    """Type hints of a dataclass's fields."""
-    return get_type_hints(table)
-
-
-def explain(error: ValidationError, recipe: type) -> list[Problem]:
-    """One problem for each error, in the file's order of keys."""
-    errors = error.errors(include_url=False)
-    return [_problem(e, recipe, k < MOST_SHOWN) for k, e in enumerate(errors[:EXPLAINED])] + [
-        Problem(printable(".".join(map(str, e["loc"]))), printable(e["msg"]), "correct it", "wrong-type")
-        for e in errors[EXPLAINED:]
-    ]
-
 
 # Renamed keys whose old and new names are too different for `did_you_mean`.
 RENAMED = {
@@ -101,48 +71,10 @@ def _unsupported(key: object) -> str:
     return next((topic for topic, signs in UNSUPPORTED.items() if words & set(signs.split())), "")
 
 
-def _problem(e: Any, recipe: type, is_shown: bool) -> Problem:
-    """The problem of one error of pydantic. Similar names are only searched for if the problem is shown."""
-    tables, field, hint, key = _location(e["loc"], recipe)
-    about = field.metadata if field else {}
-    found = f"found {shown(e['input'])}"
-    match e["type"]:
-        case "missing":
-            value = ": ".join(filter(None, (_allowed_value(about) or "it", " or ".join(words_in(hint)))))
-            return Problem(key, "is missing", _table_remedy(hint, key) or f"give {value}", "missing-key")
-        case "unexpected_keyword_argument":
-            return _unknown_key(str(e["loc"][-1]), key, tables, recipe, is_shown)
-        case "value_error" if isinstance(e["ctx"]["error"], DesignError):
-            cause = e["ctx"]["error"]
-            return cause.named(_join(key, cause.field)).as_problem
-        case "literal_error":
-            expected = e["ctx"]["expected"]
-            near = did_you_mean(e["input"], expected.replace("'", "").replace(" or ", ", ").split(", "))
-            return Problem(key, found, f"{near}give {expected}", "out-of-range")
-        case "union_tag_invalid" | "union_tag_not_found":
-            tags = [str(kind_of(t)) for t in tables if kind_of(t)]
-            tag = e["input"].get("kind") if isinstance(e["input"], dict) else None
-            problem = "is missing" if tag is None else f"found {shown(tag)}"
-            remedy = f"{did_you_mean(tag, tags)}give {' or '.join(map(repr, tags))}"
-            return Problem(_join(key, "kind"), problem, remedy, "missing-key" if tag is None else "unknown-kind")
-        case "dataclass_type" | "model_attributes_type" | "dict_type":
-            known = dict.fromkeys(f.name for t in tables for f in dataclasses.fields(t))
-            value = _allowed_value(about) or f"a table with {', '.join(known)}"
-            return Problem(key, found, _table_remedy(hint, key) or f"give {value}", "wrong-type")
-        case "less_than_equal" | "greater_than_equal" if "unit" not in about:
-            limit = next(iter(e["ctx"].values()))
-            remedy = f"give numbers between {-abs(limit):g} and {abs(limit):g} ({_allowed_value(about)})"
-            return Problem(key, found, remedy, "out-of-range")
-        case _:
-            is_short = "unit" in about and isinstance(e["input"], str) and len(e["input"]) < 100
-            meant = number_meant(e["input"], quoted=True) if is_short else ""
-            remedy = f"{meant + '; ' if meant else ''}give {_allowed_value(about) or e['msg']}"
-            return Problem(key, found, remedy, ID_OF.get(e["type"], "wrong-type"))
-
-
-def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown: bool) -> Problem:
-    known = list(dict.fromkeys(f.name for t in tables for f in dataclasses.fields(t)))
-    known += ["workshop"] if recipe in tables and hasattr(recipe, "loaded_table") else []
+def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) -> Problem:
+    """The problem of a key that a table does not have. Similar names are only searched for if the problem is shown."""
+    known = list(fields_of(table))
+    known += ["workshop"] if recipe is table and hasattr(recipe, "loaded_table") else []
     problem, remedy = "unknown key", f"known here: {', '.join(known)}"
     if not is_shown:
         return Problem(key, problem, remedy, "unknown-key")
@@ -155,129 +87,66 @@ def _unknown_key(name: str, key: str, tables: list[type], recipe: type, is_shown
         near = f"it is a key of kind = {' or '.join(kinds)}; "
     elif headings:
         near = f"it belongs under {' or '.join(headings[:3])}; "
-    elif any(f.name == name for f in dataclasses.fields(recipe)):
+    elif name in fields_of(recipe):
         near = "it belongs above the first [table], next to kind; "
-    elif is_load and not near and "loads" in hints_of(recipe):
+    elif is_load and not near and "loads" in fields_of(recipe):
         near = "it belongs under [loads]; "
     elif not near and (topic := _unsupported(name)):
         problem = f"unknown key: recipes of this kind do not cover {topic}"
     return Problem(key, problem, near + remedy, "unknown-key")
 
 
-def _table_remedy(hint: Any, key: str) -> str:
-    """`give a table ...` and its keys, if a type hint names tables; otherwise ""."""
-    tables = tables_in(hint)
-    if not tables:
+def table_remedy(declared: DeclaredField | None, key: str) -> str:
+    """`give a table ...` and its keys, if a field holds tables; otherwise ""."""
+    tables = declared.tables if declared else []
+    if not declared or not tables:
         return ""
-    heading = "" if "[" in key else f", headed {_heading(hint, key)}"
-    some = "tables, each" if _is_list(hint) or get_origin(hint) is dict else "a table"
+    heading = "" if "[" in key else f", headed {declared.heading(key)}"
+    some = "tables, each" if declared.is_rows or declared.is_named else "a table"
     kinds = [str(kind_of(t)) for t in tables if kind_of(t)]
     if kinds:
         return f"give {some} with kind = {' or '.join(map(repr, kinds))}{heading}"
-    fields = dataclasses.fields(tables[0])
-    needed = [f.name for f in fields if f.default is MISSING and f.default_factory is MISSING]
-    others = [f.name for f in fields if f.name not in needed]
+    needed = [name for name, inner in fields_of(tables[0]).items() if inner.is_required]
+    others = [name for name in fields_of(tables[0]) if name not in needed]
     more = f" (optional: {', '.join(others)})" if needed and others else ""
     return f"give {some} with {', '.join(needed or others)}{more}{heading}"
-
-
-def _is_list(hint: Any) -> bool:
-    """Whether a type hint stands for a list of tables."""
-    return get_origin(hint) is tuple or (dataclasses.is_dataclass(hint) and hint not in tables_in(hint))
-
-
-def _heading(hint: Any, key: str) -> str:
-    if get_origin(hint) is dict:
-        return f"[{key}.NAME]"
-    return f"[[{key}]]" if _is_list(hint) else f"[{key}]"
 
 
 def _homes(table: type, name: str, path: str = "") -> list[tuple[str, str]]:
     """Headings and kinds of the tables that have a key of this name."""
     homes = []
-    for field in dataclasses.fields(table):
-        hint, key = hints_of(table)[field.name], path + field.name
-        for inner in tables_in(hint):
-            if any(f.name == name for f in dataclasses.fields(inner)):
-                homes.append((_heading(hint, key), str(kind_of(inner) or "")))
+    for declared in fields_of(table).values():
+        key = path + declared.name
+        for inner in declared.tables:
+            homes += [(declared.heading(key), str(kind_of(inner) or ""))] if name in fields_of(inner) else []
             homes += _homes(inner, name, f"{key}.")
     return homes
 
 
-def _allowed_value(about: Any) -> str:
+def allowed_value(about: Any) -> str:
     """The allowed values of a key: its meaning, and for numbers the range."""
     meaning = about.get("description", "").removesuffix(f", {about.get('unit')}")
     return f"{allowed(about)} ({meaning})" if "unit" in about else meaning
 
 
-def _location(loc: tuple[int | str, ...], recipe: type) -> tuple[list[type], dataclasses.Field[Any] | None, Any, str]:
-    """Dataclasses allowed at a location, its field (None if unknown), the field's type hint, and the dotted key."""
-    tables: list[type] = [recipe]
-    field: dataclasses.Field[Any] | None = None
-    key, is_free, hint = "", False, None
-    for part in loc:
-        if isinstance(part, int):
-            key += f"[{part}]"
-            continue
-        tagged = [t for t in tables if kind_of(t) == part]
-        if tagged and len(tables) > 1:
-            tables = tagged
-            continue
-        key = ".".join(filter(None, (key, printable(part, 60) or '""')))
-        owners = [t for t in tables if part in {f.name for f in dataclasses.fields(t)}]
-        # Inside a field whose keys the user chooses, such as bodies, the field itself describes the value.
-        if owners or not is_free:
-            field = next((f for t in owners for f in dataclasses.fields(t) if f.name == part), None)
-            hints = [hints_of(t)[part] for t in owners]
-            is_free, hint = any(get_origin(h) is dict for h in hints), hints[0] if hints else None
-        tables = [c for t in owners for c in tables_in(hints_of(t)[part])] or tables
-    return tables, field, hint, key
-
-
-def field_of(key: str, recipe: type) -> dataclasses.Field[Any] | None:
+def field_of(key: str, recipe: type) -> DeclaredField | None:
     """The field of a dotted key of a recipe; None if there is none."""
-    return _location(tuple(key_parts(key)), recipe)[1]
+    tables: list[type] = [recipe]
+    declared: DeclaredField | None = None
+    is_name = False
+    for part in key_parts(key):
+        if isinstance(part, int):
+            continue
+        owners = [fields_of(table)[part] for table in tables if part in fields_of(table) and not is_name]
+        is_name = any(owner.is_named for owner in owners)
+        # Inside a field whose keys the user chooses, such as bodies, the field itself describes the value.
+        if owners or not (declared and declared.is_named):
+            declared = owners[0] if owners else None
+        tables = [table for owner in owners for table in owner.tables] if owners else tables
+    return declared
 
 
-def tables_in(hint: Any) -> list[type]:
-    """Dataclasses that a type hint names; of a motion program, written as a list, those of its segments.
-
-    A recipe in a recipe may be of any kind and is none of them.
-    """
-    if dataclasses.is_dataclass(hint) and getattr(hint, "__abstractmethods__", None):
-        return []
-    if dataclasses.is_dataclass(hint):
-        segments = "segments" in (f.name for f in dataclasses.fields(hint))
-        return tables_in(get_type_hints(hint)["segments"]) if segments else [hint]  # type: ignore[list-item]
-    if isinstance(hint, type) and hasattr(hint, "KINDS"):
-        return list(hint.KINDS.values())
-    return [table for part in get_args(hint) for table in tables_in(part)]
-
-
-def options_of(hint: Any) -> Iterator[Any]:
-    """The types of a union, without annotations."""
-    if get_origin(hint) is Annotated:
-        yield from options_of(get_args(hint)[0])
-    elif get_origin(hint) in (Union, UnionType):
-        for part in get_args(hint):
-            yield from options_of(part)
-    else:
-        yield hint
-
-
-def words_in(hint: Any) -> list[str]:
-    """The texts that a type hint allows."""
-    if get_origin(hint) is Literal:
-        return [str(word) for word in get_args(hint)]
-    return [word for part in get_args(hint) if get_origin(hint) in (Union, UnionType) for word in words_in(part)]
-
-
-def kind_of(table: type) -> Any:
-    """The `kind` that distinguishes a table from others; None if it has none."""
-    return next((f.default for f in dataclasses.fields(table) if f.name == "kind"), None)
-
-
-def _join(key: str, part: str) -> str:
+def joined_key(key: str, part: str) -> str:
     """A dotted key; `cam.program` + `program[2].law` does not repeat the table's name."""
     last = key.rsplit(".", 1)[-1]
     if part == last or part.startswith(f"{last}["):

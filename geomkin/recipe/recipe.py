@@ -12,7 +12,8 @@ from typing import Any, ClassVar, Protocol, Self
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import entry, to_digits
+from ..core.field_visitor import DeclaredField, fields_of
+from ..core.fields import entry, quantity, to_digits
 from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
@@ -63,6 +64,18 @@ class _Shared:
 
 # Keys of every kind. Recipes list them after the mechanism's own keys; summaries omit them if they are empty.
 SHARED = tuple(field.name for field in dataclasses.fields(_Shared))
+
+
+@record
+class _Applied:
+    """Keys that loading applies, so that no class has them as fields."""
+
+    workshop: str | None = entry(
+        "file with the kerf and the fits of your materials, such as workshop/laser.toml", default=None
+    )
+    scale: float = quantity(
+        "multiplies all lengths except those of stock, base and files", default=1.0, at_least=1e-6, at_most=1e6
+    )
 
 
 class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
@@ -219,6 +232,12 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     def remarks(self) -> tuple[str, ...]:
         """Sentences on the result that its page and the terminal show."""
         return ()
+
+    @classmethod
+    def applied_fields(cls) -> dict[str, DeclaredField]:
+        """The keys of the kind that loading applies."""
+        is_taken = {"workshop": cls.takes_workshop, "scale": cls.can_be_scaled}
+        return {key: declared for key, declared in fields_of(_Applied).items() if is_taken[key]}
 
     @classmethod
     def about(cls) -> str:

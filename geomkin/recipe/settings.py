@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..core.arguments import ArgumentType, between
 from ..core.errors import DesignError
+from ..core.field_visitor import WrittenForm
 from ..core.fields import (
     FARTHEST,
     WIDEST,
-    AsWritten,
     ComplexPoint,
-    RowWithin,
-    TextOrTexts,
     entry,
     quantity,
     rounded_up,
@@ -26,37 +24,22 @@ from ..model.check import Check, Suggestion
 from ..model.material import Mass
 from ..plane.vec import Real
 
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic_core.core_schema import CoreSchema
 
-
-class OneOfFormats(ArgumentType):
+class OneOfFormats(ArgumentType, WrittenForm):
     """Marks a text as the name of a format. WRITERS is read at each validation, since formats may be added to it."""
 
     def __init__(self) -> None:
         super().__init__(lambda value: isinstance(value, str) and value in WRITERS, "the name of a format")
 
-    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        from pydantic_core import PydanticCustomError, core_schema
-
-        def known(value: object) -> object:
-            if not self.fits(value):
-                *others, last = map(repr, WRITERS)
-                expected = f"{', '.join(others)} or {last}"
-                raise PydanticCustomError("literal_error", "one of {expected}", {"expected": expected})
-            return value
-
-        return core_schema.no_info_plain_validator_function(known)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"type": "string", "enum": list(WRITERS)}
+    @property
+    def choices(self) -> list[str]:
+        return list(WRITERS)
 
 
 Format = Annotated[str, OneOfFormats()]
 
 # Width or height of a sheet, mm. A smaller one has no room within its margins; a larger one does not exist.
-Side = Annotated[float, AsWritten(), between(10, WIDEST, "mm")]
+Side = Annotated[float, between(10, WIDEST, "mm")]
 
 # Largest numbers of rows and of cells of a table, which take some seconds and half a GB. More take minutes and several
 # GB, and no program opens them; fewer would refuse a full turn in steps of a hundredth of a degree.
@@ -174,7 +157,7 @@ class OptimiseTable:
     vary: tuple[str, ...] = entry(
         "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
     )
-    minimise: Annotated[str | tuple[str, ...], TextOrTexts()] = entry(
+    minimise: str | tuple[str, ...] = entry(
         "the result to minimise, a formula of ids of columns and checks; a row of 2 to 4 gives the Pareto front",
         example="-min(transmission_angle)",
     )
@@ -426,7 +409,8 @@ class Stroke:
 
 # Largest component of gravity, m/s2: more is a number in mm/s2.
 MOST_GRAVITY = 100.0
-Gravity = Annotated[tuple[float, float], RowWithin(MOST_GRAVITY)]
+_Gravity = Annotated[float, between(-MOST_GRAVITY, MOST_GRAVITY)]
+Gravity = tuple[_Gravity, _Gravity]
 
 
 def gravity_entry() -> Any:

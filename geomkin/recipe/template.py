@@ -1,4 +1,4 @@
-"""Templates of recipes and their JSON Schema, both made from the declarations that validate recipes."""
+"""Templates of recipes, made from the declarations that validate recipes."""
 
 from __future__ import annotations
 
@@ -7,24 +7,20 @@ import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.resources import files
-from typing import Any, Literal, get_args, get_origin, get_type_hints
-
-from pydantic import TypeAdapter
+from typing import Any
 
 from ..core.errors import DesignError, GeomkinError, printable, shown
+from ..core.field_visitor import DeclaredField, fields_of, kind_of
 from ..core.fields import allowed
 from ..core.names import LONGEST
-from .kinds import ENTRY_POINTS, kind_names, recipe_class
-from .load import adapter, short_table, table_lines
-from .messages import did_you_mean, kind_of, options_of, tables_in, words_in
+from .kinds import ENTRY_POINTS, kind_names
+from .load import short_table, table_lines
+from .messages import did_you_mean
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
 
 # Editors look for the schema in the folder of the recipe, so no network is needed.
 SCHEMA = "geomkin.schema.json"
-# Descriptions of the keys that loading applies, so that no class has them as fields.
-WORKSHOP = "file with the kerf and the fits of your materials, such as workshop/laser.toml"
-SCALE = "multiplies all lengths except those of stock, base and files; from 1e-06 to 1e+06"
 
 
 def template(recipe: type[AbstractRecipe], options: Sequence[str] = ()) -> str:
@@ -56,40 +52,41 @@ def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None)
 
     given: values by dotted key that replace examples. base: an instance with the values of all other fields.
     """
-    hints, given = get_type_hints(cls), given or {}
+    given = given or {}
     values = {}
-    for field in dataclasses.fields(cls):
-        inside = {key.partition(".")[2]: value for key, value in given.items() if key.startswith(f"{field.name}.")}
-        value = field.metadata.get("examples", [None])[0] if base is None else getattr(base, field.name)
-        if field.name == "kind" and base is None:
-            values["kind"] = field.default
-        elif field.name in given:
-            values[field.name] = given[field.name]
+    for name, declared in fields_of(cls).items():
+        inside = {key.partition(".")[2]: value for key, value in given.items() if key.startswith(f"{name}.")}
+        value = declared.about.get("examples", [None])[0] if base is None else getattr(base, name)
+        if name == "kind" and base is None:
+            values["kind"] = declared.default
+        elif name in given:
+            values[name] = given[name]
         elif inside:
-            table = type(value) if dataclasses.is_dataclass(value) else hints[field.name]
-            values[field.name] = example(table, given=inside, base=value if dataclasses.is_dataclass(value) else None)
+            is_table = dataclasses.is_dataclass(value)
+            table = type(value) if is_table else declared.tables[0]
+            values[name] = example(table, given=inside, base=value if is_table else None)
         elif base is not None or value is not None:
-            values[field.name] = value
-        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
-            values[field.name] = _value_of(cls, field, hints[field.name])
+            values[name] = value
+        elif declared.is_required:
+            values[name] = _value_of(cls, declared)
     return cls(**values)
 
 
-def _value_of(cls: type, field: dataclasses.Field[Any], hint: Any) -> Any:
+def _value_of(cls: type, declared: DeclaredField) -> Any:
     """A value of a required field without an example: a table of examples, a word, or a number within the limits."""
-    hint = next(options_of(hint))
-    if dataclasses.is_dataclass(hint):
-        return example(hint)  # type: ignore[arg-type]
-    if get_origin(hint) is Literal:
-        return get_args(hint)[0]
-    if hint not in (int, float):
-        problem = f"{cls.__name__}.{field.name} is required and has no example"
+    kind, shape = declared.shape.options[0], declared.shape
+    if dataclasses.is_dataclass(kind):
+        return example(kind)  # type: ignore[arg-type]
+    if shape.choices:
+        return shape.choices[0]
+    if kind not in (int, float):
+        problem = f"{cls.__name__}.{declared.name} is required and has no example"
         raise GeomkinError(f"{problem}; declare it by `entry(..., example=...)`")
-    about = field.metadata
+    about = declared.about
     least, most = about.get("ge", about.get("gt")), about.get("le", about.get("lt"))
     if least is None:
-        return hint(1 if most is None else min(1, most - 1))
-    return hint(least + 1 if most is None else min(least + 1, (least + most) / 2))
+        return kind(1 if most is None else min(1, most - 1))
+    return kind(least + 1 if most is None else min(least + 1, (least + most) / 2))
 
 
 def _head(recipe: type[AbstractRecipe], offered: Mapping[str, Mapping[str, type]]) -> list[str]:
@@ -112,13 +109,10 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
     """Lines of a table: its keys with plain values first, then the tables in it."""
     plain, tables = [], []
     if not path:
-        if value.takes_workshop:
-            plain.append(("# workshop =", WORKSHOP))
-        if value.can_be_scaled:
-            plain.append(("# scale = 1", SCALE))
-    for field in sorted(dataclasses.fields(value), key=lambda f: (f.name != "kind", f.name in SHARED)):
-        inner = getattr(value, field.name)
-        name = f"{path}.{field.name}" if path else field.name
+        plain += [_line(declared, declared.default) for declared in value.applied_fields().values()]
+    for declared in sorted(fields_of(type(value)).values(), key=lambda f: (f.name != "kind", f.name in SHARED)):
+        inner = getattr(value, declared.name)
+        name = f"{path}.{declared.name}" if path else declared.name
         rows = getattr(inner, "segments", inner)
         if isinstance(rows, tuple | list) and rows and dataclasses.is_dataclass(rows[0]):
             for row in rows:
@@ -129,33 +123,34 @@ def _table(path: str, value: Any, offered: Mapping[str, Mapping[str, type]]) -> 
         elif isinstance(inner, AbstractRecipe):
             tables += ["", f"[{name}]", *table_lines(name, short_table(inner))]
         elif isinstance(inner, dict) and inner:
-            tables += ["", f"[{name}]  # {field.metadata['description']}"]
+            tables += ["", f"[{name}]  # {declared.about['description']}"]
             tables += [f"{key} = {toml_value(item)}" for key, item in inner.items()]
         elif dataclasses.is_dataclass(inner):
             tables += ["", f"[{name}]", *_table(name, inner, offered)]
         else:
-            text, note = _line(field, inner, get_type_hints(type(value))[field.name])
-            if field.name == "kind" and path in offered:
+            text, note = _line(declared, inner)
+            if declared.name == "kind" and path in offered:
                 note = " or ".join(offered[path])
             if name in offered:
-                note += f"; shown by --with {field.name}"
+                note += f"; shown by --with {declared.name}"
             plain.append((text, note))
     width = min(36, max((len(text) for text, _ in plain), default=0))
     return [f"{text:<{width}}  # {note}" if note else text for text, note in plain] + tables
 
 
-def _line(field: dataclasses.Field[Any], value: Any, hint: Any) -> tuple[str, str]:
-    note = field.metadata.get("description", "")
-    if "unit" in field.metadata:
-        limits = allowed(field.metadata | {"unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
+def _line(declared: DeclaredField, value: Any) -> tuple[str, str]:
+    name, about = declared.name, declared.about
+    note = about.get("description", "")
+    if "unit" in about:
+        limits = allowed({**about, "unit": ""}).removeprefix("a number").removeprefix("a whole number").strip()
         note += f"; {limits}" if limits else ""
-    elif len(words := words_in(hint)) > (get_origin(hint) is Literal):
-        note += "; " + " or ".join(words)
+    elif len(declared.shape.choices) > 1:
+        note += "; " + " or ".join(map(str, declared.shape.choices))
     if value is None:
-        return f"# {field.name} =", note
-    required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-    optional = not required and value in (field.default, field.metadata.get("filled_in"), {}) and field.name != "kind"
-    return f"{'# ' if optional else ''}{field.name} = {toml_value(value)}", note
+        return f"# {name} =", note
+    is_usual = value in (declared.field.default, about.get("filled_in"), {})
+    optional = not declared.is_required and is_usual and name != "kind"
+    return f"{'# ' if optional else ''}{name} = {toml_value(value)}", note
 
 
 def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
@@ -164,17 +159,16 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     An optional table has the single kind "".
     """
     tables_by_key: dict[str, dict[str, type]] = {}
-    hints = get_type_hints(recipe)
-    for field in dataclasses.fields(recipe):
-        tables, key = tables_in(hints[field.name]), path + field.name
-        if str in get_args(hints[field.name]):
+    for declared in fields_of(recipe).values():
+        tables, key = declared.tables, path + declared.name
+        if str in declared.shape.options:
             # A table with a name, such as a motor, is given by its name.
             continue
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
-        is_shown = bool(field.metadata.get("examples", [None])[0])
+        is_shown = bool(declared.about.get("examples", [None])[0])
         if len(kinds) > 1:
             tables_by_key[key] = kinds
-        elif tables and not is_shown and (field.default is None or get_origin(hints[field.name]) is tuple):
+        elif tables and not is_shown and (declared.field.default is None or declared.is_rows):
             tables_by_key[key] = {"": tables[0]}
         elif len(tables) == 1:
             tables_by_key |= choices(tables[0], f"{key}.")
@@ -209,84 +203,6 @@ def chosen_tables(recipe: type, options: Iterable[str]) -> dict[str, str]:
                 )
             chosen[key] = kind
     return chosen
-
-
-def schema() -> dict[str, Any]:
-    """The JSON Schema of all kinds of recipe.
-
-    Each kind of a table has an `if` on its `kind` and a `then`, so that an editor marks only the wrong key. With
-    `oneOf`, a choice between all kinds, it would mark the whole table.
-    """
-    kinds = {name: recipe_class(name) for name in kind_names()}
-    inputs: list[tuple[str, Literal["validation"], TypeAdapter[Any]]] = [
-        (name, "validation", adapter(recipe)) for name, recipe in kinds.items()
-    ]
-    by_kind, shared = TypeAdapter.json_schemas(inputs, title="geomkin recipe")
-    for table in shared["$defs"].values():
-        table["additionalProperties"] = False
-    for name, recipe in kinds.items():
-        properties = shared["$defs"][by_kind[name, "validation"]["$ref"].rpartition("/")[2]]["properties"]
-        if recipe.takes_workshop:
-            properties["workshop"] = {"type": "string", "description": WORKSHOP}
-        if recipe.can_be_scaled:
-            properties["scale"] = {
-                "type": "number",
-                "minimum": 1e-6,
-                "maximum": 1e6,
-                "description": SCALE,
-            }
-    recipes = _by_kind({name: by_kind[name, "validation"]["$ref"] for name in kinds})
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_plain(shared), **recipes}
-
-
-def _by_kind(tables: dict[str, str], usual: str = "") -> dict[str, Any]:
-    """A table of one of several kinds. tables: kind -> reference; usual: the kind if the key is missing."""
-    return {
-        "type": "object",
-        "required": [] if usual else ["kind"],
-        "properties": {"kind": {"enum": list(tables)}},
-        "allOf": [
-            {
-                "if": {"required": [] if name == usual else ["kind"], "properties": {"kind": {"const": name}}},
-                "then": {"$ref": reference},
-            }
-            for name, reference in tables.items()
-        ],
-    }  # fmt: skip
-
-
-def _plain(node: Any) -> Any:
-    """The schema without null and complex numbers, which TOML does not have, and with choices by `kind`."""
-    if isinstance(node, list):
-        return [_plain(part) for part in node]
-    if not isinstance(node, dict):
-        return node
-    if node.get("format") == "recipe":
-        # A file's name, or a recipe in the recipe.
-        return {"type": ["string", "object"], "if": {"type": "object"}, "then": {"$ref": "#"}}
-    node = {key: part if key in ("default", "enum", "const") else _plain(part) for key, part in node.items()}
-    # Sections such as Notes are for readers of the code.
-    if isinstance(node.get("description"), str):
-        node["description"] = re.split(r"\n\n(?:Source\b|\w+\n---)", node["description"])[0]
-    # Examples are Python values; templates show them as TOML.
-    if isinstance(node.get("examples"), list):
-        del node["examples"]
-    if "discriminator" in node:
-        choice = node.pop("discriminator")
-        del node["oneOf"]
-        node |= _by_kind(choice["mapping"], choice.get("usual", ""))
-    if "anyOf" in node:
-        types = [part for part in node.pop("anyOf") if part != {"type": "null"}]
-        node = types[0] | node if len(types) == 1 else {"anyOf": types} | node
-    if "default" in node:
-        default = node.pop("default")
-        if isinstance(default, str) and node.get("type") == "array":
-            point = complex(default)
-            default = [point.real, point.imag]
-        # Editors do not use default tables.
-        if default is not None and not isinstance(default, dict):
-            node["default"] = default
-    return node
 
 
 # Name of the kind in the module that a new package copies.

@@ -6,15 +6,15 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from ..core.errors import DesignError, Problem, RecipeError, printable, shown
+from ..core.field_visitor import fields_of
 from ..core.fields import FARTHEST, quantity
 from ..core.names import Folder, read_text_file
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit
 from .lengths import in_mm, shown_problem
-from .messages import did_you_mean, explain, hints_of, tables_in
+from .messages import did_you_mean
+from .reader import read_table
 from .recipe import FITS, AbstractRecipe, is_stock
 from .settings import kerf
 from .toml import LARGEST, parsed
@@ -36,9 +36,6 @@ class MeasuredFits:
     )
 
 
-ADAPTER = TypeAdapter(MeasuredFits)
-
-
 def with_workshop(
     data: Mapping[str, Any], recipe: type[AbstractRecipe], file: str, folder: Folder, unit: LengthUnit = MM
 ) -> dict[str, Any]:
@@ -56,7 +53,7 @@ def with_workshop(
         material_of = _materials(data, stocks, printable(name), measured)
         merged = dict(data)
         for key, stock in stocks.items():
-            merged[key] = _stated(measured[material_of[key]], FITS & hints_of(stock).keys()) | data.get(key, {})
+            merged[key] = _stated(measured[material_of[key]], FITS & fields_of(stock).keys()) | data.get(key, {})
         files = data.get("files", {})
         if isinstance(files, Mapping) and "kerf" not in files:
             merged["files"] = {**_common_kerf(printable(name), measured, material_of.values()), **files}
@@ -83,12 +80,10 @@ def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
             problem = f"{printable(name)}: units: found {shown(units)}"
             raise DesignError("workshop", problem, 'give "mm" or "in"', "out-of-range")
         for material, values in table.items():
-            try:
-                lengths = in_mm(values, MeasuredFits, UNITS[units]) if isinstance(values, Mapping) else values
-                measured[material] = ADAPTER.validate_python(lengths, extra="forbid")
-            except ValidationError as error:
-                found = [shown_problem(p, MeasuredFits, UNITS[units]) for p in explain(error, MeasuredFits)]
-                problems += (dataclasses.replace(p, key=".".join(filter(None, (material, p.key)))) for p in found)
+            lengths = in_mm(values, MeasuredFits, UNITS[units]) if isinstance(values, Mapping) else values
+            measured[material], wrong = read_table(lengths, MeasuredFits, None)
+            found = [shown_problem(p, MeasuredFits, UNITS[units]) for p in wrong]
+            problems += [dataclasses.replace(p, key=".".join(filter(None, (material, p.key)))) for p in found]
     except DesignError as error:
         raise error.named("workshop") from None
     except RecipeError as error:
@@ -104,10 +99,9 @@ def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
 
 def _stocks(data: Mapping[str, Any], recipe: type) -> dict[str, type]:
     """Classes of the stocks and the base that a recipe has, by key; optional ones only if its table has them."""
-    hints = hints_of(recipe)
-    stocks = {field.name: field for field in dataclasses.fields(recipe) if is_stock(field.name)}
-    given = (key for key, field in stocks.items() if key in data or field.default is not None)
-    return {key: tables_in(hints[key])[0] for key in given if isinstance(data.get(key, {}), Mapping)}
+    stocks = {key: declared for key, declared in fields_of(recipe).items() if is_stock(key)}
+    given = (key for key, declared in stocks.items() if key in data or declared.field.default is not None)
+    return {key: stocks[key].tables[0] for key in given if isinstance(data.get(key, {}), Mapping)}
 
 
 def _materials(
@@ -130,7 +124,7 @@ def _materials(
             raise DesignError(_key(key), problem, remedy, "conflict")
         stated[key] = material
     if not stated and len(measured) > 1:
-        key = next((key for key, stock in stocks.items() if "material" in hints_of(stock)), "")
+        key = next((key for key, stock in stocks.items() if "material" in fields_of(stock)), "")
         problem = f"is missing, and {name} has values for {listed}"
         raise DesignError(_key(key), problem, "give one of these", "missing-key")
     first = next(iter((*stated.values(), *measured)))

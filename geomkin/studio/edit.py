@@ -9,8 +9,9 @@ from typing import Any, NamedTuple, TypeGuard
 import numpy as np
 
 from ..build import errors_named_by_key
-from ..core.dotted_keys import Number, key_parts
+from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable, shown
+from ..core.field_visitor import Number
 from ..core.fields import FARTHEST
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames

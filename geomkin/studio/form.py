@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, get_origin
 
+from ..core.field_visitor import DeclaredField, fields_of, kind_of, names_mm
 from ..core.units import MM, UNITS, LengthUnit
 from ..recipe.kinds import recipe_class
-from ..recipe.lengths import names_mm
-from ..recipe.messages import hints_of, kind_of, options_of, tables_in
 from ..recipe.recipe import SHARED, AbstractRecipe
-from ..recipe.template import SCALE, WORKSHOP
 
 
 def recipe_form(kind: str, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -49,10 +45,7 @@ def recipe_form(kind: str, values: Mapping[str, Any] | None = None) -> dict[str,
     # The same table may be inside several kinds of table.
     found = _groups(recipe, "", {"title": f"kind: {kind}", "help": recipe.about()}, values or {})
     groups = list({group["key"]: group for group in found}.values())
-    groups[0]["fields"].append(_described("workshop", str, {"description": WORKSHOP}, None, True))
-    if recipe.can_be_scaled:
-        scale = {"unit": "", "ge": 1e-6, "le": 1e6, "description": SCALE}
-        groups[0]["fields"].append(_described("scale", float, scale, 1.0, True))
+    groups[0]["fields"] += [_described(key, declared) for key, declared in recipe.applied_fields().items()]
     unit = UNITS.get((values or {}).get("units", ""), MM)
     for fields in (fields for group in groups for fields in (group["fields"], *group.get("kinds", {}).values())):
         fields[:] = [_in_unit(field, unit) for field in fields]
@@ -84,25 +77,23 @@ def _groups(
     kinds = {kind_of(one): list(_fields(one, path, values)) for one in tables or () if kind_of(one)}
     yield group | ({"fields": [], "kinds": kinds} if len(kinds) > 1 else {"fields": list(_fields(table, path, values))})
     for one in tables or [table]:
-        for field in sorted(dataclasses.fields(one), key=lambda field: field.name in SHARED):
-            hint = hints_of(one)[field.name]
-            key = f"{path}.{field.name}" if path else field.name
-            help, inner = field.metadata.get("description", ""), tables_in(hint)
-            if _is_recipe(hint) and f"{key}.kind" in values:
+        for declared in sorted(fields_of(one).values(), key=lambda declared: declared.name in SHARED):
+            key = f"{path}.{declared.name}" if path else declared.name
+            inner = declared.tables
+            if declared.shape.is_recipe and f"{key}.kind" in values:
                 yield from _inner_recipe(key, values)
-            elif get_origin(hint) is dict and inner:
+            elif declared.is_named and inner:
                 for name in _names(key, values):
                     about = {"help": _file_note(inner[0], f"{key}.{name}", values), "optional": True}
                     yield from _groups(inner[0], f"{key}.{name}", about, values)
             elif inner:
-                is_rows = get_origin(hint) is tuple or (dataclasses.is_dataclass(hint) and hint not in inner)
-                entry = {
-                    "help": help,
-                    "optional": field.default is not MISSING or field.default_factory is not MISSING,
-                    "rows": is_rows,
+                about = {
+                    "help": declared.about.get("description", ""),
+                    "optional": not declared.is_required,
+                    "rows": declared.is_rows,
                     "within": kind_of(one) or "" if kinds else "",
                 }
-                yield from _groups(inner[0], f"{key}[]" if is_rows else key, entry, values, inner)
+                yield from _groups(inner[0], f"{key}[]" if declared.is_rows else key, about, values, inner)
 
 
 def _inner_recipe(key: str, values: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -116,12 +107,8 @@ def _inner_recipe(key: str, values: Mapping[str, Any]) -> Iterator[dict[str, Any
 
 def _file_note(table: type, path: str, values: Mapping[str, Any]) -> str:
     """Where the values of a table's recipe are edited, if it is a file."""
-    keys = [f"{path}.{field.name}" for field in dataclasses.fields(table) if _is_recipe(hints_of(table)[field.name])]
+    keys = [f"{path}.{name}" for name, declared in fields_of(table).items() if declared.shape.is_recipe]
     return "; ".join(f"to edit the values of its recipe, open {values[key]}" for key in keys if key in values)
-
-
-def _is_recipe(hint: Any) -> bool:
-    return isinstance(hint, type) and issubclass(hint, AbstractRecipe)
 
 
 def _names(key: str, values: Mapping[str, Any]) -> list[str]:
@@ -132,20 +119,16 @@ def _names(key: str, values: Mapping[str, Any]) -> list[str]:
 
 
 def _fields(table: type, path: str, values: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    for field in dataclasses.fields(table):
-        hint = hints_of(table)[field.name]
-        key = f"{path}.{field.name}" if path else field.name
-        if tables_in(hint) or f"{key}.kind" in values or (field.name == "kind" and _is_recipe(table)):
-            continue
-        has_default = field.default is not MISSING or field.default_factory is not MISSING
-        default = field.default_factory() if field.default_factory is not MISSING else field.default
-        yield _described(key, hint, field.metadata, default, has_default)
+    for name, declared in fields_of(table).items():
+        key = f"{path}.{name}" if path else name
+        is_kind = name == "kind" and issubclass(table, AbstractRecipe)
+        if not (declared.tables or f"{key}.kind" in values or is_kind):
+            yield _described(key, declared)
 
 
-def _described(key: str, hint: Any, about: Mapping[str, Any], default: Any, optional: bool) -> dict[str, Any]:
-    parts = list(options_of(hint))
-    choices = [choice for part in parts if get_origin(part) is Literal for choice in get_args(part)]
-    types = [part for part in parts if get_origin(part) is not Literal and part is not type(None)]
+def _described(key: str, declared: DeclaredField) -> dict[str, Any]:
+    about, choices = declared.about, list(declared.shape.choices)
+    types = [option for option in declared.shape.options if get_origin(option) is not Literal]
     return {
         "key": key,
         "type": _type(types, choices, about),
@@ -154,8 +137,8 @@ def _described(key: str, hint: Any, about: Mapping[str, Any], default: Any, opti
         "most": about.get("le", about.get("lt")),
         "choices": choices,
         "help": about.get("description", ""),
-        "default": None if default is MISSING else _plain(default),
-        "optional": optional,
+        "default": _plain(declared.default),
+        "optional": not declared.is_required,
     }
 
 

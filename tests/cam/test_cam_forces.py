@@ -9,6 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.cam import FollowerLoads, GuideFriction, cam_forces, jump_speed, least_preload, least_stiffness
 from tests.cam.cams import CAMS, LIFTS, SWINGS, programme
+from tests.campaign import by_default
 
 MASS = gk.Mass(0.4, centre=35 + 12j, inertia=300)
 SLIDING = FollowerLoads(MASS, stiffness=3, preload=40, force=15, gravity=-9810j)
@@ -90,7 +91,7 @@ def test_contact_force_balances_the_follower_in_its_guide(name, speed):
     assert contact == pytest.approx(equilibrium(cam, loads, MOVING, speed)[0], rel=1e-4)
 
 
-@pytest.mark.parametrize("name", GUIDED)
+@pytest.mark.parametrize("name", by_default(GUIDED, slice(0, None, 3)))
 def test_work_of_the_shaft_over_a_turn_is_that_of_friction(name):
     cam, speed, count = CAMS[name], 40.0, 1440
     loads = replace(SLIDING, friction=GuideFriction(0.12, length=55, overhang=28))
@@ -138,7 +139,7 @@ def limit(holds, low, high):
 SOUGHT = ["tilted, counterclockwise", "roller on arm, clockwise"]
 
 
-@pytest.mark.parametrize("name", SOUGHT)
+@pytest.mark.parametrize("name", by_default(SOUGHT, SOUGHT[:1]))
 def test_jump_speed_preload_and_stiffness_are_those_of_a_search(name):
     cam = CAMS[name]
     loads = loads_of(cam)

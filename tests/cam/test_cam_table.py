@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam.checks import polar_radius
+from tests.campaign import by_default
 
 from .cams import CAMS, UNDERCUT, depth, seen_from_cam
 
@@ -27,7 +28,7 @@ def bend(before, here, after):
     return 2 * turned / np.abs(a * b * c) * np.sign(np.imag(np.conj(here) * c))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", by_default(NAMES, slice(0, None, 2)))
 def test_rates_places_and_curvatures_follow_from_one_another(name):
     cam = CAMS[name]
     swings, sense = cam.follower.oscillates, 1 if cam.direction == "counterclockwise" else -1
@@ -65,7 +66,7 @@ def test_rates_places_and_curvatures_follow_from_one_another(name):
     assert "lost_lift" not in now
 
 
-@pytest.mark.parametrize("name", ["flat", "roller on arm"])
+@pytest.mark.parametrize("name", by_default(["flat", "roller on arm"], ["flat"]))
 def test_lost_lift_is_a_column_if_some_is_lost(name):
     cam = UNDERCUT[name]
     cut, angle = gk.undercut(cam), np.radians(np.arange(0, 360, 5.0))

@@ -11,6 +11,7 @@ import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
+from tests.campaign import by_default
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NAMES = ["roller-cam", "flat-cam", "rocker-cam", "flat-rocker-cam", "optimised-cam", "table-cam", "undercut-cam"]
@@ -57,7 +58,7 @@ def room(cam, corners, lift, turn):
     return to_edges(centre * np.conj(turn), corners) - follower.roller_radius
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", by_default(NAMES, slice(0, None, 2)))
 def test_a_follower_on_the_finished_polygon_has_the_programmed_lift(name):
     recipe = gk.load(RECIPES / f"{name}.toml")
     cam, corners = recipe.cam, polygon(recipe)

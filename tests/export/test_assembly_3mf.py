@@ -88,9 +88,9 @@ def test_every_plate_is_where_the_motion_has_it(tmp_path):
 @pytest.mark.parametrize(
     ("text", "at", "meshes"),
     [
-        ("herringbone = true\n" + PAIR, 11, [("first", "second")]),
+        pytest.param("herringbone = true\n" + PAIR, 11, [("first", "second")], marks=pytest.mark.campaign),
         (RACK, 5, [("pinion", "rack")]),
-        (PLANETARY, 40, [("sun", "planet"), ("planet", "ring")]),
+        pytest.param(PLANETARY, 40, [("sun", "planet"), ("planet", "ring")], marks=pytest.mark.campaign),
     ],
 )
 def test_helical_teeth_mesh_at_every_height(text, at, meshes, tmp_path):
@@ -104,6 +104,7 @@ def test_helical_teeth_mesh_at_every_height(text, at, meshes, tmp_path):
             assert first.distance(second) < 0.11
 
 
+@pytest.mark.campaign
 def test_helical_racks_lie_flat_and_apart_on_the_plate(tmp_path):
     stock = "[stock]\nthickness = 60\n"
     (path,) = gk.write(gk.load(RACK + stock + FILES + "0"), tmp_path / "a.3mf")

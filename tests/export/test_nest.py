@@ -15,6 +15,7 @@ from geomkin.export.dxf import dxf
 from geomkin.export.layout import GAP, lay_out, lay_out_on, least_turn
 from geomkin.model.part import Part, Twist
 from geomkin.plane.vec import xy
+from tests.campaign import by_default
 
 # Chords of what is read back, mm.
 FINE = 1e-3
@@ -69,7 +70,7 @@ def simple(part):
     return shapely.LinearRing(gk.plane.xy(z)).is_simple
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", by_default(range(4), slice(2)))
 def test_parts_of_any_form_lie_apart_and_on_the_sheet(seed):
     rng = np.random.default_rng(seed)
     size = 10.0 ** rng.uniform(0.5, 2.3)
@@ -142,6 +143,7 @@ def test_a_part_that_just_fits_is_cut_and_a_larger_one_refused_with_the_least_sh
                 lay_out_on(plate, wide, high)
 
 
+@pytest.mark.campaign
 def test_a_walker_of_many_small_spacers_needs_two_sheets():
     parts = gk.load("recipes/motor-walker.toml").parts
     sheets = lay_out_on(flats(parts), 300, 200)

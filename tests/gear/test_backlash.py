@@ -11,6 +11,7 @@ from geomkin.gear.conjugate.shaping_gears import FlankGear
 from geomkin.plane import region
 from geomkin.recipe import recipe_class
 from geomkin.recipe.template import template
+from tests.campaign import by_default
 
 from .sweeping import inner_points, least_clearance
 from .test_conjugate import off_straight_tooth
@@ -42,13 +43,13 @@ CASES = [
     pytest.param(straight, 0.2, False, id="straight"),
     pytest.param(straight, 0.05, True, id="straight ring"),
     pytest.param(points, 0.15, False, id="points"),
-    pytest.param(lantern, 0.3, False, id="lantern"),
-    pytest.param(lantern, 0.02, True, id="lantern ring"),
+    pytest.param(lantern, 0.3, False, id="lantern", marks=pytest.mark.campaign),
+    pytest.param(lantern, 0.02, True, id="lantern ring", marks=pytest.mark.campaign),
 ]
 
 
 @pytest.mark.parametrize("clearance", [0.4])
-@pytest.mark.parametrize("internal", [False, True])
+@pytest.mark.parametrize("internal", by_default([False, True], [True]))
 def test_the_turned_straight_tooth_never_enters_its_mate_and_touches_it_everywhere(internal, clearance):
     gear, mate = straight(0.2, internal, clearance)
     turn = np.exp(0.5j * 0.2 / gear.pitch_radius)
@@ -59,7 +60,7 @@ def test_the_turned_straight_tooth_never_enters_its_mate_and_touches_it_everywhe
 
 
 @pytest.mark.parametrize("clearance", [0.5])
-@pytest.mark.parametrize("internal", [False, True])
+@pytest.mark.parametrize("internal", by_default([False, True], [False]))
 def test_the_turned_pin_never_enters_its_wheel_and_touches_it_everywhere(internal, clearance):
     pinion, mate = lantern(0.3, internal, clearance)
     turn = 0.5 * 0.3 / pinion.pitch_radius
@@ -96,7 +97,7 @@ def test_the_play_of_the_finished_outlines_is_the_backlash_at_every_angle_and_sh
         for side in (1, -1):
             free, stuck = 0.0, side * backlash / mate.pitch_radius
             assert common(angle, free) < 1e-6 < common(angle, stuck)
-            while abs(stuck - free) * mate.pitch_radius > 1e-5:
+            while abs(stuck - free) * mate.pitch_radius > 1e-4:
                 middle = 0.5 * (free + stuck)
                 free, stuck = (middle, stuck) if common(angle, middle) < 1e-6 else (free, middle)
             assert abs(free) * mate.pitch_radius == pytest.approx(backlash / 2, abs=1e-3)
@@ -137,7 +138,9 @@ def test_the_distance_named_where_teeth_jam_leaves_them_no_play(internal, tooth_
     assert gk.GearPair(first, second).backlash == pytest.approx(tooth_thickness_allowance, abs=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["straight-sided-gears", "point-tooth-gears", "lantern-gears"])
+@pytest.mark.parametrize(
+    "kind", by_default(["straight-sided-gears", "point-tooth-gears", "lantern-gears"], ["point-tooth-gears"])
+)
 def test_teeth_of_other_forms_without_backlash_are_advised_an_amount_that_is_accepted(kind):
     recipe = gk.load(template(recipe_class(kind)))
     jams = replace(recipe, mate=replace(recipe.mate, backlash=0.0))

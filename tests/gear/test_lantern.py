@@ -8,6 +8,7 @@ from geomkin.gear.conjugate.conjugate import conjugate
 from geomkin.gear.conjugate.shaping_gears import LanternPinion
 from geomkin.plane import region
 from geomkin.plane.roulettes import Cycloid
+from tests.campaign import by_default
 
 from .sweeping import inner_points, least_clearance
 
@@ -38,7 +39,9 @@ def test_flanks_are_parallel_to_the_epicycloid_of_the_pin_centres(pins, teeth, d
     assert len(z) > 20 and np.abs(off - diameter / 2).max() < 1e-12 * mate.tip_radius
 
 
-@pytest.mark.parametrize(("pins", "teeth", "diameter", "addendum", "clearance", "internal"), CASES)
+@pytest.mark.parametrize(
+    ("pins", "teeth", "diameter", "addendum", "clearance", "internal"), by_default(CASES, slice(0, None, 2))
+)
 def test_the_rolling_pin_never_enters_the_wheel_and_touches_it_everywhere(
     pins, teeth, diameter, addendum, clearance, internal
 ):
@@ -52,7 +55,9 @@ def test_the_rolling_pin_never_enters_the_wheel_and_touches_it_everywhere(
     assert least.min() > -1e-9 and np.abs(least).max() < 1e-9
 
 
-@pytest.mark.parametrize(("pins", "teeth", "diameter", "addendum", "clearance", "internal"), CASES[1::3])
+@pytest.mark.parametrize(
+    ("pins", "teeth", "diameter", "addendum", "clearance", "internal"), by_default(CASES[1::3], slice(1))
+)
 def test_all_pins_clear_the_finished_wheel_through_a_pitch(pins, teeth, diameter, addendum, clearance, internal):
     pinion, mate = wheel(pins, teeth, diameter, addendum, clearance, internal)
     tolerance = 1e-4
@@ -79,11 +84,11 @@ def test_the_longest_teeth_named_in_the_refusal_leave_a_tip():
     assert 0 < wheel(10, 30, 6.0, most, 0.0, False)[1].tip_thickness < 0.2
 
 
-@pytest.mark.parametrize(("teeth", "addendum"), [(20, 3.0), (48, 4.0)])
+@pytest.mark.parametrize(("teeth", "addendum"), by_default([(20, 3.0), (48, 4.0)], slice(1)))
 def test_pins_in_a_ring_always_touch_it_on_their_outer_sides_too(teeth, addendum):
     pinion, mate = wheel(12, teeth, 6.0, addendum, 0.0, True)
     assert mate.contact_ratio(0.0, 2.0) > max(1.0, mate.contact_ratio(0.0, 1.0))
-    for turn in np.linspace(0, 2 * np.pi / 12, 7):
+    for turn in np.linspace(0, 2 * np.pi / 12, 4):
         centres = np.array([circle.centre for circle in pinion.circles]) * np.exp(1j * turn)
         turned = gk.plane.Pose(mate.pose.origin, mate.pose.direction * np.exp(1j * turn * 12 / teeth))
         away = gk.nearest(mate.outline, turned.locate(centres))[1] - 3.0

@@ -7,6 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.plane import region
+from tests.campaign import by_default
 from tests.made import Made
 
 GEARS = [(4, -0.3), (5, 0.0), (8, 0.4), (12, 0.0), (17, 1.0), (18, -0.3), (24, 0.0), (100, 0.4), (1000, 0.0), (40, 1.5)]
@@ -60,7 +61,7 @@ def is_cut(gear, z):
     return np.abs(z) < np.abs(gear.flank.point(gear.flank.breaks[-1])) * (1 - 1e-9)
 
 
-@pytest.mark.parametrize("gear", MADE, indirect=True)
+@pytest.mark.parametrize("gear", by_default(MADE, slice(0, None, 3)), indirect=True)
 def test_the_rolling_rack_never_enters_the_tooth_and_touches_it_everywhere(gear):
     z, least = rolled_distance(gear)
     assert least.min() > -1e-10 * gear.module
@@ -82,7 +83,7 @@ FEATURES = Made({
 })  # fmt: skip
 
 
-@pytest.mark.parametrize("gear", FEATURES, indirect=True)
+@pytest.mark.parametrize("gear", by_default(FEATURES, slice(0, None, 3)), indirect=True)
 def test_the_rack_also_fits_teeth_that_are_thinned_broken_or_cut_otherwise(gear):
     z, least = rolled_distance(gear)
     assert least.min() > -1e-10 * gear.module
@@ -191,14 +192,14 @@ def test_teeth_that_the_rack_cuts_off_are_refused_and_the_least_shift_named_leav
     assert 0 < neck < 0.01 * gear.module
 
 
-@pytest.mark.parametrize("pointed", ["refuse", "cut"])
+@pytest.mark.parametrize("pointed", by_default(["refuse", "cut"], ["refuse"]))
 @pytest.mark.parametrize(
     "rack", [gk.gear.RackCutter(), gk.gear.RackCutter(tip_radius=0), gk.gear.RackCutter(35, 0.8, 0.9, 0.1)]
 )
 def test_the_nearest_shift_named_in_a_refusal_makes_a_gear(rack, pointed):
     refused = 0
     for teeth in (4, 24):
-        for shift in (-9.0, -0.7, 1.5, 9.0):
+        for shift in (-9.0, 1.5):
             try:
                 gk.SpurGear(teeth, 2, shift, rack, on_pointed_tip=pointed)
                 continue
@@ -209,7 +210,7 @@ def test_the_nearest_shift_named_in_a_refusal_makes_a_gear(rack, pointed):
             gk.SpurGear(teeth, 2, float(found), rack, on_pointed_tip=pointed)
             with pytest.raises(gk.DesignError):
                 gk.SpurGear(teeth, 2, float(found) + (-0.01 if way == "least" else 0.01), rack, on_pointed_tip=pointed)
-    assert refused > 2
+    assert refused > 1
 
 
 @pytest.mark.parametrize("name", ["tip_rounding", "tip_chamfer"])

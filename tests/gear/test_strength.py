@@ -55,10 +55,10 @@ def test_lewis_parabola_touches_the_tooth_that_a_rolling_rack_leaves(teeth):
     depth = 1.25 - rho
     side = np.pi / 4 - depth * np.tan(angle) - rho / np.cos(angle)
     # The corner's centre in the gear's frame, with the space next to the tooth on +y as the rack rolls.
-    roll = np.linspace(-0.5, 0.5, 4001)
+    roll = np.linspace(-0.5, 0.5, 2001)
     centre = (1j * (radius - depth) - side - radius * roll) * np.exp(-1j * roll)
     centre *= np.exp(-1j * np.pi / teeth)
-    circles = np.linspace(radius - 1.249, gk.SpurGear(teeth, 1).form_radius, 3000)[:, None]
+    circles = np.linspace(radius - 1.249, gk.SpurGear(teeth, 1).form_radius, 500)[:, None]
     cosine = (circles**2 + np.abs(centre) ** 2 - rho**2) / (2 * circles * np.abs(centre))
     # Angles from +y towards +x that the corner occupies begin at its near side.
     near = np.pi / 2 - np.angle(centre) - np.where(np.abs(cosine) <= 1, np.arccos(np.clip(cosine, -1, 1)), -np.inf)

@@ -16,7 +16,7 @@ def test_invalid_recipe_gives_one_line_error(run, refused):
         (b"kind = four-bar", "kind", ""),
         (b'kind = "four-bar"\nkind = "four-bar"', WHOLE, ""),
         (b'kind = "\\ud800"', WHOLE, ""),
-        (b"#" * 20_000_000, WHOLE, ""),
+        (b"#" * 1_000_000, WHOLE, ""),
         (b"a = " + b"[" * 10_000 + b"]" * 10_000, WHOLE, ""),
         (b"a = " + b"{a = " * 10_000 + b"1" + b"}" * 10_000, WHOLE, ""),
         (b"kind = " + b"9" * 5000, WHOLE, ""),

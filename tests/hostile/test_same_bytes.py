@@ -14,8 +14,8 @@ from geomkin.plane.vec import rounded
 from tests.test_gallery import words_and_numbers
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
-# All of the gallery takes half a minute each time: some are tried always, all of it in campaigns.
-SOME = [*sorted(RECIPES.glob("*.toml"))[5::40]]
+# All of the gallery takes half a minute each time: one is tried always, all of it in campaigns.
+SOME = [RECIPES / "crank-rocker.toml"]
 
 
 def make(out, *recipes, cwd, flags=(), **environment):

@@ -95,7 +95,7 @@ def test_a_slider_may_drive():
     ("field", "change"),
     [
         ("tolerance", {"tolerance": 0}),
-        ("tolerance", {"tolerance": 1e-14}),
+        pytest.param("tolerance", {"tolerance": 1e-14}, marks=pytest.mark.campaign),
         ("drive", {"drive": [1.0, 0.5]}),
         ("points", {"points": [[0j]]}),
         ("points", {"points": [np.nan]}),

@@ -9,6 +9,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.solve import program
+from tests.campaign import by_default
 from tests.linkage.examples import ALL, TURN
 
 ITERATED = {"loops", "actuator between moving bars"}
@@ -36,7 +37,7 @@ def assert_alike(motion):
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(other), initial=1.0))
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", by_default(ALL, slice(0, None, 2)))
 def test_programs_equal_placements(name, monkeypatch):
     monkeypatch.setattr(program, "BLOCK", 7)
     linkage, drive, branch = ALL[name]
@@ -124,6 +125,7 @@ def test_a_motion_can_be_pickled():
     assert np.array_equal(copy.point("coupler_point").acceleration, motion.point("coupler_point").acceleration)
 
 
+@pytest.mark.campaign
 def test_caches_are_bounded():
     """Requests in ever other orders, and sizes under ever other conditions, keep a limited number of functions."""
     rng = np.random.default_rng(1)

@@ -11,6 +11,7 @@ import trimesh
 import geomkin as gk
 from geomkin.making.bores import PARALLEL_KEYS, key_of
 from tests.cam.cams import CAMS
+from tests.campaign import by_default
 
 # As catalogues print it (Flender MD 30.1, and for thin shafts makers of keys, after DIN 6885-1): thickest shaft of a
 # range, width of the key, and depth of bore and keyway together, as it is measured.
@@ -52,7 +53,7 @@ def test_a_d_bore_is_the_shaft_and_its_fit_all_round(tmp_path, bore, fit):
 
 @pytest.mark.parametrize(("form", "flats"), [("square", 4), ("hexagonal", 6)])
 @pytest.mark.parametrize("fit", [{"clearance": 0.2}, {"fit": "press", "interference": 0.08}])
-@pytest.mark.parametrize("flat", [None, 9.3])
+@pytest.mark.parametrize("flat", by_default([None, 9.3], [9.3]))
 def test_a_bore_with_four_or_six_flats_is_the_shaft_and_its_fit_all_round(tmp_path, form, flats, fit, flat):
     """With sharp corners it has the area n h^2 tan(pi/n); else it is the polygon of the flats within a circle."""
     play = fit.get("clearance", -fit.get("interference", 0.0))

@@ -10,6 +10,7 @@ import shapely
 import shapely.affinity
 
 import geomkin as gk
+from tests.campaign import by_default
 from tests.gear.test_parts_mates import LANTERN
 from tests.making.test_bases import PAIR, PLANETARY, RACK
 from tests.making.virtual import read
@@ -25,14 +26,10 @@ OVER = {
     "motor-over-cam": ROLLER_CAM.replace("\nbore = 10\n", "\n" + DRIVEN.replace(", ", "\n") + "\n"),
     "motor-over-lantern": f'{LANTERN}stock = {{{DRIVEN}, fit = "press", mate_bore = 12, mate_bore_form = "keyed"}}\n[base]\n',
 }
-QUICK = ["gear-pair", "planetary", "rocker-cam", "walker", "shaking-force", "lantern", "motor-crank"]
 # Recipes of one mechanism, since those of a machine have equal letters and spacers on their own parts; files in mm.
 TEXTS = {path.stem: path.read_text() for path in RECIPES.glob("*.toml")}
 SINGLE = [name for name, text in TEXTS.items() if not any(x in text for x in ('kind = "machine"', 'units = "in"'))]
-NAMES = [
-    name if name in (*QUICK, "motor-over-lantern") else pytest.param(name, marks=pytest.mark.campaign)
-    for name in sorted([*OVER, *SINGLE])
-]
+NAMES = by_default(sorted([*OVER, *SINGLE]), ["gear-pair", "rocker-cam"])
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +184,7 @@ DISTANCES = {
 }
 
 
-@pytest.mark.parametrize("name", DISTANCES)
+@pytest.mark.parametrize("name", by_default(DISTANCES, DISTANCES.keys() - {"planetary"}))
 def test_lettered_holes_are_as_far_apart_as_the_mechanism_works(name, made):
     folder = made(name)
     for part, one, two, wanted in DISTANCES[name]:

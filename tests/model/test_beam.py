@@ -73,6 +73,6 @@ def test_root_gap_hardly_wider_than_the_kerf(tmp_path):
 
 def test_certificate_agrees_with_the_check(tmp_path):
     recipe = gk.load(CASE)
-    gk.make(replace(recipe, files=replace(recipe.files, write=("svg",))), tmp_path)
+    gk.make(replace(recipe, files=replace(recipe.files, write=("svg",))), tmp_path, ["svg"])
     (certificate,) = gk.verify(tmp_path)
     assert not certificate.passed and certificate.files[0].deviation < TOLERANCE

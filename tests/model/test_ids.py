@@ -102,6 +102,7 @@ def test_an_unreachable_range_is_worst_where_it_is_left_first():
     assert worst_frame(check, recipe.scene) == nearest
 
 
+@pytest.mark.campaign
 def test_the_largest_output_error_is_at_its_peak():
     recipe = gk.load(RECIPES / "log-generator.toml")
     check = next(check for check in recipe.checks if check.id == "output_error")

@@ -26,6 +26,7 @@ def dominates(results, others):
     return (pairs[0] <= pairs[1]).all(axis=-1) & (pairs[0] < pairs[1]).any(axis=-1)
 
 
+@pytest.mark.campaign
 def test_front_of_transmission_angle_and_swing_agrees_with_a_grid():
     vary = {"linkage.coupler": (60, 120), "linkage.rocker": (50, 100)}
     # Nearer to the edge of assembly a search may miss designs.

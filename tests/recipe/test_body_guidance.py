@@ -18,10 +18,12 @@ def recipe(wanted=THREE, rest=""):
 @pytest.mark.parametrize(
     "wanted",
     [
-        THREE,
-        f'{THREE}\ntype = "crank-slider"\nregion = [[-100, -100], [160, 160]]',
+        pytest.param(THREE, marks=pytest.mark.campaign),
+        pytest.param(
+            f'{THREE}\ntype = "crank-slider"\nregion = [[-100, -100], [160, 160]]', marks=pytest.mark.campaign
+        ),
         f'{THREE}\ntype = "elliptic-trammel"\ntrammel_driver = "rod"',
-        f"{THREE}\nmoving_points = [[-20, 10], [30, 40]]",
+        pytest.param(f"{THREE}\nmoving_points = [[-20, 10], [30, 40]]", marks=pytest.mark.campaign),
         "poses = [[0, 0, 0], [-40, 25, -30], [-65, 50, -50], [-85, 70, -65], [-105, 85, -75]]",
     ],
 )

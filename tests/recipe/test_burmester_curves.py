@@ -44,6 +44,7 @@ def test_pins_at_the_first_pose_are_those_of_the_body_there():
     assert table["length"] == pytest.approx(np.abs(first - fixed))
 
 
+@pytest.mark.campaign
 def test_poles_and_slides_are_reported(tmp_path):
     gk.make(recipe().with_name("curves"), tmp_path)
     summary = json.loads((tmp_path / "curves/summary.json").read_text())

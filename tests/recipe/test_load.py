@@ -7,11 +7,11 @@ import pytest
 import geomkin as gk
 from geomkin.recipe.kinds import KINDS
 from geomkin.recipe.toml import LARGEST
+from tests.campaign import by_default
 from tests.texts import parse, recipe_of, template_of
 
 GEAR = 'kind = "spur-gear"\n[gear]\nteeth = 24\nmodule = 2\n'
 CAM = 'kind = "disk-cam"\n[cam]\nbase_radius = 40\nfollower = {kind = "translating-flat"}\n'
-QUICK = {"four-bar", "cognates", "disk-cam"}
 
 
 def test_every_problem_is_reported_at_once_with_key_found_and_remedy():
@@ -55,7 +55,7 @@ def test_bad_text_names_its_key():
 
 @pytest.mark.parametrize(
     "name",
-    [name if name in QUICK else pytest.param(name, marks=pytest.mark.campaign) for name in KINDS],
+    by_default(KINDS, ["four-bar"]),
 )
 def test_templates_run_as_they_are_and_with_every_comment_taken_off_that_has_a_value(name, tmp_path):
     text = template_of(name)

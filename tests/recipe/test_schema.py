@@ -8,6 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from geomkin.recipe.kinds import KINDS
+from tests.campaign import by_default
 from tests.texts import schema_of_all, template_of
 
 
@@ -44,18 +45,18 @@ def with_value(recipe, path, value):
     return spoiled
 
 
-def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks):
-    for name in list(KINDS)[::6]:
-        recipe = opened(name)
-        assert marks(recipe) == []
-        for path in leaves(recipe):
-            found = marks(with_value(recipe, path, {"no": "such"}))
-            # A table under a name that a person chooses is marked at what it holds.
-            assert found and {place[: len(path)] for place, _ in found} == {path}, (path, found)
-            unknown = marks(with_value(recipe, (*path[:-1], "unheard_of"), 1))
-            free = path[:2] == ("linkage", "bodies")  # names there are a person's own, and a number is no point
-            place = (*path[:-1], "unheard_of") if free else path[:-1]
-            assert [p for p, _ in unknown] == [place], (path, unknown)
+@pytest.mark.parametrize("name", by_default(list(KINDS)[::6], ["slider-function-generator", "fit-test"]))
+def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks, name):
+    recipe = opened(name)
+    assert marks(recipe) == []
+    for path in leaves(recipe):
+        found = marks(with_value(recipe, path, {"no": "such"}))
+        # A table under a name that a person chooses is marked at what it holds.
+        assert found and {place[: len(path)] for place, _ in found} == {path}, (path, found)
+        unknown = marks(with_value(recipe, (*path[:-1], "unheard_of"), 1))
+        free = path[:2] == ("linkage", "bodies")  # names there are a person's own, and a number is no point
+        place = (*path[:-1], "unheard_of") if free else path[:-1]
+        assert [p for p, _ in unknown] == [place], (path, unknown)
 
 
 CAM = opened("disk-cam")

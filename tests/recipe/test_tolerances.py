@@ -127,7 +127,7 @@ def test_an_output_without_derivatives_is_unknown(tmp_path):
     [
         ({"of": "pen"}, "tolerances.of"),
         ({"of": "rocker_angle", "lengths": {"rod": 0.1}}, "tolerances.lengths"),
-        ({"of": "rocker_angle", "lengths": {"crank": -1}}, "tolerances.lengths"),
+        ({"of": "rocker_angle", "lengths": {"crank": -1}}, "tolerances.lengths.crank"),
         ({"of": "rocker_angle", "tolerance": -0.1}, "tolerances.tolerance"),
         ({"of": "rocker_angle", "clearance": "0.1 mm"}, "tolerances.clearance"),
         ({"of": "rocker_angle", "limit": 0}, "tolerances.limit"),

@@ -16,6 +16,7 @@ from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.template import template
 from geomkin.studio.edit import _values, answer
 from geomkin.studio.form import recipe_form
+from tests.campaign import by_default
 
 FOUR_BAR = """# A comment at the top.
 kind = "four-bar"
@@ -48,7 +49,7 @@ def test_the_scene_is_that_of_the_page():
     assert json.loads(json.dumps(reply, allow_nan=False)) == reply
 
 
-@pytest.mark.parametrize(("text", "by"), [(FOUR_BAR, (3, 4)), (SLIDER, (-0.7, 2))])
+@pytest.mark.parametrize(("text", "by"), by_default([(FOUR_BAR, (3, 4)), (SLIDER, (-0.7, 2))], slice(1)))
 def test_a_dragged_point_read_back_is_under_the_pointer(text, by):
     for id in [handle["id"] for handle in answer(text, {}, {})["handles"]]:
         reply, to = dragged(text, id, by)
@@ -192,7 +193,7 @@ def test_it_opens_no_file_socket_or_thread():
     assert not [event for event in run.stdout.split() if event.startswith(forbidden)]
 
 
-@pytest.mark.parametrize("kind", kind_names())
+@pytest.mark.parametrize("kind", by_default(kind_names(), slice(0, None, 3)))
 def test_the_form_of_a_kind_has_every_key_that_a_recipe_can_have(kind):
     values = _values(gk.load(template(recipe_class(kind))))
     known = keys_of(recipe_form(kind, values)["groups"]) | {"kind"}
@@ -259,7 +260,7 @@ def test_checks_of_the_motion_are_quantities_and_those_of_the_plates_come_later(
     assert rows < checks and checks - rows == walls | {"collisions", "pin_hole"}
 
 
-@pytest.mark.parametrize("stem", ["five-poses", "wiper"])
+@pytest.mark.parametrize("stem", by_default(["five-poses", "wiper"], ["five-poses"]))
 def test_the_picture_of_a_candidate_has_the_links_of_the_linkage_that_its_key_chooses(stem):
     text = Path(f"recipes/{stem}.toml").read_text()
     for candidate in answer(text, {}, {"lane": "checks"})["candidates"][:2]:

@@ -9,6 +9,7 @@ import pytest
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.template import template
 from geomkin.studio.edit import answer
+from tests.campaign import by_default
 
 # Values that nobody should type, and some that somebody does: empty, of another type, huge, tiny, pasted.
 WILD = [0, -1, 2, 1e-9, 1e-300, 1e9, 1e308, -0.5, 10**30, float("inf"), float("nan"), True, None]
@@ -112,7 +113,11 @@ def play(kind, count, drawn=1.0):
     assert answer(text, {}, {})["scene"] == good["scene"]
 
 
-@pytest.mark.parametrize("kind", kind_names())
+# Others in campaigns.
+FEW = ["four-bar", "linkage", "disk-cam", "spur-gear", "crank-rocker-synthesis"]
+
+
+@pytest.mark.parametrize("kind", by_default(kind_names(), FEW))
 def test_a_few_random_edits_and_drags(kind):
     play(kind, 12, 0.2 if kind in SLOW else 1.0)
 

@@ -110,7 +110,7 @@ def test_point_of_a_loop_with_a_given_direction_is_found():
         cubic, _, loops = traced(terms, 3)
         for loop, *_ in loops:
             t = np.linspace(1e-3, 2 * np.pi + 1e-3, 4001)
-            for psi in (-4.0, -0.6, 0.3, 1.2, 2.9, 5.0):
+            for psi in (-4.0, 0.3, 2.9):
                 found = np.array(loop.at(psi))
                 if loop.half != 0:
                     # As often as the lines come past it.

@@ -72,7 +72,7 @@ def judge(wish, seen):
 
 def test_every_verdict_agrees_with_simulation():
     seen = set()
-    for wish in random_wishes(50, 1):
+    for wish in random_wishes(30, 1):
         judge(wish, seen)
     assert seen >= {"sound", "back", "circuit", "branch", "order", "rocker_start_deg"}
 
@@ -110,7 +110,7 @@ def test_every_verdict_of_thousands_agrees_with_simulation():
     "wish",
     [
         (130, -60, 100, -75),
-        (60, 60, 60, 60),
+        pytest.param((60, 60, 60, 60), marks=pytest.mark.campaign),
         (10, 140, 120, 35),
     ],
 )

@@ -42,7 +42,10 @@ def missed(seed, count, poses, size=1.0):
     return lost
 
 
-@pytest.mark.parametrize(("count", "poses", "size"), [(200, 5, 1.0), (20, 5, 1e-6), (6, 6, 100.0), (10, 8, 1.0)])
+@pytest.mark.parametrize(
+    ("count", "poses", "size"),
+    [(100, 5, 1.0), (20, 5, 1e-6), (6, 6, 100.0), pytest.param(4, 8, 1.0, marks=pytest.mark.campaign)],
+)
 def test_known_linkages_are_given_back(count, poses, size):
     assert not missed(poses, count, poses, size)
 
@@ -77,11 +80,12 @@ def test_random_poses_have_none_two_or_four_and_all_are_true():
     assert shares[[0, 2, 4]] == pytest.approx([0.10, 0.73, 0.17], abs=0.06)
 
 
+@pytest.mark.campaign
 def test_no_dyad_of_five_poses_is_missed_by_brute_force():
     """Pins over a fine net of the body, polished by a plain simplex of distances, find none that is missing."""
     rng = np.random.default_rng(5)
     seen = 0
-    for _ in range(6):
+    for _ in range(3):
         poses = some_poses(rng, 5)
         reported = dyads_through(poses)
         x, y = np.meshgrid(np.linspace(-3, 3, 41), np.linspace(-3, 3, 41))
@@ -104,7 +108,7 @@ def test_no_dyad_of_five_poses_is_missed_by_brute_force():
         seen += len(net)
         for pin in net:
             assert np.abs(reported.moving - pin).min() < 1e-6
-    assert seen > 100
+    assert seen > 50
 
 
 def _five_on_a_circle(poses, pins):

@@ -72,7 +72,7 @@ def proven(found):
 @pytest.mark.parametrize(
     ("function", "span", "swings", "aim"),
     [
-        ("x**1.5", (1, 3), (90, 90), 0.0102),
+        pytest.param("x**1.5", (1, 3), (90, 90), 0.0102, marks=pytest.mark.campaign),
         ("sin(x)", QUARTER, (90, 90), 0.1903),
     ],
 )
@@ -159,6 +159,7 @@ def test_known_linkages_are_given_back():
         tried += 1
 
 
+@pytest.mark.campaign
 def test_a_straight_line_is_followed_exactly_by_a_parallelogram():
     found = gk.function_generator("3*x + 1", (0, 1), 60, 60)
     assert found.largest_error_deg < 1e-9 and found.certificate == 0

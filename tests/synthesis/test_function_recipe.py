@@ -61,6 +61,7 @@ def test_found_function_generator_is_made(tmp_path, text):
         assert file.read_bytes()[80:] == (tmp_path / "wish.found" / file.name).read_bytes()[80:]
 
 
+@pytest.mark.campaign
 def test_rows_a_method_and_a_limit_of_the_error(tmp_path):
     rows = [[x / 4, (x / 4) ** 2] for x in range(4, 13)]
     text = FOUR_BAR.replace('"x**1.5"', '"table"') + f"rows = {rows}\n"

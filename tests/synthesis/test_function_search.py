@@ -78,6 +78,7 @@ def test_the_least_mean_square_is_that_of_a_grid(exact, most):
     assert (most == 10) == (wanted[0] < most - 1e-3)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("call", "way"), [(slider_function_generator, 50)])
 def test_least_squares_is_a_least_and_its_others_come_by_it(call, way, quick):
     found = call("sin(x)", (0, np.pi / 2), 90, way, method="least-squares")
@@ -99,6 +100,7 @@ def test_least_squares_is_a_least_and_its_others_come_by_it(call, way, quick):
     assert means[0] < np.mean(call("sin(x)", (0, np.pi / 2), 90, way).error(x) ** 2)
 
 
+@pytest.mark.campaign
 def test_least_angle_out_of_reach_is_refused_with_one_that_works(quick):
     asked = WISH | {"method": "points", "points": 4, "input_start_deg": 100}
     with pytest.raises(gk.DesignError) as refusal:

@@ -73,6 +73,7 @@ def joints_of(guide, poses):
     return np.concatenate([first, first + length * along, ends])
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("drive", [[0.2, 0.8, 1.3, 2.0, 2.6]], ids=len)
 def test_region_excludes_exactly_the_linkages_outside_it(drive):
     poses = poses_of(SLIDER, np.array(drive))

@@ -6,6 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.synthesis import rectification
 from geomkin.synthesis.guidance.guides import FourBars, SliderCranks
+from tests.campaign import by_default
 from tests.synthesis import driving
 
 
@@ -23,7 +24,8 @@ def carried(poses, pin):
     return np.array([[z + own * np.exp(1j * t)] for z, t in poses])
 
 
-@pytest.mark.parametrize("parallel", [0, 2])
+@pytest.mark.campaign
+@pytest.mark.parametrize("parallel", by_default([0, 2], [2]))
 def test_the_regions_agree_with_the_branches_of_random_linkages(parallel):
     rng = np.random.default_rng(3 + parallel)
     good = 0

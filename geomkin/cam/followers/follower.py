@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arguments import ArgumentType
 from ...core.errors import DesignError
-from ...core.fields import KindTable, OneOfKinds, inside, rounded_up
+from ...core.fields import KindTable, inside, rounded_up
 from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
@@ -349,7 +349,6 @@ class AbstractFollower(ABC):
 # Field type of a cam's follower; a recipe selects the class by its `kind`.
 Follower = Annotated[
     AbstractFollower,
-    OneOfKinds(),
     ArgumentType(
         lambda value: isinstance(value, AbstractFollower),
         "a follower, such as TranslatingRoller",

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.polynomial import Polynomial, chebyshev
@@ -163,13 +163,6 @@ class BrokenLaw(Protocol):
     @property
     def breaks(self) -> Real:
         """Places x of the jumps, rising, with 0 and 1."""
-
-
-class NamedLaw:
-    """Marks a law that a recipe can only name; the library also takes a callable."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return handler.generate_schema(LawName)
 
 
 def breaks_of(law: Law) -> Real:

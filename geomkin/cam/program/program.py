@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, field, replace
+from dataclasses import field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,6 @@ from .segments import (
     Dwell,
     LiftPolynomial,
     LiftTable,
-    OneSegment,
     OptimisedPolynomial,
     OptimisedSpline,
     Return,
@@ -213,22 +212,12 @@ class Program:
     20.0
     """
 
+    # Keys of segments that a recipe omits if they are None.
+    OMITTED: ClassVar[tuple[str, ...]] = OTHER_LIFTS
+
     segments: Sequence[Segment]
     # Not compared: the same recipe read from two folders is equal.
     folder: Folder = field(default=None, compare=False)
-
-    @classmethod
-    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
-        """A recipe gives the list of segments itself; the folder comes with the context it is validated in."""
-        from pydantic_core import core_schema
-
-        return core_schema.with_info_after_validator_function(
-            lambda segments, info: cls(segments, (info.context or {}).get("folder", ".")),
-            handler.generate_schema(tuple[OneSegment, ...]),
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda program: [_plain(segment) for segment in program.segments]
-            ),
-        )
 
     def __post_init__(self) -> None:
         if not isinstance(self.segments, (tuple, list)):
@@ -432,9 +421,3 @@ class _Stretches:
                     within = f"a `within` of at least {wide} {unit}" if wide else "a larger `within`"
                     remedy = f"no curve was found within the band and above the base circle: give {within}"
                 raise DesignError(segment.placed.place, problem, remedy)
-
-
-def _plain(segment: Segment) -> dict[str, Any]:
-    """A segment as in a recipe, without other lifts that are not given."""
-    given = asdict(segment)
-    return {name: value for name, value in given.items() if value is not None or name not in OTHER_LIFTS}

@@ -9,13 +9,13 @@ curvature use these, and multiplied by the speed in rad/s the first one is a vel
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from ...core.fields import FARTHEST, OneOfKinds, Rows, entry, quantity
+from ...core.fields import FARTHEST, Rows, entry, quantity
 from ...core.records import record
-from .laws import Law, LawName, NamedLaw
+from .laws import Law, LawName
 
-AnyLaw = Annotated[LawName | Law, NamedLaw()]
+AnyLaw = LawName | Law
 
 
 def _angle(meaning: str) -> Any:
@@ -345,4 +345,3 @@ Moving = Rise | LiftPolynomial | OptimisedPolynomial | OptimisedSpline
 Timed = Dwell | Return | Moving
 Pointed = LiftSpline | LiftTable
 Segment = Timed | Pointed
-OneSegment = Annotated[Segment, OneOfKinds()]

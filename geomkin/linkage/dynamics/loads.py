@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arguments import ArgumentType, are_points, are_reals, is_complex
 from ...core.errors import DesignError, shown
-from ...core.fields import FARTHEST, PointXY, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...model.material import Mass
 from ...plane.vec import Array, Real, unit
@@ -65,29 +65,11 @@ def _is_load(value: Any) -> bool:
 Varying = Annotated[Any, ArgumentType(_is_load, "a finite number, an array of one for each frame, or a DriveTable")]
 
 
-class NameOrPosition(ArgumentType):
-    """Marks a point of a body: its name, or its position in the body's frame, mm; in a recipe a name or `[x, y]`."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            lambda value: isinstance(value, str) or is_complex(value), "a point's name, or its position x + yj"
-        )
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
-
-        position = PointXY().__get_pydantic_core_schema__(complex, handler)
-        return core_schema.union_schema(
-            [core_schema.str_schema(), position],
-            custom_error_type="point",
-            custom_error_message="the name of a point, or [x, y]",
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda value: value if isinstance(value, str) else [value.real, value.imag]
-            ),
-        )
-
-
-PlaceOnBody = Annotated[str | complex, NameOrPosition()]
+# A point of a body: its name, or its position in the body's frame, mm.
+PlaceOnBody = Annotated[
+    str | complex,
+    ArgumentType(lambda value: isinstance(value, str) or is_complex(value), "a point's name, or its position x + yj"),
+]
 
 
 def _over_frames(motion: Motion, load: Any, field: str) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import field, fields, make_dataclass
 from typing import Any, Literal, get_type_hints
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.arguments import ArgumentType
 from ...core.errors import DesignError, shown
-from ...core.fields import OneOfKinds
+from ...core.field_visitor import WrittenForm
 from ...model.table import Column
 from ...recipe.settings import Stroke
 from ..linkage import LINKAGES, AbstractLinkage
@@ -35,7 +35,10 @@ PLAIN: dict[str, type[AbstractLinkage]] = {recipe.kind: get_type_hints(recipe)["
 DEFAULT_KIND = linkage_kinds.FourBarRecipe.kind
 for _kind, _plain in PLAIN.items():
     _own = [("kind", Literal[_kind], field(default=_kind))]
-    LINKAGES[_kind] = make_dataclass(_plain.__name__, _own, bases=(_plain,), frozen=True, kw_only=True, repr=False)
+    _about = {"__doc__": _plain.__doc__, "__module__": __name__}
+    LINKAGES[_kind] = make_dataclass(
+        f"{_plain.__name__}Table", _own, bases=(_plain,), namespace=_about, frozen=True, kw_only=True, repr=False
+    )
 
 
 def with_kind(linkage: AbstractLinkage) -> AbstractLinkage:
@@ -54,7 +57,7 @@ def _values(linkage: AbstractLinkage, plain: type[Any]) -> dict[str, Any]:
     return {f.name: getattr(linkage, f.name) for f in fields(plain)}
 
 
-class AnyKind(ArgumentType):
+class AnyKind(ArgumentType, WrittenForm):
     """Marks a linkage of any kind in `LINKAGES`; in a recipe a table with its `kind`, in Python the linkage itself."""
 
     def __init__(self) -> None:
@@ -63,22 +66,20 @@ class AnyKind(ArgumentType):
 
         super().__init__(fits, f"one linkage: {', '.join(plain.__name__ for plain in PLAIN.values())}")
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic_core import core_schema
+    def read(self, given: Any, folder: Any) -> Any:
+        return {"kind": DEFAULT_KIND, **given} if isinstance(given, dict) else given
 
-        tables = OneOfKinds().__get_pydantic_core_schema__(source, handler)
-        with_default = core_schema.no_info_before_validator_function(
-            lambda given: {"kind": DEFAULT_KIND, **given} if isinstance(given, dict) else given, tables
-        )
-        serialization = core_schema.wrap_serializer_function_ser_schema(
-            lambda linkage, dump: {"kind": "", **dump(with_kind(linkage))}, schema=tables
-        )
-        return core_schema.no_info_after_validator_function(without_kind, with_default, serialization=serialization)
+    def finished(self, value: Any) -> Any:
+        return without_kind(value)
 
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
-        json_schema = handler(schema)
-        json_schema["discriminator"]["usual"] = DEFAULT_KIND
-        return json_schema
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        return {"kind": "", **write(with_kind(value))}
+
+    def schema(self, of_type: dict[str, Any]) -> dict[str, Any]:
+        for choice in of_type["allOf"]:
+            if choice["if"]["properties"]["kind"]["const"] == DEFAULT_KIND:
+                choice["if"]["required"] = []
+        return of_type | {"required": []}
 
 
 # The example in templates.

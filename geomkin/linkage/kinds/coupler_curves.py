@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, ComplexPoint, entry, quantity, rounded_up, to_digits
+from ...core.fields import FARTHEST, ComplexPoint, entry, quantity, rounded_up, to_digits
 from ...core.records import record
 from ...model.check import Check
 from ...model.part import Bought, Part
@@ -54,7 +54,7 @@ class Grid:
     dash_deg: float = quantity(
         "rotation of the crank for a dash, and for a gap", "deg", default=5.0, at_least=0.5, at_most=90
     )
-    chosen: tuple[tuple[Annotated[int, AsWritten()], Annotated[int, AsWritten()]], ...] = entry(
+    chosen: tuple[tuple[int, int], ...] = entry(
         "points, as [row, column] from 1, whose velocity and acceleration go into the table", default=()
     )
 

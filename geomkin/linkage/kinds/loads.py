@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, RowWithin, entry, quantity
+from ...core.fields import FARTHEST, Coordinate, entry, quantity
 from ...core.records import record
 from ...making.motors import MotorKey, motor_entry
 from ...model.material import Mass
@@ -40,10 +40,10 @@ class PointForce:
 
     body: str = entry("the body it acts on", example="rocker")
     point: PlaceOnBody = entry("point of that body, by name or [x, y]", example="rocker_pin")
-    force_n: Annotated[tuple[float, float], RowWithin(FARTHEST)] | None = entry(
+    force_n: tuple[Coordinate, Coordinate] | None = entry(
         "constant force on the ground, [x, y] in N", default=None, example=(0.0, -50.0), units=("N", "N")
     )
-    over_deg: tuple[Annotated[tuple[float, float, float], RowWithin(FARTHEST, 3)], ...] = entry(
+    over_deg: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] = entry(
         "further force over the driver's angle, rows [deg, x, y] in N: linear between, a step at two equal angles, "
         "repeated every turn",
         default=(),

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import AsWritten, ComplexPoint, NotBoolean, SignOrPlace, check_sizes, entry, quantity, rounded_down
+from ...core.fields import ComplexPoint, check_sizes, entry, quantity, rounded_down
 from ...core.names import check_names
 from ...core.records import record
 from ...model.scene import SceneHandle
@@ -26,9 +26,9 @@ from ..solve.branch import BranchSpec
 from .made import DrivenLinkage
 
 # The branch of all dyads; the same with "follow"; the branches of single joints.
-Side = Annotated[Literal[1, -1], NotBoolean()]
-SideOrFollow = Annotated[Literal[1, -1, "follow"], NotBoolean()]
-Branches = dict[str, Annotated[int | complex, SignOrPlace()]]
+Side = Literal[1, -1]
+SideOrFollow = Literal[1, -1, "follow"]
+Branches = dict[str, Side | complex]
 
 
 def branch_entry() -> Any:
@@ -168,9 +168,7 @@ class TriangleCorner:
     body: str = entry("the body it belongs to", example="coupler")
     point: str = entry("its name", example="pen")
     base: tuple[str, str] = entry("two points of the body", example=("A", "B"))
-    lengths: tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]] = entry(
-        "its distances from them, mm", example=(50.0, 60.0), units=("mm", "mm")
-    )
+    lengths: tuple[float, float] = entry("its distances from them, mm", example=(50.0, 60.0), units=("mm", "mm"))
     side: Literal["left", "right"] = entry("on which side of the line from the first to the second", default="left")
 
 

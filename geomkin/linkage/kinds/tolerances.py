@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arguments import between
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, entry, quantity, rounded_down, to_digits
+from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ...core.records import record
 from ...model.check import Check, Suggestion
 from ...model.scene import Limit, Plot, Scene, SceneRegion
@@ -55,7 +55,7 @@ class TolerancesTable:
         at_least=0,
         at_most=FARTHEST,
     )
-    lengths: dict[str, Annotated[float, AsWritten(), between(0, FARTHEST, "mm")]] = entry(
+    lengths: dict[str, Annotated[float, between(0, FARTHEST, "mm")]] = entry(
         "tolerances of single lengths in place of that, such as crank = 0.05", default_factory=dict, units=("mm",)
     )
     clearance: float | None = quantity(

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import ComplexPoint, Ratio, RowsOf, entry, quantity, to_digits
+from ...core.fields import ComplexPoint, Coordinate, Ratio, entry, quantity, to_digits
 from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.motion import Motion, unwrapped_deg
@@ -26,7 +26,7 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, rounded
 from ...recipe.settings import Drive, Files
 from ..guidance.guidance import BodyGuide, body_guides
-from ..guidance.guide_groups import KINDS, LARGEST_RATIO, Kind
+from ..guidance.guide_groups import LARGEST_RATIO, Kind
 from ..guidance.guide_search import Rectification, rectification
 from ..guidance.poses import circle_of_sliders, poles
 from .linkage_goals import LISTED, AbstractLinkageGoal, Search, choose_entry
@@ -45,14 +45,7 @@ ROOM = 0.75
 FEWER = "five poses or fewer are met exactly"
 
 
-class OneOfGuides:
-    """Validates the kind of linkage as one choice, so that a wrong one gives one error."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return {"type": "literal", "expected": list(KINDS)}
-
-
-Rows = Annotated[tuple[tuple[float, float, float], ...], RowsOf(3)]
+Rows = tuple[tuple[Coordinate, Coordinate, Coordinate], ...]
 PointPair = tuple[ComplexPoint, ComplexPoint]
 
 
@@ -65,7 +58,7 @@ class WantedPoses:
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0)),
         units=("mm", "mm", "deg"),
     )
-    type: Annotated[Kind, OneOfGuides()] | None = entry(
+    type: Kind | None = entry(
         "four-bar; crank-slider, driven by its crank; slider-crank, driven by its slider; elliptic-trammel. By "
         "default a four-bar through three poses, and any of them through more",
         default=None,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, AsWritten, entry, quantity
+from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
 from ...model.check import Check
@@ -41,9 +41,7 @@ DURATION = 12.0
 class FourWanted:
     """Four poses of a body."""
 
-    poses: tuple[
-        tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()], Annotated[float, AsWritten()]], ...
-    ] = entry(
+    poses: tuple[tuple[float, float, float], ...] = entry(
         "four positions of the body's origin with its angle, [x, y, angle] in mm and deg",
         example=((0.0, 0.0, 0.0), (40.0, 20.0, 30.0), (60.0, 60.0, 80.0), (40.0, 90.0, 110.0)),
         units=("mm", "mm", "deg"),

@@ -5,13 +5,13 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from ...core.errors import DesignError
 from ...core.expressions import Expression
-from ...core.fields import FARTHEST, SMALLEST, AsWritten, Ratio, Rows, entry, quantity
+from ...core.fields import FARTHEST, SMALLEST, Ratio, Rows, entry, quantity
 from ...core.records import record
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
@@ -39,7 +39,7 @@ class RequiredFunction:
         "y as a text in x, such as log10(x), angles in rad; or a named function with coefficients; or table, with rows",
         example="log10(x)",
     )
-    coefficients: tuple[Annotated[float, AsWritten()], ...] = entry(
+    coefficients: tuple[float, ...] = entry(
         f"coefficients of a named function: {', '.join(f'{name}: {row[0]}' for name, row in NAMED.items())}", default=()
     )
     rows: Rows = entry("rows [x, y] of rising x, joined by a cubic spline; with function = table", default=())
@@ -64,9 +64,7 @@ class RequiredFunction:
     points: int = quantity(
         "number of precision points in Chebyshev's spacing", default=3, at_least=3, at_most=5, whole=True
     )
-    points_at: tuple[Annotated[float, AsWritten()], ...] = entry(
-        "x of three to five precision points, instead of points", default=()
-    )
+    points_at: tuple[float, ...] = entry("x of three to five precision points, instead of points", default=())
 
     def __post_init__(self) -> None:
         if not self.x_start < self.x_end:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
@@ -10,7 +10,8 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError, printable, shown
-from ...core.fields import FARTHEST, AsWritten, ComplexPoint, Ratio, entry, quantity
+from ...core.field_visitor import WrittenForm
+from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, quantity
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
@@ -33,6 +34,19 @@ from ..path.svg_drawings import drawing_points, svg_path_points
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
 
+class NameOfFile(WrittenForm):
+    """Marks a file that a recipe names."""
+
+    def read(self, given: Any, folder: Any) -> Any:
+        return FileName(given, folder) if isinstance(given, str) else given
+
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        return value.name
+
+    def schema(self, plain: dict[str, Any]) -> dict[str, Any]:
+        return {"type": "string"}
+
+
 class FileName:
     """Name of a file next to the recipe or below; without a folder, as in a script, any file.
 
@@ -53,17 +67,6 @@ class FileName:
 
     def __repr__(self) -> str:
         return clipped(f"FileName({shown(self.name)})")
-
-    @classmethod
-    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
-        """A recipe gives only the name; the folder comes from the validation context."""
-        from pydantic_core import core_schema
-
-        return core_schema.with_info_after_validator_function(
-            lambda name, info: cls(name, (info.context or {}).get("folder", ".")),
-            core_schema.str_schema(strict=True),
-            serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.name),
-        )
 
     @property
     def text(self) -> str:
@@ -136,7 +139,7 @@ TABLES = {
     "bounds": ("bounds",),
 }
 
-Pair = tuple[Annotated[float, AsWritten()], Annotated[float, AsWritten()]]
+Pair = tuple[float, float]
 
 
 @record(checked=True, kw_only=True)
@@ -155,7 +158,7 @@ class WantedPath:
             ]
         ),
     )
-    file: FileName | None = entry(
+    file: Annotated[FileName, NameOfFile()] | None = entry(
         "a CSV file of x and y in mm, or an SVG drawing, whose first path is used (in mm unless its width has a "
         "unit), next to the recipe or below",
         default=None,
@@ -166,7 +169,7 @@ class WantedPath:
         "whether the points lie, in any order, on a closed curve that a full turn draws", default=False
     )
     slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
-    drive_deg: tuple[Annotated[float, AsWritten()], ...] | None = entry(
+    drive_deg: tuple[float, ...] | None = entry(
         "crank angles at the points, rising or falling; only differences count; free if left out",
         default=None,
     )
