@@ -24,6 +24,7 @@ REFUSED = [
     (FOUR_BAR, "linkage.crank", True, "linkage.crank", "wrong-type"),
     (FOUR_BAR, "linkage.crank", "30", "linkage.crank", "wrong-type"),
     (FOUR_BAR, "linkage.crank", [30], "linkage.crank", "wrong-type"),
+    (FOUR_BAR, "linkage.crank", [float("nan"), 0], "linkage.crank", "wrong-type"),
     (FOUR_BAR, "linkage.crank", -30, "linkage.crank", "out-of-range"),
     (FOUR_BAR, "linkage.crank", float("nan"), "linkage.crank", "not-finite"),
     (FOUR_BAR, "linkage.crank", 1e30, "linkage.crank", "out-of-range"),
@@ -43,6 +44,7 @@ REFUSED = [
     (FOUR_BAR, "loads.forces", 3, "loads.forces", "wrong-type"),
     (FOUR_BAR, "files.write", ["dxf", "dfx"], "files.write[1]", "out-of-range"),
     (FOUR_BAR, "stock", 3, "stock", "wrong-type"),
+    (TRAIN, "kind", ["gear-train"], "kind", "unknown-kind"),
     (TRAIN, "train.stages[0][1]", 7.5, "train.stages[0][1]", "wrong-type"),
     (TRAIN, "train.stages[0][1]", 3, "train.stages[0][1]", "out-of-range"),
 ]

@@ -45,7 +45,7 @@ def with_value(recipe, path, value):
     return spoiled
 
 
-@pytest.mark.parametrize("name", by_default(list(KINDS)[::6], ["slider-function-generator", "fit-test"]))
+@pytest.mark.parametrize("name", by_default(KINDS, ["slider-function-generator", "fit-test"]))
 def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks, name):
     recipe = opened(name)
     assert marks(recipe) == []
@@ -60,6 +60,8 @@ def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks, name):
 
 
 CAM = opened("disk-cam")
+TRAIN = {"kind": "gear-train", "train": {"module": 2, "stages": [[12, 40]]}}
+LEVER = {"kind": "linkage", "linkage": {"bodies": {"ground": {"A": [0, 0]}}, "driver": "arm"}, "branches": {"A": -1}}
 
 
 def test_inside_followers_segments_and_lists_too(marks):
@@ -74,3 +76,16 @@ def test_inside_followers_segments_and_lists_too(marks):
         (("files", "write", 1), "dfx"),
     ]:
         assert [place for place, _ in marks(with_value(CAM, path, value))] == [path]
+
+
+@pytest.mark.parametrize(
+    ("recipe", "path", "value"),
+    [
+        (TRAIN, ("train", "stages", 0, 1), 3),
+        (LEVER, ("linkage", "bodies", "ground", "A", 1), 1e12),
+        (LEVER, ("branches", "A"), 2),
+    ],
+)
+def test_limits_inside_rows_and_under_names_are_marked(marks, recipe, path, value):
+    assert marks(recipe) == []
+    assert [place for place, _ in marks(with_value(recipe, path, value))] == [path]
