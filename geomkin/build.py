@@ -19,8 +19,7 @@ from .core.units import UNITS
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, StaticSource
-from .export.stamp import Stamp, recipe_hash
-from .export.summary import CERTIFICATE, FOUND, NAME, listed_files, summary
+from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, summary
 from .model.check import Check
 from .model.part import Part
 from .model.table import Table
@@ -252,9 +251,9 @@ def index(out: PathName = "out") -> dict[Path, int]:
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
-    from .page import index as overview
+    from .page.page import index_page
 
-    contents = overview.index_page(folder)
+    contents = index_page(folder)
     write_whole(folder, contents)
     return {folder / name: len(content) for name, content in contents.items()}
 

@@ -37,11 +37,11 @@ FABRICATION = ANALYSIS | {"export", "making"}
 # The only files that may import each heavy library.
 ALONE = {
     "shapely": {"plane/region.py"},
-    "ezdxf": {"export/dxf.py", "verification/read_dxf.py"},
-    "trimesh": {"export/glb.py", "verification/read_mesh.py"},
+    "ezdxf": {"export/dxf.py", "verification/read_back.py"},
+    "trimesh": {"export/solids.py", "verification/read_back.py"},
     "click": {"cli/__init__.py", "cli/recipes.py", "cli/show.py", "cli/write.py", "__main__.py"},
     "highspy": {"cam/program/optimise.py"},
-    "nlopt": {"optimisation/gradients.py", "linkage/dynamics/counterweights.py"},
+    "nlopt": {"optimisation/search.py", "linkage/dynamics/counterweights.py"},
     "mpmath": {"tradeoff/cell.py"},
 }
 

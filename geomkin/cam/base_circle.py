@@ -13,9 +13,9 @@ from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
-from .extrema import exceeds, largest, samples
 from .followers.flat import TranslatingFlat
 from .followers.follower import AbstractFollower, Follower
+from .program.extrema import exceeds, largest, samples
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 

@@ -13,12 +13,11 @@ from ..core.arguments import PositiveFloat, between, checked
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, quantity, rounded_up
 from ..core.records import record
-from ..model.mass import Mass
-from ..model.material import Material, hertz_pressure
+from ..model.material import Mass, Material, hertz_pressure
 from ..model.motor import MotorDuty
 from ..plane.vec import Real, cross
 from .cam import Cam
-from .extrema import largest
+from .program.extrema import largest
 
 # N per kg mm/s2, N mm per kg mm2/s2, and W per N mm/s.
 MILLI = 1e-3

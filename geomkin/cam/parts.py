@@ -11,21 +11,29 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, quantity, rounded_down
 from ..core.records import record
-from ..making.assembly import Assembly, AssemblyBuilder, collar_across, collar_width, pin_bill, seated
-from ..making.bases import BaseOpening, BaseStock, standing_plate
-from ..making.bores import bore, fits_of, shaft
-from ..making.fits import AbstractBored
+from ..making.assembly import (
+    Assembly,
+    AssemblyBuilder,
+    BaseOpening,
+    BaseStock,
+    collar_across,
+    collar_width,
+    pin_bill,
+    seated,
+    standing_plate,
+)
+from ..making.bores import AbstractBored, bore, fits_of, shaft
 from ..making.materials import STEEL_DENSITY
-from ..making.motor_faces import MountedMotorKey
-from ..model.mass import Mass
+from ..making.motors import MountedMotorKey
+from ..model.material import Mass
 from ..model.part import Bought, HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..plane.vec import Complex, box_of
 from .cam import Cam
-from .extrema import largest, samples
 from .followers.follower import Bars, FollowerPlate
+from .program.extrema import largest, samples
 from .undercut import Undercut, undercut
 
 # Letters engraved at holes that belong together, by the key of their diameter in the stock; the cam's shaft is A.

@@ -1,18 +1,96 @@
-"""Parts of a fit test: the coupon with its openings, and the gauge whose width shows the kerf."""
+"""A fit test: its sizes, its coupon and gauge, and its scene."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..core.arguments import checked
+from ..core.errors import DesignError
+from ..core.fields import quantity, rounded_down
+from ..core.records import record
 from ..core.units import UNITS, Units
 from ..export.lettering import HEIGHTS, MARGIN, strokes_of
 from ..model.material import Material
 from ..model.part import Part
+from ..model.scene import Plot, Scene, SceneBody, SceneMark
+from ..model.table import Column, Table
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, rounded_hull
-from ..plane.vec import Complex
-from .fit_test import FitTest
+from ..plane.vec import Complex, Real
+
+# Smallest opening, mm: a narrower one is closed by most beams and printers.
+NARROWEST_OPENING = 0.2
+
+
+@record(checked=True)
+class FitTest:
+    """Openings of a fit test, in equal steps around the size of what goes into them.
+
+    Parameters
+    ----------
+    pin : float
+        Diameter of the pin, screw or shaft, mm; from 0.5 to 50.
+    thickness : float, optional
+        Measured thickness of the sheet, mm; from 0.5 to 20.
+    step : float, optional
+        Difference between neighbouring openings, mm; from 0.01 to 1.
+    count : int, optional
+        Number of holes, and of slots; from 5 to 25. Half of them, rounded down, are smaller than the pin.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, or the smallest opening would be narrower than 0.2 mm.
+
+    Examples
+    --------
+    >>> gk.coupon.FitTest(pin=3, step=0.1, count=5).hole_diameters
+    array([2.8, 2.9, 3. , 3.1, 3.2])
+    """
+
+    pin: float = quantity("diameter of the pin, screw or shaft to try", "mm", at_least=0.5, at_most=50, example=3.0)
+    thickness: float = quantity("thickness of the sheet, as measured", "mm", default=3.0, at_least=0.5, at_most=20)
+    step: float = quantity("difference between neighbouring openings", "mm", default=0.1, at_least=0.01, at_most=1)
+    count: int = quantity("number of holes, and of slots", default=9, whole=True, at_least=5, at_most=25)
+
+    def __post_init__(self) -> None:
+        below = self.count // 2
+        for name, size in (("pin", self.pin), ("thickness", self.thickness)):
+            largest = (size - NARROWEST_OPENING) / below
+            if self.step > largest * (1 + 1e-9):
+                opening = size - below * self.step
+                problem = f"found {self.step:g} mm, with which the smallest opening for {name} = {size:g} mm and "
+                problem += f"count = {self.count} would be {opening:.4g} mm wide"
+                most = rounded_down(largest, 3)
+                raise DesignError("step", problem, f"give at most {most} mm", "conflict", most)
+
+    @property
+    def offsets(self) -> Real:
+        """Difference of each opening from the nominal size, mm, shape (count,)."""
+        return np.round(self.step * (np.arange(self.count) - self.count // 2), 9)
+
+    @property
+    def hole_diameters(self) -> Real:
+        """Diameter of each hole, mm, shape (count,)."""
+        return np.round(self.pin + self.offsets, 9)
+
+    @property
+    def slot_widths(self) -> Real:
+        """Width of each slot, mm, shape (count,)."""
+        return np.round(self.thickness + self.offsets, 9)
+
+    @property
+    def table(self) -> Table:
+        """The openings, one row for each hole and its slot."""
+        return Table(
+            (
+                Column("number", "", "number of the hole and of the slot, from the left", np.arange(1, self.count + 1)),
+                Column("hole_diameter", "mm", "diameter of the hole", self.hole_diameters),
+                Column("slot_width", "mm", "width of the slot", self.slot_widths),
+                Column("difference", "mm", "hole minus pin, and slot minus sheet", self.offsets),
+            )
+        )
+
 
 # Width and length of the gauge, mm. A wider one shows the same kerf; a narrower one breaks.
 GAUGE_WIDTH, GAUGE_LENGTH = 10.0, 60.0
@@ -119,3 +197,42 @@ def _plate(corner: complex, width: float, height: float) -> AbstractCurve:
     """A rectangle with rounded corners from its lower left corner."""
     inner = _rectangle(corner + CORNER * (1 + 1j), width - 2 * CORNER, height - 2 * CORNER)
     return rounded_hull(inner.vertices, CORNER)
+
+
+# Frames from one hole to the next, and their duration, s: what the eye follows.
+FRAMES_PER_HOLE, HOLE_TIME = 20, 0.5
+
+
+@checked
+def fit_test_scene(fit_test: FitTest, parts: tuple[Part, ...]) -> Scene:
+    """The coupon and the gauge at rest, and a circle of the pin's diameter that passes over the holes.
+
+    Parameters
+    ----------
+    fit_test : FitTest
+        Its sizes.
+    parts : tuple of Part
+        The result of `fit_test_parts`.
+
+    Returns
+    -------
+    Scene
+    """
+    along = np.linspace(0, fit_test.count - 1, FRAMES_PER_HOLE * (fit_test.count - 1) + 1)
+    circles = [hole for hole in parts[0].holes if isinstance(hole, Circle)]
+    frames, nearest = len(along), np.rint(along).astype(int)
+    place = np.interp(along, np.arange(fit_test.count), [circle.centre for circle in circles])
+    table = Table(
+        (
+            Column("hole_number", "", "position of the pin, as the number of a hole", along + 1),
+            Column("difference", "mm", "diameter of the nearest hole minus that of the pin", fit_test.offsets[nearest]),
+        )
+    )
+    still, upright = np.zeros(frames, dtype=complex), np.ones(frames, dtype=complex)
+    bodies = tuple(
+        SceneBody(part.name, (part,), still, upright, fixed=part is parts[0], named=part is not parts[0])
+        for part in parts
+    )
+    pin = SceneMark("circle", place, label="pin", radius=np.full(frames, fit_test.pin / 2))
+    plots = (Plot("hole minus pin", ("difference",)),)
+    return Scene(table, HOLE_TIME * along, np.full(frames, True), bodies, marks=(pin,), plots=plots, cyclic=False)

@@ -1,4 +1,4 @@
-"""The table of formats. A new format is one file here and one row."""
+"""The table of formats. A new format is one function in this folder and one row."""
 
 from __future__ import annotations
 
@@ -67,23 +67,23 @@ def _one_file(
 # Writers by the name of the format, in the order in which files are listed. The name is mostly also the ending.
 WRITERS: dict[str, Writer] = {
     "dxf": Writer("parts", _in("dxf:write_dxf"), ("shapely", "ezdxf"), flat=True),
-    "stl": Writer("parts", _in("stl:write_stl"), ("shapely",)),
+    "stl": Writer("parts", _in("solids:write_stl"), ("shapely",)),
     "svg": Writer("parts", _in("svg:write_svg"), ("shapely",), flat=True),
-    "csv": _one_file("table", "csv:table_file", ".csv", opt_in=False),
-    "bom": _one_file("parts", "csv:bill_file", "-bom.csv", ("shapely",), opt_in=False),
+    "csv": _one_file("table", "tables:table_file", ".csv", opt_in=False),
+    "bom": _one_file("parts", "tables:bill_file", "-bom.csv", ("shapely",), opt_in=False),
     "page": _one_file("scene", "page", ".html", opt_in=False),
-    "assembly-svg": _one_file("scene", "assembly_svg:assembly_picture", "-assembly.svg", opt_in=False),
+    "assembly-svg": _one_file("scene", "scene_svg:assembly_picture", "-assembly.svg", opt_in=False),
     # Opt-in, since users who send a folder's DXF files to be cut send all of them.
-    "assembly-dxf": _one_file("scene", "assembly_dxf:assembly_drawing", "-assembly.dxf", ("shapely", "ezdxf")),
-    "steps": _one_file("scene", "steps_svg:steps_picture", "-steps.svg"),
-    "animation": _one_file("scene", "animation:animation", "-animation.svg"),
-    "plots": Writer("scene", _in("plots:write_plots"), tail="-plot.svg", opt_in=True),
-    "glb": _one_file("scene", "glb:glb", "-assembly.glb", ("shapely", "trimesh")),
-    "assembly-3mf": _one_file("scene", "threemf:assembly_package", "-assembly.3mf", ("shapely",)),
+    "assembly-dxf": _one_file("scene", "dxf:assembly_drawing", "-assembly.dxf", ("shapely", "ezdxf")),
+    "steps": _one_file("scene", "scene_svg:steps_picture", "-steps.svg"),
+    "animation": _one_file("scene", "scene_svg:animation", "-animation.svg"),
+    "plots": Writer("scene", _in("tables:write_plots"), tail="-plot.svg", opt_in=True),
+    "glb": _one_file("scene", "solids:glb", "-assembly.glb", ("shapely", "trimesh")),
+    "assembly-3mf": _one_file("scene", "solids:assembly_package", "-assembly.3mf", ("shapely",)),
     "sheet-dxf": _one_file("parts", "dxf:sheet", "-sheet.dxf", ("shapely", "ezdxf")),
     "sheet-svg": _one_file("parts", "svg:sheet", "-sheet.svg", ("shapely",)),
-    "3mf": _one_file("parts", "threemf:threemf", ".3mf", ("shapely",)),
-    "step": Writer("parts", _in("step:write_step"), ("shapely",), opt_in=True),
+    "3mf": _one_file("parts", "solids:threemf", ".3mf", ("shapely",)),
+    "step": Writer("parts", _in("solids:write_step"), ("shapely",), opt_in=True),
 }
 # Formats that are written if a recipe names none.
 DEFAULT_FORMATS = tuple(name for name, writer in WRITERS.items() if not writer.opt_in)

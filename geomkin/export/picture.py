@@ -16,8 +16,7 @@ from ..model.scene import SceneBody, SceneMark
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Polyline
 from ..plane.vec import Complex, Real, rounded
-from .labels import LETTER, Name
-from .still import Still, palette
+from .still import LETTER, Name, Still, palette
 from .svg_path import decimal, path
 
 # Driver rotation, deg, of a dash of a trail, as on the page, and the most dashes of a whole motion.

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Collection, Mapping
 from functools import cache
+from hashlib import sha256
 from math import inf, isfinite
 from pathlib import Path
 
 from ..core.fields import to_digits
 from ..core.names import file_name_flaw
+from ..core.records import record
 from ..core.version import __version__
 from ..model.check import Check
 from ..model.part import Part
@@ -149,3 +152,38 @@ def listed_files(folder: Path) -> set[str]:
         return set()
     ours = [name for name in names if isinstance(name, str) and (format_of(name) or name.endswith(FOUND))]
     return {name for name in ours if not file_name_flaw(name)}
+
+
+# Raised when the meaning of a stamp changes.
+LAYOUT = 1
+# Hexadecimal digits of the hash: as many as the header of an STL file has room for.
+DIGITS = 32
+TEXT = re.compile(rf"geomkin (\d{{1,6}}) recipe ([0-9a-f]{{{DIGITS}}}) tolerance (\S{{1,24}}) mm")
+
+
+def recipe_hash(data: Mapping[str, object]) -> str:
+    """SHA-256 of a recipe's data, as summary.json holds it; the same whatever the order of its keys."""
+    return sha256(json.dumps(as_json(data), sort_keys=True, ensure_ascii=True).encode()).hexdigest()
+
+
+@record
+class Stamp:
+    """A stamp as files carry it: number of its layout, start of the recipe's hash, and tolerance, mm."""
+
+    recipe: str
+    tolerance: float
+    layout: int = LAYOUT
+
+    def __str__(self) -> str:
+        return f"geomkin {self.layout} recipe {self.recipe[:DIGITS]} tolerance {self.tolerance!r} mm"
+
+    @classmethod
+    def read(cls, text: str) -> Stamp | None:
+        """The stamp in a text; None if there is none."""
+        found = TEXT.search(text[:1000])
+        if not found:
+            return None
+        try:
+            return cls(found.group(2), float(found.group(3)), int(found.group(1)))
+        except ValueError:
+            return None

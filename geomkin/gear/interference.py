@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
@@ -115,3 +116,77 @@ class InternalMesh:
         pinion = at_pinion + involute_function(roll_at(self.pinion_tip, self.pinion_base)) - pitch
         ring = at_ring + involute_function(roll_at(self.ring_tip, self.ring_base)) - pitch
         return float(pinion - ring * self.ring_teeth / self.pinion_teeth)
+
+
+@record(eq=False)
+class PairInterference:
+    """Distances of the teeth of two gears in mesh from each other, outside their contact.
+
+    Parameters
+    ----------
+    first, second : AbstractInvoluteGear
+        The driving gear, and the gear or ring that it drives.
+    distance : float
+        Distance of the axes, mm.
+    line_of_action : float
+        Length of the line of action between both base circles, mm.
+    ratio : float
+        Rotations of the first gear for one of the second.
+    poses : callable
+        Poses of both gears at rotations of the first, rad.
+    """
+
+    first: AbstractInvoluteGear
+    second: AbstractInvoluteGear
+    distance: float
+    line_of_action: float
+    ratio: float
+    poses: Callable[[Real], tuple[Pose, Pose]]
+
+    @property
+    def tip_margins(self) -> tuple[float, float]:
+        """Least distance of the second gear's tips from the teeth of the first, and of the first's from the second's.
+
+        mm along circles, over the whole path of a tip through the space. 0 means proper contact with a flank, a
+        negative value interference with a root or tooth. Accurate to 1e-5 modules.
+        """
+        of_second, of_first = self.of_tips
+        return min(of_second), min(of_first)
+
+    @cached_property
+    def of_tips(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """`tip_margins`, each from the roots and from the flanks of the other gear."""
+        first, second, distance = self.first, self.second, self.distance
+        return (
+            tip_margins(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
+            tip_margins(first, second, distance, self.poses),
+        )
+
+    @property
+    def involute_margin(self) -> float:
+        """Length on the line of action from the first gear's base circle to the tip circle of the second, mm.
+
+        A negative value means involute interference: the first gear's roots are not deep enough.
+        """
+        if self.second.is_ring:
+            return self.second.flank_lengths[0] - self.line_of_action
+        return self.line_of_action - self.second.flank_lengths[1]
+
+    @property
+    def trochoid_margin(self) -> float:
+        """Clearance of the tips of an internal pair outside the contact, rad of the first gear; inf for other pairs.
+
+        -inf if the tips never leave the spaces, so that they run through the teeth.
+        """
+        return self._internal.trochoid_gap if self.second.is_ring else float("inf")
+
+    @property
+    def trimming_margin(self) -> float:
+        """Clearance of the ring's tips during radial assembly, rad of the first gear; inf for external pairs."""
+        return self._internal.trimming_gap if self.second.is_ring else float("inf")
+
+    @property
+    def _internal(self) -> InternalMesh:
+        first, second = self.first, self.second
+        teeth, tips = (first.teeth, second.teeth), (first.tip_radius, second.tip_radius)
+        return InternalMesh(*teeth, self.distance, *tips, first.base_radius, second.base_radius)

@@ -1,4 +1,4 @@
-"""Measures of gears: span, over pins, chordal thickness (ISO 21771, DIN 3960), and a table of tooth coordinates."""
+"""Measures of gears: span, over pins, chordal thickness (ISO 21771, DIN 3960); tables of a tooth and of a contact."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from ..model.table import Column, Table, xy_columns
 from ..plane.flatten import flatten
 from ..plane.roulettes import inverse_involute, roll_at
 from .contract import AbstractInvoluteGear
+from .pair import GearPair
+from .rack import RackPair
 
 
 @record
@@ -271,5 +273,62 @@ def tooth_table(gear: AbstractInvoluteGear, tolerance: PositiveFloat) -> Table:
                 "region of the tooth",
                 np.repeat(list(sides), [len(side) for side in chords]),
             ),
+        )
+    )
+
+
+# Points along the path of contact: enough to draw its curves.
+ROWS = 101
+# Base pitches to either side in which other pairs of flanks are counted: more than any gears have in contact.
+NEIGHBOURS = 9
+
+
+@checked
+def contact_table(pair: GearPair | RackPair) -> Table:
+    """Contact of one pair of flanks from start to end, with specific sliding.
+
+    Parameters
+    ----------
+    pair : GearPair or RackPair
+        The pair.
+
+    Returns
+    -------
+    Table
+        Rotation of the driver, length on the line of action, radius, specific sliding of both, and the number of pairs
+        of flanks in contact.
+
+    Examples
+    --------
+    >>> pair = gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2))
+    >>> int(gk.gear.contact_table(pair)["pairs"].max())
+    2
+    """
+    names, gear = pair.names, pair.driver
+    start, end = pair.contact_lengths
+    along = np.linspace(start, end, ROWS)
+    turn = np.degrees((along - np.sqrt(gear.pitch_radius**2 - gear.base_radius**2)) / gear.base_radius)
+    first, second = pair.sliding(along)
+    # Other pairs of flanks are whole base pitches away.
+    other = along[:, None] + gear.base_pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
+    count = ((other >= start - 1e-9) & (other <= end + 1e-9)).sum(axis=1)
+    return Table(
+        (
+            Column(
+                f"{names[0]}_turn",
+                "deg",
+                f"rotation of the {names[0]} since contact at the pitch point",
+                turn,
+            ),
+            Column("along", "mm", f"contact on the line of action, from the base circle of the {names[0]}", along),
+            Column(
+                f"{names[0]}_radius",
+                "mm",
+                f"radius of the contact on the {names[0]}",
+                np.hypot(gear.base_radius, along),
+            ),
+            Column(f"{names[0]}_sliding", "", f"specific sliding of the {names[0]}", first),
+            Column(f"{names[1]}_sliding", "", f"specific sliding of the {names[1]}", second),
+            Column("pairs", "", "pairs of flanks in contact", count),
         )
     )

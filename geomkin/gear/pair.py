@@ -13,18 +13,74 @@ from ..core.errors import DesignError
 from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..core.reprs import moving_picture
-from ..model.table import Column, Table
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from .contract import check_alike
-from .interference import InternalMesh, tip_margins
-from .module import Settled
-from .rack import RackPair
+from .cutters import Settled
+from .interference import PairInterference
 from .ring import RingGear
 from .spur import SpurGear
 
 # Least overlap of tip and tooth that counts, modules: smaller ones are errors of the sampled paths.
 LEAST_OVERLAP = 1e-5
+
+
+@record(eq=False)
+class MeshGeometry:
+    """Two gears in mesh at any centre distance.
+
+    Parameters
+    ----------
+    first : SpurGear
+        The driving gear.
+    second : SpurGear or RingGear
+        The driven gear.
+    """
+
+    first: SpurGear
+    second: SpurGear | RingGear
+
+    @property
+    def teeth(self) -> int:
+        """Sum of the numbers of teeth; their difference for a ring."""
+        return self.second.teeth - self.first.teeth if self.second.is_ring else self.second.teeth + self.first.teeth
+
+    @property
+    def shift(self) -> float:
+        """Sum of the profile shifts, modules; their difference for a ring."""
+        x1, x2 = self.first.profile_shift, self.second.profile_shift
+        return x2 - x1 if self.second.is_ring else x1 + x2
+
+    @property
+    def base_distance(self) -> float:
+        """Centre distance for a working pressure angle of 0, mm: sum or difference of the base radii."""
+        return self.teeth * self.first.base_radius / self.first.teeth
+
+    def tight_involute(self, tooth_thickness_allowance: float) -> float:
+        """Involute function of the working pressure angle without backlash, for the sum of both allowances, mm."""
+        slope, sign = np.tan(self.first.pressure_angle), 1 if self.second.is_ring else -1
+        apart = 2 * slope * self.shift + sign * tooth_thickness_allowance / self.first.module
+        return involute_function(slope) + float(apart) / self.teeth
+
+    def distance_of(self, involute: float) -> float:
+        """Centre distance, mm, for the involute function of the working pressure angle."""
+        return self.base_distance * float(np.hypot(1, inverse_involute(involute)))
+
+    def line_of_action(self, distance: float) -> float:
+        """Length of the line of action between the base circles, mm, for a centre distance."""
+        return float(np.sqrt(max(distance**2 - self.base_distance**2, 0.0)))
+
+    def contact_lengths(self, distance: float) -> tuple[float, float]:
+        """Start and end of the path of contact, mm from the first gear's base circle, for a centre distance."""
+        between, is_ring = self.line_of_action(distance), self.second.is_ring
+        start, end = self.first.flank_lengths
+        low, high = (s - between if is_ring else between - s for s in self.second.flank_lengths)
+        return max(start, min(low, high)), min(end, max(low, high))
+
+    def contact_ratio(self, distance: float) -> float:
+        """Contact ratio for a centre distance; 0 or less if no flanks meet."""
+        start, end = self.contact_lengths(distance)
+        return (end - start) / self.first.base_pitch
 
 
 @record(checked=True)
@@ -82,7 +138,7 @@ class GearPair:
             self._check_distance()
         start, end = self.contact_lengths
         if end <= start:
-            raise DesignError("centre_distance", *self._too_far())
+            raise _too_far(self._geometry, self.centre_distance, self.tight_distance)
 
     @property
     def is_internal(self) -> bool:
@@ -112,16 +168,16 @@ class GearPair:
     @property
     def tight_distance(self) -> float:
         """Centre distance at which teeth without thickness allowance have no backlash, mm."""
-        angle = self._tight_involute(0.0)
+        angle = self._geometry.tight_involute(0.0)
         if angle < 0:
             x1, x2, slope = self.first.profile_shift, self.second.profile_shift, np.tan(self.first.pressure_angle)
-            least = -involute_function(slope) * self._teeth / (2 * slope)
+            least = -involute_function(slope) * self._geometry.teeth / (2 * slope)
             raise DesignError(
                 f"{self.names[1]}.profile_shift",
                 f"found {x2:g} with {x1:g} for the driving gear: the teeth mesh at no centre distance",
-                f"give {self._nearest_shift(least + x2 - self._shift)}",
+                f"give {_nearest_shift(self.first, self.second, least + x2 - self._geometry.shift)}",
             )
-        return self._base_distance * float(np.hypot(1, inverse_involute(angle)))
+        return self._geometry.distance_of(angle)
 
     @property
     def shift_without_backlash(self) -> float:
@@ -130,51 +186,27 @@ class GearPair:
         Of a ring, its shift minus that of the pinion. Thickness allowances are not included.
         """
         slope, working = np.tan([self.first.pressure_angle, self.working_pressure_angle])
-        return float((involute_function(working) - involute_function(slope)) * self._teeth / (2 * slope))
+        return float((involute_function(working) - involute_function(slope)) * self._geometry.teeth / (2 * slope))
 
-    @property
-    def _shift(self) -> float:
-        """Sum of the profile shifts, modules; their difference for a ring."""
-        x1, x2 = self.first.profile_shift, self.second.profile_shift
-        return x2 - x1 if self.is_internal else x1 + x2
-
-    def _tight_involute(self, tooth_thickness_allowance: float) -> float:
-        """Involute function of the working pressure angle without backlash, for the sum of both allowances, mm."""
-        slope, sign = np.tan(self.first.pressure_angle), 1 if self.is_internal else -1
-        apart = 2 * slope * self._shift + sign * tooth_thickness_allowance / self.first.module
-        return involute_function(slope) + float(apart) / self._teeth
-
-    def _nearest_shift(self, least: float) -> str:
-        """A remedy: the least profile shift of the second gear, above a lower bound, for which flanks meet."""
-
-        def meets(shift: float) -> bool:
-            try:
-                return GearPair(self.first, replace(self.second, profile_shift=shift)).contact_ratio > 0
-            except DesignError:
-                return False
-
-        # At the bound itself the line of action has no length, and rounding would decide.
-        least += 1e-9
-        for step in np.arange(0.05, 2, 0.05).tolist():
-            if meets(least + step):
-                return f"at least {rounded_up(last_fit(meets, least + step, least))}"
-        return "a larger shift, or other numbers of teeth"
+    @cached_property
+    def _geometry(self) -> MeshGeometry:
+        return MeshGeometry(self.first, self.second)
 
     @property
     def working_pressure_angle(self) -> float:
         """Working pressure angle: the angle of the line of action, rad."""
-        return float(np.arctan2(self.line_of_action, self._base_distance))
+        return float(np.arctan2(self.line_of_action, self._geometry.base_distance))
 
     @property
     def working_radii(self) -> tuple[float, float]:
         """Radii of the working pitch circles, which roll on each other, mm."""
-        per_tooth = self.centre_distance / self._teeth
+        per_tooth = self.centre_distance / self._geometry.teeth
         return per_tooth * self.first.teeth, per_tooth * self.second.teeth
 
     @cached_property
     def contact_lengths(self) -> tuple[float, float]:
         """Start and end of the path of contact on the line of action, mm from the first gear's base circle."""
-        return self._contact_at(self.centre_distance)
+        return self._geometry.contact_lengths(self.centre_distance)
 
     @property
     def contact_ratio(self) -> float:
@@ -255,45 +287,11 @@ class GearPair:
         return replace(self, first=gears[0], second=gears[1])
 
     @cached_property
-    def tip_margins(self) -> tuple[float, float]:
-        """Least distance of the second gear's tips from the teeth of the first, and of the first's from the second's.
-
-        mm along circles, over the whole path of a tip through the space. 0 means proper contact with a flank, a
-        negative value interference with a root or tooth. Accurate to 1e-5 modules.
-        """
-        of_second, of_first = self._margins
-        return min(of_second), min(of_first)
-
-    @cached_property
-    def _margins(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """`tip_margins`, each from the roots and from the flanks of the other gear."""
-        first, second, distance = self.first, self.second, self.centre_distance
-        return (
-            tip_margins(second, first, distance, lambda turn: self.poses(turn * self.ratio)[::-1]),
-            tip_margins(first, second, distance, self.poses),
+    def interference(self) -> PairInterference:
+        """Distances of the teeth from each other outside the contact."""
+        return PairInterference(
+            self.first, self.second, self.centre_distance, self.line_of_action, self.ratio, self.poses
         )
-
-    @property
-    def involute_margin(self) -> float:
-        """Length on the line of action from the first gear's base circle to the tip circle of the second, mm.
-
-        A negative value means involute interference: the first gear's roots are not deep enough.
-        """
-        tip = self.second.flank_lengths[0 if self.is_internal else 1]
-        return self._along(tip, self.line_of_action)
-
-    @property
-    def trochoid_margin(self) -> float:
-        """Clearance of the tips of an internal pair outside the contact, rad of the first gear; inf for other pairs.
-
-        -inf if the tips never leave the spaces, so that they run through the teeth.
-        """
-        return self._internal.trochoid_gap if self.is_internal else float("inf")
-
-    @property
-    def trimming_margin(self) -> float:
-        """Clearance of the ring's tips during radial assembly, rad of the first gear; inf for external pairs."""
-        return self._internal.trimming_gap if self.is_internal else float("inf")
 
     @property
     def interferences(self) -> tuple[str, ...]:
@@ -304,14 +302,15 @@ class GearPair:
         """
         limit = -LEAST_OVERLAP * self.first.module
         # The flanks of an internal pair are only reached by tips that leave the spaces.
-        roots, flanks = zip(*self._margins) if self.is_internal else (self.tip_margins, (np.inf, np.inf))
+        margins = self.interference
+        roots, flanks = zip(*margins.of_tips) if self.is_internal else (margins.tip_margins, (np.inf, np.inf))
         interferences = {
             f"{self.names[0]} root": roots[0] < limit or self.clearances[0] < 0,
             f"{self.names[1]} root": roots[1] < limit or self.clearances[1] < 0,
             # Undercut has removed the material that such a tip would hit.
-            "involute": self.involute_margin < limit and not self.first.is_undercut,
-            "trochoid": self.trochoid_margin < 0 or min(flanks) < limit,
-            "trimming": self.trimming_margin < 0,
+            "involute": margins.involute_margin < limit and not self.first.is_undercut,
+            "trochoid": margins.trochoid_margin < 0 or min(flanks) < limit,
+            "trimming": margins.trimming_margin < 0,
         }
         return tuple(name for name, occurs in interferences.items() if occurs)
 
@@ -373,65 +372,25 @@ class GearPair:
         distance, between, sign = self.centre_distance, self.line_of_action, -1 if self.is_internal else 1
         if of == "backlash":
             if by == "centre_distance":
-                return self.backlash / distance + sign * 2 * between / self._base_distance
+                return self.backlash / distance + sign * 2 * between / self._geometry.base_distance
             # The sum of both teeth's thickness grows with both shifts; that of a ring's tooth falls with its shift.
-            slope = 4 * float(np.tan(self.first.pressure_angle)) * distance / self._teeth
+            slope = 4 * float(np.tan(self.first.pressure_angle)) * distance / self._geometry.teeth
             return slope if self.is_internal and by == "second.profile_shift" else -slope
-        return (self._end_rate(1, by) - self._end_rate(0, by)) / self.first.base_pitch
-
-    def _end_rate(self, which: int, by: str) -> float:
-        """Derivative by a size of the start (0) or the end (1) of the path of contact, mm per mm or module."""
-        sign, mates = -1 if self.is_internal else 1, self.second.flank_lengths
-        of_mate = mates[which if self.is_internal else 1 - which]
-        # The flank that ends first is that of the gear or of its mate.
-        if self.contact_lengths[which] == self.first.flank_lengths[which]:
-            return _flank_rate(self.first, self.first.flank_lengths[which]) if by == "first.profile_shift" else 0.0
-        if by == "centre_distance":
-            return sign * self.centre_distance / self.line_of_action
-        return -sign * _flank_rate(self.second, of_mate) if by == "second.profile_shift" else 0.0
+        return (_end_rate(self, 1, by) - _end_rate(self, 0, by)) / self.first.base_pitch
 
     @property
     def line_of_action(self) -> float:
         """Length of the line of action between both base circles, mm."""
-        return self._between(self.centre_distance)
-
-    @property
-    def _teeth(self) -> int:
-        """Sum of the numbers of teeth; their difference for a ring."""
-        return self.second.teeth - self.first.teeth if self.is_internal else self.second.teeth + self.first.teeth
-
-    @property
-    def _base_distance(self) -> float:
-        """Centre distance for a working pressure angle of 0, mm: sum or difference of the base radii."""
-        return self._teeth * self.first.base_radius / self.first.teeth
-
-    def _between(self, distance: float) -> float:
-        """Length of the line of action between the base circles, mm, for a centre distance."""
-        return float(np.sqrt(max(distance**2 - self._base_distance**2, 0.0)))
-
-    def _contact_at(self, distance: float) -> tuple[float, float]:
-        """`contact_lengths` for a centre distance."""
-        between = self._between(distance)
-        start, end = self.first.flank_lengths
-        low, high = (self._along(s, between) for s in self.second.flank_lengths)
-        return max(start, min(low, high)), min(end, max(low, high))
-
-    def _along(self, across: float, between: float) -> float:
-        """Length from the first gear's base circle, for a length from the second's, mm."""
-        return across - between if self.is_internal else between - across
-
-    @property
-    def _internal(self) -> InternalMesh:
-        first, second = self.first, self.second
-        teeth, tips = (first.teeth, second.teeth), (first.tip_radius, second.tip_radius)
-        return InternalMesh(*teeth, self.centre_distance, *tips, first.base_radius, second.base_radius)
+        return self._geometry.line_of_action(self.centre_distance)
 
     def _check_distance(self) -> None:
         """Raise DesignError if the teeth jam."""
         tight = self._distance_of_backlash()
         jams = self.centre_distance > tight if self.is_internal else self.centre_distance < tight
-        if self.centre_distance < self._base_distance or (jams and abs(self.centre_distance - tight) > 1e-9 * tight):
-            most = f"from {rounded_up(self._base_distance)} to {rounded_down(tight)} mm"
+        if self.centre_distance < self._geometry.base_distance or (
+            jams and abs(self.centre_distance - tight) > 1e-9 * tight
+        ):
+            most = f"from {rounded_up(self._geometry.base_distance)} to {rounded_down(tight)} mm"
             # The tolerance keeps rounding from adding a digit.
             least = f"at least {rounded_up(tight * (1 - 1e-12))} mm"
             raise DesignError(
@@ -445,23 +404,7 @@ class GearPair:
         tooth_thickness_allowance = self.first.tooth_thickness_allowance + self.second.tooth_thickness_allowance
         if tooth_thickness_allowance == 0:
             return self.tight_distance
-        angle = self._tight_involute(tooth_thickness_allowance)
-        return self._base_distance * float(np.hypot(1, inverse_involute(max(angle, 0.0))))
-
-    def _too_far(self) -> tuple[str, str]:
-        """Problem and remedy for a distance at which no flanks meet: the nearest one with a contact ratio of 1."""
-        problem = f"found {self.centre_distance:.7g} mm, at which no flanks meet"
-        good, bad = self.tight_distance, self.centre_distance
-        if abs(good - bad) <= 1e-9 * good or self._ratio_at(good) <= 1:
-            return problem, "give gears with taller teeth or other profile shifts"
-        good = last_fit(lambda distance: self._ratio_at(distance) >= 1, good, bad)
-        limit = f"at least {rounded_up(good)}" if bad < good else f"at most {rounded_down(good)}"
-        return problem, f"give {limit} mm, where the contact ratio is 1"
-
-    def _ratio_at(self, distance: float) -> float:
-        """Contact ratio for a centre distance; 0 or less if no flanks meet."""
-        start, end = self._contact_at(distance)
-        return (end - start) / self.first.base_pitch
+        return self._geometry.distance_of(max(self._geometry.tight_involute(tooth_thickness_allowance), 0.0))
 
 
 @record
@@ -503,58 +446,40 @@ def _flank_rate(gear: SpurGear | RingGear, length: float) -> float:
     return float("nan")
 
 
-# Points along the path of contact: enough to draw its curves.
-ROWS = 101
-# Base pitches to either side in which other pairs of flanks are counted: more than any gears have in contact.
-NEIGHBOURS = 9
+def _end_rate(pair: GearPair, which: int, by: str) -> float:
+    """Derivative by a size of the start (0) or the end (1) of the path of contact, mm per mm or module."""
+    sign, mates = -1 if pair.is_internal else 1, pair.second.flank_lengths
+    of_mate = mates[which if pair.is_internal else 1 - which]
+    # The flank that ends first is that of the gear or of its mate.
+    if pair.contact_lengths[which] == pair.first.flank_lengths[which]:
+        return _flank_rate(pair.first, pair.first.flank_lengths[which]) if by == "first.profile_shift" else 0.0
+    if by == "centre_distance":
+        return sign * pair.centre_distance / pair.line_of_action
+    return -sign * _flank_rate(pair.second, of_mate) if by == "second.profile_shift" else 0.0
 
 
-@checked
-def contact_table(pair: GearPair | RackPair) -> Table:
-    """Contact of one pair of flanks from start to end, with specific sliding.
+def _nearest_shift(first: SpurGear, second: SpurGear | RingGear, least: float) -> str:
+    """A remedy: the least profile shift of the second gear, above a lower bound, for which flanks meet."""
 
-    Parameters
-    ----------
-    pair : GearPair or RackPair
-        The pair.
+    def meets(shift: float) -> bool:
+        try:
+            return GearPair(first, replace(second, profile_shift=shift)).contact_ratio > 0
+        except DesignError:
+            return False
 
-    Returns
-    -------
-    Table
-        Rotation of the driver, length on the line of action, radius, specific sliding of both, and the number of pairs
-        of flanks in contact.
+    # At the bound itself the line of action has no length, and rounding would decide.
+    least += 1e-9
+    for step in np.arange(0.05, 2, 0.05).tolist():
+        if meets(least + step):
+            return f"at least {rounded_up(last_fit(meets, least + step, least))}"
+    return "a larger shift, or other numbers of teeth"
 
-    Examples
-    --------
-    >>> pair = gk.GearPair(gk.SpurGear(20, 2), gk.SpurGear(40, 2))
-    >>> int(gk.gear.contact_table(pair)["pairs"].max())
-    2
-    """
-    names, gear = pair.names, pair.driver
-    start, end = pair.contact_lengths
-    along = np.linspace(start, end, ROWS)
-    turn = np.degrees((along - np.sqrt(gear.pitch_radius**2 - gear.base_radius**2)) / gear.base_radius)
-    first, second = pair.sliding(along)
-    # Other pairs of flanks are whole base pitches away.
-    other = along[:, None] + gear.base_pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
-    count = ((other >= start - 1e-9) & (other <= end + 1e-9)).sum(axis=1)
-    return Table(
-        (
-            Column(
-                f"{names[0]}_turn",
-                "deg",
-                f"rotation of the {names[0]} since contact at the pitch point",
-                turn,
-            ),
-            Column("along", "mm", f"contact on the line of action, from the base circle of the {names[0]}", along),
-            Column(
-                f"{names[0]}_radius",
-                "mm",
-                f"radius of the contact on the {names[0]}",
-                np.hypot(gear.base_radius, along),
-            ),
-            Column(f"{names[0]}_sliding", "", f"specific sliding of the {names[0]}", first),
-            Column(f"{names[1]}_sliding", "", f"specific sliding of the {names[1]}", second),
-            Column("pairs", "", "pairs of flanks in contact", count),
-        )
-    )
+
+def _too_far(geometry: MeshGeometry, distance: float, tight: float) -> DesignError:
+    """For a distance at which no flanks meet; the remedy is the nearest one with a contact ratio of 1."""
+    problem, good = f"found {distance:.7g} mm, at which no flanks meet", tight
+    if abs(good - distance) <= 1e-9 * good or geometry.contact_ratio(good) <= 1:
+        return DesignError("centre_distance", problem, "give gears with taller teeth or other profile shifts")
+    good = last_fit(lambda value: geometry.contact_ratio(value) >= 1, good, distance)
+    limit = f"at least {rounded_up(good)}" if distance < good else f"at most {rounded_down(good)}"
+    return DesignError("centre_distance", problem, f"give {limit} mm, where the contact ratio is 1")

@@ -1,4 +1,4 @@
-"""The pinion-shaped cutter of internal gears."""
+"""The pinion-shaped cutter of internal gears, and its place in the ring that it cuts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..plane.primitives import Arc, Segment
 from ..plane.roulettes import Involute, inverse_involute, involute_function
 from ..plane.vec import Pose
 from .cutters import HelixAngle, transverse_factors
-from .tooth import TipRounding, largest_rounding, tip_rounding, toothed
+from .spur import TipRounding, largest_rounding, tip_rounding, toothed
 
 
 @record(checked=True)
@@ -176,3 +176,54 @@ class PinionCutter:
             # Slightly more, so that the flanks have a length.
             return f"give at least {rounded_up(least + 1e-6)} modules, or {others}"
         return f"give at most {rounded_down(largest)} modules, or {others}"
+
+
+@record
+class CutterInRing:
+    """A pinion cutter at its full feed in a ring; lengths in modules.
+
+    Parameters
+    ----------
+    teeth : int
+        Number of the ring's teeth.
+    profile_shift : float
+        Outward shift of the ring's teeth, modules.
+    cutter : PinionCutter
+        The cutter.
+    """
+
+    teeth: int
+    profile_shift: float
+    cutter: PinionCutter
+
+    @property
+    def slope(self) -> float:
+        """Tangent of the pressure angle at the reference circle."""
+        return float(np.tan(self.cutter.pressure_angle))
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the ring's base circle, modules."""
+        return self.teeth / 2 * float(np.cos(self.cutter.pressure_angle))
+
+    @property
+    def working_involute(self) -> float:
+        """Involute function of the working pressure angle; negative if the cutter does not fit."""
+        shift = self.profile_shift - self.cutter.profile_shift
+        return involute_function(self.slope) + 2 * self.slope * shift / (self.teeth - self.cutter.teeth)
+
+    @property
+    def least_shift(self) -> float:
+        """Least profile shift for which the cutter fits between the teeth, modules."""
+        apart = self.teeth - self.cutter.teeth
+        return self.cutter.profile_shift - involute_function(self.slope) * apart / (2 * self.slope)
+
+    @cached_property
+    def cutting_angle(self) -> float:
+        """Working pressure angle, rad."""
+        return float(np.arctan(inverse_involute(self.working_involute)))
+
+    @cached_property
+    def distance(self) -> float:
+        """Distance of the cutter's axis from the ring's, modules."""
+        return (self.base_radius - self.cutter.base_radius) / float(np.cos(self.cutting_angle))

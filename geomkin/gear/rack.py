@@ -12,8 +12,7 @@ from ..core.reprs import moving_picture
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from .contract import AbstractGear, check_alike
-from .cutters import HelixAngle, RackCutter, transverse_section
-from .module import Settled, diametral_pitch, module, settle_module
+from .cutters import HelixAngle, RackCutter, Settled, diametral_pitch, module, settle_module, transverse_section
 from .spur import SpurGear
 
 # Radius of the corners at the back of the bar, modules: sharp corners cut fingers and chip when dropped.

@@ -14,13 +14,13 @@ from ..core.fields import entry, inside, last_fit, quantity, rounded_down, round
 from ..core.records import record
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import PolarArray
-from ..plane.roulettes import Involute, Traced, inverse_involute, involute_function, roll_at
+from ..plane.roulettes import Involute, Traced, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
+from .cutters import Settled, diametral_pitch, module, settle_module
 from .interference import InternalMesh
-from .module import Settled, diametral_pitch, module, settle_module
-from .pinion_cutter import PinionCutter
-from .tooth import envelope_end, toothed, with_land
+from .pinion_cutter import CutterInRing, PinionCutter
+from .spur import envelope_end, toothed, with_land
 
 
 @record
@@ -34,10 +34,15 @@ class RingTooth(AbstractTooth):
     addendum: float
     tooth_thickness_allowance: float
 
+    @cached_property
+    def feed(self) -> CutterInRing:
+        """The cutter at its full feed."""
+        return CutterInRing(self.teeth, self.profile_shift, self.cutter)
+
     @property
     def is_complete(self) -> bool:
         """Whether the cutter leaves complete teeth."""
-        if self.teeth <= self.cutter.teeth or self.working_involute < 0:
+        if self.teeth <= self.cutter.teeth or self.feed.working_involute < 0:
             return False
         if self.trochoid_gap < 0 or self.tip_radius < self.least_tip_radius:
             return False
@@ -56,29 +61,31 @@ class RingTooth(AbstractTooth):
     @property
     def least_tip_radius(self) -> float:
         """Radius from which outwards the cutter's flanks generate involutes, mm."""
-        return self.module * float(np.hypot(self._base, self._cutter_distance * np.sin(self.cutting_angle)))
+        return self.module * float(
+            np.hypot(self.feed.base_radius, self.feed.distance * np.sin(self.feed.cutting_angle))
+        )
 
     @property
     def root_radius(self) -> float:
         """Radius of the root circle, mm: the largest radius of the gear."""
-        return self.module * (self._cutter_distance + self.cutter.outer_radius)
+        return self.module * (self.feed.distance + self.cutter.outer_radius)
 
     @property
     def base_radius(self) -> float:
         """Radius of the base circle, mm."""
-        return self.module * self._base
+        return self.module * self.feed.base_radius
 
     @cached_property
     def rolls(self) -> tuple[float, float]:
         """Roll angles of the involute at the tip and at the end of the cutter's flank, rad."""
         cut = self.cutter.corner.roll * self.cutter.base_radius
-        end = (cut + self._cutter_distance * np.sin(self.cutting_angle)) / self._base
+        end = (cut + self.feed.distance * np.sin(self.feed.cutting_angle)) / self.feed.base_radius
         if self._fillet is None:
             return roll_at(self.tip_radius, self.base_radius), float(end)
-        if self._fillet.end < np.pi / 2 - self.cutting_angle:
+        if self._fillet.end < np.pi / 2 - self.feed.cutting_angle:
             return roll_at(abs(complex(self._fillet.point(self._fillet.end))), self.base_radius), float(end)
         cut = self.cutter.fillet(self.cutter_root).roll * self.cutter.base_radius
-        return float((cut + self._cutter_distance * np.sin(self.cutting_angle)) / self._base), float(end)
+        return float((cut + self.feed.distance * np.sin(self.feed.cutting_angle)) / self.feed.base_radius), float(end)
 
     def half_angle(self, radius: float) -> float:
         return np.pi / self.teeth - self._half_space(roll_at(radius, self.base_radius))
@@ -113,14 +120,14 @@ class RingTooth(AbstractTooth):
     def _envelope(self, centre: float, rounding: float) -> RingTrochoid:
         """Envelope of a rounding of the cutter from the line of centres to the flank; lengths in modules."""
         m, apart = self.module, self.teeth - self.cutter.teeth
-        wheel = self._cutter_distance * self.cutter.teeth / apart
+        wheel = self.feed.distance * self.cutter.teeth / apart
         return RingTrochoid(
-            radius=m * self._cutter_distance * self.teeth / apart,
+            radius=m * self.feed.distance * self.teeth / apart,
             wheel=m * wheel,
             reach=m * (centre - wheel),
             rounding=m * rounding,
             start=0.0,
-            end=np.pi / 2 - self.cutting_angle,
+            end=np.pi / 2 - self.feed.cutting_angle,
         )
 
     @cached_property
@@ -137,7 +144,7 @@ class RingTooth(AbstractTooth):
     @property
     def cutter_root(self) -> float:
         """Radius of the cutter's roots that cut the tips, modules."""
-        return self.tip_radius / self.module - self._cutter_distance
+        return self.tip_radius / self.module - self.feed.distance
 
     @property
     def fillet_land(self) -> float:
@@ -154,28 +161,16 @@ class RingTooth(AbstractTooth):
         return self.cutter_root > 0 and self.cutter.fillet(self.cutter_root).roll >= 0 and self.fillet_land >= 0
 
     @property
-    def working_involute(self) -> float:
-        """Involute function of the working pressure angle with the cutter; negative if the cutter does not fit."""
-        shift = self.profile_shift - self.cutter.profile_shift
-        return involute_function(self._slope) + 2 * self._slope * shift / (self.teeth - self.cutter.teeth)
-
-    @property
-    def least_shift(self) -> float:
-        """Least profile shift for which the cutter fits between the teeth, modules."""
-        apart = self.teeth - self.cutter.teeth
-        return self.cutter.profile_shift - involute_function(self._slope) * apart / (2 * self._slope)
-
-    @property
     def trochoid_gap(self) -> float:
         """Clearance of the cutter's tips from the ring's as they leave the spaces, rad; see `InternalMesh`."""
         return InternalMesh(
             self.cutter.teeth,
             self.teeth,
-            self._cutter_distance,
+            self.feed.distance,
             self.cutter.outer_radius,
             self.tip_radius / self.module,
             self.cutter.base_radius,
-            self._base,
+            self.feed.base_radius,
         ).trochoid_gap
 
     def _half_space(self, roll: float) -> float:
@@ -183,31 +178,13 @@ class RingTooth(AbstractTooth):
         return self._half_space_without_allowance(roll) + self._thinning_angle
 
     def _half_space_without_allowance(self, roll: float) -> float:
-        a = self._slope
+        a = self.feed.slope
         return (np.pi / 2 + 2 * self.profile_shift * a) / self.teeth + involute_function(a) - involute_function(roll)
 
     @property
     def _thinning_angle(self) -> float:
         """Rotation of each side of a tooth towards its middle by the tooth thickness allowance, rad."""
         return self.tooth_thickness_allowance / (2 * (self.module * self.teeth / 2))
-
-    @property
-    def _slope(self) -> float:
-        return float(np.tan(self.cutter.pressure_angle))
-
-    @property
-    def _base(self) -> float:
-        return self.teeth / 2 * float(np.cos(self.cutter.pressure_angle))
-
-    @cached_property
-    def cutting_angle(self) -> float:
-        """Working pressure angle with the cutter, rad."""
-        return float(np.arctan(inverse_involute(self.working_involute)))
-
-    @cached_property
-    def _cutter_distance(self) -> float:
-        """Distance of the cutter's axis from the ring's, modules."""
-        return (self._base - self.cutter.base_radius) / float(np.cos(self.cutting_angle))
 
 
 @record(eq=False)
@@ -342,11 +319,11 @@ class RingGear(AbstractInvoluteGear):
                 f"found {z}, but the cutter has {z0}",
                 f"give at least {z0 + 1}, or a smaller cutter",
             )
-        if tooth.working_involute < 0:
+        if tooth.feed.working_involute < 0:
             raise DesignError(
                 "profile_shift",
                 f"found {self.profile_shift:g}, for which the cutter does not fit between the teeth",
-                f"give {self._shift_remedy(tooth.least_shift)}",
+                f"give {self._shift_remedy(tooth.feed.least_shift)}",
             )
         self._check_tip()
         if not tooth.is_reached:
@@ -432,7 +409,7 @@ class RingGear(AbstractInvoluteGear):
 
     @property
     def cutting_angle(self) -> float:
-        return self.tooth.cutting_angle
+        return self.tooth.feed.cutting_angle
 
     def tool(self, turn: Real) -> tuple[PolarArray, Pose]:
         """Cutting edge of the pinion cutter, mm, and its poses at rotations of the ring, rad, any shape.

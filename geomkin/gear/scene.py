@@ -10,11 +10,9 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motor_faces import split_motor_parts, with_motor_plate
-from ..model.handles import circle_handle
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
-from ..model.roles import Role
-from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, dimension, mm
+from ..model.scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, mm
 from ..model.table import Column, Table
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.primitives import Arc, Circle, Segment

@@ -9,10 +9,9 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.records import record
-from ..making.motor_faces import split_motor_parts, with_motor_plate
-from ..model.handles import circle_handle, point_handle
+from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
-from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, playing_time
+from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, playing_time, point_handle
 from ..model.table import Column, Table, finite
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, Segment

@@ -115,6 +115,33 @@ def third_pivot(four_bar: FourBar) -> complex:
     return complex(four_bar.origin + four_bar.coupler_point / four_bar.coupler * ground)
 
 
+# The bodies of Roberts' figure by their points, the frame's origin first and a point on its x axis second.
+ROBERTS_BODIES = {
+    "ground": ("crank_pivot", "rocker_pivot"),
+    "crank": ("crank_pivot", "crank_pin"),
+    "coupler": ("crank_pin", "rocker_pin", "coupler_point"),
+    "rocker": ("rocker_pivot", "rocker_pin"),
+    "left_crank": ("crank_pivot", "left_pin"),
+    "left_coupler": ("left_pin", "left_rocker_pin", "coupler_point"),
+    "left_rocker": ("third_pivot", "left_rocker_pin"),
+    "right_crank": ("third_pivot", "right_crank_pin"),
+    "right_coupler": ("right_crank_pin", "right_pin", "coupler_point"),
+    "right_rocker": ("rocker_pivot", "right_pin"),
+}
+# The dyad that the driver moves, by driver: two bodies, and their first, common and last point.
+ROBERTS_FIRST_DYAD = {
+    "crank": ("coupler", "rocker", ("crank_pin", "rocker_pin", "rocker_pivot")),
+    "coupler": ("crank", "rocker", ("crank_pivot", "crank_pin", "driver_back")),
+    "rocker": ("crank", "coupler", ("crank_pivot", "crank_pin", "rocker_pin")),
+}
+# The other dyads, in order.
+ROBERTS_DYADS = (
+    ("left_crank", "left_coupler", ("crank_pivot", "left_pin", "coupler_point")),
+    ("right_coupler", "right_rocker", ("coupler_point", "right_pin", "rocker_pivot")),
+    ("left_rocker", "right_crank", ("left_rocker_pin", "third_pivot", "right_crank_pin")),
+)
+
+
 @checked
 def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -> Linkage:
     """Roberts' figure: the three cognates as one linkage of ten bars, joined at the coupler point.
@@ -147,6 +174,28 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
     -----
     The figure: Roberts 1875; that it runs through change points is derived here.
     """
+    point = _roberts_points(four_bar, start, branch)
+    order = ["ground", four_bar.driver]
+    for one, two, (first, joint, last) in (ROBERTS_FIRST_DYAD[four_bar.driver], *ROBERTS_DYADS):
+        # "follow" starts with every joint on the left of its dyad, from the body that comes first.
+        on_left = cross(point[last] - point[first], point[joint] - point[first]) >= 0
+        order += [one, two] if on_left else [two, one]
+
+    def local(body: str) -> dict[str, complex | Complex]:
+        origin, on_x_axis = (point[name] for name in ROBERTS_BODIES[body][:2])
+        x_axis = (on_x_axis - origin) / abs(complex(on_x_axis - origin))
+        return {name: (point[name] - origin) * x_axis.conjugate() for name in ROBERTS_BODIES[body]}
+
+    return Linkage(
+        bodies={body: local(body) for body in order},
+        driver=four_bar.driver,
+        origin=four_bar.origin,
+        ground_angle_deg=four_bar.ground_angle_deg,
+    )
+
+
+def _roberts_points(four_bar: FourBar, start: float, branch: Branch) -> dict[str, complex | Complex]:
+    """The points of Roberts' figure at a drive, in the frame of the ground link."""
     a, b, c, d = four_bar.crank, four_bar.coupler, four_bar.rocker, four_bar.ground
     w = _ratio(four_bar)
     motion = move(replace(four_bar, origin=0j, ground_angle_deg=0.0), [start], branch)
@@ -170,50 +219,9 @@ def roberts_linkage(four_bar: FourBar, start: float = 0.0, branch: Branch = 1) -
         "right_pin": d + (w - 1) * b * e3,
         "right_crank_pin": w * d + (1 - w) * a * e1,
     }
-    # Each body's points, the frame's origin first and a point on its x axis second.
-    made_of = {
-        "ground": ("crank_pivot", "rocker_pivot"),
-        "crank": ("crank_pivot", "crank_pin"),
-        "coupler": ("crank_pin", "rocker_pin", "coupler_point"),
-        "rocker": ("rocker_pivot", "rocker_pin"),
-        "left_crank": ("crank_pivot", "left_pin"),
-        "left_coupler": ("left_pin", "left_rocker_pin", "coupler_point"),
-        "left_rocker": ("third_pivot", "left_rocker_pin"),
-        "right_crank": ("third_pivot", "right_crank_pin"),
-        "right_coupler": ("right_crank_pin", "right_pin", "coupler_point"),
-        "right_rocker": ("rocker_pivot", "right_pin"),
-    }
     # If the coupler drives, crank and rocker close as a dyad whose second pivot is moved back by the coupler.
     back = point["rocker_pivot"] - (point["rocker_pin"] - point["crank_pin"])
-    point |= {"driver_back": back}
-    first_dyad = {
-        "crank": ("coupler", "rocker", ("crank_pin", "rocker_pin", "rocker_pivot")),
-        "coupler": ("crank", "rocker", ("crank_pivot", "crank_pin", "driver_back")),
-        "rocker": ("crank", "coupler", ("crank_pivot", "crank_pin", "rocker_pin")),
-    }
-    dyads = [
-        first_dyad[four_bar.driver],
-        ("left_crank", "left_coupler", ("crank_pivot", "left_pin", "coupler_point")),
-        ("right_coupler", "right_rocker", ("coupler_point", "right_pin", "rocker_pivot")),
-        ("left_rocker", "right_crank", ("left_rocker_pin", "third_pivot", "right_crank_pin")),
-    ]
-    order = ["ground", four_bar.driver]
-    for one, two, (first, joint, last) in dyads:
-        # "follow" starts with every joint on the left of its dyad, from the body that comes first.
-        on_left = cross(point[last] - point[first], point[joint] - point[first]) >= 0
-        order += [one, two] if on_left else [two, one]
-
-    def local(body: str) -> dict[str, complex | Complex]:
-        origin, on_x_axis = (point[name] for name in made_of[body][:2])
-        x_axis = (on_x_axis - origin) / abs(complex(on_x_axis - origin))
-        return {name: (point[name] - origin) * x_axis.conjugate() for name in made_of[body]}
-
-    return Linkage(
-        bodies={body: local(body) for body in order},
-        driver=four_bar.driver,
-        origin=four_bar.origin,
-        ground_angle_deg=four_bar.ground_angle_deg,
-    )
+    return point | {"driver_back": back}
 
 
 def _ratio(four_bar: FourBar) -> complex:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..model.rotating import RotatingBody
+from ..model.motor import RotatingBody
 from ..plane.vec import Real, Whole, dot
 from .drive_limits import largest_between
 from .linkage import AbstractLinkage

@@ -12,8 +12,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..model.part import Part
-from ..model.roles import Role
-from ..model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, mm, plottable
+from ..model.scene import Limit, Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, mm, plottable
 from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre

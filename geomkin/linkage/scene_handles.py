@@ -9,8 +9,7 @@ import numpy as np
 
 from ..core.dotted_keys import numbers_in, with_number
 from ..core.errors import DesignError
-from ..model.handles import point_handle
-from ..model.scene import SceneHandle
+from ..model.scene import SceneHandle, point_handle
 from ..plane.vec import Complex
 from .linkage import AbstractLinkage, Linkage
 from .motion import Motion

@@ -9,8 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ..core.arguments import checked
-from ..model.roles import Role
-from ..model.scene import Plot, Scene, SceneCurve, SceneMark, drawn_at
+from ..model.scene import Plot, Role, Scene, SceneCurve, SceneMark, drawn_at
 from ..model.table import Table
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real

@@ -16,7 +16,7 @@ from ..core.names import check_names
 from ..core.records import record
 from ..making.motors import MOTORS, motor_check
 from ..model.check import Check
-from ..model.mass import Mass
+from ..model.material import Mass
 from ..model.motor import RPM, MotorDuty
 from ..model.part import Part
 from ..model.scene import Scene, SceneHandle

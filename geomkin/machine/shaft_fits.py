@@ -11,10 +11,10 @@ import numpy as np
 from ..core.fields import to_digits
 from ..core.records import record
 from ..making.assembly import collar_bill, collar_width
-from ..making.motor_faces import face_of
+from ..making.motors import face_of
 from ..model.check import Check
+from ..model.motor import RotatingBody
 from ..model.part import Bought, HoleFit, Part
-from ..model.rotating import RotatingBody
 from ..model.scene import SceneBody
 from ..plane.flatten import flatten
 from ..plane.region import distances

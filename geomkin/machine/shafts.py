@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.errors import DesignError, shown
 from ..core.records import record
-from ..model.rotating import RotatingBody
+from ..model.motor import RotatingBody
 from ..plane.vec import Real
 from ..recipe.messages import did_you_mean
 

@@ -1,18 +1,35 @@
-"""Motors that drive a mechanism: torque and speed, and the smallest one that suffices."""
+"""Motors that drive a mechanism: torque and speed, the smallest one that suffices, and the plate for each of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Annotated, Any
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from ..core.arguments import PositiveFloat, checked
-from ..core.fields import entry, to_digits
+from ..core.arguments import ArgumentType, PositiveFloat, checked
+from ..core.errors import DesignError
+from ..core.fields import (
+    FARTHEST,
+    ComplexPoint,
+    Length,
+    entry,
+    inside,
+    quantity,
+    rounded_down,
+    rounded_up,
+    to_digits,
+)
+from ..core.records import record
 from ..model.check import Check, Suggestion
 from ..model.motor import RPM, Motor, MotorDuty
-from .motor_faces import MOTOR_FACES
-from .named import NamedIn
+from ..model.part import HoleFit, Part
+from ..model.scene import SceneBody
+from ..plane.primitives import Circle, rounded_hull
+from ..plane.vec import Complex
+from .fasteners import LENGTHS, SIZES, ThreadDiameter
+from .materials import NamedIn
 
 # Least margin of a motor that `smallest_motor` chooses, for friction and loads that are not stated; chosen here.
 LEAST_MOTOR_MARGIN = 1.5
@@ -182,3 +199,334 @@ def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
     key = motor_name(motor)
     named: dict[str, object] = {"motor": key} if key else {}
     return {**named, "name": motor.name, "margin": to_digits(motor.margin(duty), 6)}
+
+
+@record
+class MotorScrew:
+    """The screws of a motor by their thread, mm.
+
+    hole: diameter of the clearance hole, ISO 273, medium. sunk: height of the head, and lengths of the shortest and the
+    longest countersunk screw, ISO 7046.
+    """
+
+    hole: float
+    sunk: tuple[float, float, float]
+
+
+# Sources: ISO 273 and ISO 7046.
+MOTOR_SCREWS = {
+    2.0: MotorScrew(2.4, (1.2, 3, 20)),
+    2.5: MotorScrew(2.9, (1.5, 3, 25)),
+    3.0: MotorScrew(3.4, (1.65, 4, 30)),
+    4.0: MotorScrew(4.5, (2.7, 5, 40)),
+    5.0: MotorScrew(5.5, (2.7, 6, 50)),
+}
+MOTOR_THREADS = ", ".join(f"{thread:g}" for thread in MOTOR_SCREWS)
+SUNK = "countersunk screw ISO 7046"
+# Distance of the engraved ring from the hole of a countersunk screw, mm. A larger one may leave the plate, or remain
+# after countersinking.
+RING = 0.5
+# Corners of a square of side 2 about 0.
+CORNERS = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
+
+
+@record(checked=True)
+class MotorFace:
+    """The face of a motor by which it is screwed to a plate, seen from its shaft, which is at the origin.
+
+    Parameters
+    ----------
+    product : str
+        Its name in the bill of materials.
+    face_width : float
+        Width of the square face, or diameter of a round one, mm.
+    screws : tuple of complex
+        Positions of the screws, mm.
+    boss_diameter, boss_height : float
+        Of the boss round the shaft, mm.
+    shaft : float
+        Diameter of the shaft, mm.
+    flat : float, optional
+        Of a D-shaft, from its flat side across to the round side, mm; of a shaft with two flats, their distance; None
+        for a round shaft.
+    thread : {2, 2.5, 3, 4, 5}, optional
+        Thread of the screws, mm.
+    least_depth, largest_depth : float, optional
+        Length of a screw beyond the plate, mm: in the threads of the motor, or through its flange and a nut.
+    nuts : bool, optional
+        Whether the screws pass through a flange and have nuts.
+    face_offset : float, optional
+        Distance of the face's middle from the shaft, mm, along +x.
+    flats : {1, 2}, optional
+        Number of flats of the shaft.
+
+    Raises
+    ------
+    DesignError
+        If a size is out of range, the flat does not fit the shaft, or the screws meet the boss or are off the face.
+    """
+
+    product: str = entry("name of the motor in the bill of materials", example="own motor")
+    face_width: float = quantity(
+        "width of the square face, or diameter of a round one", "mm", above=0, at_most=FARTHEST, example=42.3
+    )
+    screws: tuple[ComplexPoint, ...] = entry(
+        "positions of the screws from the shaft, each [x, y] in mm",
+        example=(15.5 + 15.5j, -15.5 + 15.5j, -15.5 - 15.5j, 15.5 - 15.5j),
+    )
+    boss_diameter: float = quantity("diameter of the boss round the shaft", "mm", above=0, at_most=FARTHEST, example=22)
+    boss_height: float = quantity("height of the boss", "mm", at_least=0, at_most=FARTHEST, example=2)
+    shaft: float = quantity("diameter of the shaft", "mm", above=0, at_most=FARTHEST, example=5)
+    flat: float | None = quantity(
+        "of a D-shaft, from its flat side across to the round side, or the distance of two flats; if omitted, the "
+        "shaft is round",
+        "mm",
+        default=None,
+        above=0,
+        at_most=FARTHEST,
+    )
+    thread: ThreadDiameter = quantity(
+        f"thread of the screws, as M3, or its diameter: {MOTOR_THREADS}", "mm", default=3.0, above=0, at_most=5
+    )
+    least_depth: float = quantity(
+        "least length of a screw beyond the plate", "mm", default=2.0, at_least=0, at_most=100
+    )
+    largest_depth: float = quantity(
+        "largest length of a screw beyond the plate", "mm", default=4.5, above=0, at_most=100
+    )
+    nuts: bool = entry("whether the screws pass through a flange and have nuts", default=False)
+    face_offset: float = quantity(
+        "distance of the face's middle from the shaft, along +x",
+        "mm",
+        default=0.0,
+        at_least=-FARTHEST,
+        at_most=FARTHEST,
+    )
+
+    flats: Literal[1, 2] = entry("number of flats of the shaft", default=1)
+
+    def __post_init__(self) -> None:
+        if round(self.thread, 9) not in MOTOR_SCREWS:
+            raise DesignError("thread", f"found {self.thread:g} mm", f"give {MOTOR_THREADS} mm", "out-of-range")
+        if self.least_depth > self.largest_depth:
+            problem = f"found {self.least_depth:g} mm, more than largest_depth"
+            most = self.largest_depth
+            raise DesignError("least_depth", problem, f"give at most {rounded_down(most)} mm", "conflict", most)
+        if self.boss_diameter <= self.shaft:
+            problem = f"found {self.boss_diameter:g} mm round a shaft of {self.shaft:g} mm"
+            remedy = f"give more than {rounded_up(self.shaft)} mm"
+            raise DesignError("boss_diameter", problem, remedy, "conflict", inside(self.shaft, -1))
+        least = self.shaft / 2 if self.flats == 1 else 0.0
+        if self.flat is not None and not least < self.flat < self.shaft:
+            problem = f"found {self.flat:g} mm across a shaft of {self.shaft:g} mm"
+            limits = f"give more than {rounded_up(least)} and less than {rounded_down(self.shaft)} mm"
+            raise DesignError("flat", problem, limits, "out-of-range", inside(self.shaft, 1))
+        if len(self.screws) < 2:
+            raise DesignError("screws", f"found {len(self.screws)}", "give at least two")
+        places, half = np.array(self.screws), self.face_width / 2
+        clear = (self.boss_diameter + self.screw_hole) / 2
+        on_face = np.maximum(np.abs((places - self.face_offset).real), np.abs(places.imag)) < half
+        if not (on_face & (np.abs(places) > clear)).all():
+            problem = "found a screw in the hole of the boss, or off the face"
+            remedy = f"give places more than {rounded_up(clear)} mm from the shaft, on the face"
+            raise DesignError("screws", problem, remedy)
+
+    def __str__(self) -> str:
+        return self.product
+
+    @property
+    def bore_form(self) -> Literal["round", "D", "double-D"]:
+        """Form of the bore for the shaft."""
+        return "round" if self.flat is None else "D" if self.flats == 1 else "double-D"
+
+    @property
+    def screw_hole(self) -> float:
+        """Clearance hole of a screw, mm."""
+        return self._own_screws.hole
+
+    @property
+    def _own_screws(self) -> MotorScrew:
+        return MOTOR_SCREWS[round(self.thread, 9)]
+
+    def screw(self, thickness: float, sunk: bool = False) -> str:
+        """The screw through a plate of a thickness, mm. sunk: countersunk, with a length that includes the head."""
+        least, most = thickness + self.least_depth, thickness + self.largest_depth
+        size = SIZES[round(self.thread, 9)]
+        name, lengths = size.screw, size.lengths
+        if sunk:
+            name, lengths = SUNK, self._own_screws.sunk[1:]
+        fitting = [length for length in LENGTHS if max(least, lengths[0]) <= length <= min(most, lengths[1])]
+        if not fitting:
+            product = "countersunk screw" if sunk else "screw"
+            return f"{size.thread} {product}, {least:g} to {most:g} mm {'long' if sunk else 'under its head'}"
+        return f"{size.thread} x {fitting[-1]:g} {name}"
+
+    def bill(self, thickness: float, sunk: bool = False, count: int = 1) -> tuple[tuple[str, int], ...]:
+        """Screws through a plate of a thickness, mm, and their nuts; count: number of motors."""
+        number = count * len(self.screws)
+        nuts = ((f"M{self.thread:g} {SIZES[round(self.thread, 9)].nut}", number),) if self.nuts else ()
+        return (self.screw(thickness, sunk), number), *nuts
+
+    def holes(self, clearance: float, place: complex = 0j) -> tuple[Circle, ...]:
+        """Holes round a shaft's place for the boss, wider by the clearance, mm, and for the screws."""
+        screws = (Circle(complex(place + z), self.screw_hole / 2) for z in self.screws)
+        return Circle(place, (self.boss_diameter + clearance) / 2), *screws
+
+    def countersinks(self, place: complex = 0j) -> tuple[Circle, ...]:
+        """A ring to engrave around each hole for a countersunk screw; the countersink removes it."""
+        return tuple(Circle(complex(place + z), self.screw_hole / 2 + RING) for z in self.screws)
+
+    def fits(self, clearance: float) -> tuple[HoleFit, ...]:
+        """The fits of these holes."""
+        screw = HoleFit(self.thread, self.screw_hole - self.thread)
+        return HoleFit(self.boss_diameter, clearance), *(len(self.screws) * (screw,))
+
+    def corners(self, place: complex = 0j, inset: float = 0.0) -> Complex:
+        """Corners of the face, or of the square round it, mm, moved inwards by the inset; place: of the shaft."""
+        return place + self.face_offset + (self.face_width / 2 - inset) * CORNERS
+
+    def check_plate(self, thickness: float, key: str, sheets: int = 1) -> None:
+        """DesignError if the boss or the heads of the screws project from the plate, on which a wheel turns.
+
+        sheets: largest number of plates that the boss may pass.
+        """
+        head = self._own_screws.sunk[0]
+        if thickness < (least := max(self.boss_height / sheets, head)):
+            high = f"boss is {self.boss_height:g} mm high, and the heads of its screws {head:g} mm"
+            raise DesignError(
+                key,
+                f"found {motor_face_name(self)}, whose {high}, under a plate {thickness:g} mm thick",
+                f"give a thickness of at least {rounded_up(least)} mm, or omit the motor",
+            )
+
+
+def _square(spacing: float) -> tuple[complex, ...]:
+    """Four screws at the corners of a square."""
+    return tuple((spacing / 2 * CORNERS).tolist())
+
+
+def _nema17(product: str) -> MotorFace:
+    return MotorFace(product, 42.3, _square(31.0), 22.0, 2.0, 5.0, 4.5)
+
+
+def _gear_motor_37(product: str) -> MotorFace:
+    """Four of six threads on a circle of 31 mm, clear of the boss; the shaft is 7 mm from its middle."""
+    screws = tuple(complex(7 + 15.5 * z) for z in np.exp(1j * np.pi / 6 * np.array([1, 3, 9, 11])))
+    return MotorFace(product, 37.0, screws, 12.0, 6.0, 6.0, 5.5, 3.0, 2.0, 3.0, face_offset=7.0)
+
+
+def _gear_motor_25(product: str) -> MotorFace:
+    return MotorFace(product, 25.0, (8.5 + 0j, -8.5 + 0j), 7.0, 2.5, 4.0, 3.5, 3.0, 2.0, 3.0)
+
+
+# Sources: NEMA ICS 16 for faces, screws and diameters of bosses of steppers; makers' drawings for the heights of
+# bosses, shafts and depths of threads; Pololu's and DFRobot's drawings of gear motors of 25 mm and 37 mm; NopSCADlib
+# for the 28BYJ-48. With other numbers the motor does not fit.
+MOTOR_FACES: dict[str, MotorFace] = {
+    "nema14": MotorFace("NEMA 14 stepper", 35.2, _square(26.0), 22.0, 2.0, 5.0, 4.5),
+    "nema17": _nema17("NEMA 17"),
+    "nema17-short": _nema17("NEMA 17 stepper, 20 mm long"),
+    "nema17-long": _nema17("NEMA 17 stepper, 60 mm long"),
+    # The flange, about 5 mm thick, has holes of 5 mm, which fit M4 screws and nuts.
+    "nema23": MotorFace("NEMA 23 stepper", 56.4, _square(47.14), 38.1, 1.6, 6.35, None, 4.0, 12.0, 18.0, True),
+    # The face width is that over the ears. Their holes of 4.2 mm, 35 mm apart, fit M4 screws and nuts.
+    "28byj-48": MotorFace(
+        "28BYJ-48 geared stepper", 42.0, (8 + 17.5j, 8 - 17.5j), 9.0, 1.5, 5.0, 3.0, 4.0, 8.0, 14.0, True, 8.0, 2
+    ),
+    "25d-4": _gear_motor_25("25 mm gear motor 4.4:1, 6 V"),
+    "25d-75": _gear_motor_25("25 mm gear motor 75:1, 12 V"),
+    "37d-19": _gear_motor_37("37 mm gear motor 19:1, 12 V"),
+    "37d-30": _gear_motor_37("37 mm gear motor 30:1, 12 V"),
+    "37d-50": _gear_motor_37("37 mm gear motor 50:1, 12 V"),
+}
+# Corner radius of the plate, mm, about that of the motor's face; larger ones come close to the screws.
+CORNER = 4.0
+
+
+# Field type of a motor on its plate: its name, or its face.
+MountedMotorKey = Annotated[
+    str | MotorFace,
+    NamedIn(MOTOR_FACES, "motor", keeps_name=True),
+    ArgumentType(
+        lambda value: isinstance(value, MotorFace) or (isinstance(value, str) and value in MOTOR_FACES),
+        f"{', '.join(MOTOR_FACES)}, or a MotorFace",
+        (str,),
+    ),
+]
+
+
+def face_of(motor: str | MotorFace) -> MotorFace:
+    """The face of a motor of the table, or the given one."""
+    return MOTOR_FACES[motor] if isinstance(motor, str) else motor
+
+
+def motor_face_name(face: MotorFace) -> str:
+    """The name of a face in the table, or of the product."""
+    return next((name for name, known in MOTOR_FACES.items() if known == face), face.product)
+
+
+def mounted_motor_entry(meaning: str) -> Any:
+    """The field for the motor of a stock."""
+    return entry(f"{meaning}: {', '.join(MOTOR_FACES)}, or a table of values; none if omitted", default=None)
+
+
+def fixed_under(plate: str, letter: str, count: int, packing: int = 0) -> str:
+    """The first step of an assembly with a motor under a plate.
+
+    letter: at its shaft; count: number of screws; packing: number of plates between motor and plate.
+    """
+    screws = f"with its {count} countersunk screws from above, in holes countersunk until the heads are flush"
+    between = f", {packing} motor_plate between them" if packing else ""
+    return f"fix the motor under {plate}{between}, its shaft up through {letter}, {screws}"
+
+
+def plate_radius(motor: MountedMotorKey) -> float:
+    """Radius round the shaft that contains the motor's plate, mm."""
+    return float(np.abs(face_of(motor).corners(inset=CORNER)).max()) + CORNER
+
+
+@checked
+def motor_plate(motor: MountedMotorKey, thickness: PositiveFloat, clearance: Length = 0.0) -> Part:
+    """The mounting plate of a motor, as large as its face, with the shaft at the origin.
+
+    Parameters
+    ----------
+    motor : str or MotorFace
+        The motor: a name such as "nema17", or its dimensions.
+    thickness : float
+        Thickness of the plate, mm, above 0.
+    clearance : float, optional
+        How much wider the hole is than the motor's boss, mm.
+
+    Returns
+    -------
+    Part
+        Of the fixed body `motor`.
+
+    Examples
+    --------
+    >>> plate = gk.making.motor_plate("nema17", thickness=5.0)
+    >>> len(plate.holes)
+    5
+    """
+    face = face_of(motor)
+    outline = rounded_hull(face.corners(inset=CORNER), CORNER)
+    holes, fits = face.holes(clearance), face.fits(clearance)
+    return Part("motor_plate", outline, holes, thickness, body="motor", fits=fits)
+
+
+MOTOR = "motor"
+
+
+def split_motor_parts(parts: Sequence[Part]) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+    """All parts of a mechanism except those of the motor, and those of the motor."""
+    return tuple(p for p in parts if p.body != MOTOR), tuple(p for p in parts if p.body == MOTOR)
+
+
+def with_motor_plate(bodies: tuple[SceneBody, ...], plates: tuple[Part, ...]) -> tuple[SceneBody, ...]:
+    """The bodies one layer higher, above a motor's plates about the origin; unchanged without such plates."""
+    if not plates:
+        return bodies
+    one = np.ones(bodies[0].origin.shape, dtype=complex)
+    motor = SceneBody(MOTOR, plates, 0 * one, one, 0, True)
+    return (motor, *(replace(body, layer=body.layer + 1) for body in bodies))

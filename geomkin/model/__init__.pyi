@@ -1,7 +1,7 @@
 # The public names of this package. Each is imported when it is first used.
 from .check import Check as Check
 from .check import Suggestion as Suggestion
-from .mass import Mass as Mass
+from .material import Mass as Mass
 from .material import Material as Material
 from .material import hertz_pressure as hertz_pressure
 from .motor import Motor as Motor

@@ -1,7 +1,8 @@
-"""A motor: the torque that it supplies at a speed, and whether it can drive a given motion."""
+"""Shafts: a motor with its torque at a speed, and bodies that turn in a constant ratio to the driver."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cached_property
 from typing import Annotated
 
@@ -188,3 +189,22 @@ class Motor:
         required[peak] = duty.peak_torque
         with np.errstate(divide="ignore"):
             return float(min(np.min(supplied / required), np.divide(self.lasting_torque_n_mm, duty.rms_torque)))
+
+
+@record
+class RotatingBody:
+    """A body that turns about a fixed axis in a constant ratio to the driver of its mechanism.
+
+    Parameters
+    ----------
+    axis : complex
+        Its axis, mm.
+    speed : Fraction
+        Its rotations, counterclockwise, for one rotation of the driver; not 0.
+    is_wheel : bool, optional
+        Whether it looks alike at every angle, apart from teeth and marks, as a gear does.
+    """
+
+    axis: complex
+    speed: Fraction
+    is_wheel: bool = False

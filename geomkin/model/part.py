@@ -16,8 +16,7 @@ from ..core.reprs import still_picture
 from ..plane.curve import AbstractCurve
 from ..plane.measure import AreaMoments, area_moments
 from ..plane.vec import Pose, dot
-from .mass import Mass
-from .material import Material
+from .material import Mass, Material
 
 
 @record(checked=True)

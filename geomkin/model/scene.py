@@ -1,10 +1,10 @@
-"""The moving drawing of a mechanism: its bodies with their parts and poses at each frame, curves, marks and plots."""
+"""The moving drawing of a mechanism: bodies, their parts and poses at each frame, curves, marks, plots and handles."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, fields, replace
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -15,8 +15,63 @@ from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
 from ..plane.vec import Array, Complex, Mask, Real, Whole, as_unit, box_of
 from .part import Part
-from .roles import Role
 from .table import Column, Table
+
+Role = Literal[
+    "dimension",  # segments along a length; the label is its size
+    "traced",  # paths of points, and curves for which a part is made; in the first accent colour
+    "wanted",  # requirements of a synthesis; in the second accent colour
+    "construction",  # thin auxiliary lines: centre lines, image poles
+    "pitch",  # pitch curve of a cam, pitch circles of gears
+    "driven",  # region without usable driven pins of a guided body
+    "driving",  # region without usable driving pins
+    "deviation",  # band of possible paths, by tolerances and clearances
+    "contact",  # contacts of bodies and the path of contact
+    "centrode",
+    "inflection",
+    "bobillier",  # Bobillier's construction
+    "centre",  # instant centres
+    "velocity",
+    "acceleration",
+    "force",
+]
+
+
+class RoleStyle(NamedTuple):
+    """How a drawing treats a role.
+
+    label: text of its switch. shown: whether it is visible at first and in still pictures. room: largest margin that a
+    drawing adds on each side for it, as a share of the mechanism's size; 0 if the drawing always contains all of it.
+    """
+
+    label: str
+    shown: bool = True
+    room: float = 0.0
+
+
+# `room` of roles whose elements may extend far beyond the mechanism: of those that are the subject of a recipe, and of
+# the others.
+WIDE, NARROW = 0.5, 0.25
+
+# In the order of the switches.
+ROLES: Mapping[Role, RoleStyle] = {
+    "dimension": RoleStyle("dimensions", False, NARROW),
+    "traced": RoleStyle("traced path"),
+    "wanted": RoleStyle("wanted"),
+    "construction": RoleStyle("construction"),
+    "pitch": RoleStyle("pitch curves"),
+    "driven": RoleStyle("no driven pin here", True, NARROW),
+    "driving": RoleStyle("no driving pin here", True, NARROW),
+    "deviation": RoleStyle("deviation"),
+    "contact": RoleStyle("contact"),
+    "centrode": RoleStyle("centrodes", True, WIDE),
+    "inflection": RoleStyle("inflection circle", True, WIDE),
+    "bobillier": RoleStyle("Bobillier construction", False, NARROW),
+    "centre": RoleStyle("instant centres", False, NARROW),
+    "velocity": RoleStyle("velocities", False, NARROW),
+    "acceleration": RoleStyle("accelerations", False, NARROW),
+    "force": RoleStyle("forces", False, NARROW),
+}
 
 
 @record(checked=True, eq=False)
@@ -387,3 +442,60 @@ def plottable(plots: Iterable[Plot], table: Table) -> tuple[Plot, ...]:
 
     known_plots = (replace(plot, columns=tuple(filter(is_known, plot.columns))) for plot in plots)
     return tuple(plot.with_limits(plot.limits) for plot in known_plots if plot.columns)
+
+
+# Distance of the handle of a pose's angle from its origin, as a share of the extent of all poses.
+ARM = 0.25
+
+
+def point_handle(*keys: str, at: Complex | complex, label: str = "", arrow: complex = 0j) -> SceneHandle:
+    """A point that the keys place.
+
+    Parameters
+    ----------
+    *keys : str
+        Keys of a point, of its items, or of lengths that end there.
+    at : complex or complex array, shape (frames,)
+        Its position, mm.
+    label : str
+        For people; by default the last name of the first key.
+    arrow : complex
+        Vector of an arrow that ends there, mm.
+    """
+    places = np.atleast_1d(np.asarray(at, complex))
+    return SceneHandle(f"point:{keys[0]}", label or _words(keys[0]), keys, places, arrow=arrow)
+
+
+def circle_handle(
+    *keys: str, radius: float, centre: Complex | complex = 0j, label: str = "", is_one_value: bool = False
+) -> SceneHandle:
+    """A circle whose radius the keys give, mm; with `is_one_value` all keys have the same value."""
+    at = np.atleast_1d(np.asarray(centre, complex))
+    label = label or _words(keys[0])
+    return SceneHandle(f"circle:{keys[0]}", label, keys, at, "circle", radius, is_one_value=is_one_value)
+
+
+def plot_handle(*keys: str, at: complex, column: str, label: str = "") -> SceneHandle:
+    """A point of the plot of a column: x and y in the plot's units."""
+    return SceneHandle(f"plot:{keys[0]}", label or _words(keys[0]), keys, np.array([at]), "plot", column=column)
+
+
+def pose_handles(key: str, poses: Sequence[Sequence[float]]) -> Iterator[SceneHandle]:
+    """Two handles for each pose [x, y, angle in deg] of a list: its origin, and a point on its x axis."""
+    rows = np.array(poses, dtype=float).reshape(-1, 3)
+    places = rows[:, 0] + 1j * rows[:, 1]
+    arm = ARM * (max(np.ptp(places.real), np.ptp(places.imag)) or 1.0)
+    for k, (place, turn) in enumerate(zip(places, np.exp(1j * np.radians(rows[:, 2])))):
+        row = f"{key}[{k}]"
+        yield point_handle(f"{row}[0]", f"{row}[1]", at=place, label=f"pose {k + 1}")
+        yield point_handle(f"{row}[2]", at=place + arm * turn, label=f"angle of pose {k + 1}")
+
+
+def list_handles(key: str, points: Sequence[complex], label: str) -> Iterator[SceneHandle]:
+    """A handle for each point of a list, mm."""
+    for k, z in enumerate(points):
+        yield point_handle(f"{key}[{k}]", at=z, label=f"{label} {k + 1}")
+
+
+def _words(key: str) -> str:
+    return key.rpartition(".")[2].replace("_", " ")

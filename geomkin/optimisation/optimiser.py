@@ -27,12 +27,9 @@ from ..recipe.lengths import shown_numbers
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.varied import VariedRecipe, varied
-from .designs import NO_VIOLATION, Target, Trials, TriedDesign
-from .formulas import objective, parsed_constraint
-from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of
-from .front_files import write_front
-from .gradients import Box
-from .search import search
+from .designs import NO_VIOLATION, Target, Trials, TriedDesign, objective, parsed_constraint
+from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, write_front
+from .search import Box, search
 
 # Largest number of combinations of whole numbers, each of which is searched.
 MOST_COMBINATIONS = 10_000

@@ -7,7 +7,8 @@ and the result is the same.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from contextlib import suppress
+from functools import cached_property, partial
 from itertools import combinations
 from math import comb
 
@@ -15,9 +16,180 @@ import numpy as np
 
 from ..core.processes import Runner, by_this_process
 from ..core.progress import report
+from ..core.records import record
 from ..plane.vec import Real
 from .designs import Target, Trials, TriedDesign
-from .gradients import Box, gradient_search
+
+# Step of a difference quotient, as a share of a key's range.
+DIFFERENCE = 1e-7
+# Relative change of the objective and of the values at which a gradient search ends, and its most steps.
+CONVERGED, MOST_STEPS = 1e-10, 200
+# Distance from its limit at which a constraint is kept, as a share of its terms, so that rounding does not violate it.
+MARGIN = 1e-9
+
+
+class TimeOverError(Exception):
+    """The time limit, from within a gradient search."""
+
+
+@record(eq=False)
+class Box:
+    """Ranges of the keys that vary.
+
+    Parameters
+    ----------
+    low, high : mapping of str to float
+        By key; keys of whole numbers are fixed, with equal values.
+    """
+
+    low: Mapping[str, float]
+    high: Mapping[str, float]
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Keys whose value varies."""
+        return tuple(key for key in self.low if self.low[key] < self.high[key])
+
+    def holds(self, values: Mapping[str, float]) -> bool:
+        """Whether the values are within the ranges."""
+        return all(low <= values[key] <= self.high[key] for key, low in self.low.items())
+
+    def values(self, shares: Real) -> dict[str, float]:
+        """Values by key at shares of the ranges of the free keys."""
+        varied = {
+            key: min(self.low[key] + float(share) * (self.high[key] - self.low[key]), self.high[key])
+            for key, share in zip(self.free, shares)
+        }
+        return {key: varied.get(key, self.low[key]) for key in self.low}
+
+    def shares(self, values: Mapping[str, float]) -> Real:
+        """Shares of the ranges, of values by key."""
+        return np.array([(values[key] - self.low[key]) / (self.high[key] - self.low[key]) for key in self.free])
+
+
+def gradient_search(trials: Trials, box: Box, start: Real, target: Target, of_violation: bool = False) -> None:
+    """Sequential quadratic programming from one design; the designs that it tries are added to `trials`.
+
+    The largest of many values is minimised through one more variable that none of them exceeds, so that kinks are no
+    obstacle. Gradients are difference quotients. Kraft, A software package for sequential quadratic programming, 1988,
+    as NLopt has it. With `of_violation` the largest violation of a constraint is minimised instead of the objective.
+    """
+    import nlopt
+
+    reference = None if trials.over() else trials.tried(box.values(start))
+    if reference is None:
+        return
+    programme = _Programme(trials, box, len(start), target, of_violation, _rows(target, reference, of_violation))
+    has_bound, values = programme.has_bound, programme.reference[0]
+    solver = nlopt.opt(nlopt.LD_SLSQP, len(start) + has_bound)
+    solver.set_min_objective(programme.objective)
+    if rows := len(programme.reference[1]) + (len(values) if has_bound else 0):
+        solver.add_inequality_mconstraint(programme.constraints, np.zeros(rows))
+    solver.set_lower_bounds(np.append(np.zeros(len(start)), [-np.inf] * has_bound))
+    solver.set_upper_bounds(np.append(np.ones(len(start)), [np.inf] * has_bound))
+    solver.set_ftol_rel(CONVERGED)
+    solver.set_xtol_rel(CONVERGED)
+    solver.set_maxeval(MOST_STEPS)
+    # At an optimum where many values are equal there may be no further step; the best design is known.
+    with suppress(TimeOverError, nlopt.RoundoffLimited, nlopt.ForcedStop, nlopt.runtime_error):
+        solver.optimize(np.append(start, [float(values.max()) / programme.scale] * has_bound))
+
+
+@record(eq=False)
+class _Programme:
+    """Objective and constraints of a gradient search, as NLopt calls them; its unknowns are shares of a box.
+
+    Parameters
+    ----------
+    count : int
+        Number of shares; if the largest of several values is minimised, their bound is one more unknown.
+    reference : tuple of arrays
+        Rows of the objective and of the constraints at the start.
+    """
+
+    trials: Trials
+    box: Box
+    count: int
+    target: Target
+    of_violation: bool
+    reference: tuple[Real, Real]
+
+    @property
+    def has_bound(self) -> bool:
+        return len(self.reference[0]) > 1
+
+    @cached_property
+    def scale(self) -> float:
+        return max(float(np.abs(self.reference[0]).max()), 1e-12)
+
+    @cached_property
+    def _known(self) -> dict[bytes, tuple[Real, Real]]:
+        return {}
+
+    def results(self, shares: Real) -> tuple[Real, Real]:
+        """Rows of the objective and of the constraints; far above all others where there is no design."""
+        if self.trials.over():
+            raise TimeOverError
+        key, (objective_rows, excess_rows) = shares.tobytes(), self.reference
+        if key not in self._known:
+            design = self.trials.tried(self.box.values(shares))
+            if design is None:
+                self._known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
+            else:
+                wanted, excess = _rows(self.target, design, self.of_violation)
+                self._known[key] = (
+                    _resampled(wanted, len(objective_rows)) / self.scale,
+                    _resampled(excess, len(excess_rows)) + MARGIN,
+                )
+        return self._known[key]
+
+    def slopes(self, shares: Real) -> tuple[Real, Real]:
+        """Derivatives of both by the shares."""
+        here, columns = self.results(shares), []
+        for k in range(self.count):
+            step = DIFFERENCE if shares[k] + DIFFERENCE <= 1 else -DIFFERENCE
+            there = self.results(shares + step * np.eye(self.count)[k])
+            columns.append([(b - a) / step for a, b in zip(here, there)])
+        return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
+
+    def objective(self, x: Real, gradient: Real) -> float:
+        if self.has_bound:
+            if gradient.size:
+                gradient[:] = np.append(np.zeros(self.count), 1.0)
+            return float(x[self.count])
+        if gradient.size:
+            gradient[:] = self.slopes(x)[0][0]
+        return float(self.results(x)[0][0])
+
+    def constraints(self, values: Real, x: Real, gradient: Real) -> None:
+        count = self.count
+        wanted_rows, excess = self.results(x[:count])
+        if self.has_bound:
+            values[:] = np.concatenate([wanted_rows - x[count], excess])
+        else:
+            values[:] = excess
+        if gradient.size:
+            by_objective, by_excess = self.slopes(x[:count])
+            if self.has_bound:
+                gradient[:, :count] = np.concatenate([by_objective, by_excess])
+                gradient[:, count] = np.where(np.arange(len(values)) < len(wanted_rows), -1.0, 0.0)
+            else:
+                gradient[:] = by_excess
+
+
+def _rows(target: Target, design: TriedDesign, of_violation: bool) -> tuple[Real, Real]:
+    """The rows of which the largest is minimised, and those that have to be at most 0."""
+    excess = np.concatenate([*design.excess_rows, np.zeros(0)])
+    return (excess, np.zeros(0)) if of_violation else (target.rows(design), excess)
+
+
+def _resampled(rows: Real, count: int) -> Real:
+    """The rows, interpolated if a design has another number of them."""
+    if len(rows) == count:
+        return rows
+    resampled: Real = np.interp(np.linspace(0, 1, count), np.linspace(0, 1, len(rows)), rows)
+    return resampled
+
 
 # Random designs per key, the most of them if few work, and the least distance of the designs from which gradient
 # searches start, as a share of the ranges.

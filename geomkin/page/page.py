@@ -1,20 +1,259 @@
-"""The page of a mechanism: one HTML file with its moving drawing, which loads no other file."""
+"""The page of a mechanism, one HTML file with its scene as JSON, and the index page of a folder."""
 
 from __future__ import annotations
 
 import json
+import re
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from hashlib import sha256
 from importlib.resources import files
+from itertools import islice
+from pathlib import Path
+from typing import TypeGuard
+from urllib.parse import quote
 
+import numpy as np
+
+from ..core.errors import FileError, harmless
+from ..core.fields import to_digits
+from ..core.names import file_name_flaw, folded_name
+from ..core.units import MM, LengthUnit
+from ..export.formats import tail_of
 from ..export.job import Job
-from ..export.still import MOST_FRAMES
+from ..export.still import MOST_FRAMES, SCREEN, kept_frames
+from ..export.summary import listed_files, read_summary
+from ..export.svg_path import path
 from ..export.text import capital, text
+from ..model.scene import ROLES, Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, SceneRegion, shown_columns
+from ..model.table import Column, significant
+from ..plane.curve import AbstractCurve
+from ..plane.vec import Array, Complex, Real, Whole
 from . import player
-from .scene_json import scene_json
-from .sections import all_of, verdict
+from .sections import all_of, picture_address, verdict
+
+# Digits of positions, counted from the scene's size. With fewer, plates tremble from frame to frame on a large screen;
+# one more makes a page a fifth longer.
+DIGITS = 6
+# Largest step that JavaScript adds up exactly.
+MOST_STEPS = 2**50
+
+
+def scene_json(scene: Scene, name: str, unit: LengthUnit = MM) -> str:
+    """The JSON text of a scene, safe within a script element."""
+    text = json.dumps(scene_data(scene, name, unit), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    # Base64 spells "nan" by chance, which whoever looks for unknown numbers in a page would take for one.
+    text = re.sub("(?<=n)a(?=n)", lambda letter: f"\\u{ord(letter[0]):04x}", text, flags=re.IGNORECASE)
+    return text.replace("<", "\\u003c")
+
+
+def scene_data(scene: Scene, name: str, unit: LengthUnit = MM) -> dict[str, object]:
+    """A scene as plain values, the input of the player.
+
+    `series` holds rows of numbers over the frames: the table's values and angles in deg as `floats`, coordinates in mm
+    as `steps`. All other entries refer to a row by its index. Equal rows, such as the angle of a body, which is also in
+    the table, are stored once. unit: of the scale below the drawing.
+    """
+    low, high = scene.box
+    encoder = _Encoder(kept_frames(len(scene.time)), abs(high - low) or 1.0)
+    scenes = [encoder.scene("", scene), *(encoder.scene(label, other) for label, other in scene.others.items())]
+    data: dict[str, object] = {
+        "name": harmless(name),
+        "cyclic": bool(scene.cyclic),
+        "frames": len(encoder.frames),
+        "time": encoder.row(floats(significant(scene.time)[encoder.frames])),
+        "scenes": scenes,
+        "roles": _roles(scene),
+        **encoder.plotted(shown_columns(scene), scene.plots),
+        "paths": encoder.paths,
+        "series": encoder.series,
+    }
+    if unit is not MM:
+        data["unit"] = [unit.name, unit.mm]
+    if scene.choice is not None:
+        columns = scene.choice.table.columns
+        solutions = _Encoder(np.arange(len(columns[0].values)), 1.0)
+        data["choice"] = {
+            **solutions.plotted(columns, scene.choice.plots),
+            "frames": len(solutions.frames),
+            "chosen": scene.choice.chosen,
+            "key": scene.choice.key,
+            "instead_of": list(scene.choice.instead_of),
+            "series": solutions.series,
+        }
+    return data
+
+
+def _roles(scene: Scene) -> list[dict[str, object]]:
+    """The roles that a scene and its alternatives use, in the order of their switches."""
+    labels: dict[Role, dict[str, None]] = {}
+    for one in (scene, *scene.others.values()):
+        elements: tuple[SceneCurve | SceneMark | SceneRegion, ...] = (*one.curves, *one.marks, *one.regions)
+        for element in elements:
+            is_vector = isinstance(element, SceneMark) and element.sort == "vector"
+            # The label of a vector ends with its scale, which the player appends to that of the switch.
+            label = element.label.rpartition(", ")[0] if is_vector else element.label
+            labels.setdefault(element.role, {})[harmless(label)] = None
+    used = [{"id": role, **style._asdict()} for role, style in ROLES.items() if role in labels]
+    # What is wanted is another thing in each kind, so its switch names it, the first and the last of many.
+    names = [label for label in labels.get("wanted", ()) if label]
+    for entry in used:
+        if entry["id"] == "wanted" and names:
+            entry["label"] = ", ".join(names) if len(names) < 3 else f"{names[0]} to {names[-1]}"
+    return used
+
+
+class _Encoder:
+    """Encodes the scenes of a page; equal rows of numbers and equal paths are stored once."""
+
+    def __init__(self, frames: Whole, size: float):
+        self.frames, self.tolerance = frames, SCREEN * size
+        self.decimals = DIGITS - 1 - int(np.floor(np.log10(size)))
+        self.paths: list[str] = []
+        self.series: list[object] = []
+        # Indices of stored rows and paths. Many are equal, as plates in both assembly modes or pins of several links.
+        self._indices: dict[object, int] = {}
+
+    def plotted(self, columns: Sequence[Column], plots: Sequence[Plot]) -> dict[str, object]:
+        """Columns of numbers, and the plots that show them."""
+        ids = [column.id for column in columns]
+        return {
+            "columns": [
+                {
+                    "name": harmless(column.id),
+                    "unit": harmless(column.unit),
+                    "meaning": harmless(column.meaning),
+                    "row": self.row(floats(column.written[self.frames].astype(float))),
+                }
+                for column in columns
+            ],
+            "plots": [
+                {
+                    "title": harmless(plot.title),
+                    "columns": [ids.index(id) for id in plot.columns if id in ids],
+                }
+                | (
+                    {"limits": [[float(limit.value), harmless(limit.label)] for limit in plot.limits]}
+                    if plot.limits
+                    else {}
+                )
+                | ({"bars": True} if plot.bars else {})
+                for plot in plots
+            ],
+        }
+
+    def scene(self, label: str, scene: Scene) -> dict[str, object]:
+        return {
+            "label": harmless(label),
+            "open": np.flatnonzero(~np.asarray(scene.assembled)[self.frames]).tolist(),
+            "bodies": [self._body(body) for body in scene.bodies],
+            "curves": [*map(self._region, scene.regions), *map(self._curve, scene.curves)],
+            "marks": [self._mark(mark) for mark in scene.marks],
+        }
+
+    def _body(self, body: SceneBody) -> dict[str, object]:
+        engraved = [self._path(part.marks) for part in body.parts if part.marks]
+        return (
+            {
+                "name": harmless(body.name),
+                "at": self._points(body.origin),
+                "turn": self._angles(body.direction),
+                "layer": body.layer,
+                "cut": [self._path((part.outline, *part.holes)) for part in body.parts],
+            }
+            | ({} if body.named else {"unnamed": True})
+            | ({"fixed": True} if body.fixed else {})
+            | ({"engraved": engraved} if engraved else {})
+        )
+
+    def _curve(self, curve: SceneCurve) -> dict[str, object]:
+        entry: dict[str, object] = {
+            "path": self._path((curve.curve,)),
+            "role": curve.role,
+            "label": harmless(curve.label),
+        }
+        return entry | ({"body": harmless(curve.body)} if curve.body else {})
+
+    def _region(self, region: SceneRegion) -> dict[str, object]:
+        return {"path": self._path(region.curves), "role": region.role, "label": harmless(region.label)}
+
+    def _mark(self, mark: SceneMark) -> dict[str, object]:
+        # Entries that have their usual value are omitted.
+        entry: dict[str, object] = {"sort": mark.sort, "at": self._points(mark.place)}
+        if mark.label:
+            entry["label"] = harmless(mark.label)
+        if mark.role != "construction":
+            entry["role"] = mark.role
+        if mark.trail:
+            entry["trail"] = True
+        if mark.vector is not None:
+            entry["vector"] = self._points(mark.vector)
+        if mark.direction is not None:
+            entry["turn"] = self._angles(mark.direction)
+        if mark.radius is not None:
+            entry["radius"] = self.row(second_differences(mark.radius[self.frames], self.decimals))
+        return entry
+
+    def _points(self, points: Complex) -> list[int]:
+        points = np.asarray(points)[self.frames]
+        unknown = ~np.isfinite(points)
+        return [
+            self.row(second_differences(np.where(unknown, np.nan, part), self.decimals))
+            for part in (points.real, points.imag)
+        ]
+
+    def _angles(self, directions: Complex) -> int:
+        angles = np.angle(directions)
+        known = np.isfinite(angles)
+        angles[known] = np.unwrap(angles[known])
+        return self.row(floats(significant(np.degrees(angles), 1.0)[self.frames]))
+
+    def _path(self, curves: tuple[AbstractCurve, ...]) -> int:
+        if curves not in self._indices:
+            # Paths have one digit less than positions, which is still a twentieth of the tolerance.
+            text = path(curves, self.tolerance, self.decimals - 1)
+            if text not in self.paths:
+                self.paths.append(text)
+            self._indices[curves] = self.paths.index(text)
+        return self._indices[curves]
+
+    def row(self, row: object) -> int:
+        """The index of a row, which is stored if it is new."""
+        key = tuple(row) if isinstance(row, list) else row
+        if key not in self._indices:
+            self._indices[key] = len(self.series)
+            self.series.append(row)
+        return self._indices[key]
+
+
+def floats(row: Real) -> object:
+    """A row in single precision, seven digits of each number, as base64 of its little-endian bytes.
+
+    A constant row becomes one number, a row of nan None.
+    """
+    with np.errstate(over="ignore"):
+        single = row.astype("<f4")
+    if not np.isfinite(single).any():
+        return None
+    return to_digits(row[0], 7) if (single == single[0]).all() else b64encode(single.tobytes()).decode()
+
+
+def second_differences(row: Real, decimals: int) -> object:
+    """A smooth row, rounded: the number of decimals, then the second differences in units of the last decimal.
+
+    nan becomes None. A constant row becomes one number, a row of nan None.
+    """
+    known = np.isfinite(row)
+    whole = np.clip(np.rint(row[known] * 10.0**decimals), -MOST_STEPS, MOST_STEPS).astype(np.int64)
+    if not len(whole):
+        return None
+    if known.all() and (whole == whole[0]).all():
+        return round(float(row[0]), decimals) + 0.0
+    differences: Array = np.full(len(row), None)
+    differences[known] = np.diff(whole, n=2, prepend=[0, 0])
+    return [decimals, *differences.tolist()]
+
 
 # Scripts of the player, each after those that it uses.
 SCRIPTS = (
@@ -127,3 +366,139 @@ def head(title: str, style: str, script: str = "", mark: str = "") -> str:
 def _hashed(content: str) -> str:
     """Source of a script or style, as a content security policy names it."""
     return f"'sha256-{b64encode(sha256(content.encode()).digest()).decode()}'"
+
+
+NAME = "index.html"
+# The mark of pages that geomkin wrote, and the number of bytes at the start of a page in which it is searched for.
+MARK, MARK_WITHIN = b'<meta name="generator" content="geomkin">', 1000
+# Largest picture that is shown, and largest sum of all, bytes. Pictures by geomkin are far smaller; with more the page
+# opens slowly.
+LARGEST_PICTURE, ALL_PICTURES = 200_000, 5_000_000
+# Largest numbers of folders that are searched, of cards, and of files that a card lists. Readers have no use for more.
+MOST_FOLDERS, MOST_CARDS, MOST_FILES = 20_000, 2000, 300
+
+
+def index_page(folder: Path) -> dict[str, bytes]:
+    """The page for all folders in `folder` that hold the files of a recipe; it loads no other file.
+
+    Raises FileError if there are none, or if a page that geomkin did not write has this name.
+    """
+    _refuse_foreign(folder / NAME)
+    cards, count, room = [], 0, ALL_PICTURES
+    for recipe_folder in _folders(folder):
+        if not (summary := read_summary(recipe_folder)) or not isinstance(summary.get("recipe"), dict):
+            continue
+        count += 1
+        if count <= MOST_CARDS:
+            picture = _picture(recipe_folder, room)
+            room -= len(picture)
+            cards.append(_card(recipe_folder, summary, picture))
+    if not cards:
+        raise FileError(folder, "no folder in it holds the files of a recipe", "run recipes first", "file-unreadable")
+    more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
+    place = folder.resolve().name or "this folder"
+    style = f"{colours()}{player_file('index.css')}"
+    page = f"""{head(f"Mechanisms in {place}", style, mark=MARK.decode())}<body>
+<header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{text(place)}</bdi></p></header>
+<main>
+<ul class="cards">
+{chr(10).join(cards)}
+</ul>{more}
+</main>
+</body>
+</html>
+"""
+    return {NAME: page.encode("utf-8", "replace")}
+
+
+def _refuse_foreign(path: Path) -> None:
+    try:
+        if path.is_file():
+            with path.open("rb") as file:
+                ours = MARK in file.read(MARK_WITHIN)
+        else:
+            ours = not path.exists()
+    except OSError:
+        ours = False
+    if not ours:
+        problem = "it was not written by geomkin, and is left unchanged"
+        raise FileError(path, problem, "move it or choose another folder", "file-unwritable")
+
+
+def _folders(folder: Path) -> list[Path]:
+    """The folders in a folder, in alphabetical order."""
+    try:
+        folders = [path for path in islice(folder.iterdir(), MOST_FOLDERS) if path.is_dir()]
+    except OSError as error:
+        problem = f"cannot be read ({error.strerror})"
+        raise FileError(folder, problem, "give a folder", "file-unreadable") from error
+    valid = [path for path in folders if not file_name_flaw(path.name)]
+    return sorted(valid, key=lambda path: (folded_name(path.name), path.name))
+
+
+def _card(recipe_folder: Path, summary: dict[str, object], picture: str) -> str:
+    recipe = summary["recipe"]
+    kind = recipe.get("kind") if isinstance(recipe, dict) else ""
+    name = recipe_folder.name
+    page = f"{name}{tail_of('page')}"
+    files = sorted(file for file in listed_files(recipe_folder) if _is_there(recipe_folder / file))
+    title = f'<a href="{_link(recipe_folder, page)}">{text(name)}</a>' if page in files else text(name)
+    image = f"<img alt=\"{text(name)}, assembled\" src='{picture}'>" if picture else '<div class="none"></div>'
+    rows = "".join(f'<li><a href="{_link(recipe_folder, file)}">{text(file)}</a></li>' for file in files[:MOST_FILES])
+    more = f"<li>and {len(files) - MOST_FILES:,} more</li>" if len(files) > MOST_FILES else ""
+    listed = (
+        f"<details><summary>{_counted(len(files), 'file')}</summary><ul>{rows}{more}</ul></details>" if files else ""
+    )
+    subtitle = f'<p class="kind">{text(kind)}</p>' if isinstance(kind, str) else ""
+    return f"<li>{image}<h2><bdi>{title}</bdi></h2>{subtitle}{_verdict(summary.get('checks'))}{listed}</li>"
+
+
+def _verdict(checks: object) -> str:
+    """Number of checks that pass, and the first one that fails."""
+    if not isinstance(checks, list) or not checks or not all(map(_is_check, checks)):
+        return ""
+    failing = [check for check in checks if _is_check(check) and not check["passed"]]
+    failing.sort(key=lambda check: "expected" in check)
+    failed = [check["name"] for check in failing]
+    if not failed:
+        verdict = "The only check passed." if len(checks) == 1 else f"All {len(checks):,} checks passed."
+        return f'<p class="holds">{verdict}</p>'
+    fails = "fails" if len(failed) == 1 else "fail"
+    fails += " as expected" * all("expected" in check for check in failing)
+    verdict = f"{len(failed):,} of {_counted(len(checks), 'check')} {fails}: {text(str(failed[0])[:200])}"
+    return f'<p class="fails">{verdict}{" and others" if len(failed) > 1 else ""}.</p>'
+
+
+def _is_check(check: object) -> TypeGuard[dict[str, object]]:
+    return isinstance(check, dict) and isinstance(check.get("passed"), bool) and isinstance(check.get("name"), str)
+
+
+def _picture(recipe_folder: Path, room: int) -> str:
+    """The picture of the assembly as a data address. Shown as an image, it can neither run nor load anything."""
+    path = recipe_folder / f"{recipe_folder.name}{tail_of('assembly-svg')}"
+    try:
+        if not path.is_file() or path.stat().st_size > LARGEST_PICTURE:
+            return ""
+        with path.open("rb") as file:
+            content = file.read(LARGEST_PICTURE + 1)
+    except OSError:
+        return ""
+    # An image shows no titles.
+    address = picture_address(re.sub(rb"<title>[^<]*</title>", b"", content))
+    return address if len(content) <= LARGEST_PICTURE and len(address) <= room else ""
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def _link(recipe_folder: Path, file: str) -> str:
+    """Address of a file relative to the page, with special characters escaped."""
+    return f"./{quote(recipe_folder.name)}/{quote(file)}"
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count:,} {word}{'' if count == 1 else 's'}"

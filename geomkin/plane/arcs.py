@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.arguments import checked
-from ..core.errors import DesignError
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
+from .flatten import Intervals, Judge, adaptive_subdivision, check_tolerance, direction, probes, tops, turns
 from .joined import Path, PolarArray
 from .primitives import Arc, Circle, Polyline, Segment
-from .subdivision import Intervals, Judge, adaptive_subdivision, direction, probes, tops, turns
 from .vec import Complex, Real, dot, unit
 
 # Positions at which a biarc is compared with its curve.
@@ -55,8 +54,7 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     >>> len(gk.to_arcs(gk.plane.Circle(0j, 10.0), 0.01).vertices)
     2
     """
-    if not 0 < tolerance < np.inf:
-        raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
+    check_tolerance(tolerance)
     vertices, bulges = _chain(curve, tolerance, {})
     return Polyline(vertices[:-1] if curve.closed else vertices, bulges, curve.closed)
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from .curve import AbstractCurve, Mirrored, Offset, Reversed, SubCurve
-from .flatten import smooth_runs
+from .flatten import CORNER, direction, smooth_runs
 from .joined import Path, PolarArray
 from .primitives import Arc, Polyline, Segment
-from .subdivision import CORNER, direction
 from .vec import Real, cross
 
 # Newton steps to the intersection of two curves. Four suffice if neighbours overlap by far less than their length.

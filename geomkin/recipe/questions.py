@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import ClassVar, Self
 
 from ..model.check import Check
-from ..model.rotating import RotatingBody
+from ..model.motor import RotatingBody
 from ..model.scene import Scene, SceneHandle
 from ..plane.vec import Complex, Real
 from .aspect import ALONE, Setting

@@ -18,14 +18,13 @@ from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..core.units import Units
-from ..model.beam import beam_checks
 from ..model.check import Check
-from ..model.mass import Mass
+from ..model.material import Mass
+from ..model.motor import RotatingBody
 from ..model.part import Bought, Part
-from ..model.rotating import RotatingBody
 from ..model.scene import Candidate, Scene
 from ..model.table import Table
-from ..model.walls import ADVICE, thinnest_walls, wall_checks
+from ..model.thin_features import ADVICE, beam_checks, thinnest_walls, wall_checks
 from ..plane.vec import Real
 from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable

@@ -21,7 +21,7 @@ from ..core.records import record
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check, Suggestion
-from ..model.mass import Mass
+from ..model.material import Mass
 from ..plane.vec import Real
 
 

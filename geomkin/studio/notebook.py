@@ -26,7 +26,7 @@ from ..gear.contract import AbstractGear
 from ..gear.kinds.planetary import PlanetaryRecipe
 from ..gear.kinds.single_gears import RingGearRecipe, SpurGearRecipe
 from ..gear.pair import GearPair
-from ..gear.parts.gears import GearStock, RingStock, gear_parts
+from ..gear.parts import GearStock, RingStock, gear_parts
 from ..gear.planetary import PlanetarySet
 from ..gear.rack import RackPair
 from ..gear.ring import RingGear

@@ -23,8 +23,8 @@ from .. import page
 from ..build import make
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, printable
 from ..core.names import file_name_flaw
-from ..export.assembly_svg import assembly_picture
 from ..export.job import Job
+from ..export.scene_svg import assembly_picture
 from ..recipe.kinds import KINDS, all_kinds, recipe_class
 from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
@@ -32,8 +32,7 @@ from ..recipe.shown import ShownRecipe
 from ..recipe.template import template
 from .edit import Draft, answer
 from .form import recipe_form
-from .jobs import BackgroundJob, Jobs, join_all
-from .workspace import ConflictError, Workspace
+from .workspace import BackgroundJob, ConflictError, Jobs, Workspace, join_all
 
 HOST = "127.0.0.1"
 # The first port that is tried, and how many after it.

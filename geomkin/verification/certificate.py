@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import isfinite, nan
 from pathlib import Path
+
+import numpy as np
 
 from ..build import errors_named_by_key
 from ..core.arguments import checked
@@ -18,8 +21,9 @@ from ..core.progress import report
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit
 from ..export.formats import format_of
-from ..export.stamp import LAYOUT, Stamp, recipe_hash
-from ..export.summary import FOUND, NAME, read_summary
+from ..export.summary import FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
+from ..model.part import Bought, Part
+from ..model.table import Table
 from ..recipe.load import from_table, parse
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.shown import ShownRecipe
@@ -35,7 +39,82 @@ from .comparison import (
     refuse_more,
     worst_of,
 )  # fmt: skip
-from .drawing import LARGEST, UnreadableError
+from .outline import LARGEST, UnreadableError
+from .read_back import read_3mf, read_dxf, read_glb, read_step, read_stl, read_svg
+
+# Relative difference of numbers that were written with ten digits, and absolute one as a share of the column's size.
+CLOSE, NOISE = 2e-9, 1e-10
+
+
+def read_cells(path: Path) -> list[list[str]]:
+    """The cells of a CSV file, line by line; UnreadableError if it is not CSV."""
+    with path.open("rb") as file:
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise UnreadableError(f"it has more than {LARGEST:,} bytes")
+    try:
+        rows = list(csv.reader(content.decode("utf-8").splitlines()))
+    except (UnicodeDecodeError, csv.Error) as fault:
+        raise UnreadableError(f"it is not CSV ({type(fault).__name__})") from None
+    if not rows or any(len(row) != len(rows[0]) for row in rows):
+        raise UnreadableError("its rows have different numbers of cells")
+    return rows
+
+
+def motion_problems(path: Path, table: Table) -> list[str]:
+    """Differences between a CSV file and the table of its recipe, a sentence each."""
+    header, *rows = read_cells(path)
+    expected = {column.header: column.written for column in table.columns}
+    if header != list(expected):
+        return ["its columns are not those of the recipe"]
+    problems = []
+    for k, (name, values) in enumerate(expected.items()):
+        cells = [row[k] for row in rows]
+        if len(cells) != len(values):
+            return [f"it has {len(cells)} rows, but the recipe's table has {len(values)}"]
+        if np.asarray(values).dtype.kind not in "fiub":
+            wrong = [j for j, (cell, value) in enumerate(zip(cells, values)) if cell.lstrip("'") != str(value)]
+        else:
+            wrong = _wrong_numbers(cells, np.asarray(values, dtype=float))
+        if wrong:
+            problems.append(f"row {wrong[0] + 2} of {name} is not that of the recipe ({len(wrong)} such rows)")
+    return problems
+
+
+def _wrong_numbers(cells: Sequence[str], values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[int]:
+    try:
+        found = np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return [next(k for k, cell in enumerate(cells) if cell and not _is_number(cell))]
+    known = np.isfinite(values)
+    size = np.abs(values[known]).max(initial=0.0)
+    same = np.where(known, np.abs(found - values) <= CLOSE * np.abs(values) + NOISE * size + NOISE, np.isnan(found))
+    return [int(k) for k in np.flatnonzero(~same)]
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def bill_problems(path: Path, parts: Sequence[Part], bought: Sequence[Bought]) -> list[str]:
+    """Differences between a bill of materials and the parts and bought items, a sentence each."""
+    header, *rows = read_cells(path)
+    try:
+        item, count = header.index("item"), header.index("count")
+        listed = [(row[item].lstrip("'"), int(row[count])) for row in rows]
+    except ValueError:
+        return ["it has no columns of items and counts"]
+    expected = [(part.name, part.count) for part in parts] + [(item.name, item.count) for item in bought]
+    missing = [line for line in expected if line not in listed]
+    further = [line for line in listed if line not in expected]
+    return [f"it lacks {count} x {name}" for name, count in missing] + [
+        f"it has {count} x {name}, which the recipe does not have" for name, count in further
+    ]
+
 
 # Share of the tolerance by which a deviation may exceed it: the error of the measurement itself.
 MEASURED = 2 * FINENESS
@@ -308,30 +387,22 @@ class Content:
 
 
 def _dxf(path: Path, expected: Expected) -> Content:
-    from .read_dxf import read_dxf
-
     drawing = read_dxf(path, expected.tolerance * FINENESS / 2)
     return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
 
 
 def _svg(path: Path, expected: Expected) -> Content:
-    from .read_svg import read_svg
-
     drawing = read_svg(path, expected.tolerance * FINENESS / 2)
     return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
 
 
 def _stl(path: Path, expected: Expected) -> Content:
-    from .read_mesh import read_stl
-
     meshes, problems, stamp = read_stl(path)
     exact = expected.named(path.stem)
     return Content([measure_mesh(mesh, exact, expected.tolerance) for mesh in meshes], stamp, tuple(problems))
 
 
 def _glb(path: Path, expected: Expected) -> Content:
-    from .read_mesh import read_glb
-
     meshes, problems, stamp = read_glb(path)
     refuse_more(len(meshes), len(expected.assembled), MOST_PLATES, "solids")
     measured = [measure_mesh(mesh, expected.in_assembly(mesh.name), expected.tolerance) for mesh in meshes]
@@ -339,8 +410,6 @@ def _glb(path: Path, expected: Expected) -> Content:
 
 
 def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content:
-    from .read_mesh import read_3mf
-
     meshes, counts, problems, stamp = read_3mf(path)
     named = expected.in_assembly if assembled else expected.named
     count = len(expected.assembled) if assembled else expected.count
@@ -355,8 +424,6 @@ def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content
 
 
 def _step(path: Path, expected: Expected) -> Content:
-    from .read_step import read_step
-
     plate = read_step(path, expected.tolerance * FINENESS / 2)
     exact = expected.named(path.stem)
     found = measure_plate((plate.lower, plate.upper), plate.thickness, exact, expected.tolerance)
@@ -364,13 +431,11 @@ def _step(path: Path, expected: Expected) -> Content:
 
 
 def _csv(path: Path, expected: Expected) -> Content:
-    from .tables import motion_problems
 
     return Content([], problems=tuple(motion_problems(path, ShownRecipe(expected.recipe).table)))
 
 
 def _bom(path: Path, expected: Expected) -> Content:
-    from .tables import bill_problems
 
     return Content([], problems=tuple(bill_problems(path, expected.recipe.parts, ShownRecipe(expected.recipe).bought)))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.measures import pressure_angle
+from geomkin.cam.checks import pressure_angle
 
 from .test_editor import RECIPES, centre, settle, studio  # noqa: F401  the fixture
 

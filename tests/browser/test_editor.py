@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.page.scene_json import scene_data
+from geomkin.page.page import scene_data
 from geomkin.studio.server import Studio, StudioServer
 from geomkin.studio.workspace import Workspace
 

@@ -6,10 +6,10 @@ import pytest
 import geomkin as gk
 from geomkin.cam import base_circle
 from geomkin.cam.base_circle import flat_face_base_radius, least_base_circle
-from geomkin.cam.extrema import samples
+from geomkin.cam.checks import segment_limits, tightest_convex
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
-from geomkin.cam.measures import segment_limits, tightest_convex
+from geomkin.cam.program.extrema import samples
 from geomkin.cam.undercut import undercut
 from tests.campaign import by_default
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.measures import polar_radius
+from geomkin.cam.checks import polar_radius
 from tests.campaign import by_default
 
 from .cams import CAMS, UNDERCUT, depth, seen_from_cam

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.cam.checks import contact_travel
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
-from geomkin.cam.measures import contact_travel
 from tests.campaign import by_default
 
 from .cams import CAMS, LIFTS, SWINGS, depth, placed, programme, rolls, seen_from_cam

@@ -7,9 +7,9 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.cam.checks import contact_travel
 from geomkin.cam.followers.flat import OscillatingFlat
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
-from geomkin.cam.measures import contact_travel
 from geomkin.cam.parts import CamStock, cam_parts
 from geomkin.cam.undercut import undercut
 from tests.cam.cams import CAMS, LIFTS, SWINGS, UNDERCUT

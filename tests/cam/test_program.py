@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import geomkin as gk
-from geomkin.cam.measures import tightest_convex
+from geomkin.cam.checks import tightest_convex
 from geomkin.cam.program.program import Program
 from geomkin.cam.program.segments import LiftPolynomial, LiftSpline, LiftTable, OptimisedPolynomial, OptimisedSpline
 

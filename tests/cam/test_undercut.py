@@ -5,9 +5,9 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.cam.checks import segment_limits, tightest_convex
 from geomkin.cam.followers.flat import TranslatingFlat
 from geomkin.cam.followers.roller import TranslatingRoller
-from geomkin.cam.measures import segment_limits, tightest_convex
 from geomkin.cam.undercut import undercut
 from tests.campaign import by_default
 

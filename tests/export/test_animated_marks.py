@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.animation import animation
 from geomkin.export.job import Job, StaticSource
+from geomkin.export.scene_svg import animation
 from geomkin.model.scene import Scene, SceneBody, SceneMark
 from geomkin.model.table import Column, Table
 from tests.export.stills import motions, pose_at, root_of

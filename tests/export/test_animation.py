@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.animation import key_frames
+from geomkin.export.scene_svg import key_frames
 from tests.export.stills import SPACE, motions, placed, pose_at, root_of, titled
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.labels import within
+from geomkin.export.still import within
 from tests.export.stills import SPACE, loops, placed, root_of, titled
 
 RECIPES = Path(__file__).parents[2] / "recipes"

@@ -7,7 +7,7 @@ import ezdxf
 import numpy as np
 import pytest
 
-from geomkin.export.assembly_dxf import assembly_drawing
+from geomkin.export.dxf import assembly_drawing
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.still import Still
 from geomkin.export.svg_path import path

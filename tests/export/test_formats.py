@@ -12,12 +12,12 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.csv import csv
 from geomkin.export.cut import cut
 from geomkin.export.dxf import dxf
 from geomkin.export.layout import lay_out
-from geomkin.export.stl import stl
+from geomkin.export.solids import stl
 from geomkin.export.svg import svg
+from geomkin.export.tables import csv
 from geomkin.model.table import xy_columns
 
 TOLERANCE = 0.005

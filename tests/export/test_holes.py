@@ -79,7 +79,7 @@ def test_holes_that_share_a_side_or_an_area_overlap_and_those_that_meet_at_a_cor
 
 def test_a_solid_whose_walls_are_turned_inside_out_is_never_written():
     """Such walls pass for watertight: the volume shows it, and either alone is enough to refuse."""
-    from geomkin.export.stl import stl
+    from geomkin.export.solids import stl
 
     sound = cut(gk.Part("plate", gk.plane.Circle(0, 20), (gk.plane.Circle(5, 4),), 3.0), 0.01)
     assert stl(sound)

@@ -10,10 +10,9 @@ import pytest
 import trimesh
 
 import geomkin as gk
-from geomkin.export.glb import glb
 from geomkin.export.job import Job, StaticSource
+from geomkin.export.solids import assembly_package, glb
 from geomkin.export.still import in_place, palette
-from geomkin.export.threemf import assembly_package
 from geomkin.model.scene import SceneBody
 from tests.export.test_animated_marks import FRAMES, scene_of
 from tests.export.test_assembly_3mf import CORE, matrix, read

@@ -5,8 +5,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.labels import place_labels
-from geomkin.export.still import Still
+from geomkin.export.still import Still, place_labels
 from geomkin.model.scene import SceneBody, SceneMark
 from tests.export.test_animated_marks import ALONG, FRAMES, scene_of
 

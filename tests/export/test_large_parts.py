@@ -10,8 +10,7 @@ import geomkin as gk
 from geomkin.core.units import UNITS
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.mesh import rounding_error, solid, solid_cut
-from geomkin.export.stl import stl
-from geomkin.export.threemf import threemf
+from geomkin.export.solids import stl, threemf
 
 TOLERANCE = 0.005
 

@@ -18,8 +18,7 @@ from geomkin.export.job import StaticSource
 from geomkin.export.still import MOST_FRAMES, kept_frames
 from geomkin.export.svg_path import path
 from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
-from geomkin.page.page import mechanism_page
-from geomkin.page.scene_json import scene_data, scene_json
+from geomkin.page.page import mechanism_page, scene_data, scene_json
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NASTY = '</script><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.plots import hodograph_file, plot_file
+from geomkin.export.tables import hodograph_file, plot_file
 from geomkin.model.scene import Limit, Plot
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

@@ -6,7 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.export.cut import cut
 from geomkin.export.mesh import solid
-from geomkin.export.stl import TRIANGLE, stl
+from geomkin.export.solids import TRIANGLE, stl
 
 
 @pytest.mark.parametrize("size", [3.0, 300.0])

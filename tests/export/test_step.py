@@ -8,7 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.cut import cut
-from geomkin.export.step import step
+from geomkin.export.solids import step
 
 PARTS = [
     gk.Part("disc", gk.plane.Circle(5 - 3j, 20), (gk.plane.Circle(5, 4),), 2.0),

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.assembly_dxf import assembly_drawing
-from geomkin.export.assembly_svg import assembly_picture
+from geomkin.export.dxf import assembly_drawing
 from geomkin.export.job import Job, StaticSource
-from geomkin.export.labels import place_labels
-from geomkin.export.still import Still
+from geomkin.export.scene_svg import assembly_picture
+from geomkin.export.still import Still, place_labels
 from geomkin.model.scene import SceneBody, SceneCurve, SceneMark
 from tests.export.stills import SPACE, loops, placed, root_of, titled
 from tests.export.test_animated_marks import FRAMES, scene_of

@@ -7,7 +7,7 @@ import shapely
 import geomkin as gk
 from geomkin.export.layout import box
 from geomkin.export.mesh import solid_cut
-from geomkin.export.stl import TRIANGLE, stl
+from geomkin.export.solids import TRIANGLE, stl
 from tests.export.crossed import section
 from tests.made import Made
 

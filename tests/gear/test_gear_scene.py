@@ -8,7 +8,7 @@ from shapely import affinity
 import geomkin as gk
 from geomkin import GearPair, RingGear, SpurGear
 from geomkin.gear import GearRack, RackPair, gear_scene, pair_scene
-from geomkin.gear.parts.gears import GearStock, RingStock, gear_parts
+from geomkin.gear.parts import GearStock, RingStock, gear_parts
 from tests.campaign import by_default
 from tests.gallery import FINE, frames, marks, named, point, recipe, seen
 

@@ -50,7 +50,7 @@ def test_tips_come_as_near_as_reported(name):
     pair = PAIRS[name]
     poses = pair.poses(np.linspace(-2.5, 2.5, 8_001) * 2 * np.pi / pair.first.teeth)
     found = nearest(pair, pair.second, pair.first, poses[::-1]), nearest(pair, pair.first, pair.second, poses)
-    assert pair.tip_margins == pytest.approx(found, abs=5e-5 * pair.module)
+    assert pair.interference.tip_margins == pytest.approx(found, abs=5e-5 * pair.module)
     assert ("first root" in pair.interferences) == (found[0] < -1e-4)
     assert ("second root" in pair.interferences) == (found[1] < -1e-4)
 
@@ -70,7 +70,7 @@ def test_the_involute_ends_where_the_line_of_action_touches_its_base_circle(name
     middle = np.real(np.conj(towards) * (axis - foot))
     tip = abs(two.flank.point(two.flank.breaks[-1]))
     places = middle + np.sqrt(tip**2 - two.base_radius**2) * np.array([-1, 1])
-    assert pair.involute_margin == pytest.approx(min(places, key=abs), abs=1e-9)
+    assert pair.interference.involute_margin == pytest.approx(min(places, key=abs), abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -95,13 +95,13 @@ def test_tips_of_an_internal_pair_pass_at_the_reported_distance(teeth, ring_teet
     def passes(through, k):
         return np.angle(his[k] / through) * ring_teeth / teeth - touching
 
-    assert pair.trochoid_margin == pytest.approx(passes((mine - axis)[leaves], leaves), abs=1e-5)
+    assert pair.interference.trochoid_margin == pytest.approx(passes((mine - axis)[leaves], leaves), abs=1e-5)
     drawn = mine.real + 1j * np.sqrt(two.tip_radius**2 - mine.real**2)
-    assert pair.trimming_margin == pytest.approx(passes(drawn, slice(None)).min(), abs=1e-7)
-    assert ("trochoid" in pair.interferences) == (pair.trochoid_margin < 0)
-    assert ("trimming" in pair.interferences) == (pair.trimming_margin < 0)
+    assert pair.interference.trimming_margin == pytest.approx(passes(drawn, slice(None)).min(), abs=1e-7)
+    assert ("trochoid" in pair.interferences) == (pair.interference.trochoid_margin < 0)
+    assert ("trimming" in pair.interferences) == (pair.interference.trimming_margin < 0)
     outside = gk.GearPair(one, one)
-    assert outside.trochoid_margin == outside.trimming_margin == np.inf
+    assert outside.interference.trochoid_margin == outside.interference.trimming_margin == np.inf
 
 
 def internal(teeth, ring_teeth, addendum, ring_shift=0.0, ring_addendum=0.8, cutter_teeth=20):
@@ -144,7 +144,7 @@ def test_interferences_of_internal_pairs_are_named_by_what_overlaps(sizes):
             }
             names |= {name for name, occurs in at.items() if occurs} or {"trochoid"}
     assert set(pair.interferences) - {"trimming", "involute"} == names
-    assert (pair.trochoid_margin < 0) == ("trochoid" in names)
+    assert (pair.interference.trochoid_margin < 0) == ("trochoid" in names)
 
 
 @pytest.mark.parametrize("sizes", [(47, 48, 0.6, 0.4, 0.6), (42, 44, 0.8, 0.4), (45, 60, 1.0)], ids=str)
@@ -175,9 +175,9 @@ def test_pairs_that_interfere_overlap_and_others_do_not():
         key = bool(pair.interferences)
         reported |= set(pair.interferences)
         # What a tip meets beside the involute, it digs into.
-        assert "involute" not in pair.interferences or pair.tip_margins[0] < 0
+        assert "involute" not in pair.interferences or pair.interference.tip_margins[0] < 0
         # Few that hardly touch: what they share is lost in the chords.
-        if seen.get(key, 0) >= 8 or (key and min(pair.tip_margins) > -0.05):
+        if seen.get(key, 0) >= 8 or (key and min(pair.interference.tip_margins) > -0.05):
             continue
         shapes = [gk.flatten(gear.outline, 1e-3) for gear in (pair.first, pair.second)]
         turns = np.linspace(0, 2 * np.pi / pair.first.teeth, 8)

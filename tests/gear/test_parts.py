@@ -28,8 +28,8 @@ def test_a_web_too_fine_to_cut_is_refused_by_its_own_key_wherever(angle, tmp_pat
     [((8, 60), 30, "second_stock.bore"), ((60, 8), 30, "first_stock.bore"), ((8, 8), 90, "base.clearance")],
 )
 def test_of_two_bores_the_wrong_one_is_named(bores, clearance, key):
-    from geomkin.gear.parts.bases import pair_base
-    from geomkin.making.bases import BaseStock
+    from geomkin.gear.parts_assembly import pair_base
+    from geomkin.making.assembly import BaseStock
 
     apart = 30.0 if key != "base.clearance" else 80.0
     with pytest.raises(gk.DesignError) as error:

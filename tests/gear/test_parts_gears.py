@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.gear.parts.bases import carrier
-from geomkin.gear.parts.gears import GearStock, Web, base_plate, gear_parts, openings
+from geomkin.gear.parts import GearStock, Web, base_plate, gear_parts, openings
+from geomkin.gear.parts_assembly import carrier
 from geomkin.plane import region
 
 

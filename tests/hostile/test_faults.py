@@ -123,7 +123,7 @@ def test_a_full_disk_leaves_every_file_old(versions, command, here, share):
 AT_ONCE = """
 import os
 from geomkin import make
-import geomkin.export.csv, geomkin.export.dxf, geomkin.export.stl
+import geomkin.export.tables, geomkin.export.dxf, geomkin.export.solids
 copies = []
 for k in range(2):
     if (copy := os.fork()) == 0:

@@ -105,7 +105,7 @@ def test_killed_in_the_middle_of_a_file_every_file_is_old_or_new(command, made, 
 KILLED_COPIES = """
 import os, random, signal, sys, time
 from geomkin import make
-import geomkin.export.csv, geomkin.export.dxf, geomkin.export.svg
+import geomkin.export.tables, geomkin.export.dxf, geomkin.export.svg
 chance = random.Random(20)
 make("r.toml", "loaded")
 start = time.perf_counter()
@@ -141,7 +141,7 @@ def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(com
 
 
 LOADED = ["geomkin.build"]
-MORE = ["click", "numpy", "geomkin.export.stl", "shapely", "ezdxf.acc.vector", "shapely.lib"]
+MORE = ["click", "numpy", "geomkin.export.solids", "shapely", "ezdxf.acc.vector", "shapely.lib"]
 
 
 @pytest.mark.parametrize("name", [*LOADED, *(pytest.param(name, marks=pytest.mark.campaign) for name in MORE)])

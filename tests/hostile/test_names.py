@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from geomkin.export.csv import csv as written
+from geomkin.export.tables import csv as written
 from geomkin.model.table import Column, Table
 
 EVIL = [

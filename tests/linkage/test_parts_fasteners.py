@@ -12,7 +12,7 @@ from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
 from geomkin.making.fasteners import SIZES, Fastener, fastener_of
-from geomkin.making.motor_faces import MOTOR_FACES
+from geomkin.making.motors import MOTOR_FACES
 from tests.linkage.mechanisms import BUILDABLE, TURN
 
 STOCK = LinkStock()

@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
-from geomkin.making.motor_faces import MOTOR_FACES
+from geomkin.making.motors import MOTOR_FACES
 from tests.linkage.test_parts_fasteners import distances
 
 TURN = np.radians(np.arange(0, 361, 2))

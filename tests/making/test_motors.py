@@ -12,7 +12,7 @@ import shapely
 import shapely.affinity
 
 import geomkin as gk
-from geomkin.making.motor_faces import MOTOR_FACES
+from geomkin.making.motors import MOTOR_FACES
 from tests.making.test_bases import PAIR, PLANETARY, RACK, cam
 from tests.texts import parse, template_of
 

@@ -7,8 +7,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.errors import DesignError
-from geomkin.gear.parts.bases import rack_base
-from geomkin.gear.parts.gears import GearStock, Web, gear_parts
+from geomkin.gear.parts import GearStock, Web, gear_parts
+from geomkin.gear.parts_assembly import rack_base
 from geomkin.plane import region
 
 WHEEL = gk.SpurGear(40, 2)

@@ -8,8 +8,8 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.model.beam import beam_check
-from geomkin.verification.read_svg import read_svg
+from geomkin.model.thin_features import beam_check
+from geomkin.verification.read_back import read_svg
 
 CASE = Path(__file__).parent.parent / "cases" / "kerf-near-root-gap.toml"
 TOLERANCE = 0.005

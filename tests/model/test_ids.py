@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.model.roles import ROLES, Role
-from geomkin.model.scene import Limit, Plot
-from geomkin.page.scene_json import scene_json
+from geomkin.model.scene import ROLES, Limit, Plot, Role
+from geomkin.page.page import scene_json
 from geomkin.page.sections import worst_frame
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

@@ -6,7 +6,7 @@ import shapely
 
 import geomkin as gk
 from geomkin.model.part import Twist
-from geomkin.model.walls import thinnest_walls, wall_checks
+from geomkin.model.thin_features import thinnest_walls, wall_checks
 from geomkin.plane.primitives import slot
 
 PITCH = 2 * np.pi / 14

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomkin.core.errors import DesignError
-from geomkin.plane.spline import Spline
+from geomkin.plane.joined import Spline
 
 POINTS = np.array([0, 1 + 2j, 3 + 2.5j, 4 + 1j, 7 - 1j, 7.5 + 0.2j])
 

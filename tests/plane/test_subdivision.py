@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.plane.subdivision import MOST_TURN, Intervals, adaptive_subdivision
+from geomkin.plane.flatten import MOST_TURN, Intervals, adaptive_subdivision
 
 DENSITIES = {
     "even": lambda t: t,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.export.csv import csv as written
+from geomkin.export.tables import csv as written
 from geomkin.linkage.motion import motion_table
 from tests.linkage.examples import ALL, two_parallelograms
 

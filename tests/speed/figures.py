@@ -107,7 +107,7 @@ def files():
     from geomkin.export.cut import cut
     from geomkin.export.dxf import dxf
     from geomkin.export.layout import lay_out
-    from geomkin.export.stl import stl
+    from geomkin.export.solids import stl
 
     n = 100_000
     t = np.linspace(0, 2 * np.pi, n, endpoint=False)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.page.scene_json import scene_data
+from geomkin.page.page import scene_data
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.template import template
 from geomkin.studio.edit import _values, answer

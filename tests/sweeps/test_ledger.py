@@ -5,8 +5,8 @@ import json
 import pytest
 
 import geomkin as gk
-from geomkin.sweeps import ledger
-from geomkin.sweeps.ledger import Ledger
+from geomkin.sweeps import sweep
+from geomkin.sweeps.sweep import Ledger
 
 TITLE = {"geomkin": "1", "results": ["a"]}
 ROWS = {"x": {"b": 1}, "y": {"b": None}}
@@ -26,9 +26,9 @@ def kept(tmp_path):
 
 def test_a_larger_file_than_any_sweep_s_is_left_as_it_is(kept, monkeypatch):
     size = kept.stat().st_size
-    monkeypatch.setattr(ledger, "LARGEST", size)
+    monkeypatch.setattr(sweep, "LARGEST", size)
     assert Ledger(kept, TITLE, is_row).known == ROWS
-    monkeypatch.setattr(ledger, "LARGEST", size - 1)
+    monkeypatch.setattr(sweep, "LARGEST", size - 1)
     before = kept.read_bytes()
     with pytest.raises(gk.FileError):
         Ledger(kept, TITLE, is_row)

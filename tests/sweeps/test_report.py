@@ -8,8 +8,7 @@ import pytest
 import geomkin as gk
 from geomkin.sweeps import evaluation
 from geomkin.sweeps.evaluation import SweepTask, evaluate, file_hashes
-from geomkin.sweeps.report import sweep_columns
-from geomkin.sweeps.sweep import SweepRow, swept
+from geomkin.sweeps.sweep import SweepRow, sweep_columns, swept
 from tests.sweeps.test_sweep import BAR
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.recipe.keys import with_values
-from geomkin.sweeps.values import MOST, combinations, parsed_values
+from geomkin.sweeps.evaluation import MOST, combinations, parsed_values
 
 
 def test_rows_of_values_are_as_a_recipe_has_them():

@@ -5,7 +5,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance.circular_cubic import Cubic, intervals_inside
+from geomkin.synthesis.guidance.burmester import Cubic, intervals_inside
 
 
 def cubic_of(terms):

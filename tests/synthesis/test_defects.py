@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.synthesis.guidance.defects import four_bar_defects, slider_crank_defects
-from geomkin.synthesis.guidance.guides import FourBars, SliderCranks, Trammels
+from geomkin.synthesis.guidance.guides import FourBars, SliderCranks, Trammels, four_bar_defects, slider_crank_defects
 from tests.campaign import by_default
 from tests.synthesis import driving
 

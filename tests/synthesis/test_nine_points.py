@@ -7,16 +7,17 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.cognate_linkages import cognates
-from geomkin.synthesis.path import homotopy
-from geomkin.synthesis.path.double_double import ComplexDoubleDouble
-from geomkin.synthesis.path.homotopy import follow, refine
+from geomkin.synthesis.path import nine_point_equations
 from geomkin.synthesis.path.nine_point_equations import (
+    ComplexDoubleDouble,
     cognates_of,
+    follow,
     is_degenerate,
     is_repeated,
     keys_of,
     may_be_degenerate,
     precise_residuals,
+    refine,
     residuals,
     rotations_of,
     slopes,
@@ -187,7 +188,7 @@ def test_paths_lead_back_to_their_start():
 
 def test_path_that_takes_too_many_steps_is_lost(monkeypatch):
     x, parameters = starts_of(1)
-    monkeypatch.setattr(homotopy, "MOST_STEPS", 3)
+    monkeypatch.setattr(nine_point_equations, "MOST_STEPS", 3)
     assert not follow(x[:2], parameters, random_complex(8, 16), ignored).reached.any()
 
 

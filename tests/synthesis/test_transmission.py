@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.synthesis.guidance import defects as transmission
+from geomkin.synthesis.guidance import guides
 
 STEPS = 1501
 
@@ -44,7 +44,7 @@ def test_of_four_bars():
     high = coupler**2 - along**2
     at = pin + base / np.abs(base) * (along + 1j * np.sqrt(np.maximum(high, 0)))
     least = least_of(acute(at - pin, at - ground), high > 0)
-    compared(transmission.of_four_bars(ground, crank, coupler, rocker, start, end), least)
+    compared(guides.four_bar_transmission(ground, crank, coupler, rocker, start, end), least)
 
 
 def test_of_slider_cranks():
@@ -56,7 +56,8 @@ def test_of_slider_cranks():
     rod = np.sqrt(np.maximum(1 - across**2, 0)) + 1j * across
     # The slider is driven by the rod best where it lies along the slide line: from the normal, a right angle.
     compared(
-        transmission.of_slider_cranks(crank, coupler, offset, start, end), least_of(acute(rod, 1j), np.abs(across) < 1)
+        guides.slider_crank_transmission(crank, coupler, offset, start, end),
+        least_of(acute(rod, 1j), np.abs(across) < 1),
     )
 
 
@@ -70,7 +71,7 @@ def test_of_driving_slides():
     high = crank**2 - along**2
     pin = slider / np.abs(slider) * (along + 1j * np.sqrt(np.maximum(high, 0)))
     least = least_of(acute(pin, slider - pin), high > 0)
-    compared(transmission.of_driving_slides(crank, coupler, offset, start, end), least)
+    compared(guides.driving_slide_transmission(crank, coupler, offset, start, end), least)
 
 
 def test_of_driving_shuttles():
@@ -83,14 +84,14 @@ def test_of_driving_shuttles():
     high = rod**2 - np.abs(place - foot * slot) ** 2
     other = slot * (foot + np.sqrt(np.maximum(high, 0)))
     least = least_of(acute(other - place, 1j * slot), high > 0)
-    compared(transmission.of_driving_shuttles(rod, np.sin(slots), start, end), least)
+    compared(guides.driving_shuttle_transmission(rod, np.sin(slots), start, end), least)
 
 
 def test_the_acute_angle_of_a_triangle():
     rng = np.random.default_rng(5)
     corner, angle = rng.uniform(1, 9, (2, 500)), rng.uniform(0.01, np.pi - 0.01, 500)
     across = np.abs(corner[0] - corner[1] * np.exp(1j * angle))
-    reported = transmission.acute_at(*corner, across)
+    reported = guides.acute_at(*corner, across)
     assert reported == pytest.approx(np.minimum(angle, np.pi - angle), abs=1e-7)
     # Beyond what they reach, and where they fold or stretch, nothing is left.
-    assert (transmission.acute_at(3.0, 5.0, np.array([1.0, 2.0, 8.0, 9.0])) == 0).all()
+    assert (guides.acute_at(3.0, 5.0, np.array([1.0, 2.0, 8.0, 9.0])) == 0).all()

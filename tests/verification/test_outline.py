@@ -6,7 +6,7 @@ import pytest
 import geomkin as gk
 from geomkin.plane.primitives import Circle, Polyline
 from geomkin.plane.region import Edges
-from geomkin.verification.matching import Shape, likely_positions
+from geomkin.verification.comparison import Shape, likely_positions
 from geomkin.verification.outline import Outline, arc_points, deviation, farthest, outline_of
 
 

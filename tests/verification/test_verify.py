@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 import geomkin as gk
-from geomkin.verification import comparison, drawing, outline
+from geomkin.verification import comparison, outline
 from tests.verification.damage import RECIPE, damaged, damages, dxf_bulge, dxf_vertex, only, wrong
 
 # All files of the four-bar; one part stands for all of them without a campaign.
@@ -72,7 +72,7 @@ def test_a_check_at_vertices_alone_misses_a_bulge(copy, monkeypatch):
         distance = edges.nearest(outline.points)[1]
         return distance.max(), complex(outline.points[distance.argmax()])
 
-    monkeypatch.setattr(drawing, "arc_points", lambda start, *rest: np.array([start]))
+    monkeypatch.setattr(outline.Pen, "edge", lambda pen, start, *rest: pen.add(np.array([start])))
     for module in (outline, comparison):
         monkeypatch.setattr(module, "farthest", farthest_vertex)
     assert not wrong(copy)
@@ -133,7 +133,7 @@ def test_many_shapes_are_refused_before_they_are_measured(copy, name, shape):
 
 def test_a_package_that_unpacks_to_a_large_text_is_refused(copy):
     with zipfile.ZipFile(copy / "bars.3mf", "w", zipfile.ZIP_DEFLATED) as package:
-        package.writestr("3D/3dmodel.model", " " * (drawing.LARGEST + 1))
+        package.writestr("3D/3dmodel.model", " " * (outline.LARGEST + 1))
     only(copy, "bars.3mf")
     assert "bytes" in wrong(copy)["bars.3mf"].problems[0]
 

@@ -14,7 +14,7 @@ from ...core.fields import FARTHEST, entry, inside, quantity, rounded_down
 from ...core.records import record
 from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
-from ..extrema import highest
+from ..program.extrema import highest
 from ..program.program import FollowerMotion, Program
 from .follower import (
     AbstractFollower,

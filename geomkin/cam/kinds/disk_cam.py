@@ -14,12 +14,11 @@ from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.names import read_text_file
 from ...core.records import record
-from ...making.assembly import Assembly
-from ...making.bases import BaseStock
+from ...making.assembly import Assembly, BaseStock
 from ...model.check import Check
-from ...model.mass import Mass
+from ...model.material import Mass
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
@@ -29,11 +28,10 @@ from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
 from ..base_circle import least_base_circle
 from ..cam import Cam
-from ..checks import LEAST_CONVEX_RADIUS, cam_checks, most_pressure_angle
-from ..extrema import largest
+from ..checks import LEAST_CONVEX_RADIUS, cam_checks, cam_table, most_pressure_angle
 from ..followers.follower import FOLLOWERS
-from ..measures import cam_table
 from ..parts import CamStock
+from ..program.extrema import largest
 from ..program.program import Program
 from ..program.segments import (
     Dwell,
@@ -46,10 +44,8 @@ from ..program.segments import (
     Rise,
     Segment,
 )
-from ..scene import cam_handles, cam_scene
-from ..scene_sizes import with_size_plot
-from .loads import CamLoadsAspect, CamLoadsTable
-from .made import MadeCam
+from ..scene import cam_handles, cam_scene, with_size_plot
+from .loads import CamLoadsAspect, CamLoadsTable, MadeCam
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))

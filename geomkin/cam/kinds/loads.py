@@ -1,4 +1,4 @@
-"""Loads in a recipe of a cam: their table, and the columns, checks and summary of the forces that result."""
+"""A cam in its setting, and loads in its recipe: their table, and the columns, checks and summary of the forces."""
 
 from __future__ import annotations
 
@@ -11,17 +11,20 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_digits
 from ...core.records import record
-from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
+from ...making.assembly import Assembly, BaseStock
+from ...making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
 from ...model.check import Check, Suggestion
-from ...model.mass import Mass
-from ...model.material import Material
+from ...model.material import Mass, Material
 from ...model.motor import Motor, MotorDuty, root_mean_square
+from ...model.part import Part
 from ...model.scene import Limit, Plot, Scene, SceneMark, drawn_at
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.aspect import ALONE, AbstractAspect, Setting
-from ...recipe.settings import BodyMass, Gravity, gravity_entry
+from ...recipe.recipe import part_masses
+from ...recipe.settings import BodyMass, Drive, Gravity, gravity_entry
 from ..cam import Cam
+from ..checks import at_jumps
 from ..dynamics import (
     CamForces,
     FollowerLoads,
@@ -32,10 +35,61 @@ from ..dynamics import (
     least_preload,
     least_stiffness,
 )
-from ..extrema import largest
-from ..measures import at_jumps
-from ..parts import follower_plates
-from .made import MadeCam
+from ..parts import CamStock, cam_assembly, cam_parts, follower_plates, pin_masses
+from ..program.extrema import largest
+from ..undercut import Undercut, undercut
+
+
+@record(eq=False)
+class MadeCam:
+    """A cam and its follower as plates, at the cam angles and the speed of a recipe or of its setting."""
+
+    cam: Cam
+    drive: Drive
+    stock: CamStock
+    base: BaseStock | None
+    setting: Setting
+
+    @property
+    def speed(self) -> float:
+        """Of the cam, rad/s, in the direction in which it turns; below 0 if a machine turns it backwards."""
+        return self.drive.speed if self.setting.speed is None else self.setting.speed
+
+    @property
+    def acceleration(self) -> float:
+        """Of the cam, rad/s2."""
+        given = self.setting.acceleration
+        return self.drive.acceleration_rad_per_s2 if given is None else given
+
+    @cached_property
+    def cut(self) -> Undercut:
+        """The undercut of the cam and its trimmed outline."""
+        return undercut(self.cam)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """The plates of cam, follower and base."""
+        return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
+
+    @cached_property
+    def masses(self) -> Mapping[str, Mass]:
+        """Mass of cam, roller and follower; that of the follower with the pins that are glued into it."""
+        bodies = part_masses(self.parts)
+        if bodies:
+            for body, mass in pin_masses(self.cam, self.stock, self.base).items():
+                bodies[body] += mass
+        return bodies
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Shafts, pins and collars of cam and follower, and the assembly steps."""
+        return cam_assembly(self.cam, self.stock, self.base)
+
+    @property
+    def mounted_motor(self) -> Motor | None:
+        """The motor for which a plate has holes."""
+        return MOTORS.get(str(self.stock.motor))
+
 
 # Least contact force without friction of the guide over that with friction: at 0 the guide jams, and below a half
 # friction takes more than the load; chosen here.

@@ -17,11 +17,10 @@ from ...core.names import Folder
 from ...core.records import record
 from ...core.scaling import with_lengths
 from ...plane.vec import Real, Whole
-from ..extrema import highest
+from .extrema import SegmentPeaks, highest
 from .given_lifts import TableFit, read_lifts, spline_through
 from .laws import Ends, Law, breaks_of, law_of, polynomial_from
 from .optimise import OptimalLaw, optimal_polynomial, optimal_spline
-from .peaks import SegmentPeaks
 from .placed_segments import SLIP, PlacedSegment, band, errors_named_by_segment, place_segments
 from .segments import (
     Dwell,

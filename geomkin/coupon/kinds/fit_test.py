@@ -17,9 +17,7 @@ from ...model.table import Table
 from ...recipe.recipe import AbstractRecipe, assembly_summary
 from ...recipe.settings import Files
 from ...recipe.toml import toml_key
-from ..fit_test import FitTest
-from ..parts import GAUGE_WIDTH, fit_test_parts
-from ..scene import fit_test_scene
+from ..parts import GAUGE_WIDTH, FitTest, fit_test_parts, fit_test_scene
 
 # How much smaller than the pin the smallest hole should be, mm: a kerf of 0.2 and an interference of 0.1, chosen here.
 # With less, a laser may leave every hole loose.

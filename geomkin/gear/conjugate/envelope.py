@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.curve import AbstractCurve, SubCurve
-from ...plane.flatten import smooth_runs
-from ...plane.subdivision import CORNER, direction
+from ...plane.flatten import CORNER, direction, smooth_runs
 from ...plane.vec import Complex, Mask, Real, Whole, cross
 from .conjugate_curve import ConjugateCurve, ToothCorner, ToothRun
 

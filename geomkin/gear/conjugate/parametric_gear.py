@@ -13,7 +13,7 @@ from ...core.fields import entry, quantity
 from ...core.records import record
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Complex, Real
-from ..module import Settled, diametral_pitch, module, settle_module
+from ..cutters import Settled, diametral_pitch, module, settle_module
 from .shaping_gears import AbstractFlankGear
 
 # Pieces of a flank, within which its curvature is computed, and samples that are checked.

@@ -13,15 +13,13 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, Length, entry, inside, quantity, rounded_down, rounded_up, to_digits
 from ...core.records import record
 from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
-from ...plane.flatten import flatten
-from ...plane.joined import Path, PolarArray
+from ...plane.flatten import direction, flatten
+from ...plane.joined import Path, PolarArray, Spline
 from ...plane.primitives import Arc, Circle, Segment
-from ...plane.spline import Spline
-from ...plane.subdivision import direction
 from ...plane.vec import Pose
 from ..contract import AbstractGear, AbstractShaper
-from ..module import Settled, diametral_pitch, module, settle_module
-from ..tooth import toothed
+from ..cutters import Settled, diametral_pitch, module, settle_module
+from ..spur import toothed
 
 # Largest radius of a flank, in pitch radii. Larger ones are no teeth, and could need any number of chords.
 FARTHEST_OUT = 4

@@ -13,11 +13,10 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ...core.records import record
-from ...making.assembly import PLAY, Assembly
-from ...making.bases import BaseStock
+from ...making.assembly import PLAY, Assembly, BaseStock
 from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
@@ -29,9 +28,8 @@ from ..conjugate.conjugate import Conjugate, conjugate, flank_table, pin_table
 from ..conjugate.parametric_gear import ParametricToothGear
 from ..conjugate.shaping_gears import AbstractFlankGear, LanternPinion, PointToothGear, StraightSidedGear
 from ..contract import AbstractShaper
-from ..parts.assemblies import Wheel, lantern_assembly, pair_assembly
-from ..parts.bases import pair_base
-from ..parts.conjugate import LanternStock, PairStock, lantern_parts, pair_parts
+from ..parts import LanternStock, PairStock, lantern_parts, pair_parts
+from ..parts_assembly import Wheel, lantern_assembly, pair_assembly, pair_base
 from ..scene_pairs import conjugate_handles, conjugate_scene
 from .helical import backlash_remarks, boss_checks, check_tooth_points, least_backlash
 from .loaded import NO_INVOLUTE

@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
-from ...making.assembly import Assembly
-from ...making.bases import BaseStock, RackBaseStock
+from ...making.assembly import Assembly, BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.curve import AbstractCurve
@@ -28,11 +27,11 @@ from ..checks import gear_checks, mesh_checks
 from ..contract import AbstractInvoluteGear
 from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
+from ..measures import contact_table
 from ..output_loads import RackLoads, RackStrength
-from ..pair import GearPair, InternalGearPair, contact_table
-from ..parts.assemblies import Wheel, pair_assembly, rack_assembly
-from ..parts.bases import pair_base, rack_base
-from ..parts.gears import GearStock, RingStock, base_plate, gear_parts
+from ..pair import GearPair, InternalGearPair
+from ..parts import GearStock, RingStock, base_plate, gear_parts
+from ..parts_assembly import Wheel, pair_assembly, pair_base, rack_assembly, rack_base
 from ..rack import GearRack, RackPair
 from ..ring import RingGear
 from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene

@@ -11,8 +11,8 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import WIDEST, entry, to_digits
 from ...core.records import record
-from ...making.bases import BaseStock
-from ...making.motor_faces import MountedMotorKey, face_of
+from ...making.assembly import BaseStock
+from ...making.motors import MountedMotorKey, face_of
 from ...model.check import Check
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten

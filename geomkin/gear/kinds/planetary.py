@@ -13,13 +13,12 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.records import record
-from ...making.assembly import Assembly, collar_across
-from ...making.bases import BaseStock
+from ...making.assembly import Assembly, BaseStock, collar_across
 from ...making.materials import MATERIALS
-from ...making.motor_faces import plate_radius
+from ...making.motors import plate_radius
 from ...model.check import Check
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real, without_rounding
@@ -28,9 +27,8 @@ from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks
 from ..contract import AbstractInvoluteGear
 from ..helix import Helix
-from ..parts.assemblies import planetary_assembly, turns_with_shaft
-from ..parts.bases import carrier, planetary_base
-from ..parts.gears import GearStock, RingStock, gear_parts
+from ..parts import GearStock, RingStock, gear_parts
+from ..parts_assembly import carrier, planetary_assembly, planetary_base, turns_with_shaft
 from ..planetary import MEMBERS, Member, PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength

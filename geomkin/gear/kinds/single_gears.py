@@ -20,8 +20,8 @@ from ...recipe.settings import Files
 from ..checks import gear_checks
 from ..cutters import undercut_free_shift
 from ..measures import tooth_table
-from ..parts.assemblies import single_assembly
-from ..parts.gears import GearStock, RingStock, gear_parts
+from ..parts import GearStock, RingStock, gear_parts
+from ..parts_assembly import single_assembly
 from ..ring import RingGear
 from ..scene import gear_handles, gear_scene
 from ..spur import SpurGear

@@ -13,7 +13,7 @@ from ...core.arguments import between, checked
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, SMALLEST, Size
 from ...core.records import record
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...plane.vec import Complex, Mask, Real
 from ..linkage import Linkage
 from ..motion import Motion

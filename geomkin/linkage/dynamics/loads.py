@@ -13,7 +13,7 @@ from ...core.arguments import ArgumentType, are_points, are_reals, is_complex
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...plane.vec import Array, Real, unit
 from ..motion import Motion
 from .friction import PinFriction, SlideFriction

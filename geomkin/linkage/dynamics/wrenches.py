@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.errors import DesignError, shown
 from ...core.records import record
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...plane.vec import Array, Complex, Real, cross, dot
 from ..body_motion import PointMotion
 from ..linkage import Linkage

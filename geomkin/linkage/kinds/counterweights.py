@@ -11,7 +11,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...model.table import Column, vector_columns
 from ...plane.vec import Complex
 from ...recipe.recipe import part_masses

@@ -13,9 +13,8 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity, rounded_up, to_digits
 from ...core.records import record
 from ...model.check import Check
-from ...model.handles import point_handle
 from ...model.part import Bought, Part
-from ...model.scene import Plot, Scene, SceneHandle, SceneMark
+from ...model.scene import Plot, Scene, SceneHandle, SceneMark, point_handle
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle

@@ -14,9 +14,8 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
 from ...model.check import Check
-from ...model.handles import circle_handle
 from ...model.part import Part
-from ...model.scene import Scene, SceneHandle
+from ...model.scene import Scene, SceneHandle, circle_handle
 from ...model.table import Column, Table, finite, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Arc, Circle, Segment

@@ -10,9 +10,9 @@ from ...core.fields import entry
 from ...core.records import record
 from ...making.materials import MATERIALS
 from ...model.check import Check
-from ...model.mass import Mass
+from ...model.material import Mass
+from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.rotating import RotatingBody
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real

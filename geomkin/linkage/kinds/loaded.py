@@ -12,7 +12,7 @@ from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...making.motors import motor_check, motor_summary, nearest_motor, smallest_motor
 from ...model.check import Check
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns

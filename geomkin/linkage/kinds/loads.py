@@ -12,9 +12,8 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, Coordinate, entry, quantity
 from ...core.records import record
 from ...making.motors import MotorKey, motor_entry
-from ...model.handles import point_handle
-from ...model.mass import Mass
-from ...model.scene import SceneHandle
+from ...model.material import Mass
+from ...model.scene import SceneHandle, point_handle
 from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..dynamics.friction import PinFriction, SlideFriction

@@ -12,7 +12,7 @@ from ...core.fields import to_digits
 from ...core.records import record
 from ...making.fasteners import gathered
 from ...making.motors import MOTORS
-from ...model.mass import Mass
+from ...model.material import Mass
 from ...model.motor import Motor
 from ...model.part import Bought, Part
 from ...model.table import Table

@@ -13,11 +13,9 @@ from ...core.errors import DesignError
 from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check, Suggestion
-from ...model.handles import point_handle
 from ...model.material import Material
 from ...model.part import HoleFit, Part
-from ...model.roles import Role
-from ...model.scene import Hodograph, Limit, Plot, Scene, SceneHandle
+from ...model.scene import Hodograph, Limit, Plot, Role, Scene, SceneHandle, point_handle
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
 from ...recipe.recipe import mass_summary

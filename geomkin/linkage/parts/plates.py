@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.records import record
-from ...making.motor_faces import CORNER, face_of
+from ...making.motors import CORNER, face_of
 from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
 from ...plane.measure import separation

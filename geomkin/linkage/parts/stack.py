@@ -18,8 +18,8 @@ from ...making.assembly import Bill, glue_bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
 from ...making.materials import STEEL_DENSITY
-from ...making.motor_faces import fixed_under
-from ...model.mass import Mass
+from ...making.motors import fixed_under
+from ...model.material import Mass
 from ...model.part import Bought, Part
 from ...model.scene import layer_name
 from ...plane.primitives import Circle, rounded_hull

@@ -9,11 +9,11 @@ from typing import Literal
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
+from ...making.bores import AbstractBored, Fit, fit_entry, interference
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
-from ...making.fits import AbstractBored, Fit, fit_entry, interference
 from ...making.materials import MaterialKey, material_entry
-from ...making.motor_faces import MountedMotorKey, face_of, mounted_motor_entry
+from ...making.motors import MountedMotorKey, face_of, mounted_motor_entry
 
 # Largest number of plates between a motor and the ground. More would use up the length of most shafts.
 MOST_MOTOR_PLATES = 3

@@ -16,8 +16,7 @@ from ...core.records import record
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Real
-from ..found import Found, ten_digits
-from ..rounding import Rounding
+from ..found import Found, Rounding, ten_digits
 from .generators import AbstractGenerator, FourBarGenerator, SliderGenerator
 from .minimax import certified
 from .search import EXACT, LOOKS, PEAKS, LocalOptimum, peaks

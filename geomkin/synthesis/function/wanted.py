@@ -13,7 +13,7 @@ from ...core.errors import DesignError, printable, shown
 from ...core.expressions import Expression as Expression
 from ...core.fields import rounded_down, rounded_up
 from ...core.records import record
-from ...plane.spline import Spline
+from ...plane.joined import Spline
 from ...plane.vec import Real
 
 # Name: formula, and least and greatest number of coefficients.

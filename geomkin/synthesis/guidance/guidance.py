@@ -17,8 +17,7 @@ from ...linkage.linkage import AbstractLinkage
 from ...linkage.moving import move
 from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 from ...plane.vec import Complex, Mask, Real, Whole, direction_deg, rounded
-from ..found import Found, ten_digits
-from ..rounding import Rounding
+from ..found import Found, Rounding, ten_digits
 from .dyads import dyads_through
 from .guide_groups import (
     KINDS,

@@ -18,17 +18,16 @@ from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes, skeleton
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.handles import list_handles, pose_handles
 from ...model.part import Part
-from ...model.scene import Choice, Limit, Plot, Scene, SceneCurve, SceneHandle, SceneRegion
+from ...model.scene import Choice, Limit, Plot, Scene, SceneCurve, SceneHandle, SceneRegion, list_handles, pose_handles
 from ...model.table import Column, Table
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, direction_deg, rounded
 from ...recipe.settings import Drive, Files
-from ..guidance.filemon_waldron import Rectification, rectification
 from ..guidance.guidance import BodyGuide, body_guides
 from ..guidance.guide_groups import LARGEST_RATIO, Kind
+from ..guidance.guide_search import Rectification, rectification
 from ..guidance.poses import circle_of_sliders, poles
 from .linkage_goals import LISTED, AbstractLinkageGoal, Search, choose_entry
 

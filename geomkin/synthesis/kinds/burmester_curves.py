@@ -13,9 +13,8 @@ from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
 from ...model.check import Check
-from ...model.handles import circle_handle, pose_handles
 from ...model.part import Part
-from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark
+from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, pose_handles
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Moved, SubCurve
 from ...plane.primitives import Circle

@@ -15,8 +15,7 @@ from ...core.fields import FARTHEST, SMALLEST, Ratio, Rows, entry, quantity
 from ...core.records import record
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.handles import point_handle
-from ...model.scene import Limit, Plot, SceneHandle
+from ...model.scene import Limit, Plot, SceneHandle, point_handle
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.settings import Drive, Files

@@ -27,8 +27,7 @@ from ...model.table import Table
 from ...plane.vec import Complex
 from ...recipe.recipe import AbstractGoal
 from ...recipe.settings import Drive, Files, Stroke, Turn
-from ..found import Found
-from ..rounding import Rounding
+from ..found import Found, Rounding
 
 # The result type of a goal's search.
 F = TypeVar("F", bound=Found)

@@ -21,18 +21,16 @@ from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, skeleton
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.handles import list_handles
 from ...model.part import Part
-from ...model.scene import SceneCurve, SceneHandle
+from ...model.scene import SceneCurve, SceneHandle, list_handles
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
 from ..found import size_entries, ten_digits
 from ..path.path import LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
-from ..path.points import svg_path_points
 from ..path.search import PathFound
-from ..path.svg_drawings import drawing_points
+from ..path.svg_drawings import drawing_points, svg_path_points
 from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
 
 

@@ -18,9 +18,8 @@ from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
-from ...model.handles import circle_handle, point_handle
 from ...model.part import Part
-from ...model.scene import Choice, Limit, Plot, SceneHandle
+from ...model.scene import Choice, Limit, Plot, SceneHandle, circle_handle, point_handle
 from ...model.table import Column, Table
 from ...plane.vec import Real, rounded
 from ...recipe.settings import Drive, Files

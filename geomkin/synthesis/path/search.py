@@ -18,8 +18,7 @@ from ...linkage.linkage import AbstractLinkage
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Complex, Real, Whole, cross
-from ..found import Found
-from ..rounding import Rounding
+from ..found import Found, Rounding
 from .coupler_paths import (
     ARM_X,
     ARM_Y,

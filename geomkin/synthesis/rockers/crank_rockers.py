@@ -13,7 +13,7 @@ from ...core.fields import Size, inside, rounded_down, rounded_up
 from ...core.records import record
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Real
-from ..rounding import Rounding
+from ..found import Rounding
 from .families import (
     TURNING_RATIO,
     AbstractMember,

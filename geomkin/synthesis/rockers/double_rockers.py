@@ -15,7 +15,7 @@ from ...core.records import record
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Mask, Real, Whole, cross
-from ..rounding import Rounding
+from ..found import Rounding
 from .families import (
     RATIO,
     AbstractMember,

@@ -13,7 +13,7 @@ from ...core.fields import FARTHEST, Size, inside, rounded_down, rounded_up
 from ...core.records import record
 from ...linkage.named_linkages import SliderCrank
 from ...plane.vec import Real
-from ..rounding import Rounding
+from ..found import Rounding
 from .crank_rockers import CLEAR_DEG, MISSED, free_range, no_such_turn, pivot_distance
 from .families import (
     TURNING_RATIO,

@@ -12,8 +12,7 @@ from ...cam.program.program import Program
 from ...cam.program.segments import Dwell, Return, Rise
 from ...core.records import record
 from ...gear.conjugate.conjugate import conjugate
-from ...gear.spur import SpurGear
-from ...gear.tooth import Tooth
+from ...gear.spur import SpurGear, Tooth
 from ...plane.arcs import to_arcs
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten

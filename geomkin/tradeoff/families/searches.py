@@ -13,8 +13,7 @@ from ...plane.vec import Complex, Real
 from ...synthesis.function.function import chebyshev_points, function_generator
 from ...synthesis.path.coupler_paths import START, bounds_of, closing
 from ...synthesis.path.fits import PathTask, polished_starts
-from ...synthesis.path.homotopy import follow, refine
-from ...synthesis.path.nine_point_equations import rotations_of
+from ...synthesis.path.nine_point_equations import follow, refine, rotations_of
 from ...synthesis.path.nine_points import REAL, starts_of, through_nine
 from ...synthesis.path.path import LONGEST_RATIO, TOGGLE_DEG, path_generator
 from ...synthesis.path.starts import linear_fit, random_linkages

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...core.records import record
-from ...export.csv import csv
 from ...export.cut import cut
+from ...export.tables import csv
 from ...model.part import Part
 from ...model.table import Column, Table
 from ...plane.flatten import flatten
@@ -190,7 +190,7 @@ DXF_WRITING = MethodFamily(
 )
 def _library_stl(given: GearPlate, tolerance: float) -> bytes:
     """Chords of equal error, triangles without added points, a solid that is proved closed (`write`)."""
-    from ...export.stl import stl
+    from ...export.solids import stl
 
     return stl(cut(part(), tolerance))
 
@@ -198,7 +198,7 @@ def _library_stl(given: GearPlate, tolerance: float) -> bytes:
 @method("even parameters", "points a piece", (4.0, 16.0, 64.0))
 def _even_stl(given: GearPlate, count: float) -> bytes:
     """The same, but for chords at even steps of each piece's parameter."""
-    from ...export.stl import stl
+    from ...export.solids import stl
 
     even = Polyline(at_even_parameters(part().outline, int(count)))
     # Wide enough that the corners stay as they are.

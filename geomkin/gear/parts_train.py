@@ -8,30 +8,31 @@ from itertools import combinations
 
 import numpy as np
 
-from ...core.arguments import checked
-from ...core.errors import DesignError
-from ...core.fields import inside, quantity, rounded_down
-from ...core.records import record
-from ...making.assembly import (
+from ..core.arguments import checked
+from ..core.errors import DesignError
+from ..core.fields import inside, quantity, rounded_down
+from ..core.records import record
+from ..making.assembly import (
     Assembly,
     AssemblyBuilder,
+    BaseOpening,
+    BaseStock,
     collar_across,
     collar_width,
     glue_bill,
     pin_bill,
     seated,
+    standing_plate,
     tube_bill,
 )
-from ...making.bases import BaseOpening, BaseStock, standing_plate
-from ...making.bores import SMALLEST, clearance, fits_of, shaft
-from ...making.fits import AbstractBored
-from ...model.check import Check
-from ...model.part import HoleFit, Part
-from ...plane.primitives import Circle
-from ..contract import AbstractInvoluteGear
-from ..train import GearTrain
-from .assemblies import MESH, turns_with_shaft
-from .gears import GearStock, gear_parts
+from ..making.bores import SMALLEST, AbstractBored, clearance, fits_of, shaft
+from ..model.check import Check
+from ..model.part import HoleFit, Part
+from ..plane.primitives import Circle
+from .contract import AbstractInvoluteGear
+from .parts import GearStock, gear_parts
+from .parts_assembly import MESH, turns_with_shaft
+from .train import GearTrain
 
 # Number of pins that join two gears on an arbor.
 PINS = 2

@@ -1,4 +1,4 @@
-"""The largest value of a function that is smooth between breaks: sampled, then refined."""
+"""The largest value of a function that is smooth between breaks, and the peaks of a segment's motion."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..plane.vec import Real, first_largest
+from ...core.records import record
+from ...plane.vec import Real, first_largest
 
 # Samples in each stretch. A segment's law has at most one peak between two of them. Fewer may miss a peak; more take
 # proportionally longer.
@@ -87,3 +88,41 @@ def largest(breaks: Real, f: Callable[[Real], Real]) -> tuple[float, float]:
     may = ~(bounds < values.max())
     tops, where = refine_peak(before[may], after[may], f)
     return float(tops.max()), float(where[first_largest(tops)])
+
+
+@record(eq=False)
+class SegmentPeaks:
+    """Largest sizes of a segment's velocity, acceleration and jerk by cam angle, its joints included.
+
+    Parameters
+    ----------
+    velocity, acceleration, jerk : float
+        mm/rad, mm/rad2 and mm/rad3; for an oscillating follower rad/rad, rad/rad2 and rad/rad3. The acceleration is inf
+        if the velocity jumps inside the segment or at one of its ends, the jerk if velocity or acceleration does. A
+        jump at an end counts only for a segment whose value there is not 0: a dwell next to a harmonic rise has none,
+        nor has a cycloidal return that follows it.
+    rise : float
+        Lift at its end less that at its start, mm or rad.
+    angle : float
+        Range of cam angles of the segment, rad.
+
+    Notes
+    -----
+    Source: the factors are those of VDI 2143 Blatt 1 (1980) and of Norton, Cam Design and Manufacturing Handbook.
+    """
+
+    velocity: float
+    acceleration: float
+    jerk: float
+    rise: float
+    angle: float
+
+    @property
+    def factors(self) -> tuple[float, float, float]:
+        """Cv, Ca, Cj: the peaks as multiples of rise / angle, rise / angle^2 and rise / angle^3; nan without a rise."""
+        if not self.rise:
+            return np.nan, np.nan, np.nan
+        by = abs(self.rise)
+        peaks = self.velocity, self.acceleration, self.jerk
+        cv, ca, cj = (peak * self.angle**k / by for k, peak in enumerate(peaks, 1))
+        return cv, ca, cj

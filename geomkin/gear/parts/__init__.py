@@ -1,1 +1,0 @@
-"""Plates of gears, bores, spokes, carriers and base plates."""

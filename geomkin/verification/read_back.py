@@ -1,0 +1,453 @@
+"""Files read back: DXF by ezdxf, STL and GLB by trimesh, SVG, 3MF and the plates of STEP by the standard library."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ..core.errors import DesignError, with_article
+from ..core.records import record
+from ..plane.vec import Complex, Real
+from ..synthesis.path.svg_drawings import AffineMap, tag_of, transform_of, tree_of, view_of
+from .comparison import Mesh, merged
+from .outline import LARGEST, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
+
+# Lengths of the units in which drawings are written, by their number in the format, mm.
+DXF_UNITS = {1: 25.4, 4: 1.0}
+
+
+def read_dxf(path: Path, error: float) -> Drawing:
+    """The lines of a DXF file, arcs as chords within `error`, mm.
+
+    UnreadableError if it is no DXF file, or has too many vertices.
+    """
+    from ezdxf.filemanagement import readfile
+
+    try:
+        document = readfile(path)
+        entities: list[Any] = list(document.modelspace())
+    except Exception as fault:
+        # The library lets many kinds of error through when a file is damaged.
+        raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
+    problems: list[str] = []
+    if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
+        problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
+    unit = DXF_UNITS.get(units, 1.0)
+    lines = collected(_dxf_lines(entities, error, problems, unit))
+    problems += _wrong_extents(document, lines, error, unit)
+    return Drawing(lines, document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
+
+
+def _dxf_lines(entities: list[Any], error: float, problems: list[str], unit: float) -> Iterator[Line]:
+    """The circles and polylines; a sentence is added to `problems` for anything else. unit: of the drawing, mm."""
+    for entity in entities:
+        kind, layer = entity.dxftype(), entity.dxf.layer
+        if kind == "CIRCLE":
+            yield Line(circle(unit * _point(entity.dxf.center), unit * float(entity.dxf.radius), error), layer)
+        elif kind != "LWPOLYLINE":
+            problems.append(f"it has {with_article(kind)} on layer {layer}, which is not a closed polyline or circle")
+        elif len(entity) < 2:
+            problems.append(f"a polyline on layer {layer} has fewer than two vertices")
+        else:
+            rows = np.array(entity.get_points("xyb"), dtype=float).reshape(-1, 3)
+            outline = polyline(unit * (rows[:, 0] + 1j * rows[:, 1]), rows[:, 2].tolist(), bool(entity.closed), error)
+            yield Line(outline, layer)
+
+
+def _wrong_extents(document: Any, lines: Sequence[Line], error: float, unit: float) -> list[str]:
+    """A sentence if the header's extents are not those of the lines."""
+    cut = np.concatenate([line.outline.points for line in lines]) if lines else np.zeros(0, dtype=complex)
+    if not len(cut):
+        return ["it has no lines"]
+    low, high = (unit * _point(document.header.get(name, (np.nan, np.nan))) for name in ("$EXTMIN", "$EXTMAX"))
+    found = np.array([cut.real.min(), cut.imag.min(), cut.real.max(), cut.imag.max()])
+    stated = np.array([low.real, low.imag, high.real, high.imag])
+    far = not np.all(np.abs(found - stated) <= 2 * error + 1e-6)
+    return ["the extents in its header are not those of its lines"] if far else []
+
+
+def _point(place: Any) -> complex:
+    return complex(float(place[0]), float(place[1]))
+
+
+TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([\s,]+)")
+# Numbers that each command takes.
+COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "a": 7, "c": 6, "z": 0}
+# Operations by stroke colour, as laser cutting programs have them, for lines without a class.
+COLOURS = {"#ff0000": "CUT", "#0000ff": "ENGRAVE"}
+LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH")
+# Chords of a cubic curve, which editors write in place of arcs.
+CHORDS = np.arange(1, 257) / 256
+UNIT = re.compile(r"[\d.]+(?:mm|in)")
+
+
+def read_svg(path: Path, error: float) -> Drawing:
+    """The lines of an SVG file, arcs as chords within `error`, mm. UnreadableError if it is no such drawing."""
+    content = _content(path)
+    try:
+        root = tree_of(content.decode("utf-8"))
+        view = view_of(root)
+        lines = collected(_svg_lines(root, view, "", error, 0))
+    except UnicodeDecodeError:
+        raise UnreadableError("it is not UTF-8 text") from None
+    except DesignError as refusal:
+        raise UnreadableError(refusal.problem) from None
+    problems = [
+        f"its {name} is not stated in mm or in"
+        for name in ("width", "height")
+        if not UNIT.fullmatch(root.get(name, ""))
+    ]
+    stamps = [element.text or "" for element in root if tag_of(element) == "desc"]
+    return Drawing(lines, stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"]))
+
+
+def _svg_lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
+    """The lines of an element and of those inside it."""
+    if depth > 100:
+        raise UnreadableError("its elements are nested more than 100 deep")
+    if "transform" in element.attrib:
+        view = view.after(transform_of(element.get("transform", "")))
+    layer = _layer(element) or layer
+    tag = tag_of(element)
+    if tag == "path":
+        for outline in subpaths(element.get("d", ""), error):
+            yield Line(_placed(outline, view), layer or "CUT")
+    elif tag == "circle":
+        centre = complex(_number(element, "cx"), _number(element, "cy"))
+        yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT")
+    for child in element:
+        yield from _svg_lines(child, view, layer, error, depth + 1)
+
+
+def _layer(element: Element) -> str:
+    name = element.get("class", "")
+    return name if name in LAYERS else COLOURS.get(element.get("stroke", "").lower(), "")
+
+
+def _number(element: Element, key: str) -> float:
+    try:
+        return float(element.get(key, "0").removesuffix("mm"))
+    except ValueError:
+        raise UnreadableError(f"the {key} of a circle is not a number") from None
+
+
+def _placed(outline: Outline, view: AffineMap) -> Outline:
+    """The outline in mm, y up, about an arbitrary origin, which does not matter for the fit of a part."""
+    return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
+
+
+def subpaths(text: str, error: float) -> Iterator[Outline]:
+    """The subpaths of the attribute `d`, made of straight edges, circular arcs and cubic curves."""
+    tokens = _tokens(text)
+    pen, here, start, command, k = Pen(error), 0j, 0j, "", 0
+    while k < len(tokens):
+        if tokens[k].isalpha():
+            command, k = tokens[k], k + 1
+        count = COUNTS.get(command.lower(), -1)
+        try:
+            values = [float(token) for token in tokens[k : k + count]]
+        except ValueError:
+            values = []
+        if count < 0 or len(values) != count:
+            raise UnreadableError(f"a path lacks numbers after {command or 'its start'}")
+        k += count
+        base = 0j if command.isupper() else here
+        if command in "Zz":
+            if here != start:
+                pen.edge(here, start)
+            yield pen.outline(closed=True)
+            pen, here = Pen(error), start
+            if k < len(tokens) and not tokens[k].isalpha():
+                raise UnreadableError("a path has numbers after its end")
+        elif command in "Mm":
+            if pen.points:
+                yield pen.outline(closed=False, end=here)
+                pen = Pen(error)
+            here = start = base + complex(*values)
+            # Further pairs of numbers are straight edges.
+            command = "L" if command == "M" else "l"
+        else:
+            end = _end(command, values, here, base)
+            _step(pen, command, values, here, end, base)
+            here = end
+    if pen.points:
+        yield pen.outline(closed=False, end=here)
+
+
+def _tokens(text: str) -> list[str]:
+    tokens, at = [], 0
+    while at < len(text):
+        if not (match := TOKEN.match(text, at)):
+            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
+        if not match.group(3):
+            tokens.append(match.group())
+        at = match.end()
+    return tokens
+
+
+def _end(command: str, values: list[float], here: complex, base: complex) -> complex:
+    kind = command.lower()
+    if kind == "h":
+        return complex(base.real + values[0], here.imag)
+    if kind == "v":
+        return complex(here.real, base.imag + values[0])
+    return base + complex(*values[-2:])
+
+
+def _step(pen: Pen, command: str, values: list[float], here: complex, end: complex, base: complex) -> None:
+    kind = command.lower()
+    if kind == "a":
+        across, up, _, large, sweep = values[:5]
+        if abs(across - up) > 1e-9 * abs(across):
+            raise UnreadableError("a path has an arc of an ellipse")
+        pen.edge(here, end, _svg_bulge(here, end, across, bool(large), bool(sweep)))
+    elif kind == "c":
+        one, two = base + complex(*values[:2]), base + complex(*values[2:4])
+        t = np.append(0.0, CHORDS[:-1])
+        points: Complex = here * (1 - t) ** 3 + 3 * one * t * (1 - t) ** 2 + 3 * two * t**2 * (1 - t) + end * t**3
+        pen.add(points)
+    else:
+        pen.edge(here, end)
+
+
+def _svg_bulge(here: complex, end: complex, radius: float, large: bool, sweep: bool) -> float:
+    """Tangent of a quarter of an arc's sweep, in the file's own coordinates."""
+    if here == end or radius == 0:
+        return 0.0
+    half = float(np.arcsin(min(abs(end - here) / (2 * abs(radius)), 1.0)))
+    quarter = (np.pi - half if large else half) / 2
+    return float(np.tan(quarter)) * (1 if sweep else -1)
+
+
+CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+MODEL = "3D/3dmodel.model"
+# Largest relative distortion of the edges of a mesh by its transform in an assembly.
+RIGID = 1e-6
+# Lengths of the units of 3MF that are written, mm.
+PACKAGE_UNITS = {"millimeter": 1.0, "inch": 25.4}
+
+
+def read_stl(path: Path) -> tuple[list[Mesh], list[str], str]:
+    """The mesh of an STL file, problems of the file, and its stamp."""
+    mesh: Any = _loaded(path)
+    triangles = np.asarray(mesh.triangles, dtype=float)
+    stated = np.asarray(mesh.face_normals, dtype=float)
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    turned = len(stated) == len(normals) and (np.vecdot(stated, normals) < 0).any()
+    with path.open("rb") as file:
+        header = file.read(80)
+    stamp = header.rstrip(b"\0").decode("ascii", "replace")
+    corners, faces = merged(triangles)
+    problems = ["a triangle's normal points to the inside"] if turned else []
+    return [Mesh(path.stem, corners, faces)], problems, stamp
+
+
+def read_glb(path: Path) -> tuple[list[Mesh], list[str], str]:
+    """The meshes of a GLB file in their own frames, problems of the file, and its stamp."""
+    scene: Any = _loaded(path)
+    meshes, problems = [], []
+    for node in scene.graph.nodes_geometry:
+        placed, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        corners, faces = merged(np.asarray(mesh.vertices, dtype=float)[np.asarray(mesh.faces)])
+        meshes.append(Mesh(str(name), corners, faces))
+        problems += _not_rigid(1e3 * np.asarray(placed, dtype=float)[:3, :3], str(node))
+    return meshes, problems, str((scene.metadata or {}).get("stamp", ""))
+
+
+def _loaded(path: Path) -> Any:
+    import trimesh
+
+    try:
+        # The mesh must stay as it is in the file, without merging or repairs.
+        loaded = trimesh.load(path, process=False)
+        if not np.isfinite(loaded.bounds).all():
+            raise ValueError("not finite")
+    except Exception as fault:
+        # The library lets many kinds of error through when a file is damaged.
+        raise UnreadableError(f"it is damaged, or has another format than {path.suffix[1:].upper()}") from fault
+    return loaded
+
+
+def _not_rigid(matrix: Real, name: str) -> list[str]:
+    turned = np.abs(matrix @ matrix.T - np.eye(3)).max() < RIGID and np.linalg.det(matrix) > 0
+    return [] if turned else [f"{name} is distorted or mirrored by its transform"]
+
+
+def read_3mf(path: Path) -> tuple[list[Mesh], dict[str, int], list[str], str]:
+    """The meshes of a 3MF package, how many times each is built, problems of the file, and its stamp."""
+    try:
+        with zipfile.ZipFile(path) as package:
+            inside = package.getinfo(MODEL)
+            # Before it is unpacked: a small package may hold a very large text.
+            if inside.file_size > LARGEST:
+                raise UnreadableError(f"its model has more than {LARGEST:,} bytes")
+            text = package.read(MODEL)
+        if b"<!" in text:
+            raise UnreadableError("its model has a declaration")
+        root = ElementTree.fromstring(text)
+        unit = root.get("unit", "millimeter")
+        length = PACKAGE_UNITS.get(unit, 1.0)
+        meshes = {item.get("id", ""): mesh for item in root.iter(f"{CORE}object") if (mesh := _mesh(item, length))}
+    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile, ElementTree.ParseError) as fault:
+        raise UnreadableError(f"it is not a 3MF package ({type(fault).__name__})") from None
+    problems = [] if unit in PACKAGE_UNITS else [f"its unit is {unit}, not {' or '.join(PACKAGE_UNITS)}"]
+    counts: dict[str, int] = {}
+    placed = [*root.iter(f"{CORE}component"), *root.iter(f"{CORE}item")]
+    for item in (item for item in placed if item.get("objectid") in meshes):
+        name = meshes[item.get("objectid", "")].name
+        counts[name] = counts.get(name, 0) + 1
+        numbers = [float(number) for number in item.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
+        if len(numbers) != 12:
+            raise UnreadableError("a transform has not 12 numbers")
+        problems += _not_rigid(np.array(numbers).reshape(4, 3)[:3], name)
+    stamps = [item.text or "" for item in root.iter(f"{CORE}metadata") if item.get("name") == "Description"]
+    return list(meshes.values()), counts, problems, stamps[0] if stamps else ""
+
+
+def _mesh(item: ElementTree.Element, unit: float) -> Mesh | None:
+    corners = [[float(vertex.get(axis, "nan")) for axis in "xyz"] for vertex in item.iter(f"{CORE}vertex")]
+    faces = [[int(face.get(key, "-1")) for key in ("v1", "v2", "v3")] for face in item.iter(f"{CORE}triangle")]
+    if not faces:
+        return None
+    points, triangles = unit * np.array(corners, dtype=float), np.array(faces, dtype=int)
+    if not np.isfinite(points).all() or triangles.min() < 0 or triangles.max() >= len(points):
+        raise ValueError("not a mesh")
+    return Mesh(item.get("name", ""), *merged(points[triangles]))
+
+
+ENTITY = re.compile(r"#(\d+)\s*=\s*([A-Z0-9_]*)\s*\((.*)\)\s*", re.DOTALL)
+REFERENCE = re.compile(r"#(\d+)")
+STRING = re.compile(r"'(?:[^']|'')*'")
+# Largest distance between two ends that count as meeting, and from a plane in which a point counts as lying, mm.
+SAME = 1e-5
+
+
+@record(eq=False)
+class StepPlate:
+    """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm."""
+
+    lower: tuple[Outline, ...]
+    upper: tuple[Outline, ...]
+    thickness: float
+    stamp: str = ""
+
+
+class _File:
+    """The entities of a file by number."""
+
+    def __init__(self, text: str):
+        header, _, data = text.partition("DATA;")
+        self.header = header
+        self.entities: dict[str, tuple[str, str]] = {}
+        # Texts, which are not needed, may contain semicolons and numbers.
+        for line in STRING.sub("''", data).split(";"):
+            if found := ENTITY.fullmatch(line.strip()):
+                self.entities[found.group(1)] = (found.group(2), found.group(3))
+
+    def of(self, number: str, *kinds: str) -> tuple[str, list[str], str]:
+        """Kind, references and text of an entity, which must be of one of these kinds."""
+        kind, text = self.entities.get(number, ("nothing", ""))
+        if kind not in kinds:
+            raise UnreadableError(f"entity #{number} is {kind or 'a list'}, not {' or '.join(kinds)}")
+        return kind, REFERENCE.findall(text), text
+
+    def point(self, number: str) -> tuple[complex, float]:
+        """Position in the plane and height of a point."""
+        x, y, z = _numbers(self.of(number, "CARTESIAN_POINT")[2])
+        return complex(x, y), z
+
+    def placement(self, number: str) -> tuple[complex, float, float]:
+        """Origin in the plane, height and z component of the axis of a placement."""
+        centre, axis, _ = self.of(number, "AXIS2_PLACEMENT_3D")[1]
+        return *self.point(centre), _numbers(self.of(axis, "DIRECTION")[2])[2]
+
+
+def read_step(path: Path, error: float) -> StepPlate:
+    """The plate in a STEP file, arcs as chords within `error`, mm. UnreadableError if it holds anything else."""
+    content = _content(path)
+    try:
+        return _plate(_File(content.decode("ascii")), error)
+    except (UnicodeDecodeError, ValueError, IndexError, RecursionError) as fault:
+        raise UnreadableError(f"it is not a STEP file of a plate ({type(fault).__name__})") from None
+
+
+def _plate(file: _File, error: float) -> StepPlate:
+    units = [text for kind, text in file.entities.values() if not kind and "LENGTH_UNIT" in text]
+    if len(units) != 1 or "SI_UNIT(.MILLI.,.METRE.)" not in units[0]:
+        raise UnreadableError("its unit of length is not the millimetre")
+    lids: list[tuple[float, tuple[Outline, ...]]] = []
+    shells = [text for kind, text in file.entities.values() if kind == "CLOSED_SHELL"]
+    if len(shells) != 1:
+        raise UnreadableError(f"it has {len(shells)} shells, not one")
+    for face in REFERENCE.findall(shells[0]):
+        *bounds, surface = file.of(face, "ADVANCED_FACE")[1]
+        kind, (place, *_), _ = file.of(surface, "PLANE", "CYLINDRICAL_SURFACE")
+        _, height, axis = file.placement(place)
+        if kind == "PLANE" and abs(axis) > 0.5:
+            lids.append((height, tuple(_loop(file, bound, height, error) for bound in bounds)))
+    if len(lids) != 2:
+        raise UnreadableError(f"it has {len(lids)} level faces, not two")
+    (low, lower), (high, upper) = sorted(lids, key=lambda lid: lid[0])
+    if abs(low) > SAME:
+        raise UnreadableError(f"its lower face is at z = {low:g}, not 0")
+    stamp = re.search(r"FILE_DESCRIPTION\(\('([^']*)'", file.header)
+    return StepPlate(lower, upper, high, stamp.group(1) if stamp else "")
+
+
+def _loop(file: _File, bound: str, height: float, error: float) -> Outline:
+    (ring,) = file.of(bound, "FACE_BOUND", "FACE_OUTER_BOUND")[1]
+    pen = Pen(error)
+    last: complex | None = None
+    first: complex | None = None
+    for oriented in file.of(ring, "EDGE_LOOP")[1]:
+        _, (edge,), text = file.of(oriented, "ORIENTED_EDGE")
+        _, (start_number, end_number, curve), _ = file.of(edge, "EDGE_CURVE")
+        ends = [file.point(file.of(number, "VERTEX_POINT")[1][0]) for number in (start_number, end_number)]
+        if any(abs(z - height) > SAME for _, z in ends):
+            raise UnreadableError("an edge of a level face leaves its plane")
+        (start, _), (end, _) = ends
+        bulge = _step_bulge(file, curve, start, end)
+        if not text.rstrip().endswith(".T."):
+            start, end, bulge = end, start, -bulge
+        if last is not None and abs(start - last) > SAME:
+            raise UnreadableError("two edges that follow each other do not meet")
+        first, last = start if first is None else first, end
+        pen.edge(start, end, bulge)
+    if first is None or last is None or abs(first - last) > SAME:
+        raise UnreadableError("a loop is not closed")
+    return pen.outline(closed=True)
+
+
+def _step_bulge(file: _File, curve: str, start: complex, end: complex) -> float:
+    """Tangent of a quarter of the sweep of an edge; 0 if it is straight."""
+    kind, (place, *_), text = file.of(curve, "LINE", "CIRCLE")
+    if kind == "LINE":
+        return 0.0
+    centre, _, axis = file.placement(place)
+    radius = _numbers(text.rpartition(",")[2])[0]
+    if max(abs(abs(z - centre) - radius) for z in (start, end)) > SAME:
+        raise UnreadableError("an arc does not begin or end on its circle")
+    # Counterclockwise about the axis of the circle.
+    sweep = float(np.angle((end - centre) / (start - centre)))
+    sweep = sweep % (2 * np.pi) if axis > 0 else -((-sweep) % (2 * np.pi))
+    return float(np.tan(sweep / 4))
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(number) for number in re.findall(r"[-+]?\d+\.?\d*(?:E[-+]?\d+)?", text)]
+
+
+def _content(path: Path) -> bytes:
+    with path.open("rb") as file:
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise UnreadableError(f"it has more than {LARGEST:,} bytes")
+    return content
