@@ -7,6 +7,7 @@ A new kind is found in the table of kinds; a new aspect is one row of `ASPECTS`,
 import dataclasses
 import tomllib
 from functools import cache
+from itertools import combinations
 from zlib import crc32
 
 import numpy as np
@@ -238,3 +239,29 @@ def test_aspect_of_another_kind_is_refused_by_its_name(aspect):
         with pytest.raises(RecipeError) as caught:
             from_table({**tomllib.loads(template_of(kind)), aspect: value})
         assert [problem.key for problem in caught.value.problems] == [aspect], kind
+
+
+BOTH = [
+    pytest.param(
+        kind, pair, marks=() if kind == "slider-crank" else pytest.mark.campaign, id=f"{kind}-{'-'.join(pair)}"
+    )
+    for kind in ("slider-crank", "four-bar", "linkage", "stephenson-six-bar", "scotch-yoke")
+    for pair in combinations([aspect for aspect in ASPECTS if takes(kind, aspect)], 2)
+]
+
+
+@pytest.mark.parametrize(("kind", "pair"), BOTH)
+def test_two_aspects_add_their_results_or_are_refused_by_name(kind, pair):
+    """Columns, checks and entries of one aspect are among those of both, unless another driver is another mechanism."""
+    tables = [aspect for aspect in pair if ASPECTS[aspect] is None and aspect in choices_of(kind)]
+    given = {aspect: ASPECTS[aspect] for aspect in pair if ASPECTS[aspect] is not None}
+    extra = {key: value for aspect in pair for key, value in WITH.get(aspect, {}).items()}
+    table = {**extra, **tomllib.loads(template_of(kind, tables)), **given}
+    both = read(table)
+    assert both.scene is not None and both.notes and both.checks
+    if "stroke" in pair:
+        assert both.motion.linkage.driven_slider
+        return
+    for other in set(pair) - {"copies"}:
+        one = read({key: value for key, value in table.items() if key != other})
+        assert set(one.table.ids) <= set(both.table.ids) and set(values(one.checks)) <= set(values(both.checks))

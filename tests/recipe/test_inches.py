@@ -144,7 +144,7 @@ def assert_same_numbers(content, mm_content):
     (heads, *rows), (mm_heads, *mm_rows) = (list(csv.reader(io.StringIO(c.decode()))) for c in (content, mm_content))
     assert len(rows) == len(mm_rows)
     for k, (head, mm_head) in enumerate(zip(heads, mm_heads, strict=True)):
-        unit = re.search(r"(?<!_[nN])(?<!kg)_(?:1_per_)?(mm\d?(?:_per_\w+)?)$", mm_head)
+        unit = re.search(r"(?<!_[nN])(?<!kg)(?<!_per)_(?:1_per_)?(mm\d?(?:_per_\w+)?)$", mm_head)
         assert head == (re.sub("mm(?=[^m]*$)", "in", mm_head) if unit else mm_head)
         digits = re.match(r"mm(\d?)", unit[1])[1] or 1 if unit else 0
         factor = INCH ** (-1 if "_1_per_mm" in mm_head else int(digits))
