@@ -139,11 +139,6 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
         """Mass of each body in its frame, by name, if its parts have a material."""
         return part_masses(self.parts)
 
-    @property
-    @abstractmethod
-    def design_checks(self) -> tuple[Check, ...]:
-        """Checks of the mechanism, without those of the walls of its parts."""
-
     @cached_property
     def checks(self) -> tuple[Check, ...]:
         """Checks of the mechanism, of the walls of its parts, and of the corners that a cutting beam does not reach."""

@@ -29,6 +29,7 @@ from .aspects import AbstractLinkageAspect
 from .copies import Copied
 from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
 from .loads import LoadsTable, number_of_columns
+from .made import MadeLinkage
 from .runs import LinkageRun, linkage_run
 
 # Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
@@ -223,29 +224,12 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Checks of the motor, the counterweights and the run, and of pins and plates if the material is known."""
         stock = self.mechanism.stock
         yield from self._motor_checks
-        yield from self._weight_checks
+        yield from weight_checks(self.mechanism, self.given)
         if self.balanced:
             yield self.balanced.check(self.analysis)
         yield from self.run.checks if self.run else ()
         if stock.material:
             yield from linkage_strength_checks(self.analysis, stock, self.mechanism.stack)
-
-    @property
-    def _weight_checks(self) -> Iterator[Check]:
-        """Whether the forces at the feet of a walker carry the weight of its parts and its motor."""
-        made, gravity = self.mechanism, complex(*self.given.gravity_m_per_s2)
-        if made.foot is None or not gravity:
-            return
-        mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in made.masses.values())
-        mass += 1e-3 * made.mounted_motor.mass_g if made.mounted_motor else 0.0
-        carried = sum(force.mean_over_turn() for force in self.given.forces if force.point == made.foot)
-        share = -(carried * gravity.conjugate()).real * (1 + len(made.copies)) / (mass * abs(gravity) ** 2)
-        name = "share of the weight of parts and motor that the forces at the feet carry"
-        advice = (
-            f"the parts weigh {mass * abs(gravity):.3g} N: give [[loads.forces]] at {made.foot} while it stands, by "
-            "over_deg; without them the torque and the motor's margin are those of a walker in the air"
-        )
-        yield Check("weight_carried", name, 100 * share, "at least", LEAST_CARRIED, "%", advice)
 
     @property
     def _motor_checks(self) -> Iterator[Check]:
@@ -296,3 +280,20 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
 
 def _pin_forces(linkage: Linkage) -> tuple[str, ...]:
     return tuple(f"{pin}_force_on_{body}" for pin, bodies in linkage.pins.items() for body in bodies[1:])
+
+
+def weight_checks(made: MadeLinkage, loads: LoadsTable) -> Iterator[Check]:
+    """Whether the forces at the feet of a walker carry the weight of its parts and its motor."""
+    gravity = complex(*loads.gravity_m_per_s2)
+    if made.foot is None or not gravity:
+        return
+    mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in made.masses.values())
+    mass += 1e-3 * made.mounted_motor.mass_g if made.mounted_motor else 0.0
+    carried = sum(force.mean_over_turn() for force in loads.forces if force.point == made.foot)
+    share = -(carried * gravity.conjugate()).real * (1 + len(made.copies)) / (mass * abs(gravity) ** 2)
+    name = "share of the weight of parts and motor that the forces at the feet carry"
+    advice = (
+        f"the parts weigh {mass * abs(gravity):.3g} N: give [[loads.forces]] at {made.foot} while it stands, by "
+        "over_deg; without them the torque and the motor's margin are those of a walker in the air"
+    )
+    yield Check("weight_carried", name, 100 * share, "at least", LEAST_CARRIED, "%", advice)
