@@ -32,8 +32,9 @@ ONE = re.compile(rf"({NUMBER})")
 # What the user wrote: a text, or a table in place of a number, whose numbers are not read.
 QUOTED = re.compile(r"((?<!\w)'[^']*'(?!\w)|\{.*\})")
 SCALE = re.compile(rf"1 mm is ({NUMBER}) ")
-# Ends of names of entries in summaries that are lengths, areas or volumes, such as `thickness_mm`.
-SUFFIX = re.compile(r"(?<!_[nN])(?<!_kg)(?<!_per)_mm([23]?)$")
+# Ends of names of entries in summaries that are lengths, areas, volumes or rates of lengths, such as `thickness_mm` and
+# `worst_case_mm_per_s`.
+SUFFIX = re.compile(r"(?<!_[nN])(?<!_kg)(?<!_per)_mm([23]?)(?=(?:_per_s2?)?$)")
 # Entries among lengths that are none.
 PURE = ("profile_shift",)
 # Entries that hold linkages, whose lengths have the names of their fields.

@@ -98,9 +98,12 @@ class MachineRecipe(AbstractAssembledRecipe):
             if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
+            if getattr(getattr(mechanism.recipe, "loads", None), "run", None):
+                problem = "is given, but the machine sets the speed"
+                raise DesignError(f"mechanisms.{name}.recipe.loads.run", problem, "omit it", "conflict")
             if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
                 problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
-                raise DesignError("files.kerf", problem, f"give kerf = {kerf:g} in [files]", "conflict")
+                raise DesignError("files.kerf", problem, f"give {kerf:g} mm as kerf in [files]", "conflict")
         if not any(isinstance(recipe, AbstractGoal) for recipe in alone(self.mechanisms).values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018

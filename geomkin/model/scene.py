@@ -389,6 +389,7 @@ class Scene:
             time=self.time[frames],
             assembled=self.assembled[frames],
             bodies=tuple(map(taken, self.bodies)),
+            units={title: tuple(map(taken, bodies)) for title, bodies in self.units.items()},
             marks=tuple(map(taken, self.marks)),
             others={},
             choice=None,

@@ -72,8 +72,6 @@ class AbstractAspect(Generic[M, T]):
     """
 
     key: ClassVar[str]
-    # Whether results besides rates change with the setting, as forces do.
-    depends_on_setting: ClassVar[bool] = False
 
     mechanism: M
     given: T

@@ -44,7 +44,7 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
 
     @property
     def depends_on_setting(self) -> bool:
-        return any(aspect.depends_on_setting for aspect in self.aspects)
+        return bool(self.aspects)
 
     @property
     @abstractmethod

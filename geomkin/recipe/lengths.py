@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from ..core.dotted_keys import numbers_in
 from ..core.errors import Problem
 from ..core.field_visitor import Number, names_mm, with_numbers
@@ -34,7 +36,9 @@ def _converted(
     table: Mapping[str, Any], kind: type, convert: Callable[[float, str], float], inner: Callable[[Any], Any]
 ) -> dict[str, Any]:
     def change(number: Number) -> Any:
-        value = number.value
+        value = float(number.value) if isinstance(number.value, np.number) else number.value
+        if isinstance(value, np.ndarray):
+            return value  # Refused when the table is read.
         is_kept = names_mm(number.declared.name) or not abs(value) < LARGEST
         return value if is_kept else convert(value, number.unit)
 

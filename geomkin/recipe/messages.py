@@ -101,8 +101,10 @@ def table_remedy(declared: DeclaredField | None, key: str) -> str:
     tables = declared.tables if declared else []
     if not declared or not tables:
         return ""
-    heading = "" if "[" in key else f", headed {declared.heading(key)}"
-    some = "tables, each" if declared.is_rows or declared.is_named else "a table"
+    # The key of one of several tables with names ends with its own name.
+    is_one = declared.is_named and not key.endswith(declared.name)
+    heading = "" if "[" in key else f", headed {f'[{key}]' if is_one else declared.heading(key)}"
+    some = "tables, each" if (declared.is_rows or declared.is_named) and not is_one else "a table"
     kinds = [str(kind_of(t)) for t in tables if kind_of(t)]
     if kinds:
         return f"give {some} with kind = {' or '.join(map(repr, kinds))}{heading}"

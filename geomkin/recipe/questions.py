@@ -46,7 +46,7 @@ class AbstractPlaced:
 
     @property
     def depends_on_setting(self) -> bool:
-        """Whether results besides rates change with the setting, as those of loads do."""
+        """Whether what a machine shows of it changes with the setting, as what aspects add does."""
         return False
 
     def in_setting(self, setting: Setting) -> Self:

@@ -116,6 +116,8 @@ class _TableReader:
             return pair if pair is WRONG else complex(*(x if abs(x) >= SMALLEST else 0.0 for x in pair))
         if option in (float, int):
             return self.number(given, option, shape.mark or PLAIN[option], key, declared)
+        if option is bool and not isinstance(given, bool):
+            return self.refuse(key, f"found {shown(given)}", f"give true or false: {allowed_value(declared.about)}")
         return given if isinstance(given, option) else self.wrong(given, key, declared)
 
     def choice(self, given: Any, choices: Sequence[Any], key: str) -> Any:

@@ -370,3 +370,41 @@ def test_recipe_inside_a_machine_has_its_unit():
     with pytest.raises(gk.RecipeError) as refused:
         from_table(table, "recipe", str(RECIPES))
     assert refused.value.problems[0].key.startswith(f"mechanisms.{name}.recipe")
+
+
+def test_rates_of_lengths_in_summaries_are_in_inches():
+    tolerances = {"of": "coupler_point_velocity", "linkages": 0}
+    entries = {}
+    for unit, factor in (("in", 1.0), ("mm", INCH)):
+        bar = {
+            key: [factor * x for x in value] if isinstance(value, list) else factor * value
+            for key, value in BAR.items()
+        }
+        recipe = gk.load(
+            {
+                "kind": "four-bar",
+                "units": unit,
+                "linkage": bar,
+                "tolerances": {**tolerances, "tolerance": 0.01 * factor},
+            }
+        )
+        entries[unit] = ShownRecipe(recipe).notes["tolerances"]
+    assert entries["in"]["worst_case_in_per_s"] == pytest.approx(entries["mm"]["worst_case_mm_per_s"] / INCH, rel=1e-4)
+
+
+@pytest.mark.parametrize("of", ["coupler_point", "coupler_point_x", "rocker_angle"])
+def test_limit_of_a_deviation_is_in_the_unit_of_its_column(of):
+    """The same linkage in mm and in inches, with a limit in the unit of each, deg for an angle."""
+    checks = []
+    for unit, factor in (("in", 1.0), ("mm", INCH)):
+        bar = {
+            key: [factor * x for x in value] if isinstance(value, list) else factor * value
+            for key, value in BAR.items()
+        }
+        limit = 0.03 if of == "rocker_angle" else 0.03 * factor
+        tolerances = {"of": of, "tolerance": 0.004 * factor, "limit": limit, "linkages": 0}
+        recipe = gk.load({"kind": "four-bar", "units": unit, "linkage": bar, "tolerances": tolerances})
+        checks.append(next(check for check in ShownRecipe(recipe).checks if check.id == "deviation"))
+    inch, mm = checks
+    factor = 1.0 if of == "rocker_angle" else INCH
+    assert (inch.limit, inch.limit * factor, inch.value * factor) == pytest.approx((0.03, mm.limit, mm.value), rel=1e-3)

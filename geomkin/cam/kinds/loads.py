@@ -182,7 +182,6 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
     """The forces of a cam and its follower under loads, at the cam angles of a recipe."""
 
     key = "loads"
-    depends_on_setting = True
 
     @property
     def cam(self) -> Cam:

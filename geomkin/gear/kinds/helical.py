@@ -287,8 +287,9 @@ def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
     if helix.slope or pair.backlash <= MUCH_BACKLASH * pair.module:
         return {}
     relation = "ring's profile shift minus the pinion's" if pair.is_internal else "sum of both profile shifts"
-    # Rounded down, so that the teeth do not jam.
-    shift = np.floor(1000 * pair.shift_without_backlash) / 1000
+    # Rounded so that the teeth do not jam: those of a ring come closer with less shift, those of other pairs with more.
+    rounded = np.ceil if pair.is_internal else np.floor
+    shift = rounded(1000 * pair.shift_without_backlash) / 1000
     return {"backlash_advice": f"no backlash is left at this distance if the {relation} is {shift:g}"}
 
 

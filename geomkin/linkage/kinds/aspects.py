@@ -1,4 +1,4 @@
-"""Aspects of recipes of linkages that need no table of their own: dwell, other assembly mode, copies."""
+"""The base class of aspects of linkages, and the short ones: dwell, other assembly mode, copies."""
 
 from __future__ import annotations
 

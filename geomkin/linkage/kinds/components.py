@@ -18,7 +18,6 @@ class ComponentsAspect(AbstractLinkageAspect[bool]):
     """The components of each pin's velocity and acceleration along and across its link, columns of either mode."""
 
     key = "effective_components"
-    depends_on_setting = True
 
     def plots(self, table: Table) -> Iterator[Plot]:
         return component_plots(self.mechanism.motion)

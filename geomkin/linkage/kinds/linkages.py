@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from ...core.fields import entry
 from ...core.records import record
+from ...core.units import UNITS
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.material import Mass
@@ -75,7 +76,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         """The linkage in its setting, with its copies as plates in layers."""
         branch, given = branch_of(self.branch, self.branches), partial(getattr, self)
         columns = given("coefficients", False), given("effective_components", False)
-        driven = (self.linkage, branch, self.input_range, self.setting, *columns)
+        driven = (self.linkage, branch, self.input_range, self.setting, *columns, UNITS[self.units])
         return MadeLinkage(*driven, self.stock, given("copies", ()), given("foot", None), self._round_ends)
 
     def _round_ends(self) -> dict[str, RoundEnd]:

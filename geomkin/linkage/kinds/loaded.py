@@ -44,7 +44,6 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
     """The forces of a linkage in motion, and the torque of the shaft that it shares with its copies."""
 
     key = "loads"
-    depends_on_setting = True
 
     @property
     def most_columns(self) -> int:
@@ -284,14 +283,14 @@ def _pin_forces(linkage: Linkage) -> tuple[str, ...]:
 
 def weight_checks(made: MadeLinkage, loads: LoadsTable) -> Iterator[Check]:
     """Whether the forces at the feet of a walker carry the weight of its parts and its motor."""
-    gravity = complex(*loads.gravity_m_per_s2)
+    gravity = made.setting.of_world(complex(*loads.gravity_m_per_s2))
     if made.foot is None or not gravity:
         return
     mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in made.masses.values())
     mass += 1e-3 * made.mounted_motor.mass_g if made.mounted_motor else 0.0
     carried = sum(force.mean_over_turn() for force in loads.forces if force.point == made.foot)
     share = -(carried * gravity.conjugate()).real * (1 + len(made.copies)) / (mass * abs(gravity) ** 2)
-    name = "share of the weight of parts and motor that the forces at the feet carry"
+    name = "share of the weight of its own parts and motor that the forces at the feet carry"
     advice = (
         f"the parts weigh {mass * abs(gravity):.3g} N: give [[loads.forces]] at {made.foot} while it stands, by "
         "over_deg; without them the torque and the motor's margin are those of a walker in the air"

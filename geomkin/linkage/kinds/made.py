@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.fields import to_digits
 from ...core.records import record
+from ...core.units import MM, LengthUnit
 from ...making.fasteners import gathered
 from ...making.motors import MOTORS
 from ...model.material import Mass
@@ -44,6 +45,7 @@ class DrivenLinkage:
     """A linkage that moves on a branch over the range of its driver, at the speed of its setting.
 
     has_coefficients, has_components: whether its tables have kinematic coefficients, and effective components.
+    length_unit: in which the recipe is written.
     """
 
     linkage: AbstractLinkage
@@ -52,6 +54,7 @@ class DrivenLinkage:
     setting: Setting
     has_coefficients: bool = False
     has_components: bool = False
+    length_unit: LengthUnit = MM
 
     @property
     def speed(self) -> float:

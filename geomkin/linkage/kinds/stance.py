@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -34,6 +35,8 @@ FOUR_LEGS = (
     "Four legs stand on two feet at times, whatever their phases, and the frame then tips from one pair of feet to "
     "another: give six legs, as the checks of the tilt advise, or fix feet of your own that are as wide as the body."
 )
+# Largest turn of a walker in a machine, rad, with which it stands on its feet.
+UPRIGHT = 1e-6
 UNKNOWN_STANCE = "How it stands is unknown: no rod joins two of the copies, so their distance is not given."
 
 
@@ -172,7 +175,10 @@ class StandingAspect(AbstractLinkageAspect[str]):
 
     @property
     def checks(self) -> Iterator[Check]:
-        yield from self.stance.checks if self.stance else ()
+        is_turned = abs(self.mechanism.setting.direction - 1) > UPRIGHT
+        unknown = {"value": np.nan, "at": None, "advice": "its feet are at -y of its own recipe: give angle_deg = 0"}
+        for check in self.stance.checks if self.stance else ():
+            yield replace(check, **unknown) if is_turned else check  # type: ignore[arg-type]
 
     @property
     def remarks(self) -> Iterator[str]:

@@ -125,6 +125,12 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         return UNITS[output.kind][output.order]
 
     @property
+    def limit(self) -> float | None:
+        """The limit of the table in the unit of the column, mm for lengths."""
+        given = self.given.limit
+        return None if given is None else self.mechanism.length_unit.in_mm(given, self.unit)
+
+    @property
     def factor(self) -> float:
         """From the unit of the analysis to that of the column."""
         return 180 / np.pi if self.unit == "deg" else 1.0
@@ -161,7 +167,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         """The analysis with the positions at which the output is largest and least, also between frames."""
         motion, output = self.analysis.motion, quantities(self.analysis.motion.linkage)[self.given.of]
         drive, (first, last) = motion.drive, motion.drive[[0, -1]].tolist()
-        if self.is_path or first == last:
+        if output.kind == "point" or first == last:
             return self.analysis
         if output.kind == "body" and not output.order:
             ends = dead_centres(motion.given, output.name, motion.solution.spec, (first, last))
@@ -178,8 +184,8 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
 
     def loosest(self, rule: Literal["worst_case", "root_sum_square"]) -> float | None:
         """The loosest tolerance of all lengths that keeps the limit, mm, also between frames; None if there is none."""
-        assert self.given.limit is not None
-        bound = self.given.limit / self.factor
+        assert self.limit is not None
+        bound = self.limit / self.factor
         loosest = -self._largest(lambda analysis: -analysis.loosest_at_frames(bound, rule))[0]
         return loosest if loosest > 0 else None
 
@@ -209,7 +215,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         """Plots of the columns."""
         of, words = self.given.of, self.given.of.replace("_", " ")
         ids = (f"{of}_worst_case", f"{of}_root_sum_square", *([f"{of}_across_path"] if self.is_path else []))
-        limits = [] if self.given.limit is None else [Limit(ids[0], self.given.limit, f"at most {self.given.limit:g}")]
+        limits = [] if self.limit is None else [Limit(ids[0], self.limit, f"at most {self.given.limit:g}")]
         if np.isfinite(self.worst_case).any():
             yield Plot(f"deviation of {words}", ids).with_limits(limits)
             if f"{of}_lower" in table.ids:
@@ -218,7 +224,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
     @property
     def checks(self) -> Iterator[Check]:
         """The largest worst-case deviation, if there is a limit."""
-        limit = self.given.limit
+        limit = self.limit
         if limit is None:
             return
         worst, at = self.largest
@@ -333,7 +339,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         if np.isfinite(self.of_range.range_worst_case):
             entries[f"range_worst_case_{unit}"] = to_digits(self.of_range.range_worst_case * self.factor, 6)
             entries[f"range_root_sum_square_{unit}"] = to_digits(self.of_range.range_root_sum_square * self.factor, 6)
-        if self.given.limit is not None:
+        if self.limit is not None:
             rules: tuple[Literal["worst_case", "root_sum_square"], ...] = ("worst_case", "root_sum_square")
             loosest = {rule: self.loosest(rule) for rule in rules}
             entries["loosest_tolerance_mm"] = {rule: value and to_digits(value, 6) for rule, value in loosest.items()}
@@ -344,8 +350,8 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
                 f"largest_of_99.73_percent_{unit}": to_digits(np.nanmax(largest), 6),
                 "not_assembled": int(self.sampled.not_assembled.max()),
             }
-            if self.given.limit is not None:
-                share = self.sampled.share_within(self.given.limit / self.factor)
+            if self.limit is not None:
+                share = self.sampled.share_within(self.limit / self.factor)
                 entries["random"]["within_limit_percent"] = to_digits(100 * share, 6)  # type: ignore[index]
         return {"tolerances": entries}
 
