@@ -1,5 +1,6 @@
 """Recipes that no motor drives, and walkers whose feet carry nothing."""
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -47,3 +48,16 @@ def test_feet_that_carry_the_weight_pass_by_the_mean_of_their_forces():
     )
     share = 100 * 6 * 2.2 * 174 / 360 / (9.81 * mass)
     assert check(walker, "weight_carried").value == pytest.approx(share, rel=1e-2) and share > 100
+
+
+@pytest.mark.parametrize("masses", [{}, {"leg": {"mass_kg": 0.5}}])
+def test_a_walker_without_a_material_weighs_what_its_loads_state(masses):
+    """Four legs of 0.5 kg and a motor; without either nothing is known of the weight, and nothing is said of it."""
+    table = tomllib.loads((CASES / "walker-without-weight.toml").read_text("utf-8"))
+    del table["stock"]["material"], table["stock"]["motor"]
+    force = {"body": "leg", "point": "foot", "force_n": [0, 0.5 * 9.81 / 2]}
+    checks = {check.id: check for check in gk.load({**table, "loads": {"masses": masses, "forces": [force]}}).checks}
+    if not masses:
+        assert "weight_carried" not in checks
+    else:
+        assert checks["weight_carried"].value == pytest.approx(50)

@@ -103,6 +103,7 @@ class GearLoadsAspect(AbstractAspect[AbstractLoadedRecipe, LoadFactors]):
         return {"loads": self.meshes.summary} if self.meshes else {}
 
 
+# Set here, since the aspect names the class of its recipe.
 AbstractLoadedRecipe.aspect_kinds = (GearLoadsAspect,)
 
 

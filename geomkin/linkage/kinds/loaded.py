@@ -284,10 +284,11 @@ def _pin_forces(linkage: Linkage) -> tuple[str, ...]:
 def weight_checks(made: MadeLinkage, loads: LoadsTable) -> Iterator[Check]:
     """Whether the forces at the feet of a walker carry the weight of its parts and its motor."""
     gravity = made.setting.of_world(complex(*loads.gravity_m_per_s2))
-    if made.foot is None or not gravity:
-        return
-    mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in made.masses.values())
+    masses = {**made.masses, **{body: given.mass for body, given in loads.masses.items()}}
+    mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in masses.values())
     mass += 1e-3 * made.mounted_motor.mass_g if made.mounted_motor else 0.0
+    if made.foot is None or not gravity or not mass:
+        return
     carried = sum(force.mean_over_turn() for force in loads.forces if force.point == made.foot)
     share = -(carried * gravity.conjugate()).real * (1 + len(made.copies)) / (mass * abs(gravity) ** 2)
     name = "share of the weight of its own parts and motor that the forces at the feet carry"

@@ -175,14 +175,18 @@ class StandingAspect(AbstractLinkageAspect[str]):
 
     @property
     def checks(self) -> Iterator[Check]:
-        is_turned = abs(self.mechanism.setting.direction - 1) > UPRIGHT
-        unknown = {"value": np.nan, "at": None, "advice": "its feet are at -y of its own recipe: give angle_deg = 0"}
+        advice = "a machine turns it, and its feet are at -y of its own recipe: give angle_deg = 0"
         for check in self.stance.checks if self.stance else ():
-            yield replace(check, **unknown) if is_turned else check  # type: ignore[arg-type]
+            yield replace(check, value=np.nan, at=None, advice=advice) if self._is_turned else check
+
+    @property
+    def _is_turned(self) -> bool:
+        return abs(self.mechanism.setting.direction - 1) > UPRIGHT
 
     @property
     def remarks(self) -> Iterator[str]:
-        yield from self.stance.remarks if self.stance else (UNKNOWN_STANCE,)
+        if not self._is_turned:
+            yield from self.stance.remarks if self.stance else (UNKNOWN_STANCE,)
 
     @property
     def entries(self) -> Mapping[str, object]:
