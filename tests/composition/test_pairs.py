@@ -103,7 +103,7 @@ def alone(table, tmp_path):
 
 
 def in_machine(table, tmp_path):
-    """The checks are those of the recipe at that speed, and the bodies lie where its own are turned to."""
+    """Bodies lie where those of the recipe are turned to; the torque is that of its loads at that speed and direction."""
     recipe = read(table)
     if not recipe.rotating_bodies:
         pytest.skip("it has no driver on a shaft")
