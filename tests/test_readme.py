@@ -104,7 +104,7 @@ def test_links_and_pictures_exist(page):
 
 def test_readme_is_short_and_starts_with_the_two_commands():
     text = PAGES[0].read_text("utf-8")
-    assert len(text.splitlines()) <= 150
+    assert len(text.splitlines()) <= 120
     gallery, tests, *_ = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
     assert "geomkin run recipes" in gallery and "pytest" in tests
 

@@ -1,4 +1,4 @@
-"""The commands that print or show something: check, columns, list, new, schema, studio."""
+"""The commands that print or show something: check, columns, explain, list, new, schema, studio."""
 
 from __future__ import annotations
 
@@ -56,6 +56,26 @@ def columns_command(recipe: Path) -> None:
     wide, units = (max(len(line[k]) for line in lines) for k in (0, 1))
     for id, unit, meaning in lines:
         click.echo(printable(f"{id:<{wide}}  {unit:<{units}}  {meaning}", 500))
+
+
+@click.command()
+@click.argument("words", nargs=-1, required=True, metavar="ID_OR_TERM")
+def explain(words: tuple[str, ...]) -> None:
+    """Explain a check, by its id, or a term of the field.
+
+    The id of a check is that of `summary.json`, such as `transmission_angle` or `wall_rocker`.
+    """
+    from ..core.errors import printable
+    from ..recipe.messages import did_you_mean
+    from .explanations import CHECKS, TERMS, explained
+
+    text = " ".join(words)
+    found = explained(text)
+    if found is None:
+        known = [*CHECKS, *TERMS]
+        remedy = f"{did_you_mean(text, known)}the terms are {', '.join(TERMS)}"
+        raise click.BadParameter(f"nothing is known of {printable(text)!r}; {remedy}", param_hint="ID_OR_TERM")
+    click.echo(found)
 
 
 @click.command("list")

@@ -53,7 +53,7 @@ def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
 
     Notes
     -----
-    The integral of |dP/dt| by Gauss' rule.
+    The integral of `|dP/dt|` by Gauss' rule.
 
     Examples
     --------

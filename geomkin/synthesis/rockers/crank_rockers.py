@@ -148,8 +148,8 @@ def crank_rocker(
 
     The formulas are derived here from the linkage in its two dead centres (problem: Alt, Der Übertragungswinkel,
     Werkstattstechnik 26, 1932). With the swing p, the crank rotation f and the free angle z, crank : coupler : rocker :
-    ground are sin(p/2) sin z : sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| : |cos(f/2 - p/2) cos z + i sin(f/2
-    - p/2) sin z|.
+    ground are `sin(p/2) sin z : sin(p/2) cos z : |cos(f/2) cos z + i sin(f/2) sin z| : |cos(f/2 - p/2) cos z
+    + i sin(f/2 - p/2) sin z|`.
 
     Examples
     --------
