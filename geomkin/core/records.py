@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
+import re
+import sys
 from collections.abc import Callable
 from typing import Any, TypeVar, dataclass_transform, overload
 
-from .fields import check_sizes, entry, quantity
+from .fields import allowed, check_sizes, entry, quantity
 from .reprs import one_line
 
 T = TypeVar("T")
@@ -29,6 +32,8 @@ def record(
     kw_only: bool = False,
 ) -> Any:
     """Make a class a frozen dataclass whose `repr` is one line.
+
+    A docstring without "Parameters" gets them from the declarations of the fields.
 
     Parameters
     ----------
@@ -53,6 +58,31 @@ def record(
             cls.__post_init__ = check  # type: ignore[attr-defined]
         if cls.__repr__ is object.__repr__:
             cls.__repr__ = one_line  # type: ignore[method-assign]
-        return dataclasses.dataclass(frozen=True, eq=eq, kw_only=kw_only, repr=False)(cls)
+        made = dataclasses.dataclass(frozen=True, eq=eq, kw_only=kw_only, repr=False)(cls)
+        # Python's optimised mode has no docstrings.
+        if made.__doc__ and "Parameters\n" not in made.__doc__:
+            made.__doc__ = _with_parameters(made, made.__doc__)
+        return made
 
     return decorate if cls is None else decorate(cls)
+
+
+def _with_parameters(cls: type, doc: str) -> str:
+    """A docstring with the section "Parameters": what the fields declare, or the first line on the type of a table."""
+    rows = []
+    for field in dataclasses.fields(cls):
+        if not field.init or field.name.startswith("_"):
+            continue
+        optional = ", optional" if (field.default, field.default_factory) != (dataclasses.MISSING,) * 2 else ""
+        about = field.metadata.get("description") or _first_line(sys.modules[cls.__module__], field.type)
+        limits = allowed(field.metadata) if {"gt", "ge", "lt", "le"} & set(field.metadata) else ""
+        rows.append(f"{field.name} : {field.type}{optional}")
+        rows += [f"    {about[:1].upper()}{about[1:]}{f': {limits}' if limits else ''}."] if about else []
+    head, *sections = re.split(r"\n\n(?=\w+\n-{3})", inspect.cleandoc(doc))
+    return "\n\n".join([head, "\n".join(["Parameters", "----------", *rows]), *sections]) if rows else doc
+
+
+def _first_line(module: object, annotation: object) -> str:
+    """The first line on the class that an annotation names; "" if it names none."""
+    about = getattr(module, str(annotation), None)
+    return (about.__doc__ or "").split("\n")[0].rstrip(".") if isinstance(about, type) and about.__doc__ else ""

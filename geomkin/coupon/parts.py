@@ -26,17 +26,6 @@ NARROWEST_OPENING = 0.2
 class FitTest:
     """Openings of a fit test, in equal steps around the size of what goes into them.
 
-    Parameters
-    ----------
-    pin : float
-        Diameter of the pin, screw or shaft, mm; from 0.5 to 50.
-    thickness : float, optional
-        Measured thickness of the sheet, mm; from 0.5 to 20.
-    step : float, optional
-        Difference between neighbouring openings, mm; from 0.01 to 1.
-    count : int, optional
-        Number of holes, and of slots; from 5 to 25. Half of them, rounded down, are smaller than the pin.
-
     Raises
     ------
     DesignError

@@ -60,15 +60,6 @@ class MachineRecipe(AbstractAssembledRecipe):
 
     The mechanisms lie above one another in the order of the recipe. The axis of each driver is on the axis of the body
     that turns it.
-
-    Parameters
-    ----------
-    mechanisms : dict of str to Mechanism
-        The mechanisms by name, the lowest first.
-    drive : MachineDrive, optional
-        Speed of the driver.
-    files : Files, optional
-        Formats and tolerance of the files.
     """
 
     takes_workshop: ClassVar[bool] = False

@@ -66,21 +66,7 @@ def refuse_machine(key: str = "kind") -> NoReturn:
 
 @record(checked=True, kw_only=True)
 class Mechanism:
-    """A mechanism of a machine.
-
-    Parameters
-    ----------
-    recipe : AbstractRecipe
-        Its recipe, of a linkage, a disk cam, a gear pair, a gear train or a planetary set.
-    turned_by : str, optional
-        The body that turns its driver, as `mechanism.body`; None for the one that a motor or a hand drives.
-    phase_deg : float, optional
-        Rotation of its driver from its own first position when the machine is at its first, deg.
-    angle_deg : float, optional
-        Rotation of the whole mechanism about the axis of its driver, deg.
-    upside_down : bool, optional
-        Whether its layers are in the reverse order, its ground on top.
-    """
+    """A mechanism of a machine."""
 
     recipe: Annotated[AbstractRecipe, RecipeOrFile()] = entry(
         'its recipe: a file next to this one, such as "leg.toml", or a table with kind',

@@ -24,17 +24,7 @@ from .motors import MotorFace, MountedMotorKey, face_of, fixed_under
 
 @record(checked=True)
 class BaseStock:
-    """The base plate under a mechanism. It is as thick as the first part and covers everything that moves over it.
-
-    Parameters
-    ----------
-    screw : float, optional
-        Diameter of the screws in its corners, mm; 0 for none.
-    edge : float, optional
-        Width of the plate outside those screws, mm.
-    clearance : float, optional
-        How much wider a hole is than its pin or shaft, mm.
-    """
+    """The base plate under a mechanism. It is as thick as the first part and covers everything that moves over it."""
 
     screw: ThreadDiameter = quantity(
         'diameter of the screws in its corners, or their thread, as "#6-32"; 0 for none; their holes are wider by the '
@@ -52,15 +42,7 @@ class BaseStock:
 
 @record
 class RackBaseStock(BaseStock):
-    """The base plate under a pinion and its rack. Two pins guide the rack in a slot of the plate.
-
-    Parameters
-    ----------
-    screw, edge, clearance : float, optional
-        As of `BaseStock`, mm.
-    guide_pin : float, optional
-        Diameter of the two pins of the rack, mm.
-    """
+    """The base plate under a pinion and its rack. Two pins guide the rack in a slot of the plate."""
 
     guide_pin: float = quantity(
         "diameter of the two pins on which the rack slides in the base's slot", "mm", default=4.0, at_least=0.01

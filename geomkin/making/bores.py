@@ -307,32 +307,6 @@ def interference() -> Any:
 class AbstractBored:
     """Base class of stock tables of parts on a shaft; all lengths in mm.
 
-    Parameters
-    ----------
-    thickness : float, optional
-        Thickness of the sheet, mm.
-    bore : float, optional
-        Diameter of the shaft, of a square or hexagonal one over its corners, mm; 0 for no hole.
-    bore_form : {"round", "D", "double-D", "square", "hexagonal", "keyed"}, optional
-        Form of the bore: for a round shaft, a motor's shaft with one or two flats, a square or hexagonal shaft, or with
-        the keyway of DIN 6885-1.
-    flat : float, optional
-        Of a D-shaft, from its flat side across to the round side, mm; if omitted, that of the motor or of a usual one.
-        Of the others, the distance of opposite flats; of a square or hexagonal one, with sharp corners if omitted.
-    keyway_width, keyway_depth : float, optional
-        Width of the keyway, and its depth beyond the bore along its centre line, mm. In a keyed bore 0 stands for the
-        sizes of the standard, otherwise for no keyway.
-    fit : {"running", "press"}, optional
-        Fit of the bore.
-    interference : float, optional
-        Interference of a press-fit bore, mm, from -1; below 0 if holes come out narrower than drawn.
-    clearance : float, optional
-        How much wider a hole is than its pin or shaft, mm.
-    motor : str or MotorFace, optional
-        Motor that drives the part.
-    material : Material, optional
-        Material of the part.
-
     Raises
     ------
     DesignError

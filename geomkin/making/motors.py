@@ -234,32 +234,6 @@ CORNERS = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
 class MotorFace:
     """The face of a motor by which it is screwed to a plate, seen from its shaft, which is at the origin.
 
-    Parameters
-    ----------
-    product : str
-        Its name in the bill of materials.
-    face_width : float
-        Width of the square face, or diameter of a round one, mm.
-    screws : tuple of complex
-        Positions of the screws, mm.
-    boss_diameter, boss_height : float
-        Of the boss round the shaft, mm.
-    shaft : float
-        Diameter of the shaft, mm.
-    flat : float, optional
-        Of a D-shaft, from its flat side across to the round side, mm; of a shaft with two flats, their distance; None
-        for a round shaft.
-    thread : {2, 2.5, 3, 4, 5}, optional
-        Thread of the screws, mm.
-    least_depth, largest_depth : float, optional
-        Length of a screw beyond the plate, mm: in the threads of the motor, or through its flange and a nut.
-    nuts : bool, optional
-        Whether the screws pass through a flange and have nuts.
-    face_offset : float, optional
-        Distance of the face's middle from the shaft, mm, along +x.
-    flats : {1, 2}, optional
-        Number of flats of the shaft.
-
     Raises
     ------
     DesignError

@@ -79,29 +79,7 @@ def kerf(default: float | None) -> Any:
 
 @record(checked=True)
 class Files:
-    """The formats to write, and their options.
-
-    Parameters
-    ----------
-    write : tuple of str, optional
-        Names of the formats.
-    tolerance : float, optional
-        Largest distance between a curve and its chords, mm.
-    curves : {"chords", "arcs"}, optional
-        Whether outlines in DXF and SVG are chords or arcs.
-    kerf : float, optional
-        Width of the cut, mm; DXF and SVG move outlines out and holes in by half of it.
-    style : {"drawing", "laser"}, optional
-        SVG for viewing, or with the red and blue hairlines of laser cutting programs.
-    labels : bool, optional
-        Whether parts are engraved with their names, and holes of links with the letters of their pins.
-    sheet : tuple of float, optional
-        Width and height of the sheets that parts are cut from, mm; by default one sheet is sized to fit the parts.
-    title : Title, optional
-        Further entries in the title block of dimensioned drawings.
-    assembly_at : float, optional
-        Position of the driver in pictures of the assembly: deg, or mm if it slides; by default any.
-    """
+    """The formats to write, and their options."""
 
     write: tuple[Format, ...] = entry("files to write", default=DEFAULT_FORMATS)
     tolerance: float = quantity(
@@ -142,17 +120,7 @@ class Files:
 
 @record(checked=True)
 class OptimiseTable:
-    """The task of `geomkin optimise`: keys to vary, the result or results to minimise, and constraints.
-
-    Parameters
-    ----------
-    vary : tuple of str
-        Ranges of keys that hold numbers, each KEY = LOW:HIGH.
-    minimise : str or tuple of str
-        The result to minimise, a formula of ids of columns and checks; two to four give the Pareto front.
-    subject_to : tuple of str, optional
-        Constraints: two formulas with >= or <= between them.
-    """
+    """The task of `geomkin optimise`: keys to vary, the result or results to minimise, and constraints."""
 
     vary: tuple[str, ...] = entry(
         "ranges of keys that hold numbers, each KEY = LOW:HIGH", example=("linkage.crank = 20:40",)
@@ -206,17 +174,7 @@ def _check_end(key: str, start: float, end: float, speed_key: str, speed: float)
 
 @record(checked=True)
 class Drive:
-    """Rotation of a crank, cam or gear over one turn, and the step between rows of the table.
-
-    Parameters
-    ----------
-    speed_rpm : float, optional
-        Speed of the driver, rpm, not 0; negative if it turns clockwise.
-    step_deg : float, optional
-        Largest rotation of the driver between rows of the table, deg.
-    acceleration_rad_per_s2 : float, optional
-        Acceleration of the driver at each row, rad/s2; with one the time is unknown.
-    """
+    """Rotation of a crank, cam or gear over one turn, and the step between rows of the table."""
 
     speed_rpm: float = _speed_rpm()
     step_deg: float = _step_deg()
@@ -242,19 +200,7 @@ class Drive:
 
 @record(checked=True)
 class Turn:
-    """Rotation of a linkage's driver, and the step between rows of the table.
-
-    Parameters
-    ----------
-    speed_rpm : float, optional
-        Speed of the driver, rpm, not 0; negative if it turns clockwise.
-    step_deg : float, optional
-        Largest rotation of the driver between rows of the table, deg.
-    start_deg, end_deg : float, optional
-        The driver's first and last angle, deg; by default one turn from 0, in the direction of the speed.
-    acceleration_rad_per_s2 : float, optional
-        Acceleration of the driver at each row, rad/s2; with one the time is unknown.
-    """
+    """Rotation of a linkage's driver, and the step between rows of the table."""
 
     speed_rpm: float = _speed_rpm()
     step_deg: float = _step_deg()
@@ -339,19 +285,7 @@ class Turn:
 
 @record(checked=True)
 class Stroke:
-    """Stroke of a sliding driver, and the step between rows of the table.
-
-    Parameters
-    ----------
-    start, end : float
-        The driver's first and last position along its line, mm.
-    speed : float, optional
-        Speed of the driver, mm/s, not 0; negative if the end is below the start.
-    step : float, optional
-        Largest displacement of the driver between rows of the table, mm.
-    acceleration_mm_per_s2 : float, optional
-        Acceleration of the driver at each row, mm/s2; with one the time is unknown.
-    """
+    """Stroke of a sliding driver, and the step between rows of the table."""
 
     start: float = quantity(
         "driver's first position along its line", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=70
@@ -424,17 +358,7 @@ def gravity_entry() -> Any:
 
 @record(checked=True)
 class BodyMass:
-    """Mass of a body in a recipe.
-
-    Parameters
-    ----------
-    mass_kg : float
-        Mass, kg.
-    centre : complex, optional
-        Centre of mass in the body's frame, mm.
-    inertia_kg_mm2 : float, optional
-        Moment of inertia about the centre, kg mm2.
-    """
+    """Mass of a body in a recipe."""
 
     mass_kg: float = quantity("mass", "kg", at_least=0, at_most=FARTHEST, example=0.2)
     centre: ComplexPoint = entry("centre of mass in the body's frame, [x, y] in mm", default=0j, example=20 + 0j)

@@ -65,23 +65,7 @@ LIFTS: dict[str, Segment] = {
 
 @record(kw_only=True)
 class DiskCamRecipe(AbstractComposedRecipe):
-    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates.
-
-    Parameters
-    ----------
-    cam : Cam
-        The cam and its follower.
-    drive : Drive, optional
-        Speed of the cam, rpm above 0, and the steps of the table.
-    loads : CamLoadsTable, optional
-        Mass, spring, force and friction of the follower; the table then has the contact force and the torque.
-    stock : CamStock, optional
-        Sheet, bores and bars of cam and follower.
-    base : BaseStock, optional
-        Base plate that holds the shaft, and the pivot of an arm or the guide of a stem; none if omitted.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
 
     can_be_scaled: ClassVar[bool] = True
     aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)

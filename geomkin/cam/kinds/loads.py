@@ -105,24 +105,7 @@ ARM = {"spring_rate_n_mm_per_rad": "stiffness", "preload_n_mm": "preload", "torq
 
 @record(checked=True)
 class CamLoadsTable:
-    """Mass and loads of the follower in a recipe.
-
-    Parameters
-    ----------
-    follower : BodyMass, optional
-        Mass of the follower with all that moves with it; by default that of its parts and pins.
-    gravity_m_per_s2 : tuple of float, optional
-        Acceleration of a falling body, m/s2.
-    spring_rate_n_per_mm, preload_n, force_n : float, optional
-        For a follower that moves straight: rate of its spring, force of the spring at lift 0, and a constant further
-        force towards the cam, N/mm and N.
-    spring_rate_n_mm_per_rad, preload_n_mm, torque_n_mm : float, optional
-        For an arm: the same about its pivot, N mm/rad and N mm.
-    friction : GuideFriction, optional
-        Dry friction of a straight follower's guide.
-    motor : str or Motor, optional
-        Motor on the camshaft; by default that of the stock, or the smallest that suffices.
-    """
+    """Mass and loads of the follower in a recipe."""
 
     follower: BodyMass | None = entry(
         "mass of the follower with all that moves with it; by default that of its parts and pins", default=None

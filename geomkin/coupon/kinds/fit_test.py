@@ -26,17 +26,7 @@ LEAST_RANGE = 0.3
 
 @record(checked=True, kw_only=True)
 class FitTestRecipe(AbstractRecipe):
-    """A coupon with stepped holes and slots, and a gauge, which show the kerf and the fits of a machine and a material.
-
-    Parameters
-    ----------
-    openings : FitTest
-        Pin, sheet, and steps of the openings.
-    material : Material, optional
-        Material of the sheet or print.
-    files : Files, optional
-        Formats, and the kerf that is compensated already.
-    """
+    """A coupon with stepped holes and slots, and a gauge, which show the kerf and the fits of a machine and a material."""
 
     kind: Literal["fit-test"] = "fit-test"
     openings: FitTest

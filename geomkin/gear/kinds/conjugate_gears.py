@@ -37,21 +37,7 @@ from .loaded import NO_INVOLUTE
 
 @record(checked=True)
 class Mate:
-    """The mate of a given gear.
-
-    Parameters
-    ----------
-    teeth : int
-        Number of teeth.
-    addendum : float
-        Height of the teeth beyond the pitch circle, mm.
-    internal : bool, optional
-        Whether the mate is a ring round the gear.
-    clearance : float, optional
-        Clearance between the gear's tips and the mate's roots, mm.
-    backlash : float, optional
-        Backlash along the pitch circle, mm, by which the mate's teeth are thinner.
-    """
+    """The mate of a given gear."""
 
     teeth: int = quantity("number of the mate's teeth", whole=True, at_least=2, at_most=10_000, example=60)
     addendum: float = quantity(
@@ -219,21 +205,7 @@ class ToothedRecipe(AbstractShapedRecipe):
 
 @record(kw_only=True)
 class StraightSidedGearsRecipe(ToothedRecipe):
-    """A gear with straight-sided teeth and the mate that they generate, outside it or as a ring round it.
-
-    Parameters
-    ----------
-    gear : StraightSidedGear
-        The gear.
-    mate : Mate
-        Teeth, addendum, clearance and backlash of the mate.
-    stock : PairStock, optional
-        Sheet and bores.
-    base : BaseStock, optional
-        Base plate under both gears; none if omitted.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A gear with straight-sided teeth and the mate that they generate, outside it or as a ring round it."""
 
     kind: Literal["straight-sided-gears"] = "straight-sided-gears"
     gear: StraightSidedGear
@@ -241,21 +213,7 @@ class StraightSidedGearsRecipe(ToothedRecipe):
 
 @record(kw_only=True)
 class PointToothGearsRecipe(ToothedRecipe):
-    """A gear with teeth through given points and the mate that they generate, outside it or as a ring round it.
-
-    Parameters
-    ----------
-    gear : PointToothGear
-        The gear.
-    mate : Mate
-        Teeth, addendum, clearance and backlash of the mate.
-    stock : PairStock, optional
-        Sheet and bores.
-    base : BaseStock, optional
-        Base plate under both gears; none if omitted.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A gear with teeth through given points and the mate that they generate, outside it or as a ring round it."""
 
     kind: Literal["point-tooth-gears"] = "point-tooth-gears"
     gear: PointToothGear
@@ -263,21 +221,7 @@ class PointToothGearsRecipe(ToothedRecipe):
 
 @record(kw_only=True)
 class ParametricToothGearsRecipe(ToothedRecipe):
-    """A gear with teeth of a parametric curve and the mate that they generate, outside it or as a ring round it.
-
-    Parameters
-    ----------
-    gear : ParametricToothGear
-        The gear.
-    mate : Mate
-        Teeth, addendum, clearance and backlash of the mate.
-    stock : PairStock, optional
-        Sheet and bores.
-    base : BaseStock, optional
-        Base plate under both gears; none if omitted.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A gear with teeth of a parametric curve and the mate that they generate, outside it or as a ring round it."""
 
     kind: Literal["parametric-tooth-gears"] = "parametric-tooth-gears"
     gear: ParametricToothGear
@@ -285,21 +229,7 @@ class ParametricToothGearsRecipe(ToothedRecipe):
 
 @record(kw_only=True)
 class LanternGearsRecipe(AbstractShapedRecipe):
-    """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins generate.
-
-    Parameters
-    ----------
-    pinion : LanternPinion
-        The pinion.
-    mate : Mate
-        Teeth, addendum, clearance and backlash of the wheel.
-    stock : LanternStock, optional
-        Sheet and bores of discs and wheel.
-    base : BaseStock, optional
-        Base plate under pinion and wheel; none if omitted.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A lantern pinion, round pins between two discs, and the wheel whose teeth the pins generate."""
 
     kind: Literal["lantern-gears"] = "lantern-gears"
     pinion: LanternPinion

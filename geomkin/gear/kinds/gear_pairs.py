@@ -202,29 +202,7 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
 
 @record(kw_only=True)
 class GearPairRecipe(AbstractPairRecipe):
-    """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts.
-
-    Parameters
-    ----------
-    first, second : SpurGear
-        The driving and the driven gear.
-    shifts : {"given", "avoid-undercut", "balance-sliding"}, optional
-        Profile shifts: as given, the least without undercut, or of the given sum with equal sliding of both gears.
-    tips : {"given", "full-clearance"}, optional
-        Tips as the addenda give them, or shortened to the full clearance of the racks.
-    centre_distance : float, optional
-        Distance of the axes, mm; if omitted, the one without backlash.
-    first_stock, second_stock : GearStock, optional
-        Sheet and bore of each gear.
-    base : BaseStock, optional
-        Base plate under both gears; if omitted, a bar that holds their shafts.
-    loads : GearLoads, optional
-        Torque on the driving gear, for forces and strength; both stocks then name their material.
-    helix_angle_deg, hand, herringbone, section : optional
-        Direction of the teeth, and the section to which the sizes refer.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
 
     kind: Literal["gear-pair"] = "gear-pair"
     first: SpurGear = entry("the driving gear", example=SpurGear(12, 3, 0.6))
@@ -290,29 +268,7 @@ class GearPairRecipe(AbstractPairRecipe):
 
 @record(kw_only=True)
 class InternalGearPairRecipe(AbstractPairRecipe):
-    """A pinion and the ring that it drives: the plates of both, and the pinion's shaft.
-
-    Parameters
-    ----------
-    pinion : SpurGear
-        The driving gear.
-    ring : RingGear
-        The ring round the pinion.
-    tips : {"given", "full-clearance"}, optional
-        Tips as the addenda give them, or shortened to the full clearance of the tools.
-    centre_distance : float, optional
-        Distance of the axes, mm; if omitted, the one without backlash.
-    pinion_stock : GearStock, optional
-        Sheet and bore of the pinion.
-    ring_stock : RingStock, optional
-        Sheet and rim of the ring.
-    loads : GearLoads, optional
-        Torque on the pinion, for forces and strength; both stocks then name their material.
-    helix_angle_deg, hand, herringbone, section : optional
-        Direction of the teeth, and the section to which the sizes refer.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A pinion and the ring that it drives: the plates of both, and the pinion's shaft."""
 
     pair = InternalGearPair
 
@@ -348,27 +304,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
 
 @record(kw_only=True)
 class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
-    """A pinion and the rack it drives.
-
-    Parameters
-    ----------
-    pinion : SpurGear
-        The driving gear.
-    rack : GearRack
-        The rack.
-    distance : float, optional
-        Distance of the pinion's axis from the rack's reference line, mm; if omitted, the one without backlash.
-    stock : GearStock, optional
-        Sheet of both, and bore of the pinion.
-    base : RackBaseStock, optional
-        Base plate that guides the rack; none if omitted.
-    loads : RackLoads, optional
-        Force on the rack, for pinion torque and strength; the stock then names its material.
-    helix_angle_deg, hand, herringbone, section : optional
-        Direction of the teeth, and the section to which the sizes refer.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A pinion and the rack it drives."""
 
     kind: Literal["rack-and-pinion"] = "rack-and-pinion"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))

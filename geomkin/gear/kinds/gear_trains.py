@@ -171,32 +171,7 @@ def train_handles(train: GearTrain, are_stages_given: bool, are_directions_given
 
 @record(checked=True)
 class TrainSpecification:
-    """The wanted ratio of a train, within bounds, or the teeth of all its stages.
-
-    Parameters
-    ----------
-    module : float
-        Pitch diameter per tooth of all gears, mm.
-    ratio : float, optional
-        Rotations of the first gear for one of the last, in either direction; in a recipe also a fraction such as
-        "10/3". Give this or `stages`.
-    stages : tuple of tuple of int, optional
-        Teeth of the driver and of the driven gear of each stage.
-    least_teeth, most_teeth, most_stages : int, optional
-        Bounds of a wanted ratio's train.
-    error : float, optional
-        Largest relative error of a wanted ratio; 0 for an exact train.
-    arrangement : {"line", "reverted"}, optional
-        Arbors in a line, or two stages with input and output on one axis.
-    centre_distance : float, optional
-        Centre distance of every stage of a wanted ratio's train, mm; free if omitted.
-    directions_deg : tuple of float, optional
-        Direction from each arbor to the next one, deg; by default that of the arrangement.
-    backlash : float, optional
-        Backlash of each mesh along the pitch circles, modules.
-    friction : float, optional
-        Mean coefficient of friction of the flanks, for the efficiency.
-    """
+    """The wanted ratio of a train, within bounds, or the teeth of all its stages."""
 
     module: float = quantity("pitch diameter per tooth of all gears", "mm", above=0, at_most=LARGEST, example=2.5)
     ratio: Ratio | None = quantity(
@@ -293,24 +268,7 @@ class TrainSpecification:
 
 @record(kw_only=True)
 class GearTrainRecipe(AbstractLoadedRecipe):
-    """A compound gear train with a wanted ratio: gears joined on their arbors, and the plate that holds the arbors.
-
-    Parameters
-    ----------
-    train : TrainSpecification
-        The wanted ratio, or the teeth of all stages.
-    stock : ArborStock, optional
-        Sheet and bore of all gears, and the pins that join two gears on an arbor.
-    first_stock, last_stock : GearStock, optional
-        Sheet and bore of the driving and of the last gear, if different from those of the others.
-    base : BaseStock, optional
-        The plate that holds the arbors.
-    loads : TrainLoads, optional
-        Torque on the last gear, for the torque of the first, tooth forces and strength; the stocks then name their
-        material.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A compound gear train with a wanted ratio: gears joined on their arbors, and the plate that holds the arbors."""
 
     kind: Literal["gear-train"] = "gear-train"
     train: TrainSpecification

@@ -46,31 +46,7 @@ from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, planet
 
 @record(kw_only=True)
 class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
-    """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed.
-
-    Parameters
-    ----------
-    gears : PlanetarySet
-        The gears.
-    tips : {"given", "full-clearance"}, optional
-        Tips as the addenda give them, or shortened to the full clearance of the tools.
-    driver, fixed : {"sun", "carrier", "ring"}, optional
-        The member that drives and the one that is held; by default the sun and the ring.
-    drive : Drive, optional
-        Speed of the driver, rpm, and the steps of the table.
-    sun_stock, planet_stock : GearStock, optional
-        Sheet and bore of the sun and of the planets.
-    ring_stock : RingStock, optional
-        Sheet and rim of the ring.
-    base : BaseStock, optional
-        Base plate that holds a fixed ring and the sun's shaft; none if omitted.
-    loads : GearLoads, optional
-        Torque on the driver, for forces and strength; all stocks then name their material.
-    helix_angle_deg, hand, herringbone, section : optional
-        Direction of the teeth, and the section to which the sizes refer.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
+    """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed."""
 
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet

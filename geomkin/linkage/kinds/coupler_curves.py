@@ -173,15 +173,7 @@ def _grid_points(grid: Grid) -> Iterator[tuple[str, str, complex]]:
 
 @record(kw_only=True)
 class FourBarAtlasRecipe(AbstractAtlasRecipe):
-    """Coupler curves of a grid of points on a four-bar, dashed by the crank's steps, engraved on a plate.
-
-    Parameters
-    ----------
-    linkage : FourBar
-        Sizes and driver of the linkage.
-    grid : Grid
-        Points on the coupler whose curves are drawn.
-    """
+    """Coupler curves of a grid of points on a four-bar, dashed by the crank's steps, engraved on a plate."""
 
     kind: Literal["four-bar-atlas"] = "four-bar-atlas"
     linkage: FourBar
@@ -190,15 +182,7 @@ class FourBarAtlasRecipe(AbstractAtlasRecipe):
 
 @record(kw_only=True)
 class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
-    """Coupler curves of a grid of points on a slider-crank, dashed by the crank's steps, engraved on a plate.
-
-    Parameters
-    ----------
-    linkage : SliderCrank
-        Sizes and driver of the linkage.
-    grid : Grid
-        Points on the coupler whose curves are drawn.
-    """
+    """Coupler curves of a grid of points on a slider-crank, dashed by the crank's steps, engraved on a plate."""
 
     kind: Literal["slider-crank-atlas"] = "slider-crank-atlas"
     linkage: SliderCrank

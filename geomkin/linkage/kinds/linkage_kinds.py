@@ -28,13 +28,7 @@ from .stance import foot_entry
 
 @record(kw_only=True)
 class FourBarRecipe(TurningLinkageRecipe):
-    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point.
-
-    Parameters
-    ----------
-    linkage : FourBar
-        Sizes and driver of the linkage.
-    """
+    """A four-bar linkage: plates with pin holes, and the motion of every link and of a coupler point."""
 
     kind: Literal["four-bar"] = "four-bar"
     linkage: FourBar
@@ -52,13 +46,7 @@ class FourBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class SliderCrankRecipe(SlidingLinkageRecipe):
-    """A slider-crank, driven by crank, connecting rod or slider.
-
-    Parameters
-    ----------
-    linkage : SliderCrank
-        Sizes and driver of the linkage.
-    """
+    """A slider-crank, driven by crank, connecting rod or slider."""
 
     kind: Literal["slider-crank"] = "slider-crank"
     linkage: SliderCrank
@@ -68,13 +56,7 @@ class SliderCrankRecipe(SlidingLinkageRecipe):
 
 @record(kw_only=True)
 class InvertedSliderCrankRecipe(TurningLinkageRecipe):
-    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block.
-
-    Parameters
-    ----------
-    linkage : InvertedSliderCrank
-        Sizes and driver of the linkage.
-    """
+    """A slotted lever, a Whitworth quick return, or a rod that slides through a rocking block."""
 
     kind: Literal["inverted-slider-crank"] = "inverted-slider-crank"
     linkage: InvertedSliderCrank
@@ -82,13 +64,7 @@ class InvertedSliderCrankRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class StephensonSixBarRecipe(TurningLinkageRecipe):
-    """A four-bar whose coupler point drives an output, which can dwell.
-
-    Parameters
-    ----------
-    linkage : StephensonSixBar
-        Sizes and driver of the linkage.
-    """
+    """A four-bar whose coupler point drives an output, which can dwell."""
 
     kind: Literal["stephenson-six-bar"] = "stephenson-six-bar"
     linkage: StephensonSixBar
@@ -96,13 +72,7 @@ class StephensonSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class WattSixBarRecipe(TurningLinkageRecipe):
-    """Two four-bars in series: the first one's rocker drives the second.
-
-    Parameters
-    ----------
-    linkage : WattSixBar
-        Sizes and driver of the linkage.
-    """
+    """Two four-bars in series: the first one's rocker drives the second."""
 
     kind: Literal["watt-six-bar"] = "watt-six-bar"
     linkage: WattSixBar
@@ -110,13 +80,7 @@ class WattSixBarRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class ShaperRecipe(TurningLinkageRecipe):
-    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return.
-
-    Parameters
-    ----------
-    linkage : Shaper
-        Sizes and driver of the linkage.
-    """
+    """A crank shaper: a slotted lever that drives a ram with a slow forward stroke and a quick return."""
 
     kind: Literal["shaper"] = "shaper"
     linkage: Shaper
@@ -124,13 +88,7 @@ class ShaperRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class EllipticTrammelRecipe(SlidingLinkageRecipe):
-    """A rod whose pins run in two crossing slots: its points draw ellipses.
-
-    Parameters
-    ----------
-    linkage : EllipticTrammel
-        Sizes and driver of the linkage.
-    """
+    """A rod whose pins run in two crossing slots: its points draw ellipses."""
 
     kind: Literal["elliptic-trammel"] = "elliptic-trammel"
     linkage: EllipticTrammel
@@ -139,13 +97,7 @@ class EllipticTrammelRecipe(SlidingLinkageRecipe):
 
 @record(kw_only=True)
 class ScotchYokeRecipe(TurningLinkageRecipe):
-    """A crank pin in a slotted yoke: exactly harmonic motion along a line.
-
-    Parameters
-    ----------
-    linkage : ScotchYoke
-        Sizes and driver of the linkage.
-    """
+    """A crank pin in a slotted yoke: exactly harmonic motion along a line."""
 
     kind: Literal["scotch-yoke"] = "scotch-yoke"
     linkage: ScotchYoke
@@ -153,13 +105,7 @@ class ScotchYokeRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class OldhamCouplingRecipe(TurningLinkageRecipe):
-    """Two slotted hubs and a disc between them: equal rotation of two offset shafts.
-
-    Parameters
-    ----------
-    linkage : OldhamCoupling
-        Sizes and driver of the linkage.
-    """
+    """Two slotted hubs and a disc between them: equal rotation of two offset shafts."""
 
     kind: Literal["oldham-coupling"] = "oldham-coupling"
     linkage: OldhamCoupling
@@ -167,13 +113,7 @@ class OldhamCouplingRecipe(TurningLinkageRecipe):
 
 @record(kw_only=True)
 class LinkageRecipe(SlidingLinkageRecipe):
-    """Any linkage, as a list of bodies: where two name the same point, a pin joins them.
-
-    Parameters
-    ----------
-    linkage : BodyList
-        Sizes and driver of the linkage.
-    """
+    """Any linkage, as a list of bodies: where two name the same point, a pin joins them."""
 
     kind: Literal["linkage"] = "linkage"
     linkage: BodyList

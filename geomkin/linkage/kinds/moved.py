@@ -189,25 +189,7 @@ class SliderTable:
 
 @record(checked=True)
 class BodyList(AbstractLinkage):
-    """Any linkage as a list of bodies; a pin joins two bodies at each point that both name.
-
-    Parameters
-    ----------
-    bodies : dict of str to dict of str to complex
-        Bodies with their points, mm, each in the body's own frame; the first one is fixed.
-    driver : str
-        The driven body, or the driven slider, such as that of a cylinder and its rod.
-    corners : tuple of TriangleCorner
-        Points given by two distances.
-    sliders : tuple of SliderTable
-        Sliding joints.
-    estimate : dict of str to complex
-        Approximate first positions of pins, mm; needed if the linkage is not a chain of dyads.
-    origin : complex
-        Position of the fixed body's origin, mm.
-    ground_angle_deg : float
-        Direction of the fixed body's x axis, deg.
-    """
+    """Any linkage as a list of bodies; a pin joins two bodies at each point that both name."""
 
     bodies: dict[str, dict[str, ComplexPoint]] = entry(
         "bodies, the fixed one first, each a table of points [x, y]",

@@ -41,13 +41,7 @@ STEP_DEG = 2
 
 @record(checked=True, kw_only=True)
 class PolygonsRecipe(AbstractRecipe):
-    """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres.
-
-    Parameters
-    ----------
-    linkage : BodyList
-        Sizes and driver of the linkage.
-    """
+    """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
 
     can_be_scaled: ClassVar[bool] = True
     kind: Literal["polygons"] = "polygons"

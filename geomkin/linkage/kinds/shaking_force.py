@@ -43,15 +43,7 @@ ROUNDING = 1e-9
 
 @record(checked=True, kw_only=True)
 class ShakingForceRecipe(AbstractLinkageRecipe):
-    """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates.
-
-    Parameters
-    ----------
-    linkage : SliderCrank
-        Sizes and driver of the linkage.
-    masses : SliderCrankMasses
-        Masses and centres of mass of the moving links.
-    """
+    """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates."""
 
     aspect_kinds = ()
     kind: Literal["shaking-force"] = "shaking-force"

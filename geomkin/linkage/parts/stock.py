@@ -23,33 +23,6 @@ MOST_MOTOR_PLATES = 3
 class LinkStock:
     """The sheet that links are cut from, and the pins that join them.
 
-    Parameters
-    ----------
-    thickness : float
-        Thickness of the sheet, mm; from 0.01 to 1000.
-    bar_width : float
-        Width of the links, mm; larger than the pin holes.
-    pin_diameter : float
-        Diameter of the pins, mm.
-    clearance : float
-        By how much a pin hole is wider than its pin, mm.
-    fastener : {"screw", "rod"}, optional
-        Screws with nuts, or rods cut flush. By default screws if there is one of `pin_diameter` and the sheet is thick
-        enough.
-    play : float
-        Axial play along a pin, so that its plates can turn, mm; from 0 to 10.
-    head_height : float, optional
-        Height of the screws' heads, mm, if it is not that of the standard.
-    motor : str or MotorFace, optional
-        Motor that turns the crank, by its name in `gk.making.MOTOR_FACES` or its dimensions. Its holes are in the
-        ground, the hole for its shaft in the crank.
-    fit : str
-        Fit of the crank's bore on the motor's shaft.
-    interference : float
-        Interference of a press-fit bore, mm.
-    material : Material, optional
-        Material of the sheet.
-
     Raises
     ------
     DesignError

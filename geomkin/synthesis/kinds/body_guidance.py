@@ -98,21 +98,6 @@ class WantedPoses:
 class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
     """A body carried through given poses by a linkage that is found: plates, motion, and an engraved drawing of the
     poses.
-
-    Parameters
-    ----------
-    wanted : WantedPoses
-        The poses, mm and deg, and the kind and limits of the linkage.
-    search : Search
-        Seed and time limit, s.
-    choose : int
-        Rank of the linkage that is made, 1 for the best.
-    drive : Drive
-        Speed, acceleration and step of the driver.
-    stock : LinkStock
-        Material and pins of the links.
-    files : Files
-        Formats and their options.
     """
 
     kind: Literal["body-guidance"] = "body-guidance"

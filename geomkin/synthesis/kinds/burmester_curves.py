@@ -77,19 +77,7 @@ class FourWanted:
 
 @record(checked=True, kw_only=True)
 class BurmesterCurvesRecipe(AbstractRecipe):
-    """The possible pivots and pins of four poses: the centre-point curve, and dashed the circle-point curve.
-
-    Parameters
-    ----------
-    wanted : FourWanted
-        The four poses, mm and deg, and the extent of the curves, mm.
-    rows : int
-        Number of dyads in the table, 2 to 20000.
-    stock : PlateStock
-        Material of the engraved plate.
-    files : Files
-        Formats and their options.
-    """
+    """The possible pivots and pins of four poses: the centre-point curve, and dashed the circle-point curve."""
 
     can_be_scaled: ClassVar[bool] = True
     kind: Literal["burmester-curves"] = "burmester-curves"

@@ -257,21 +257,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
 
 @record(kw_only=True)
 class FunctionGeneratorRecipe(AbstractFunctionRecipe):
-    """A four-bar whose rocker follows a function of its crank's angle, with its plates and its error.
-
-    Parameters
-    ----------
-    wanted : RequiredAngle
-        The function, the ranges of crank and rocker, deg, and the method.
-    choose : int
-        Rank of the linkage that is made, 1 for the best.
-    drive : Drive
-        Speed, acceleration and step of the crank.
-    stock : LinkStock
-        Material and pins of the links.
-    files : Files
-        Formats and their options.
-    """
+    """A four-bar whose rocker follows a function of its crank's angle, with its plates and its error."""
 
     kind: Literal["function-generator"] = "function-generator"
     wanted: RequiredAngle
@@ -305,21 +291,7 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
 
 @record(kw_only=True)
 class SliderFunctionGeneratorRecipe(AbstractFunctionRecipe):
-    """A slider-crank whose slider follows a function of its crank's angle, with its plates and its error.
-
-    Parameters
-    ----------
-    wanted : RequiredSliderPosition
-        The function, the range of the crank, deg, the travel of the slider, mm, and the method.
-    choose : int
-        Rank of the linkage that is made, 1 for the best.
-    drive : Drive
-        Speed, acceleration and step of the crank.
-    stock : LinkStock
-        Material and pins of the links.
-    files : Files
-        Formats and their options.
-    """
+    """A slider-crank whose slider follows a function of its crank's angle, with its plates and its error."""
 
     kind: Literal["slider-function-generator"] = "slider-function-generator"
     wanted: RequiredSliderPosition

@@ -258,27 +258,7 @@ class PathBounds:
 
 @record(kw_only=True)
 class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
-    """A four-bar or slider-crank whose coupler point passes through given points, with a drawing of both paths.
-
-    Parameters
-    ----------
-    wanted : WantedPath
-        The points, mm, as a list, a file or an SVG path, with the conditions of the path.
-    limits : PathLimits
-        Least transmission angle, deg, and largest ratio of links.
-    bounds : PathBounds
-        Exact bounds of sizes and positions, mm and deg.
-    search : Search
-        Seed and time limit, s.
-    choose : int
-        Rank of the linkage that is made, 1 for the best.
-    drive : Drive
-        Speed, acceleration and step of the driver.
-    stock : LinkStock
-        Material and pins of the links.
-    files : Files
-        Formats and their options.
-    """
+    """A four-bar or slider-crank whose coupler point passes through given points, with a drawing of both paths."""
 
     kind: Literal["path-generator"] = "path-generator"
     wanted: WantedPath

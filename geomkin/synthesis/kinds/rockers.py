@@ -345,21 +345,7 @@ class WantedSwing(AbstractTimed):
 
 @record(kw_only=True)
 class CrankRockerRecipe(AbstractFamilyGoal[CrankRocker]):
-    """A crank-rocker with a given swing and time ratio and the best transmission angle, with its plates and motion.
-
-    Parameters
-    ----------
-    wanted : WantedSwing
-        Swing of the rocker, deg, crank rotation, deg, or time ratio, and one length, mm.
-    choose : int
-        Rank of the linkage that is made, 1 for the best.
-    drive : Drive
-        Speed, acceleration and step of the crank.
-    stock : LinkStock
-        Material and pins of the links.
-    files : Files
-        Formats and their options.
-    """
+    """A crank-rocker with a given swing and time ratio and the best transmission angle, with its plates and motion."""
 
     kind: Literal["crank-rocker-synthesis"] = "crank-rocker-synthesis"
     wanted: WantedSwing
@@ -430,21 +416,7 @@ class WantedSwings:
 
 @record(checked=True, kw_only=True)
 class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
-    """A four-bar that moves two rockers together between given positions with the best transmission angle.
-
-    Parameters
-    ----------
-    wanted : WantedSwings
-        Start directions and swings of both rockers, deg, and the ground, mm.
-    choose : int
-        Rank of the linkage that is made, 1 for the best.
-    drive : Drive
-        Speed, acceleration and step of the driving rocker.
-    stock : LinkStock
-        Material and pins of the links.
-    files : Files
-        Formats and their options.
-    """
+    """A four-bar that moves two rockers together between given positions with the best transmission angle."""
 
     kind: Literal["double-rocker-synthesis"] = "double-rocker-synthesis"
     wanted: WantedSwings
@@ -534,21 +506,7 @@ class WantedStroke(AbstractTimed):
 
 @record(kw_only=True)
 class SliderCrankStrokeRecipe(AbstractFamilyGoal[StrokeCrank]):
-    """A slider-crank with a given stroke and time ratio and the best transmission angle, with its plates and motion.
-
-    Parameters
-    ----------
-    wanted : WantedStroke
-        Stroke of the slider, mm, crank rotation, deg, or time ratio, and optionally one size, mm.
-    choose : int
-        Rank of the linkage that is made, 1 for the best.
-    drive : Drive
-        Speed, acceleration and step of the crank.
-    stock : LinkStock
-        Material and pins of the links.
-    files : Files
-        Formats and their options.
-    """
+    """A slider-crank with a given stroke and time ratio and the best transmission angle, with its plates and motion."""
 
     kind: Literal["slider-crank-stroke"] = "slider-crank-stroke"
     wanted: WantedStroke
