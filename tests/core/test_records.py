@@ -1,5 +1,7 @@
 """A field is described once, where it is declared; the docstring of its class shows it."""
 
+from __future__ import annotations
+
 from geomkin.core.fields import entry, quantity
 from geomkin.core.records import record
 
