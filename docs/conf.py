@@ -29,15 +29,15 @@ autodoc_member_order = "bysource"
 nitpicky = True
 # Quotes in TOML stay straight.
 smartquotes = False
-exclude_patterns = ["generated_pages.py", "_templates"]
 templates_path = ["_templates"]
 html_theme = "pydata_sphinx_theme"
 html_title = "geomkin"
 html_context = {"default_mode": "auto"}
 html_sidebars = {"index": [], "start": [], "how-to": [], "generated/gallery": []}
 html_theme_options = {"navbar_align": "left", "show_prev_next": True, "footer_start": [], "footer_end": []}
-html_static_path = ["static"]
+html_static_path = ["static", "generated/static"]
 html_css_files = ["book.css"]
+html_js_files = ["moving.js", "book.js"]
 html_copy_source = False
 html_show_copyright = False
 

@@ -16,19 +16,31 @@ PICTURES = ("animation", "assembly", "plot", "")
 
 
 def write_pages(docs: Path, site: Path) -> None:
-    """Write all pages into `docs/generated`, and copy the gallery's moving pages, if they were made, into the site."""
+    """Write all pages into `docs/generated`, and copy the moving pages of the gallery into the site."""
     folder = docs / "generated"
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "keys").mkdir(parents=True)
-    for name, text in {**pages(docs.parent, site), **key_pages()}.items():
+    moving = copy_moving_pages(docs.parent / "out", site)
+    (folder / "static").mkdir()
+    (folder / "static" / "moving.js").write_text(f"const MOVING = {json.dumps(moving)};\n", "utf-8")
+    for name, text in {**pages(docs.parent, moving), **key_pages()}.items():
         (folder / name).write_text(text, "utf-8")
 
 
-def pages(root: Path, site: Path) -> dict[str, str]:
+def copy_moving_pages(out: Path, site: Path) -> list[str]:
+    """Copy the moving pages of the gallery that were made into the site; return the names of their recipes."""
+    (site / "moving").mkdir(parents=True, exist_ok=True)
+    made = [page for page in sorted(out.glob("*/*.html")) if page.stem == page.parent.name]
+    for page in made:
+        shutil.copy(page, site / "moving")
+    return [page.stem for page in made]
+
+
+def pages(root: Path, moving: list[str]) -> dict[str, str]:
     """The pages by name, without those of keys."""
     return {
-        "gallery.md": gallery_page(root, site),
-        "checks.md": checks_page(root),
+        "gallery.md": gallery_page(root, moving),
+        "checks.md": checks_page(),
         "glossary.md": "# Glossary: what the terms mean\n\n"
         + "\n".join(
             f"## {term}\n\n{text}\n" for term, text in sorted(TERMS.items(), key=lambda row: row[0].casefold())
@@ -38,7 +50,7 @@ def pages(root: Path, site: Path) -> dict[str, str]:
     }
 
 
-def gallery_page(root: Path, site: Path) -> str:
+def gallery_page(root: Path, moving: list[str]) -> str:
     """A card for each recipe of the gallery, by group, with its picture and, if it was made, its moving page."""
     _, recipes = gallery()
     groups: dict[str, list[str]] = {}
@@ -46,11 +58,7 @@ def gallery_page(root: Path, site: Path) -> str:
         name = Path(file).stem
         pictures = [root / "out" / name / f"{name}{f'-{end}' if end else ''}.svg" for end in PICTURES]
         picture = next((one for one in pictures if one.is_file()), None)
-        page = root / "out" / name / f"{name}.html"
-        if page.is_file():
-            (site / "moving").mkdir(parents=True, exist_ok=True)
-            shutil.copy(page, site / "moving")
-        lines = [f":::{{grid-item-card}} {name}", f":link: ../moving/{page.name}" if page.is_file() else "", ""]
+        lines = [f":::{{grid-item-card}} {name}", f":link: ../moving/{name}.html" if name in moving else "", ""]
         if picture:
             lines += [f'<img src="../../out/{name}/{picture.name}" alt="{name}" class="card-picture">', ""]
         lines += [f"{about}.", "", f"[`{kind}`](keys/{kind}.md)", ":::"]
@@ -62,8 +70,8 @@ def gallery_page(root: Path, site: Path) -> str:
     return text
 
 
-def checks_page(root: Path) -> str:
-    """What each check compares, where its limit comes from, what to change, and recipes of the gallery with it."""
+def checks_page() -> str:
+    """What each check compares, where its limit comes from, and what to change."""
     text = (
         "# Checks: what they mean, limits, remedies\n\n"
         "`geomkin explain ID` prints the same. The id in `summary.json` may have the name of a part before or behind "

@@ -299,7 +299,7 @@ def html_document(title: str, about: str, body: str, data: str, scripts: tuple[s
     """
     script = _script(scripts, start)
     page = f"""{head(title, player_file("style.css"), script)}<body>
-<header><h1><bdi>{text(title)}</bdi></h1>{about}</header>
+<header id="embed"><h1><bdi>{text(title)}</bdi></h1>{about}</header>
 <main>
 {body}</main>
 <script type="application/json" id="scene">{data}</script>
