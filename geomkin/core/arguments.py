@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import DesignError, ProblemId, shown, with_article
+from .units import PLURAL, bare_mm, converted_power, unit_name
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -43,6 +44,8 @@ class ArgumentType:
         The values that each item of a row may have; errors then name the item.
     limits : tuple of float, optional
         The least and the largest value, for the schema.
+    unit : str, optional
+        Unit of the number.
     """
 
     fits: Callable[[Any], bool]
@@ -50,6 +53,7 @@ class ArgumentType:
     types: tuple[type, ...] = ()
     each: ArgumentType | None = None
     limits: tuple[float, float] | None = None
+    unit: str = ""
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -96,7 +100,20 @@ def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
         return DesignError(name, problem, remedy, "wrong-type")
     is_right_type = isinstance(value, expected.types) and not isinstance(value, bool)
     id: ProblemId = "not-finite" if is_endless(value) else "out-of-range" if is_right_type else "wrong-type"
-    return DesignError(name, f"found {shown(value)}", remedy, id)
+    return DesignError(name, f"found {found_value(value, expected.unit)}", remedy, id)
+
+
+def found_value(value: object, unit: str) -> str:
+    """A refused value as it was written; a number of a unit with mm in the reader's unit."""
+    power = converted_power(unit)
+    if power and isinstance(value, int | float) and not isinstance(value, bool):
+        return f"{bare_mm(value, power=power)}"
+    return shown(value)
+
+
+def in_unit_of(unit: str) -> str:
+    """The end of a phrase that states the unit of its numbers, such as `, in mm`; empty without a unit."""
+    return f", in {unit_name(PLURAL if unit == 'mm' else unit)}" if unit else ""
 
 
 @cache
@@ -147,10 +164,15 @@ def argument_type(hint: Any) -> ArgumentType | None:
 
 def between(least: float, most: float, unit: str = "") -> ArgumentType:
     """One number from `least` to `most`."""
-    allowed = f"a number from {least:g} to {most:g}" + (f", in {unit}" if unit else "")
+    limits_text = " to ".join(f"{bare_mm(limit, power=converted_power(unit)):g}" for limit in (least, most))
+    allowed = f"a number from {limits_text}{in_unit_of(unit)}"
     # A recipe may state lengths in inches.
     limits = None if unit == "mm" else (least, most)
-    return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed, REAL, limits=limits)
+
+    def fits(value: Any) -> bool:
+        return is_real(value) and bool(least <= value <= most)
+
+    return ArgumentType(fits, allowed, REAL, limits=limits, unit=unit)
 
 
 def whole_between(least: int, most: int) -> ArgumentType:

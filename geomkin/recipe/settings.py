@@ -18,6 +18,7 @@ from ..core.fields import (
     rounded_up,
 )
 from ..core.records import record
+from ..core.units import mm
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check, Suggestion
@@ -65,7 +66,7 @@ def check_rows(key: str, span: float, step: float, unit: str, columns: int = 1) 
         raise DesignError(
             key,
             f"found {step:g} {unit} for a range of {span:g} {unit}, which takes {span / step:,.0f} rows{cells}",
-            f"give at least {rounded_up(span / most, 4)} {unit}",
+            f"give at least {mm(span / most, unit=unit):up4}",
             "too-much-work",
             rounded_up(span / most, 4),
         )
