@@ -103,12 +103,14 @@ def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
     return DesignError(name, f"found {found_value(value, expected.unit)}", remedy, id)
 
 
-def found_value(value: object, unit: str) -> str:
-    """A refused value as it was written; a number of a unit with mm in the reader's unit."""
-    power = converted_power(unit)
-    if power and isinstance(value, int | float) and not isinstance(value, bool):
-        return f"{bare_mm(value, power=power)}"
-    return shown(value)
+def found_value(value: object, *units: str) -> str:
+    """A refused value as it was written; numbers of units with mm, also those in a short row, in the reader's unit."""
+    if not any(map(converted_power, units)):
+        return shown(value)
+    if isinstance(value, list) and len(value) < 5:
+        return f"[{', '.join(found_value(item, units[k % len(units)]) for k, item in enumerate(value))}]"
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return f"{bare_mm(value, power=converted_power(units[0]))}" if is_number else shown(value)  # type: ignore[arg-type]
 
 
 def in_unit_of(unit: str) -> str:
@@ -162,10 +164,15 @@ def argument_type(hint: Any) -> ArgumentType | None:
     return None
 
 
+def number_range(least: float, most: float, unit: str) -> str:
+    """The numbers from `least` to `most` in words, without their unit."""
+    low, high = (bare_mm(limit, power=converted_power(unit)) for limit in (least, most))
+    return f"a number from {low:up6} to {high:down6}"
+
+
 def between(least: float, most: float, unit: str = "") -> ArgumentType:
     """One number from `least` to `most`."""
-    limits_text = " to ".join(f"{bare_mm(limit, power=converted_power(unit)):g}" for limit in (least, most))
-    allowed = f"a number from {limits_text}{in_unit_of(unit)}"
+    allowed = f"{number_range(least, most, unit)}{in_unit_of(unit)}"
     # A recipe may state lengths in inches.
     limits = None if unit == "mm" else (least, most)
 

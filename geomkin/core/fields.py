@@ -88,10 +88,14 @@ def _example(example: Any, default: Any) -> Any:
 
 def allowed(metadata: Any) -> str:
     """The range of a quantity in words, e.g. `a number above 0, in mm`."""
-    words = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
+    words = {"gt": ("above", "up6"), "ge": ("at least", "up6"), "lt": ("below", "down6"), "le": ("at most", "down6")}
     unit = metadata.get("unit", "")
     power = converted_power(unit)
-    limits = [f"{word} {bare_mm(metadata[key], power=power):g}" for key, word in words.items() if key in metadata]
+    limits = [
+        f"{word} {format(bare_mm(metadata[key], power=power), side)}"
+        for key, (word, side) in words.items()
+        if key in metadata
+    ]
     text = ("a whole number " if metadata.get("whole") else "a number ") + " and ".join(limits)
     return text.strip() + in_unit_of(unit)
 
@@ -120,8 +124,8 @@ def check_quantities(thing: Any, many: bool = False) -> None:
             problem, id = f"found {found_value(value, unit)}", refusal_id(value, about)
             raise DesignError(field.name, problem, f"give {allowed(about)}", id)
         if _is_tiny(value, about):
-            least = bare_mm(SMALLEST, power=converted_power(unit))
-            remedy = f"give {'0 or ' if 'ge' in about else ''}at least {least:up} {unit_name(unit)}".strip()
+            smallest = bare_mm(SMALLEST, power=converted_power(unit))
+            remedy = f"give {'0 or ' if 'ge' in about else ''}at least {smallest:up} {unit_name(unit)}".strip()
             raise DesignError(
                 field.name, f"found {found_value(value, unit)}, which is too small", remedy, "out-of-range"
             )

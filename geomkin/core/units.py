@@ -26,6 +26,9 @@ DIGITS = 15
 # Significant digits of a recommended number: more than a workshop can set, and short enough for a message.
 DIGITS_IN_TEXT = 7
 
+# A thing that is sold in mm keeps them if its size in another unit has more digits.
+DIGITS_WITHOUT_MM = 4
+
 # A mark: power of the length, unit, format, text between the numbers, and the numbers.
 START, NEXT, END = "\ue000", "\ue001", "\ue002"
 MARK = re.compile(
@@ -82,7 +85,7 @@ def rounded_down(most: float, digits: int = DIGITS_IN_TEXT) -> str:
 
 def _rounded(value: float, digits: int, mode: str) -> str:
     # From its decimal text, since the float 0.0072 is a little less than 0.0072.
-    return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{DIGITS_IN_TEXT}g}"
+    return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{max(digits, 6)}g}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -194,8 +197,8 @@ class LengthUnit:
             factor = self.mm ** int(power)
             text = f"{in_unit(factor, spec)} {name}".strip()
             if keeps_mm and factor != 1 and unit and numbers:
-                parts = in_unit(factor, ".5g").split(between or None)
-                if any(len(part.lstrip("0.")) > 4 for part in parts):
+                values = [float(number) / factor for number in numbers.split(NEXT)[1:]]
+                if any(abs(to_digits(value, DIGITS_WITHOUT_MM) - value) > 1e-9 * abs(value) for value in values):
                     return f"{in_unit(1, spec)} {unit} ({in_unit(factor, '.3g')} {name})"
             return text
 
@@ -258,7 +261,7 @@ class Sentence(str):
         return (self.marked,)
 
 
-def marked(text: str) -> str:
+def marked(text: object) -> str:
     """A text with the marks of its lengths, to be part of another sentence."""
     return text.marked if isinstance(text, Sentence) else str(text)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
 from typing import Any, get_args
 
-from ..core.arguments import PLAIN, ArgumentType, found_value, is_endless
+from ..core.arguments import PLAIN, ArgumentType, found_value, is_endless, number_range
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.field_visitor import ROWS, DeclaredField, TypeShape, fields_of, item_shape, kind_of
 from ..core.fields import SMALLEST, Coordinate, quantity_fits, refusal_id
@@ -148,7 +148,8 @@ class _TableReader:
         if mark.fits(given):
             return kind(given)
         id: ProblemId = "not-finite" if is_endless(given) else "out-of-range"
-        return self.refuse(key, f"found {_found(given, declared)}", f"give {mark.allowed} ({allowed_value(about)})", id)
+        allowed = number_range(*mark.limits, "mm") if mark.limits and declared.is_length else mark.allowed
+        return self.refuse(key, f"found {_found(given, declared)}", f"give {allowed} ({allowed_value(about)})", id)
 
     def rows(self, given: Any, hints: Sequence[Any], key: str, declared: DeclaredField) -> Any:
         """The items of a list; hints: of each item, or of all before `...`."""
@@ -177,4 +178,4 @@ def _inside(key: str, name: str) -> str:
 
 
 def _found(given: Any, declared: DeclaredField) -> str:
-    return found_value(given, "mm" if declared.is_length else "")
+    return found_value(given, *(declared.units or ("mm",) if declared.is_length else ()))

@@ -112,6 +112,7 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     _repr_html_ = moving_picture
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         # Texts read in mm, and know their lengths.
         for name in vars(cls).keys() & TEXTS:
             setattr(cls, name, _in_sentences(vars(cls)[name]))

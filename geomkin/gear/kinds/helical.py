@@ -279,7 +279,7 @@ def backlash_remarks(notes: Mapping[str, object]) -> tuple[str, ...]:
     """Advice on backlash as sentences: that of each mesh, under the mesh's name if there are several."""
     key = "backlash_advice"
     meshes = {"pair": notes, **{name: entries for name, entries in notes.items() if isinstance(entries, Mapping)}}
-    advice = {name: str(entries[key]) for name, entries in meshes.items() if key in entries}
+    advice = {name: marked(entries[key]) for name, entries in meshes.items() if key in entries}
     named = (text if name == "pair" else f"{name.replace('_', ' ')}: {text}" for name, text in advice.items())
     return tuple(f"{text[0].upper()}{text[1:]}." for text in named)
 
