@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import DesignError, ProblemId, shown, with_article
-from .units import PLURAL, bare_mm, converted_power, unit_name
+from .units import PLURAL, as_sentences, bare_mm, converted_power, marked, unit_name
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -54,6 +54,9 @@ class ArgumentType:
     each: ArgumentType | None = None
     limits: tuple[float, float] | None = None
     unit: str = ""
+
+    def __post_init__(self) -> None:
+        as_sentences(self, "allowed")
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -92,7 +95,7 @@ def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
         wrong = next((k for k, item in enumerate(value) if not expected.each.fits(item)), None)
         if wrong is not None:
             return refused(f"{name}[{wrong}]", value[wrong], expected.each)
-    remedy = f"give {expected.allowed}"
+    remedy = f"give {marked(expected.allowed)}"
     is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value))
     if is_pair and expected.fits(complex(*value)):  # type: ignore[misc]
         # Recipes give points as pairs.
@@ -195,7 +198,7 @@ def whole_between(least: int, most: int) -> ArgumentType:
 def _either(options: list[ArgumentType]) -> ArgumentType:
     if len(options) == 1:
         return options[0]
-    allowed = _listed([option.allowed for option in options if option is not NOTHING])
+    allowed = _listed([marked(option.allowed) for option in options if option is not NOTHING])
     types = tuple(each for option in options for each in option.types)
     rows = [option.each for option in options if option.each]
     each = rows[0] if len(rows) == 1 else None
@@ -219,7 +222,7 @@ def _row(each: ArgumentType | None, count: int | None) -> ArgumentType | None:
         row = (isinstance(value, (tuple, list)) or getattr(value, "ndim", 0) > 0) and count in (None, len(value))
         return bool(row) and all(each.fits(v) for v in value)
 
-    return ArgumentType(fits, f"{many}, each item {each.allowed}", each=each)
+    return ArgumentType(fits, f"{many}, each item {marked(each.allowed)}", each=each)
 
 
 def _table(key: ArgumentType | None, each: ArgumentType | None) -> ArgumentType | None:
@@ -229,7 +232,7 @@ def _table(key: ArgumentType | None, each: ArgumentType | None) -> ArgumentType 
     def fits(value: Any) -> bool:
         return isinstance(value, Mapping) and all(key.fits(k) and each.fits(v) for k, v in value.items())
 
-    return ArgumentType(fits, f"a table, each {each.allowed}")
+    return ArgumentType(fits, f"a table, each {marked(each.allowed)}")
 
 
 def _python_number(value: Any) -> Any:

@@ -24,7 +24,7 @@ from .arguments import ArgumentType, between, check_fields, found_value, in_unit
 from .errors import DesignError, ProblemId
 from .field_visitor import WrittenForm
 from .reprs import clipped
-from .units import DIGITS_IN_TEXT, bare_mm, converted_power, unit_name
+from .units import DIGITS_IN_TEXT, Sentence, bare_mm, converted_power, marked, unit_name
 from .units import rounded_down as rounded_down
 from .units import rounded_up as rounded_up
 from .units import to_digits as to_digits
@@ -86,7 +86,7 @@ def _example(example: Any, default: Any) -> Any:
     return example if example is not None or default is MISSING else default
 
 
-def allowed(metadata: Any) -> str:
+def allowed(metadata: Any) -> Sentence:
     """The range of a quantity in words, e.g. `a number above 0, in mm`."""
     words = {"gt": ("above", "up6"), "ge": ("at least", "up6"), "lt": ("below", "down6"), "le": ("at most", "down6")}
     unit = metadata.get("unit", "")
@@ -97,7 +97,7 @@ def allowed(metadata: Any) -> str:
         if key in metadata
     ]
     text = ("a whole number " if metadata.get("whole") else "a number ") + " and ".join(limits)
-    return text.strip() + in_unit_of(unit)
+    return Sentence(text.strip() + in_unit_of(unit))
 
 
 def check_sizes(thing: Any, many: bool = False) -> None:
@@ -122,7 +122,7 @@ def check_quantities(thing: Any, many: bool = False) -> None:
             object.__setattr__(thing, field.name, value)
         if not quantity_fits(value, about, many):
             problem, id = f"found {found_value(value, unit)}", refusal_id(value, about)
-            raise DesignError(field.name, problem, f"give {allowed(about)}", id)
+            raise DesignError(field.name, problem, f"give {marked(allowed(about))}", id)
         if _is_tiny(value, about):
             smallest = bare_mm(SMALLEST, power=converted_power(unit))
             remedy = f"give {'0 or ' if 'ge' in about else ''}at least {smallest:up} {unit_name(unit)}".strip()

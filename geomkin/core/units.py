@@ -30,9 +30,10 @@ DIGITS_IN_TEXT = 7
 DIGITS_WITHOUT_MM = 4
 
 # A mark: power of the length, unit, format, text between the numbers, and the numbers.
+SPEC = r"(?:up|down)\d?|[,+]?(?:\.\d\d?)?[fg]?"
 START, NEXT, END = "\ue000", "\ue001", "\ue002"
 MARK = re.compile(
-    rf"{START}(-?\d){NEXT}([\w/ ]{{0,20}}){NEXT}((?:up|down)\d?|[,+]?(?:\.\d)?[fg]?){NEXT}([^{START}-{END}]{{0,9}})"
+    rf"{START}(-?\d){NEXT}([\w/ ]{{0,20}}){NEXT}({SPEC}){NEXT}([^{START}-{END}]{{0,9}})"
     rf"((?:{NEXT}-?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan))*){END}"
 )
 # In place of a unit: that of length after "in".
@@ -98,6 +99,8 @@ class InText:
     between: str = ""
 
     def __format__(self, spec: str) -> str:
+        if not re.fullmatch(SPEC, spec):
+            raise ValueError(f"format {spec!r} of a length in a sentence")
         numbers = (repr(n if isinstance(n, int) else float(n)) for n in self.numbers)
         return f"{START}{NEXT.join((str(self.power), self.unit, spec, self.between, *numbers))}{END}"
 

@@ -11,6 +11,7 @@ from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable
 from ..core.field_visitor import ROWS, DeclaredField, TypeShape, fields_of, item_shape, kind_of
 from ..core.fields import SMALLEST, Coordinate, quantity_fits, refusal_id
 from ..core.names import Folder
+from ..core.units import marked
 from .messages import allowed_value, did_you_mean, joined_key, number_meant, table_remedy, unknown_key
 
 # In place of a value that is refused.
@@ -148,7 +149,7 @@ class _TableReader:
         if mark.fits(given):
             return kind(given)
         id: ProblemId = "not-finite" if is_endless(given) else "out-of-range"
-        allowed = number_range(*mark.limits, "mm") if mark.limits and declared.is_length else mark.allowed
+        allowed = number_range(*mark.limits, "mm") if mark.limits and declared.is_length else marked(mark.allowed)
         return self.refuse(key, f"found {_found(given, declared)}", f"give {allowed} ({allowed_value(about)})", id)
 
     def rows(self, given: Any, hints: Sequence[Any], key: str, declared: DeclaredField) -> Any:

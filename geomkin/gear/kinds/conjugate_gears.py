@@ -13,7 +13,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import bare_mm, mm
 from ...making.assembly import PLAY, Assembly, BaseStock
 from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
@@ -158,7 +158,8 @@ def _mate(gear: AbstractShaper, wanted: Mate) -> Conjugate:
         if most < wanted.backlash:
             problem = f"found {mm(wanted.backlash):g}, for which the mate has no teeth"
             enough = inside(most, 1, 6)
-            raise DesignError("mate.backlash", problem, f"give at most {enough}", value=enough) from None
+            remedy = f"give at most {bare_mm(float(enough)):down6}"
+            raise DesignError("mate.backlash", problem, remedy, value=enough) from None
         raise error.named(KEYS.get(error.field, error.field)) from None
 
 
