@@ -93,7 +93,7 @@ def _rounded(value: float, digits: int, mode: str) -> str:
 class InText:
     """Numbers in a sentence; their format is that of a float, or `up` or `down`: to the safe side of a limit."""
 
-    numbers: tuple[float | np.floating[Any], ...]
+    numbers: tuple[Any, ...]
     unit: str
     power: int
     between: str = ""
@@ -105,12 +105,12 @@ class InText:
         return f"{START}{NEXT.join((str(self.power), self.unit, spec, self.between, *numbers))}{END}"
 
 
-def mm(*numbers: float | np.floating[Any], unit: str = "mm", between: str = ", ") -> InText:
+def mm(*numbers: Any, unit: str = "mm", between: str = ", ") -> InText:
     """Numbers of a unit with mm, for a sentence, with their unit: `f"{mm(3, 4, between=' x '):g}"` is `3 x 4 mm`."""
     return InText(numbers, unit, converted_power(unit), between)
 
 
-def bare_mm(*numbers: float | np.floating[Any], power: int = 1, between: str = ", ") -> InText:
+def bare_mm(*numbers: Any, power: int = 1, between: str = ", ") -> InText:
     """The same without the unit, which another place of the sentence states."""
     return InText(numbers, "", power, between)
 

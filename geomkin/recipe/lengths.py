@@ -57,6 +57,7 @@ def shown_numbers(recipe: AbstractRecipe) -> Iterator[Number]:
 def shown_problem(problem: Problem, recipe: type, unit: LengthUnit) -> Problem:
     """A problem of a recipe with its lengths in the recipe's unit."""
     declared = field_of(problem.key, recipe)
-    is_length = declared is not None and declared.is_length and problem.value is not None
-    value = unit.in_digits(problem.value, "mm") if is_length else problem.value
+    value = problem.value
+    if value is not None and declared is not None and declared.is_length:
+        value = unit.in_digits(value, "mm")
     return replace(problem, problem=unit.text(problem.problem), remedy=unit.text(problem.remedy), value=value)

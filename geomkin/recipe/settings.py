@@ -65,7 +65,8 @@ def check_rows(key: str, span: float, step: float, unit: str, columns: int = 1) 
         cells = f" of {columns} columns" if columns > 1 else ""
         raise DesignError(
             key,
-            f"found {mm(step, unit=unit):g} for a range of {mm(span, unit=unit):g}, which takes {span / step:,.0f} rows{cells}",
+            f"found {mm(step, unit=unit):g} for a range of {mm(span, unit=unit):g}, "
+            f"which takes {span / step:,.0f} rows{cells}",
             f"give at least {mm(span / most, unit=unit):up4}",
             "too-much-work",
             rounded_up(span / most, 4),
