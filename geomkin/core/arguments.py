@@ -113,7 +113,7 @@ def found_value(value: object, *units: str) -> str:
     if isinstance(value, list) and len(value) < 5:
         return f"[{', '.join(found_value(item, units[k % len(units)]) for k, item in enumerate(value))}]"
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return f"{bare_mm(value, power=converted_power(units[0]))}" if is_number else shown(value)  # type: ignore[arg-type]
+    return f"{bare_mm(value, power=converted_power(units[0]))}" if is_number else shown(value)
 
 
 def in_unit_of(unit: str) -> str:

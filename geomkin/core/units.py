@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
@@ -276,6 +276,11 @@ def in_sentences(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {name: in_sentences(item) for name, item in value.items()}
     return type(value)(map(in_sentences, value)) if type(value) in (list, tuple) else value
+
+
+def sentences(texts: Iterable[str]) -> tuple[Sentence, ...]:
+    """The texts as sentences."""
+    return tuple(map(Sentence, texts))
 
 
 def as_sentences(thing: Any, *fields: str) -> None:

@@ -19,7 +19,7 @@ from ..core.fields import to_digits
 from ..core.names import PathName, file_name_flaw
 from ..core.progress import report
 from ..core.records import record
-from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, in_sentences, marked, mm
+from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, sentences
 from ..export.formats import format_of
 from ..export.summary import FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
 from ..model.part import Bought, Part
@@ -163,7 +163,7 @@ class FileReport:
     worst: Measured | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "problems", in_sentences(self.problems))
+        object.__setattr__(self, "problems", sentences(self.problems))
 
     @property
     def passed(self) -> bool:
@@ -216,7 +216,7 @@ class Certificate:
     unit: LengthUnit = MM
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "problems", in_sentences(self.problems))
+        object.__setattr__(self, "problems", sentences(self.problems))
 
     @property
     def passed(self) -> bool:

@@ -14,7 +14,7 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import to_digits
 from ...core.records import record
-from ...core.units import Sentence, mm
+from ...core.units import Sentence, mm, sentences
 from ...making.assembly import Bill, glue_bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
@@ -195,7 +195,7 @@ class Stack:
     @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line for each layer."""
-        return (*self.steps_with({}), *self.closing)
+        return sentences((*self.steps_with({}), *self.closing))
 
     @property
     def closing(self) -> tuple[str, ...]:
