@@ -15,7 +15,7 @@ from .core.errors import DesignError, GeomkinError, Problem, RecipeError, harmle
 from .core.fields import to_digits
 from .core.names import PathName, file_name_flaw
 from .core.records import record
-from .core.units import UNITS
+from .core.units import START, UNITS, marked
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, StaticSource
@@ -400,7 +400,7 @@ def errors_named_by_key(file: str, recipe: AbstractRecipe) -> Iterator[None]:
     except DesignError as error:
         key = _key(recipe, error.field)
         problem = (
-            re.sub(r"^found (?=[-+\d])", "found the default of ", error.problem)
+            re.sub(rf"^found (?=[-+\d{START}])", "found the default of ", marked(error.problem))
             if _is_default(recipe, key)
             else error.problem
         )

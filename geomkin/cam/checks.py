@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import FloatRow, NonZeroFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import rounded_up
 from ..core.records import record
+from ..core.units import mm
 from ..model.check import Check
 from ..model.table import Column, Table, finite, xy_columns
 from ..plane.curve import AbstractCurve
@@ -404,7 +404,7 @@ def _checks(cam: Cam, cut: Undercut) -> Iterator[Check]:
         # Unknown scatter gives no check.
         if not np.isnan(table.noise):
             unit = "deg" if cam.follower.oscillates else "mm"
-            within = f"give a within of at least {rounded_up(table.wide, 2)} {unit}"
+            within = f"give a within of at least {mm(table.wide, unit=unit):up2}"
             advice = f"the curve of program[{k}] follows the scatter of its rows: {within}"
             if np.isinf(table.noise):
                 advice += ", or replace it by a dwell or a uniform motion: the rows show no other motion"

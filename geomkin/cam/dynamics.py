@@ -13,6 +13,7 @@ from ..core.arguments import PositiveFloat, between, checked
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, quantity, rounded_up
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..model.material import Mass, Material, hertz_pressure
 from ..model.motor import MotorDuty
 from ..plane.vec import Real, cross
@@ -378,9 +379,9 @@ def check_follower_loads(cam: Cam, loads: FollowerLoads) -> None:
         raise DesignError("loads.friction", problem, "omit it", "conflict")
     lift = largest(cam.program.breaks, lambda t: cam.program.motion(t).lift)[0]
     if loads.friction.overhang < lift:
-        problem = f"found {loads.friction.overhang:g} mm, less than the largest lift: the follower would hit its guide"
-        least = rounded_up(lift)
-        raise DesignError("loads.friction.overhang", problem, f"give at least {least}", "out-of-range", least)
+        problem = f"found {mm(loads.friction.overhang):g}, less than the largest lift: the follower would hit its guide"
+        remedy = f"give at least {bare_mm(lift):up}"
+        raise DesignError("loads.friction.overhang", problem, remedy, "out-of-range", rounded_up(lift))
 
 
 def _static_force(cam: Cam, loads: FollowerLoads, angle: Real) -> Real:

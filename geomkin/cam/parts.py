@@ -9,8 +9,9 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, entry, quantity, rounded_down
+from ..core.fields import FARTHEST, entry, quantity
 from ..core.records import record
+from ..core.units import mm
 from ..making.assembly import (
     Assembly,
     AssemblyBuilder,
@@ -123,8 +124,8 @@ def _check_shaft(bar: Complex, shaft: float) -> None:
     if inside or room <= shaft / 2:
         raise DesignError(
             "stock.bar_width",
-            f"the follower's bar, between cam and base, meets the cam shaft of {shaft:g} mm",
-            f"give a bore of less than {rounded_down(2 * room)} mm, narrower bars or a larger base_radius"
+            f"the follower's bar, between cam and base, meets the cam shaft of {mm(shaft):g}",
+            f"give a bore of less than {mm(2 * room):down}, narrower bars or a larger base_radius"
             if room and not inside
             else "give narrower bars or a larger base_radius",
         )
@@ -371,7 +372,7 @@ def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
     if any(plate.name == "roller" for plate in plates):
         _add_roller(builder, plates, stock, layer)
     # A tube keeps the cam above the follower; on a motor the motor's shaft holds the cam.
-    height = f", {gap:g} mm above base" if gap and stock.motor else ""
+    height = f", {mm(gap):g} above base" if gap and stock.motor else ""
     builder.add_step(layer, seated("cam", "A" if builder.lettered else "", stock) + f"{height}, with the drawn side up")
     if stock.timing_mark:
         builder.add_step(
@@ -430,7 +431,7 @@ def _unheld(cam: Cam, has_bar: bool, stock: CamStock) -> str:
     follower = cam.follower
     if follower.oscillates:
         distance = abs(complex(np.ravel(follower.pose(np.zeros(1), cam.base_radius).origin)[0]))
-        return f"supply a support that holds the pivot {distance:.6g} mm from the shaft of cam"
+        return f"supply a support that holds the pivot {mm(distance):.6g} from the shaft of cam"
     stem = "follower" if has_bar else "a stem with the pin of the roller" if follower.roller_radius else "a stem"
     shaft = "" if stock.motor else ", and a support for the shaft of cam"
     return f"supply a guide for {stem}{shaft}"

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.fields import to_digits
+from ..core.units import mm, unit_name
 from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
 from ..model.scene import (
@@ -21,7 +22,6 @@ from ..model.scene import (
     SceneMark,
     circle_handle,
     dimension,
-    mm,
     playing_time,
     plot_handle,
     point_handle,
@@ -230,7 +230,7 @@ def cam_dimensions(cam: Cam, pivot: complex, centre: complex, line: complex, arm
     line: unit direction of the follower's motion. arm: name of the oscillating body; its length lies along its x axis.
     """
     end = cam.base_radius * np.exp(1j * np.radians(BASE_DIRECTION))
-    yield dimension(0j, end, f"base radius {mm(cam.base_radius)}, where the lift is 0")
+    yield dimension(0j, end, f"base radius {mm(cam.base_radius):.5g}, where the lift is 0")
     follower, sizes = cam.follower, follower_lengths(cam)
     meanings = {f.name: f.metadata["description"].removesuffix(", mm") for f in fields(follower) if f.name in sizes}  # type: ignore[arg-type]
     foot = centre - line * np.real(np.conj(line) * centre)
@@ -243,7 +243,7 @@ def cam_dimensions(cam: Cam, pivot: complex, centre: complex, line: complex, arm
     for name, size in sizes.items():
         if name in ends and size:
             start, end, body = ends[name]
-            yield dimension(start, end, f"{name.replace('_', ' ')} {mm(abs(size))}, {meanings[name]}", body)
+            yield dimension(start, end, f"{name.replace('_', ' ')} {mm(abs(size)):.5g}, {meanings[name]}", body)
 
 
 def follower_lengths(cam: Cam) -> dict[str, float]:
@@ -309,7 +309,7 @@ def with_size_plot(scene: Scene, cam: Cam) -> Scene:
         return scene
     # To six digits, so that rounding does not decide the order.
     columns.sort(key=lambda column: -to_digits(np.max(column.values), 6))
-    plot = Plot("effect of 1 mm of each length", tuple(column.id for column in columns), bars=True)
+    plot = Plot(f"effect of 1 {unit_name()} of each length", tuple(column.id for column in columns), bars=True)
     return replace(scene, table=Table((*scene.table.columns, *columns)), plots=(*scene.plots, plot))
 
 
@@ -317,5 +317,5 @@ def _columns(scene: Scene, cam: Cam) -> Iterator[Column]:
     angle = np.radians(scene.table["cam_angle"])
     for size, (_, rate) in cam.follower.contact_rates(cam.program.motion(angle), cam.base_radius, cam.sense).items():
         if not size.endswith("_deg"):
-            words = f"change of the pressure angle for 1 mm of {size}"
+            words = f"change of the pressure angle for 1 {unit_name()} of {size}"
             yield Column(f"pressure_angle_by_{size}", "deg/mm", words, np.abs(np.degrees(rate)))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from ..core.units import marked
 from ..export.formats import WRITERS
 from .recipes import (
     end,
@@ -135,7 +136,7 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
         measured = [file for file in certificate.files if file.measured]
         verdict = "as designed" if certificate.passed else "NOT as designed"
         click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
-        problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
+        problems = [f"{file.file}: {marked(problem)}" for file in certificate.files for problem in file.problems]
         for problem in [*certificate.problems, *problems]:
             click.secho(f"  {harmless(certificate.unit.text(problem))}", fg="yellow")
     return results

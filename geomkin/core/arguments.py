@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import DesignError, ProblemId, shown, with_article
+from .units import PLURAL, as_sentences, bare_mm, converted_power, marked, unit_name
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -43,6 +44,8 @@ class ArgumentType:
         The values that each item of a row may have; errors then name the item.
     limits : tuple of float, optional
         The least and the largest value, for the schema.
+    unit : str, optional
+        Unit of the number.
     """
 
     fits: Callable[[Any], bool]
@@ -50,6 +53,10 @@ class ArgumentType:
     types: tuple[type, ...] = ()
     each: ArgumentType | None = None
     limits: tuple[float, float] | None = None
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        as_sentences(self, "allowed")
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -88,7 +95,7 @@ def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
         wrong = next((k for k, item in enumerate(value) if not expected.each.fits(item)), None)
         if wrong is not None:
             return refused(f"{name}[{wrong}]", value[wrong], expected.each)
-    remedy = f"give {expected.allowed}"
+    remedy = f"give {marked(expected.allowed)}"
     is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(map(is_real, value))
     if is_pair and expected.fits(complex(*value)):  # type: ignore[misc]
         # Recipes give points as pairs.
@@ -96,7 +103,22 @@ def refused(name: str, value: object, expected: ArgumentType) -> DesignError:
         return DesignError(name, problem, remedy, "wrong-type")
     is_right_type = isinstance(value, expected.types) and not isinstance(value, bool)
     id: ProblemId = "not-finite" if is_endless(value) else "out-of-range" if is_right_type else "wrong-type"
-    return DesignError(name, f"found {shown(value)}", remedy, id)
+    return DesignError(name, f"found {found_value(value, expected.unit)}", remedy, id)
+
+
+def found_value(value: object, *units: str) -> str:
+    """A refused value as it was written; numbers of units with mm, also those in a short row, in the reader's unit."""
+    if not any(map(converted_power, units)):
+        return shown(value)
+    if isinstance(value, list) and len(value) < 5:
+        return f"[{', '.join(found_value(item, units[k % len(units)]) for k, item in enumerate(value))}]"
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return f"{bare_mm(value, power=converted_power(units[0]))}" if is_number else shown(value)
+
+
+def in_unit_of(unit: str) -> str:
+    """The end of a phrase that states the unit of its numbers, such as `, in mm`; empty without a unit."""
+    return f", in {unit_name(PLURAL if unit == 'mm' else unit)}" if unit else ""
 
 
 @cache
@@ -145,12 +167,22 @@ def argument_type(hint: Any) -> ArgumentType | None:
     return None
 
 
+def number_range(least: float, most: float, unit: str) -> str:
+    """The numbers from `least` to `most` in words, without their unit."""
+    low, high = (bare_mm(limit, power=converted_power(unit)) for limit in (least, most))
+    return f"a number from {low:up6} to {high:down6}"
+
+
 def between(least: float, most: float, unit: str = "") -> ArgumentType:
     """One number from `least` to `most`."""
-    allowed = f"a number from {least:g} to {most:g}" + (f", in {unit}" if unit else "")
+    allowed = f"{number_range(least, most, unit)}{in_unit_of(unit)}"
     # A recipe may state lengths in inches.
     limits = None if unit == "mm" else (least, most)
-    return ArgumentType(lambda value: is_real(value) and bool(least <= value <= most), allowed, REAL, limits=limits)
+
+    def fits(value: Any) -> bool:
+        return is_real(value) and bool(least <= value <= most)
+
+    return ArgumentType(fits, allowed, REAL, limits=limits, unit=unit)
 
 
 def whole_between(least: int, most: int) -> ArgumentType:
@@ -166,7 +198,7 @@ def whole_between(least: int, most: int) -> ArgumentType:
 def _either(options: list[ArgumentType]) -> ArgumentType:
     if len(options) == 1:
         return options[0]
-    allowed = _listed([option.allowed for option in options if option is not NOTHING])
+    allowed = _listed([marked(option.allowed) for option in options if option is not NOTHING])
     types = tuple(each for option in options for each in option.types)
     rows = [option.each for option in options if option.each]
     each = rows[0] if len(rows) == 1 else None
@@ -190,7 +222,7 @@ def _row(each: ArgumentType | None, count: int | None) -> ArgumentType | None:
         row = (isinstance(value, (tuple, list)) or getattr(value, "ndim", 0) > 0) and count in (None, len(value))
         return bool(row) and all(each.fits(v) for v in value)
 
-    return ArgumentType(fits, f"{many}, each item {each.allowed}", each=each)
+    return ArgumentType(fits, f"{many}, each item {marked(each.allowed)}", each=each)
 
 
 def _table(key: ArgumentType | None, each: ArgumentType | None) -> ArgumentType | None:
@@ -200,7 +232,7 @@ def _table(key: ArgumentType | None, each: ArgumentType | None) -> ArgumentType 
     def fits(value: Any) -> bool:
         return isinstance(value, Mapping) and all(key.fits(k) and each.fits(v) for k, v in value.items())
 
-    return ArgumentType(fits, f"a table, each {each.allowed}")
+    return ArgumentType(fits, f"a table, each {marked(each.allowed)}")
 
 
 def _python_number(value: Any) -> Any:

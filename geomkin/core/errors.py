@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from .units import Sentence, as_sentences
+
 # The kinds of problem. They stay the same when the texts of messages change, so that programs can rely on them.
 ProblemId = Literal[
     "unknown-key",
@@ -62,7 +64,7 @@ class DesignError(GeomkinError, ValueError):
         id: ProblemId = "impossible-geometry",
         value: float | str | None = None,
     ):
-        field, problem, remedy = harmless(field), harmless(problem), harmless(remedy)
+        field, problem, remedy = harmless(field), Sentence(problem, harmless), Sentence(remedy, harmless)
         super().__init__(f"{field}: {problem}; {remedy}")
         self.field, self.problem, self.remedy, self.id = field, problem, remedy, id
         self.value = None if value is None else float(value)
@@ -104,6 +106,9 @@ class Problem:
     remedy: str
     id: ProblemId = "impossible-geometry"
     value: float | None = None
+
+    def __post_init__(self) -> None:
+        as_sentences(self, "problem", "remedy")
 
     def to_dict(self) -> dict[str, str | float]:
         """The entries of the problem in JSON."""

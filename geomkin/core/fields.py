@@ -10,7 +10,7 @@ import re
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import MISSING
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from math import inf, isfinite, nextafter
@@ -20,10 +20,14 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments import ArgumentType, between, check_fields, is_endless, is_place, numbers
-from .errors import DesignError, ProblemId, shown
+from .arguments import ArgumentType, between, check_fields, found_value, in_unit_of, is_endless, is_place, numbers
+from .errors import DesignError, ProblemId
 from .field_visitor import WrittenForm
 from .reprs import clipped
+from .units import DIGITS_IN_TEXT, Sentence, bare_mm, converted_power, marked, unit_name
+from .units import rounded_down as rounded_down
+from .units import rounded_up as rounded_up
+from .units import to_digits as to_digits
 
 T = TypeVar("T")
 
@@ -82,12 +86,18 @@ def _example(example: Any, default: Any) -> Any:
     return example if example is not None or default is MISSING else default
 
 
-def allowed(metadata: Any) -> str:
+def allowed(metadata: Any) -> Sentence:
     """The range of a quantity in words, e.g. `a number above 0, in mm`."""
-    words = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
-    limits = [f"{word} {metadata[key]:g}" for key, word in words.items() if key in metadata]
+    words = {"gt": ("above", "up6"), "ge": ("at least", "up6"), "lt": ("below", "down6"), "le": ("at most", "down6")}
+    unit = metadata.get("unit", "")
+    power = converted_power(unit)
+    limits = [
+        f"{word} {format(bare_mm(metadata[key], power=power), side)}"
+        for key, (word, side) in words.items()
+        if key in metadata
+    ]
     text = ("a whole number " if metadata.get("whole") else "a number ") + " and ".join(limits)
-    return text.strip() + (f", in {metadata['unit']}" if metadata.get("unit") else "")
+    return Sentence(text.strip() + in_unit_of(unit))
 
 
 def check_sizes(thing: Any, many: bool = False) -> None:
@@ -106,14 +116,19 @@ def check_quantities(thing: Any, many: bool = False) -> None:
         about, value = field.metadata, getattr(thing, field.name)
         if (type(value) in types and least <= value <= most) or (value is None and field.default is None):
             continue
+        unit = about["unit"]
         if isinstance(value, Fraction) and not about.get("whole"):
             value = float(value)
             object.__setattr__(thing, field.name, value)
         if not quantity_fits(value, about, many):
-            raise DesignError(field.name, f"found {shown(value)}", f"give {allowed(about)}", refusal_id(value, about))
+            problem, id = f"found {found_value(value, unit)}", refusal_id(value, about)
+            raise DesignError(field.name, problem, f"give {marked(allowed(about))}", id)
         if _is_tiny(value, about):
-            remedy = f"give {'0 or ' if 'ge' in about else ''}at least {SMALLEST:g} {about['unit']}".strip()
-            raise DesignError(field.name, f"found {shown(value)}, which is too small", remedy, "out-of-range")
+            smallest = bare_mm(SMALLEST, power=converted_power(unit))
+            remedy = f"give {'0 or ' if 'ge' in about else ''}at least {smallest:up} {unit_name(unit)}".strip()
+            raise DesignError(
+                field.name, f"found {found_value(value, unit)}, which is too small", remedy, "out-of-range"
+            )
         if many and np.ndim(value):
             rows[field.name] = len(value)
     if len(set(rows.values()) - {1}) > 1:
@@ -147,42 +162,18 @@ def last_fit(fits: Callable[[float], bool], good: float, bad: float) -> float:
     return good
 
 
-# Significant digits of a recommended number: more than a workshop can set, and short enough for a message.
-DIGITS = 7
-
-
 # Share by which a limit that is advised is inside the computed one, which may be a rounding error beyond.
 ROUNDING = 1e-9
 
 
-def rounded_up(least: float, digits: int = DIGITS) -> str:
-    """The smallest number with this many digits that is not below `least`, as text, for remedies."""
-    return _rounded(least, digits, ROUND_CEILING)
-
-
-def rounded_down(most: float, digits: int = DIGITS) -> str:
-    """The largest number with this many digits that is not above `most`, as text."""
-    return _rounded(most, digits, ROUND_FLOOR)
-
-
-def inside(limit: float, side: Literal[1, -1], digits: int = DIGITS) -> str:
+def inside(limit: float, side: Literal[1, -1], digits: int = DIGITS_IN_TEXT) -> str:
     """A number just inside a limit that it may not reach, as text; side: 1 for an upper limit, -1 for a lower one."""
     return (rounded_down if side > 0 else rounded_up)(limit - side * abs(limit) * 10.0 ** (1 - digits), digits)
-
-
-def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
-    """A value rounded to significant digits, as summaries have it; 0 without a sign."""
-    return float(f"{value:.{digits}g}") + 0.0
 
 
 def to_digits_or_none(value: float | np.floating[Any], digits: int = 9) -> float | None:
     """A value rounded to significant digits; None, which JSON writes as null, if it is not finite."""
     return to_digits(value, digits) if isfinite(value) else None
-
-
-def _rounded(value: float, digits: int, mode: str) -> str:
-    # From its decimal text, since the float 0.0072 is a little less than 0.0072.
-    return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{DIGITS}g}"
 
 
 def refusal_id(value: Any, about: Any) -> ProblemId:
@@ -252,7 +243,8 @@ class PointXY(ArgumentType):
                 return False
             return bool((np.abs([np.real(value), np.imag(value)]) <= FARTHEST).all())
 
-        super().__init__(fits, f"a finite complex number, x + yj, in mm, x and y within {FARTHEST:g} of 0")
+        within = f"x and y within {bare_mm(FARTHEST):g} of 0"
+        super().__init__(fits, f"a finite complex number, x + yj{in_unit_of('mm')}, {within}")
 
 
 FloatOrArray = float | NDArray[np.float64]

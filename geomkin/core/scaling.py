@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeVar
 from .arguments import between, checked
 from .errors import DesignError
 from .field_visitor import Number, with_numbers
-from .units import length_power
+from .units import length_power, marked
 
 T = TypeVar("T")
 # Beyond this range every mechanism leaves the range of permitted sizes.
@@ -55,7 +55,7 @@ def scaled(thing: T, scale: Scale) -> T:
     try:
         result: T = thing.at_scale(scale) if hasattr(thing, "at_scale") else with_lengths(thing, scale)
     except DesignError as error:
-        problem = f"found {scale:g}, with which {error.field}: {error.problem}"
+        problem = f"found {scale:g}, with which {error.field}: {marked(error.problem)}"
         raise DesignError("scale", problem, error.remedy, error.id) from None
     return result
 

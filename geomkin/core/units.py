@@ -1,14 +1,20 @@
-"""The unit of length in which a recipe is read, shown and written. Inside, every length is in mm."""
+"""The unit of length in which a recipe is read, shown and written. Inside, every length is in mm.
+
+A length in a sentence is a value, `f"{mm(length):.4g}"`: it knows its digits, and is written in the reader's unit when
+the sentence is shown. Such a text holds marks of private characters; a `Sentence` reads in mm and keeps them.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Collection, Mapping
-from typing import Any, Literal, TypeVar
+from collections.abc import Callable, Collection, Iterable, Mapping
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from math import isfinite
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from .errors import Problem
-from .fields import rounded_down, rounded_up, to_digits
+if TYPE_CHECKING:
+    import numpy as np
 
 # Names of the units of length.
 Units = Literal["mm", "in"]
@@ -17,21 +23,21 @@ Number = TypeVar("Number", float, Any)
 INCH = 25.4
 # Digits of numbers of a recipe: as many as are exact, so that 0.5 in stays 0.5.
 DIGITS = 15
-# Digits of numbers in sentences, and in those on problems, whose numbers may be close to a limit.
-DIGITS_IN_TEXT, DIGITS_IN_PROBLEM = 5, 7
+# Significant digits of a recommended number: more than a workshop can set, and short enough for a message.
+DIGITS_IN_TEXT = 7
 
-NUMBER = r"[-+]?(?:\d+(?:,\d{3})*(?:\.\d+)?|\.\d+)(?:e[-+]?\d+)?"
-# Numbers of one unit in a row, such as `3 x 4 mm`, `3 to 4 mm` or `(3, 4) mm`; a name such as M3 or #6-32 is none.
-BETWEEN = r"(?:,? (?:x|\u00d7|to|(?:and|or)(?: (?:less|more) than| at (?:least|most))?) |, )"
-IN_MM = re.compile(rf"(?<![\w#.-])((?:{NUMBER}{BETWEEN})*{NUMBER}\)?) (mm[23]?(?:/(?:s|rad|deg)[23]?)?)\b")
-# The same, or a number without a unit before the end of a clause.
-ALSO_BARE = re.compile(
-    rf"{IN_MM.pattern}|(?<![\w#./-])({NUMBER})(?=$|[,;:)\]]|\.$| \(| (?:and|to|or|x|for|with|in mm|in a row)\b)"
+# A thing that is sold in mm keeps them if its size in another unit has more digits.
+DIGITS_WITHOUT_MM = 4
+
+# A mark: power of the length, unit, format, text between the numbers, and the numbers.
+SPEC = r"(?:up|down)\d?|[,+]?(?:\.\d\d?)?[fg]?"
+START, NEXT, END = "\ue000", "\ue001", "\ue002"
+MARK = re.compile(
+    rf"{START}(-?\d){NEXT}([\w/ ]{{0,20}}){NEXT}({SPEC}){NEXT}([^{START}-{END}]{{0,9}})"
+    rf"((?:{NEXT}-?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan))*){END}"
 )
-ONE = re.compile(rf"({NUMBER})")
-# What the user wrote: a text, or a table in place of a number, whose numbers are not read.
-QUOTED = re.compile(r"((?<!\w)'[^']*'(?!\w)|\{.*\})")
-SCALE = re.compile(rf"1 mm is ({NUMBER}) ")
+# In place of a unit: that of length after "in".
+PLURAL = "plural"
 # Ends of names of entries in summaries that are lengths, areas, volumes or rates of lengths, such as `thickness_mm` and
 # `worst_case_mm_per_s`.
 SUFFIX = re.compile(r"(?<!_[nN])(?<!_kg)(?<!_per)_mm([23]?)(?=(?:_per_s2?)?$)")
@@ -58,6 +64,79 @@ def is_mechanical(unit: str) -> bool:
     return bool(re.search(r"\b(?:N|kg)\b", unit))
 
 
+def converted_power(unit: str) -> int:
+    """Power of the length by which numbers of a unit change with the unit of length."""
+    return 0 if is_mechanical(unit) else length_power(unit)
+
+
+def to_digits(value: float | np.floating[Any], digits: int = 9) -> float:
+    """A value rounded to significant digits, as summaries have it; 0 without a sign."""
+    return float(f"{value:.{digits}g}") + 0.0
+
+
+def rounded_up(least: float, digits: int = DIGITS_IN_TEXT) -> str:
+    """The smallest number with this many digits that is not below `least`, as text, for remedies."""
+    return _rounded(least, digits, ROUND_CEILING)
+
+
+def rounded_down(most: float, digits: int = DIGITS_IN_TEXT) -> str:
+    """The largest number with this many digits that is not above `most`, as text."""
+    return _rounded(most, digits, ROUND_FLOOR)
+
+
+def _rounded(value: float, digits: int, mode: str) -> str:
+    # From its decimal text, since the float 0.0072 is a little less than 0.0072.
+    return f"{float(Context(digits, mode).create_decimal(Decimal(repr(float(value))))):.{max(digits, 6)}g}"
+
+
+@dataclasses.dataclass(frozen=True)
+class InText:
+    """Numbers in a sentence; their format is that of a float, or `up` or `down`: to the safe side of a limit."""
+
+    numbers: tuple[Any, ...]
+    unit: str
+    power: int
+    between: str = ""
+
+    def __format__(self, spec: str) -> str:
+        if not re.fullmatch(SPEC, spec):
+            raise ValueError(f"format {spec!r} of a length in a sentence")
+        numbers = (repr(n if isinstance(n, int) else float(n)) for n in self.numbers)
+        return f"{START}{NEXT.join((str(self.power), self.unit, spec, self.between, *numbers))}{END}"
+
+
+def mm(*numbers: Any, unit: str = "mm", between: str = ", ") -> InText:
+    """Numbers of a unit with mm, for a sentence, with their unit: `f"{mm(3, 4, between=' x '):g}"` is `3 x 4 mm`."""
+    return InText(numbers, unit, converted_power(unit), between)
+
+
+def bare_mm(*numbers: Any, power: int = 1, between: str = ", ") -> InText:
+    """The same without the unit, which another place of the sentence states."""
+    return InText(numbers, "", power, between)
+
+
+def unit_name(unit: str = "mm") -> str:
+    """The name of a unit with mm, for a sentence."""
+    return f"{InText((), unit, 0)}"
+
+
+def _written(number: str, factor: float, spec: str) -> str:
+    """A number of a sentence, divided by the factor, in its format."""
+    if factor == 1 and not spec:
+        return number
+    value = float(number) if factor == 1 else to_digits(float(number) / factor, 12)
+    if rounding := re.fullmatch(r"(up|down)(\d?)", spec):
+        digits = int(rounding[2] or DIGITS_IN_TEXT)
+        if not isfinite(value):
+            return f"{value:g}"
+        return (rounded_up if rounding[1] == "up" else rounded_down)(value, digits)
+    if factor != 1 and spec.endswith("f"):
+        # An inch has 25.4 mm, so it needs more decimals.
+        start, _, decimals = spec[:-1].partition(".")
+        return f"{value:{start}.{int(decimals or 6) + 2}f}".rstrip("0").rstrip(".")
+    return f"{value:{spec or '.12g'}}"
+
+
 @dataclasses.dataclass(frozen=True)
 class LengthUnit:
     """A unit of length: its name, and how many mm it has.
@@ -76,7 +155,7 @@ class LengthUnit:
 
     def factor(self, unit: str) -> float:
         """By what a number of a unit with mm is divided to be one of this unit."""
-        return 1.0 if is_mechanical(unit) else self.mm ** length_power(unit)
+        return self.mm ** converted_power(unit)
 
     def of(self, value: Number, unit: str = "mm") -> Number:
         """A value, given in a unit with mm, in this unit."""
@@ -100,56 +179,39 @@ class LengthUnit:
         """The name of a unit with mm, such as in/s for mm/s."""
         return unit if self.factor(unit) == 1 else re.sub(r"\bmm", self.name, unit)
 
-    def text(self, text: str, is_length: bool = False, keeps_mm: bool = False, digits: int = DIGITS_IN_TEXT) -> str:
-        """A sentence whose lengths in mm, except those in quotes, are in this unit.
+    def text(self, text: str, keeps_mm: bool = False) -> str:
+        """A sentence with its lengths in this unit.
 
         Parameters
         ----------
         text : str
             The sentence.
-        is_length : bool
-            Whether numbers without a unit are lengths too, as in the message about a length.
         keeps_mm : bool
             Whether a length that is round in mm only keeps that too, as for things that are sold in mm.
-        digits : int
-            Significant digits of numbers.
         """
-        if self.mm == 1:
+
+        def written(match: re.Match[str]) -> str:
+            power, unit, spec, between, numbers = match.groups()
+            name = self.plural if unit == PLURAL else self.unit(unit)
+
+            def in_unit(factor: float, spec: str) -> str:
+                return between.join(_written(number, factor, spec) for number in numbers.split(NEXT)[1:])
+
+            factor = self.mm ** int(power)
+            text = f"{in_unit(factor, spec)} {name}".strip()
+            if keeps_mm and factor != 1 and unit and numbers:
+                values = [float(number) / factor for number in numbers.split(NEXT)[1:]]
+                if any(abs(to_digits(value, DIGITS_WITHOUT_MM) - value) > 1e-9 * abs(value) for value in values):
+                    return f"{in_unit(1, spec)} {unit} ({in_unit(factor, '.3g')} {name})"
             return text
 
-        def with_unit(match: re.Match[str]) -> str:
-            numbers, unit = match[1], match[2]
-            ahead = match.string[: match.start()]
-            if not numbers:
-                return self._number(ahead, match[0], "mm", digits)
-            converted = ONE.sub(lambda one: self._number(ahead + numbers[: one.start()], one[0], unit, digits), numbers)
-            if keeps_mm and any(len(one.lstrip("0.")) > 4 for one in ONE.findall(converted)):
-                return (
-                    f"{match[0]} ({ONE.sub(lambda one: f'{self.of(_value(one[0]), unit):.3g}', numbers)} {self.name})"
-                )
-            return f"{converted} {self.unit(unit)}"
-
-        # A drawing that is 25.4 times as large; the quantity itself is converted below.
-        text = SCALE.sub(lambda match: f"1 {self.name} is {to_digits(self.mm * float(match[1]), 3):g} ", text)
-        lengths = ALSO_BARE if is_length else IN_MM
-        text = "".join(part if k % 2 else lengths.sub(with_unit, part) for k, part in enumerate(QUOTED.split(text)))
-        return re.sub(r"\bin mm\b", f"in {self.plural}", text) if is_length else text
-
-    def problem(self, problem: Problem, is_length: bool) -> Problem:
-        """A problem of a recipe; is_length: whether that of a length."""
-        problem_text, remedy = (
-            self.text(text, is_length, digits=DIGITS_IN_PROBLEM) for text in (problem.problem, problem.remedy)
-        )
-        value = problem.value if problem.value is None or not is_length else self.in_digits(problem.value, "mm")
-        return dataclasses.replace(problem, problem=problem_text, remedy=remedy, value=value)
+        return MARK.sub(written, marked(text))
 
     def entries(self, data: Any, power: int = 0, lengths: Collection[str] = ()) -> Any:
         """Entries of a summary, and their names such as `thickness_mm`, in this unit.
 
         power: of the length in numbers without a unit in their name. lengths: names of entries that are lengths.
         """
-        if self.mm == 1:
-            return data
         if isinstance(data, Mapping):
             return {
                 SUFFIX.sub(rf"_{self.name}\1", name): self.entries(value, *self._kind(name, power, lengths))
@@ -159,7 +221,7 @@ class LengthUnit:
             return [self.entries(item, power, lengths) for item in data]
         if isinstance(data, str):
             return self.text(data, keeps_mm=True)
-        return to_digits(data / self.mm**power, 10) if power and isinstance(data, float) else data
+        return to_digits(data / self.mm**power, 10) if self.mm != 1 and power and isinstance(data, float) else data
 
     def _kind(self, name: str, power: int, lengths: Collection[str]) -> tuple[int, Collection[str]]:
         """Arguments of `entries` for the entry of a name."""
@@ -170,19 +232,58 @@ class LengthUnit:
             return 0, lengths
         return power or (name in lengths), lengths
 
-    def _number(self, ahead: str, number: str, unit: str, digits: int) -> str:
-        """A number in this unit; as a limit, by the words ahead of it, rounded so that it is allowed."""
-        value = to_digits(_value(number) / self.factor(unit), 12)
-        if ahead.endswith(("at least ", "more than ", "above ")):
-            return rounded_up(value, digits)
-        if ahead.endswith(("at most ", "less than ", "below ")):
-            return rounded_down(value, digits)
-        return f"{value:.{digits}g}"
-
 
 MM, IN = LengthUnit("mm", 1.0), LengthUnit("in", INCH)
 UNITS: Mapping[str, LengthUnit] = {"mm": MM, "in": IN}
 
 
-def _value(number: str) -> float:
-    return float(number.replace(",", ""))
+class Sentence(str):
+    """A text that reads in mm, and knows its lengths, so that a recipe in inches writes them in inches.
+
+    Parameters
+    ----------
+    text : str
+        The text, with its marks.
+    change : callable, optional
+        Changes the words between the marks.
+    """
+
+    marked: str
+
+    def __new__(cls, text: str, change: Callable[[str], str] = str) -> Sentence:
+        text = marked(text)
+        if change is not str:
+            ends = [0, *(end for match in MARK.finditer(text) for end in match.span()), len(text)]
+            pieces = [text[start:end] for start, end in zip(ends, ends[1:])]
+            text = "".join(piece if k % 2 else change(piece) for k, piece in enumerate(pieces))
+        sentence = super().__new__(cls, MM.text(text) if START in text else text)
+        sentence.marked = text
+        return sentence
+
+    def __getnewargs__(self) -> tuple[str]:
+        return (self.marked,)
+
+
+def marked(text: object) -> str:
+    """A text with the marks of its lengths, to be part of another sentence."""
+    return text.marked if isinstance(text, Sentence) else str(text)
+
+
+def in_sentences(value: Any) -> Any:
+    """A text, or the texts in a table or a row, as sentences."""
+    if isinstance(value, str):
+        return Sentence(value) if START in value else value
+    if isinstance(value, Mapping):
+        return {name: in_sentences(item) for name, item in value.items()}
+    return type(value)(map(in_sentences, value)) if type(value) in (list, tuple) else value
+
+
+def sentences(texts: Iterable[str]) -> tuple[Sentence, ...]:
+    """The texts as sentences."""
+    return tuple(map(Sentence, texts))
+
+
+def as_sentences(thing: Any, *fields: str) -> None:
+    """Make texts of a frozen dataclass sentences, as its `__post_init__` does."""
+    for name in fields:
+        object.__setattr__(thing, name, Sentence(getattr(thing, name)))

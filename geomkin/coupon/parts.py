@@ -8,7 +8,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import quantity, rounded_down
 from ..core.records import record
-from ..core.units import UNITS, Units
+from ..core.units import UNITS, Units, mm
 from ..export.lettering import HEIGHTS, MARGIN, strokes_of
 from ..model.material import Material
 from ..model.part import Part
@@ -48,10 +48,10 @@ class FitTest:
             largest = (size - NARROWEST_OPENING) / below
             if self.step > largest * (1 + 1e-9):
                 opening = size - below * self.step
-                problem = f"found {self.step:g} mm, with which the smallest opening for {name} = {size:g} mm and "
-                problem += f"count = {self.count} would be {opening:.4g} mm wide"
-                most = rounded_down(largest, 3)
-                raise DesignError("step", problem, f"give at most {most} mm", "conflict", most)
+                problem = f"found {mm(self.step):g}, with which the smallest opening for {name} = {mm(size):g} and "
+                problem += f"count = {self.count} would be {mm(opening):.4g} wide"
+                remedy = f"give at most {mm(largest):down3}"
+                raise DesignError("step", problem, remedy, "conflict", rounded_down(largest, 3))
 
     @property
     def offsets(self) -> Real:

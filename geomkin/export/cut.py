@@ -7,6 +7,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import WIDEST, rounded_up
 from ..core.records import record
+from ..core.units import mm
 from ..model.part import Part
 from ..plane import measure as measure
 from ..plane import region as region
@@ -158,7 +159,7 @@ def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float)
     if outside < len(holes) and outside <= meeting.min(initial=outside):
         raise DesignError(
             part.name,
-            f"hole {outside + 1} meets the outline, or comes nearer than the tolerance of {tolerance:g} mm",
+            f"hole {outside + 1} meets the outline, or comes nearer than the tolerance of {mm(tolerance):g}",
             "make the hole smaller or the part larger",
         )
     if len(meeting):
@@ -171,21 +172,21 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
     if not 10 * tolerance < size < WIDEST:
         raise DesignError(
             part.name,
-            f"it is about {size:.3g} mm across",
-            f"make parts between {10 * tolerance:g} mm (ten times the tolerance) and {WIDEST:g} mm",
+            f"it is about {mm(size):.3g} across",
+            f"make parts between {mm(10 * tolerance):g} (ten times the tolerance) and {mm(WIDEST):g}",
             "out-of-range",
         )
     far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
     if far > WIDEST:
         # Farther from the origin, numbers have too few digits for the corners of the part.
         raise DesignError(
-            part.name, f"it lies about {far:.3g} mm from the origin", f"stay within {WIDEST:g} mm", "out-of-range"
+            part.name, f"it lies about {mm(far):.3g} from the origin", f"stay within {mm(WIDEST):g}", "out-of-range"
         )
     if tolerance * share < FINEST * size:
         raise DesignError(
             "tolerance",
-            f"found {tolerance:g} mm for the {part.name}, which is about {size:.3g} mm across",
-            f"give at least {rounded_up(FINEST * size / share, 2)} mm",
+            f"found {mm(tolerance):g} for the {part.name}, which is about {mm(size):.3g} across",
+            f"give at least {mm(FINEST * size / share):up2}",
             "out-of-range",
             rounded_up(FINEST * size / share, 2),
         )
@@ -233,11 +234,13 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
     if isinstance(curve, Circle):
         radius = curve.radius + grow
         if radius <= 0:
-            raise DesignError("kerf", f"found {-2 * grow:g} mm, wider than a hole of the {name}", "give a smaller kerf")
+            raise DesignError(
+                "kerf", f"found {mm(-2 * grow):g}, wider than a hole of the {name}", "give a smaller kerf"
+            )
         if round(radius, digits) <= 0:
             raise DesignError(
                 name,
-                f"a hole {2 * radius:.3g} mm wide is smaller than the resolution of files",
+                f"a hole {mm(2 * radius):.3g} wide is smaller than the resolution of files",
                 "make it larger",
                 "out-of-range",
             )
@@ -286,7 +289,7 @@ def _grown(points: Complex, grow: float, tolerance: float, name: str) -> Complex
     if not whole or changed > 8 * tolerance * np.abs(np.diff(points)).sum():
         raise DesignError(
             "kerf",
-            f"found {2 * abs(grow):g} mm, wider than a gap or a neck of the {name}",
+            f"found {mm(2 * abs(grow)):g}, wider than a gap or a neck of the {name}",
             "give a smaller kerf or a larger part",
         )
     return regions[0][0]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.errors import DesignError
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Mask, Real, box_of, direction_deg, rounded
 from .cut import Cut, Loop, is_inside
@@ -356,8 +357,9 @@ def _check_parts_fit(cuts: Sequence[Cut], width: float, height: float) -> None:
             short = max(min(size.real, size.imag) for size in sizes) + 2 * GAP
             raise DesignError(
                 "sheet",
-                f"found {width:g} x {height:g} mm, and the {cut.part.name} is {size.real:g} x {size.imag:g} mm",
-                f"give at least [{long:g}, {short:g}], which leaves {GAP:g} mm to each edge",
+                f"found {mm(width, height, between=' x '):g}, and the {cut.part.name} is "
+                f"{mm(size.real, size.imag, between=' x '):g}",
+                f"give at least [{bare_mm(long, short):g}], which leaves {mm(GAP):g} to each edge",
                 "out-of-range",
             )
 

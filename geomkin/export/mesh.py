@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.errors import DesignError, GeomkinError
-from ..core.fields import rounded_up, to_digits
+from ..core.fields import to_digits
+from ..core.units import bare_mm, mm
 from ..model.part import Part, Twist
 from ..plane import region as region
 from ..plane.curve import extent
@@ -50,8 +51,8 @@ def solid_cut(part: Part, tolerance: float) -> Cut:
         if tolerance < (least := error + max(error, FINEST * extent(part.outline) / share)):
             raise DesignError(
                 "tolerance",
-                f"found {tolerance:g} mm, but solids store the corners of the {part.name} only within {error:.2g} mm",
-                f"give at least {rounded_up(least, 2)} mm, or write neither stl, glb nor 3mf",
+                f"found {mm(tolerance):g}, but solids store the corners of the {part.name} only within {mm(error):.2g}",
+                f"give at least {mm(least):up2}, or write neither stl, glb nor 3mf",
                 "out-of-range",
             )
         cut_part = cut(part, share * (tolerance - error))
@@ -60,11 +61,11 @@ def solid_cut(part: Part, tolerance: float) -> Cut:
     _check_apart(cut_part, part.twist)
     if (count := moving_triangles(cut_part, part.twist)) > MOST:
         # Slightly less, so that the rounded number still works.
-        thickness = f"{0.95 * part.thickness * MOST / count:.2g}"
+        thickness = f"{mm(0.95 * part.thickness * MOST / count):.2g}"
         raise DesignError(
             "tolerance",
-            f"found {tolerance:g} mm, with which the {part.name} takes {count:,} triangles; {MOST:,} can be drawn",
-            f"give {_tolerance_advice(part, part.twist, tolerance)}a thickness of at most {thickness} mm",
+            f"found {mm(tolerance):g}, with which the {part.name} takes {count:,} triangles; {MOST:,} can be drawn",
+            f"give {_tolerance_advice(part, part.twist, tolerance)}a thickness of at most {thickness}",
             "too-much-work",
         )
     return cut_part
@@ -81,7 +82,8 @@ def _check_apart(cut_part: Cut, twist: Twist) -> None:
     if (extent := max(float(np.abs(loop).max()) for loop in inner) + abs(twist.shift)) >= room:
         raise DesignError(
             cut_part.part.name,
-            f"its holes extend to {extent:.4g} mm from the axis of its twist, and its outline begins at {room:.4g} mm",
+            f"its holes extend to {mm(extent):.4g} from the axis of its twist, and its outline begins at "
+            f"{mm(room):.4g}",
             "make the holes smaller, or the part larger",
         )
 
@@ -92,7 +94,7 @@ def _tolerance_advice(part: Part, twist: Twist, tolerance: float) -> str:
         wider = to_digits(tolerance * WIDER**k, 3)
         try:
             if moving_triangles(cut(part, wider / 2), twist) <= MOST:
-                return f"at least {wider:g} mm, or "
+                return f"at least {mm(wider):up6}, or "
         except DesignError:
             # With this tolerance nothing is left of the part.
             break
@@ -222,7 +224,8 @@ def solid(cut: Cut) -> tuple[Real, Whole]:
     volume = float(np.vecdot(np.cross(b - a, c - b), a).sum() / 6)
     if not _is_closed(faces, len(points)) or not np.isclose(volume, expected, rtol=1e-6):
         raise GeomkinError(
-            f"{cut.part.name}: its solid has volume {volume:.6g} mm3 instead of {expected:.6g}; "
+            f"{cut.part.name}: its solid has volume {mm(volume, unit='mm3'):.6g} instead of "
+            f"{bare_mm(expected, power=3):.6g}; "
             "please report this with the recipe"
         )
     return points, faces

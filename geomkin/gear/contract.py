@@ -12,6 +12,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import Length
 from ..core.reprs import still_picture
+from ..core.units import bare_mm, mm
 from ..plane.curve import AbstractCurve, Reversed
 from ..plane.primitives import Arc, Segment
 from ..plane.vec import Pose, Real
@@ -317,8 +318,8 @@ def _land(start: complex, end: complex) -> Arc | None:
 def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: float, name: str, tool: str) -> None:
     """Raise DesignError if module or pressure angle of the driven gear `name`, cut by `tool`, are not the driver's."""
     if abs(driver.module - module) > 1e-9 * driver.module:
-        problem = f"found {module:g} mm, but the driving gear has {driver.module:g} mm; they must be equal"
-        raise DesignError(f"{name}.module", problem, f"give {driver.module:.15g}", "conflict", driver.module)
+        problem = f"found {mm(module):g}, but the driving gear has {mm(driver.module):g}; they must be equal"
+        raise DesignError(f"{name}.module", problem, f"give {bare_mm(driver.module):.15g}", "conflict", driver.module)
     if abs(driver.pressure_angle - pressure_angle) > 1e-9:
         angles = np.degrees(pressure_angle), np.degrees(driver.pressure_angle)
         problem = f"found {angles[0]:g} deg, but the driving gear has {angles[1]:g} deg; they must be equal"

@@ -11,7 +11,7 @@ from ..core.arguments import NUMBER, ArgumentType, PositiveInt, between, checked
 from ..core.errors import DesignError
 from ..core.fields import SMALLEST, last_fit, quantity, rounded_down
 from ..core.records import record
-from ..core.units import INCH
+from ..core.units import INCH, mm
 from ..plane.primitives import Polyline
 from ..plane.roulettes import inverse_involute, involute_function, roll_at
 
@@ -41,7 +41,7 @@ def settle_module(gear: Any) -> None:
     if gear.module is not None and abs(gear.module - module) > 1e-9 * module:
         raise DesignError(
             "module",
-            f"found {gear.module:g} mm, but a diametral_pitch of {gear.diametral_pitch:g} means {module:.6g} mm",
+            f"found {mm(gear.module):g}, but a diametral_pitch of {gear.diametral_pitch:g} means {mm(module):.6g}",
             "give one of them",
             "conflict",
         )
@@ -49,7 +49,7 @@ def settle_module(gear: Any) -> None:
     if not SMALLEST <= module <= LARGEST:
         raise DesignError(
             "diametral_pitch",
-            f"found {gear.diametral_pitch:g}, which means a module of {module:.6g} mm",
+            f"found {gear.diametral_pitch:g}, which means a module of {mm(module):.6g}",
             f"give {INCH / LARGEST:g} to 1e5",
             "out-of-range",
             INCH / LARGEST if module > LARGEST else 1e5,

@@ -6,8 +6,9 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import Length, rounded_down, rounded_up
+from ..core.fields import Length, rounded_up
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..model.table import Column, Table, xy_columns
 from ..plane.flatten import flatten
 from ..plane.roulettes import inverse_involute, roll_at
@@ -169,9 +170,9 @@ def over_pins(gear: AbstractInvoluteGear, pin: Length | None = None) -> PinMeasu
     start, end = gear.flank_lengths
     slack = 1e-9 * gear.module
     if not (start - slack <= touching <= end + slack and sign * (radius - gear.tip_radius) + pin / 2 > 0):
-        remedy = "measure the span instead" if pin == best else f"give about {best:.4g} mm"
+        remedy = "measure the span instead" if pin == best else f"give about {mm(best):.4g}"
         value = None if pin == best else best
-        problem = f"found {pin:g} mm, for which the pin is below the tips or misses the flanks"
+        problem = f"found {mm(pin):g}, for which the pin is below the tips or misses the flanks"
         raise DesignError("pin", problem, remedy, "out-of-range", value)
     across = 2 * radius * (np.cos(np.pi / (2 * gear.teeth)) if gear.teeth % 2 else 1.0)
     return PinMeasure(float(across + sign * pin), float(pin), radius, float(np.hypot(base, touching)))
@@ -222,8 +223,8 @@ def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasu
     if not low <= r <= high:
         raise DesignError(
             "radius",
-            f"found {r:g} mm, outside the involute",
-            f"give {rounded_up(low)} to {rounded_down(high)} mm",
+            f"found {mm(r):g}, outside the involute",
+            f"give {bare_mm(low):up} to {mm(high):down}",
             "out-of-range",
             rounded_up(low),
         )

@@ -10,9 +10,10 @@ import numpy as np
 
 from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
-from ..core.fields import entry, last_fit, quantity, rounded_down, rounded_up
+from ..core.fields import entry, last_fit, quantity, rounded_up
 from ..core.records import record
 from ..core.reprs import moving_picture
+from ..core.units import bare_mm, mm
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real
 from .contract import check_alike
@@ -390,12 +391,12 @@ class GearPair:
         if self.centre_distance < self._geometry.base_distance or (
             jams and abs(self.centre_distance - tight) > 1e-9 * tight
         ):
-            most = f"from {rounded_up(self._geometry.base_distance)} to {rounded_down(tight)} mm"
+            most = f"from {bare_mm(self._geometry.base_distance):up} to {mm(tight):down}"
             # The tolerance keeps rounding from adding a digit.
-            least = f"at least {rounded_up(tight * (1 - 1e-12))} mm"
+            least = f"at least {mm(tight * (1 - 1e-12)):up}"
             raise DesignError(
                 "centre_distance",
-                f"found {self.centre_distance:g} mm, at which the teeth jam",
+                f"found {mm(self.centre_distance):g}, at which the teeth jam",
                 f"give {most if self.is_internal else least}",
             )
 
@@ -477,9 +478,9 @@ def _nearest_shift(first: SpurGear, second: SpurGear | RingGear, least: float) -
 
 def _too_far(geometry: MeshGeometry, distance: float, tight: float) -> DesignError:
     """For a distance at which no flanks meet; the remedy is the nearest one with a contact ratio of 1."""
-    problem, good = f"found {distance:.7g} mm, at which no flanks meet", tight
+    problem, good = f"found {mm(distance):.7g}, at which no flanks meet", tight
     if abs(good - distance) <= 1e-9 * good or geometry.contact_ratio(good) <= 1:
         return DesignError("centre_distance", problem, "give gears with taller teeth or other profile shifts")
     good = last_fit(lambda value: geometry.contact_ratio(value) >= 1, good, distance)
-    limit = f"at least {rounded_up(good)}" if distance < good else f"at most {rounded_down(good)}"
-    return DesignError("centre_distance", problem, f"give {limit} mm, where the contact ratio is 1")
+    limit = f"at least {mm(good):up}" if distance < good else f"at most {mm(good):down}"
+    return DesignError("centre_distance", problem, f"give {limit}, where the contact ratio is 1")

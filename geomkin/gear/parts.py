@@ -12,8 +12,9 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, PositiveInt, checked
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, rounded_up, to_digits
+from ..core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ..core.records import record
+from ..core.units import marked, mm
 from ..making.bores import (
     AbstractBored,
     BoreForm,
@@ -242,9 +243,9 @@ def base_plate(
     if apart <= (holes[0] + holes[1]) / 2:
         raise DesignError(
             keys[int(holes[1] > holes[0])],
-            f"the holes of two shafts, {holes[0]:g} and {holes[1]:g} mm wide and {apart:.6g} mm apart, "
+            f"the holes of two shafts, {mm(*holes, between=' and '):g} wide and {mm(apart):.6g} apart, "
             "meet in the plate",
-            f"give bores and clearances of less than {rounded_down(2 * apart)} mm together",
+            f"give bores and clearances of less than {mm(2 * apart):down} together",
         )
     circles = tuple(Circle(z, d / 2) for z, d in zip(axes, holes) if d)
     return Part(name, rounded_hull(axes, max(holes) / 2 + margin), circles, thickness, body="ground")
@@ -261,16 +262,16 @@ def openings(web: Web | None, bore: float, root_radius: float, key: str) -> tupl
     if inner <= bore:
         raise DesignError(
             f"{key}.hub",
-            f"found {web.hub:g} mm for a hole of {2 * bore:.4g} mm",
-            f"give more than {rounded_up(2 * bore)} mm",
+            f"found {mm(web.hub):g} for a hole of {mm(2 * bore):.4g}",
+            f"give more than {mm(2 * bore):up}",
             value=inside(2 * bore, -1),
         )
     if outer <= inner:
         most = root_radius - inner
         raise DesignError(
             f"{key}.rim",
-            f"found {web.rim:g} mm, which leaves no room between hub and rim",
-            f"give less than {rounded_down(to_digits(most, 12))} mm" if most > 0 else "give a smaller hub",
+            f"found {mm(web.rim):g}, which leaves no room between hub and rim",
+            f"give less than {mm(to_digits(most, 12)):down}" if most > 0 else "give a smaller hub",
             value=inside(most, 1) if most > 0 else None,
         )
     opening = _window(web, inner, outer, key) if web.form == "spokes" else _hole(web, inner, outer, key)
@@ -287,7 +288,7 @@ def _hole(web: Web, inner: float, outer: float, key: str) -> Circle:
     if between < web.spoke_width:
         raise DesignError(
             f"{key}.count",
-            f"found {web.count} holes of {2 * radius:.4g} mm with {between:.4g} mm between them",
+            f"found {web.count} holes of {mm(2 * radius):.4g} with {mm(between):.4g} between them",
             "give fewer holes, a thicker rim or hub, or a smaller spoke_width",
         )
     return Circle(complex(middle), radius)
@@ -306,7 +307,7 @@ def _window(web: Web, inner: float, outer: float, key: str) -> Polyline:
     if along[1] == 0 or low <= 0 or high <= 0:
         raise DesignError(
             f"{key}.spoke_width",
-            f"found {web.spoke_width:g} mm: {web.count} spokes meet outside the hub",
+            f"found {mm(web.spoke_width):g}: {web.count} spokes meet outside the hub",
             "give fewer or narrower spokes, or a larger hub",
         )
     sides = [(s - 1j * half_spoke) * ray for s in along]
@@ -370,8 +371,8 @@ def _of_mate() -> Iterator[None]:
         yield
     except DesignError as error:
         table, dot, name = error.field.rpartition(".")
-        field, remedy = BORE_KEYS.sub(r"mate_\1", name), BORE_KEYS.sub(r"mate_\1", error.remedy)
-        problem = error.problem.replace("bore_form", "mate_bore_form")
+        field, remedy = BORE_KEYS.sub(r"mate_\1", name), BORE_KEYS.sub(r"mate_\1", marked(error.remedy))
+        problem = marked(error.problem).replace("bore_form", "mate_bore_form")
         raise DesignError(f"{table}{dot}{field}", problem, remedy, error.id) from None
 
 
@@ -469,8 +470,8 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
         most = to_digits(stock.clearance + apart, 12)
         raise DesignError(
             "stock.clearance",
-            f"found {stock.clearance:g} mm, with which the pins' holes meet",
-            f"give less than {rounded_down(most)} mm, or thinner pins" if most > 0 else "give thinner pins",
+            f"found {mm(stock.clearance):g}, with which the pins' holes meet",
+            f"give less than {mm(most):down}, or thinner pins" if most > 0 else "give thinner pins",
             value=inside(most, 1) if most > 0 else None,
         )
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)

@@ -10,6 +10,7 @@ from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.fields import Length
 from ..core.records import record
+from ..core.units import mm
 from ..making.assembly import (
     PLAY,
     Assembly,
@@ -264,7 +265,9 @@ def single_assembly(name: str, stock: GearStock) -> Assembly:
 
 def clear(stock: AbstractBored, plate: str = "") -> str:
     """Distance of a gear from the plate of its motor, as part of a step; "" if there is a plate between."""
-    return "" if stock.motor is None or plate else f", {HEADS:g} mm above motor_plate, clear of the heads of its screws"
+    return (
+        "" if stock.motor is None or plate else f", {mm(HEADS):g} above motor_plate, clear of the heads of its screws"
+    )
 
 
 # All teeth of a gear are equal.
@@ -310,7 +313,7 @@ def pair_assembly(
             step += ", both together" if helix.herringbone else f", in mesh with {first.name}, {MESH}"
         builder.add_step(layer, step)
     if plate is None:
-        builder.add_last_step(f"supply a support that holds the axes {distance:.6g} mm apart")
+        builder.add_last_step(f"supply a support that holds the axes {mm(distance):.6g} apart")
     return builder.build()
 
 
@@ -323,7 +326,7 @@ def rack_assembly(stock: GearStock, distance: float, base: RackBaseStock | None,
     if base is None:
         builder.add_step(layer, seated("pinion", "", stock) + clear(stock))
         builder.add_step(layer, f"lay rack in mesh with pinion, {MESH}")
-        builder.add_last_step(f"supply a guide for rack, with its reference line {distance:.6g} mm from the axis")
+        builder.add_last_step(f"supply a guide for rack, with its reference line {mm(distance):.6g} from the axis")
         return builder.build()
     builder.add_step(layer, "glue 2 pins B into rack, flush at the top")
     builder.pins("B", "rack", base.guide_pin, 2 * thick, 2, under=True)
@@ -385,7 +388,7 @@ def _add_carrier(builder: AssemblyBuilder, count: int, planet: GearStock, layer:
         builder.buy(planets, glue_bill(count))
     if has_base:
         if not turning:
-            step = f"glue {_shafts(count, 'C')} into carrier so that {planet.thickness:g} mm project below"
+            step = f"glue {_shafts(count, 'C')} into carrier so that {mm(planet.thickness):g} project below"
             builder.add_step(layer, step)
         builder.add_step(layer, "lay carrier on A and C" if turning else "lay carrier on A, with C in the planets")
     if has_collars:
@@ -437,10 +440,10 @@ def lantern_assembly(
         gap = thick if builder.plate else 0.0
         builder.shaft("B", mate, stock.mate, under + gap + thick, layer + 1, gap)
         builder.add_step(layer + 1, f"{seated(mate, on_mate, stock.mate)}, with its teeth between the pins")
-    room = f"{thick + PLAY:g} mm above the first, so that {mate} turns between them"
+    room = f"{mm(thick + PLAY):g} above the first, so that {mate} turns between them"
     builder.add_step(layer + 2, f"glue the second disc onto the pins{_second_disc(stock)}, {room}")
     if base is None:
-        builder.add_last_step(f"supply a support that holds the axes {distance:.6g} mm apart")
+        builder.add_last_step(f"supply a support that holds the axes {mm(distance):.6g} apart")
     return builder.build()
 
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import inside, quantity, rounded_down
+from ..core.fields import inside, quantity
 from ..core.records import record
+from ..core.units import mm
 from ..making.assembly import (
     Assembly,
     AssemblyBuilder,
@@ -110,9 +111,9 @@ class TrainStocks:
     def __post_init__(self) -> None:
         for key, stock in (("first_stock", self.first), ("last_stock", self.last)):
             if stock is not None and stock.thickness != self.stock.thickness:
-                problem = f"found {stock.thickness:g} mm, but the other gears have {self.stock.thickness:g} mm"
+                problem = f"found {mm(stock.thickness):g}, but the other gears have {mm(self.stock.thickness):g}"
                 thickness = self.stock.thickness
-                raise DesignError(f"{key}.thickness", problem, f"give {thickness:.15g} mm", "conflict", thickness)
+                raise DesignError(f"{key}.thickness", problem, f"give {mm(thickness):.15g}", "conflict", thickness)
         for key, other in (("stock", self.stock), ("last_stock", self.last)):
             if other is not None and other.motor is not None:
                 problem = "found a motor for gears that are driven"
@@ -145,8 +146,8 @@ class TrainStocks:
 def _check_shared(one: TrainGear, other: TrainGear) -> None:
     """Refuse two gears on one arbor with different bores, or that lock each other."""
     if one.stock.bore != other.stock.bore:
-        problem = f"found {other.stock.bore:g} mm, but {one.name} on the same arbor has {one.stock.bore:g} mm"
-        raise DesignError(f"{other.key}.bore", problem, f"give {one.stock.bore:.15g} mm", "conflict", one.stock.bore)
+        problem = f"found {mm(other.stock.bore):g}, but {one.name} on the same arbor has {mm(one.stock.bore):g}"
+        raise DesignError(f"{other.key}.bore", problem, f"give {mm(one.stock.bore):.15g}", "conflict", one.stock.bore)
     if one.axis != other.axis and _is_fixed(one.stock) and _is_fixed(other.stock):
         problem = f"{one.name} and {other.name} are fixed to one arbor but turn at different speeds, so the train locks"
         remedy = f'let one of them run on the arbor: bore_form = "round" and fit = "running" in {other.key}'
@@ -204,8 +205,8 @@ def _pin_holes(
     room = outer - stock.hole_reach
     if stock.pin + stock.clearance >= room:
         most = room - stock.clearance
-        remedy = f"give less than {rounded_down(most)} mm, or 0 for glue" if most > SMALLEST else "give 0, for glue"
-        problem = f"found {stock.pin:g} mm, but there are {max(room, 0):.4g} mm between bore and teeth of {item.name}"
+        remedy = f"give less than {mm(most):down}, or 0 for glue" if most > SMALLEST else "give 0, for glue"
+        problem = f"found {mm(stock.pin):g}, but there are {mm(max(room, 0)):.4g} between bore and teeth of {item.name}"
         raise DesignError("stock.pin", problem, remedy, value=inside(most, 1) if most > SMALLEST else 0.0)
     radius, middle = (stock.pin + stock.clearance) / 2, stock.hole_reach + room / 2
     holes = tuple(Circle(complex(side * middle), radius) for side in (1, -1))
@@ -321,7 +322,7 @@ def train_assembly(train: GearTrain, stocks: TrainStocks = TrainStocks()) -> Ass
             if high > low + 1:
                 gap = (high - low - 1) * thickness
                 builder.buy(arbor, tube_bill(stock.bore, gap))
-                builder.add_step(high + 1, f"put a tube of {gap:g} mm on {arbor}")
+                builder.add_step(high + 1, f"put a tube of {mm(gap):g} on {arbor}")
     for item in items:
         if not any(other.axis == item.axis and other.stage < item.stage for other in items):
             for step in _steps(train, stocks, item):

@@ -15,6 +15,7 @@ from ..core.errors import DesignError
 from ..core.fields import entry, last_fit, quantity
 from ..core.records import record
 from ..core.reprs import moving_picture
+from ..core.units import mm
 from ..plane.vec import Pose, Real
 from .cutters import HelixAngle
 from .pair import GearPair
@@ -89,8 +90,8 @@ class PlanetarySet:
         if abs(inner - outer) > 1e-6 * self.sun.module:
             raise DesignError(
                 "ring.profile_shift",
-                f"found {self.ring.profile_shift:g}, but the planets mesh with the sun {inner:.6g} mm "
-                f"and with the ring {outer:.6g} mm from the axis",
+                f"found {self.ring.profile_shift:g}, but the planets mesh with the sun {mm(inner):.6g} "
+                f"and with the ring {mm(outer):.6g} from the axis",
                 self._fitting_ring(),
             )
         self.outer  # noqa: B018  # raises if the planets jam in the ring

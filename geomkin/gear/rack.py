@@ -9,6 +9,7 @@ from ..core.errors import DesignError
 from ..core.fields import entry, inside, quantity, rounded_down, rounded_up
 from ..core.records import record
 from ..core.reprs import moving_picture
+from ..core.units import bare_mm, mm
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from .contract import AbstractGear, check_alike
@@ -87,8 +88,8 @@ class GearRack(AbstractGear):
                 )
             raise DesignError(
                 "tooth_thickness_allowance",
-                f"found {self.tooth_thickness_allowance:g} mm, for which the teeth are pointed",
-                f"give at most {inside(most, 1, 6)}",
+                f"found {mm(self.tooth_thickness_allowance):g}, for which the teeth are pointed",
+                f"give at most {bare_mm(float(inside(most, 1, 6))):down6}",
                 value=inside(most, 1, 6),
             )
 
@@ -236,16 +237,16 @@ class RackPair:
             least = self.distance - self.backlash / (2 * np.tan(pinion.pressure_angle))
             raise DesignError(
                 "distance",
-                f"found {self.distance:g} mm, at which the teeth jam",
-                f"give at least {rounded_up(least)} mm",
+                f"found {mm(self.distance):g}, at which the teeth jam",
+                f"give at least {mm(least):up}",
                 value=rounded_up(least),
             )
         start, end = self.contact_lengths
         if end <= start:
             raise DesignError(
                 "distance",
-                f"found {self.distance:g} mm, at which no flanks meet",
-                f"give at most {rounded_down(self._farthest())} mm, where the contact ratio is 1"
+                f"found {mm(self.distance):g}, at which no flanks meet",
+                f"give at most {mm(self._farthest()):down}, where the contact ratio is 1"
                 if self._farthest() >= self._tight_distance
                 else "give taller teeth",
                 value=rounded_down(self._farthest()) if self._farthest() >= self._tight_distance else None,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..core.errors import DesignError
 from ..core.fields import entry, inside, last_fit, quantity, rounded_down, rounded_up
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import PolarArray
 from ..plane.roulettes import Involute, Traced, involute_function, roll_at
@@ -351,8 +352,8 @@ class RingGear(AbstractInvoluteGear):
         most = f"at most {rounded_down(addendum)} modules, or " if addendum >= 1e-3 else ""
         raise DesignError(
             "addendum",
-            f"found {self.addendum:g}, for which the tip radius is {self.tip_radius:.5g} mm, but a cutter of "
-            f"{self.cutter.teeth} teeth generates involutes from {least:.5g} mm outwards",
+            f"found {self.addendum:g}, for which the tip radius is {mm(self.tip_radius):.5g}, but a cutter of "
+            f"{self.cutter.teeth} teeth generates involutes from {mm(least):.5g} outwards",
             f"give {most}a larger profile_shift or more cutter teeth",
         )
 
@@ -364,8 +365,8 @@ class RingGear(AbstractInvoluteGear):
         if most > 0:
             raise DesignError(
                 "tooth_thickness_allowance",
-                f"found {self.tooth_thickness_allowance:g} mm, for which the flanks meet outside the tip circle",
-                f"give at most {inside(most, 1, 6)}",
+                f"found {mm(self.tooth_thickness_allowance):g}, for which the flanks meet outside the tip circle",
+                f"give at most {bare_mm(float(inside(most, 1, 6))):down6}",
                 value=inside(most, 1, 6),
             )
         raise DesignError(

@@ -10,9 +10,10 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.records import record
+from ..core.units import mm
 from ..making.motors import split_motor_parts, with_motor_plate
 from ..model.part import Part
-from ..model.scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, mm
+from ..model.scene import Plot, Role, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension
 from ..model.table import Column, Table
 from ..plane.curve import AbstractCurve, Moved
 from ..plane.primitives import Arc, Circle, Segment
@@ -280,13 +281,15 @@ def gear_dimensions(gear: AbstractInvoluteGear, centre: complex = 0j, name: str 
     for circle, radius, turn in circles:
         half = radius * np.exp(1j * np.radians(turn))
         yield dimension(
-            centre - half, centre + half, f"{circle} \N{DIAMETER SIGN} {mm(2 * radius)}, {circle} circle of the {name}"
+            centre - half,
+            centre + half,
+            f"{circle} \N{DIAMETER SIGN} {mm(2 * radius):.5g}, {circle} circle of the {name}",
         )
 
 
 def centre_distance(start: complex, end: complex) -> SceneCurve:
     """The dimension of the centre distance, mm."""
-    return dimension(start, end, f"centre distance {mm(abs(end - start))}, from axis to axis")
+    return dimension(start, end, f"centre distance {mm(abs(end - start)):.5g}, from axis to axis")
 
 
 def gear_handles(

@@ -12,6 +12,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import entry, inside, last_fit, quantity, rounded_down
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Path, PolarArray
 from ..plane.primitives import Arc, Polyline, Segment
@@ -400,8 +401,8 @@ class SpurGear(AbstractInvoluteGear):
             most = last_fit(lambda allowance: self._leaves_teeth(self.profile_shift, allowance), 0.0, thickest)
             raise DesignError(
                 "tooth_thickness_allowance",
-                f"found {self.tooth_thickness_allowance:g} mm, which leaves no tooth",
-                f"give at most {inside(most, 1, 6)}",
+                f"found {mm(self.tooth_thickness_allowance):g}, which leaves no tooth",
+                f"give at most {bare_mm(float(inside(most, 1, 6))):down6}",
                 value=inside(most, 1, 6),
             )
         tooth, found = self._sharp, f"found {self.profile_shift:g}"

@@ -10,8 +10,9 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import last_fit, quantity, rounded_down, rounded_up
+from ..core.fields import last_fit, quantity, rounded_down
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..model.material import Material, hertz_pressure
 from ..model.table import Column, Table
 from ..plane.vec import Real, cross
@@ -203,8 +204,8 @@ def tooth_form(gear: AbstractInvoluteGear, radius: PositiveFloat | None = None) 
     inner, outer = (gear.base_radius * float(np.hypot(1, roll)) for roll in tooth.rolls)
     radius = outer if radius is None else radius
     if not inner * (1 - 1e-9) <= radius <= outer * (1 + 1e-9):
-        remedy = f"give {rounded_up(inner)} to {rounded_down(outer)}, on the involute"
-        raise DesignError("radius", f"found {radius:g} mm", remedy, "out-of-range", rounded_down(outer))
+        remedy = f"give {bare_mm(inner):up} to {bare_mm(outer):down}, on the involute"
+        raise DesignError("radius", f"found {mm(radius):g}", remedy, "out-of-range", rounded_down(outer))
     # Direction of the force, which is tangent to the base circle, from the normal of the tooth's middle.
     incline = float(np.arccos(gear.base_radius / radius)) - tooth.half_angle(radius)
     apex = gear.base_radius / np.cos(incline)

@@ -25,6 +25,7 @@ from ..core.fields import (
 )
 from ..core.records import record
 from ..core.reprs import moving_picture
+from ..core.units import mm
 from ..model.table import Column, Table
 from ..plane.vec import Complex, Pose, Real
 from .cutters import LARGEST, RackCutter
@@ -494,9 +495,10 @@ def _train(candidate: _Candidate, module: float, reverted: bool, centre_distance
     train = GearTrain(tuple(sorted(stages, key=sum)), module, (0.0, 180.0) if reverted else ())
     distance = train.pairs[0].centre_distance
     if centre_distance is not None and abs(distance / centre_distance - 1) > 1e-6:
-        problem = f"found {centre_distance:g} mm, at which gears of so few teeth would be undercut"
-        least = rounded_up(UNDERCUT_FREE * module / 2)
-        raise DesignError("centre_distance", problem, f"give at least {least} mm", value=least)
+        problem = f"found {mm(centre_distance):g}, at which gears of so few teeth would be undercut"
+        least = UNDERCUT_FREE * module / 2
+        remedy = f"give at least {mm(least):up}"
+        raise DesignError("centre_distance", problem, remedy, value=rounded_up(least))
     return train
 
 
@@ -505,9 +507,9 @@ def _teeth_of(centre_distance: float, module: float, least: int, most: int) -> i
     teeth = 2 * centre_distance / module
     nearest = int(min(max(round(teeth), 2 * least), 2 * most))
     if abs(teeth - nearest) > 1e-6 * nearest:
-        problem = f"found {centre_distance:g} mm, which {teeth:.6g} teeth of module {module:g} mm would need"
+        problem = f"found {mm(centre_distance):g}, which {teeth:.6g} teeth of module {mm(module):g} would need"
         distance = to_digits(nearest * module / 2, 10)
-        remedy = f"give {distance:.10g} mm, for {nearest} teeth"
+        remedy = f"give {mm(distance):.10g}, for {nearest} teeth"
         raise DesignError("centre_distance", problem, remedy, value=distance)
     return nearest
 

@@ -10,6 +10,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError, printable
 from ..core.records import record
+from ..core.units import as_sentences, marked, mm
 from .drive_limits import driver_limits
 from .motion import Motion
 from .moving import move
@@ -27,16 +28,16 @@ TRIED, FRAMES = 64, 60
 # Problem and remedy of each gap of a dyad that is below zero.
 LACKS = {
     RRR: (
-        ("its two links together are {} mm too short", "make one of them at least {} mm longer"),
-        ("one of its two links is {} mm too long for the other", "make the longer one at least {} mm shorter"),
+        ("its two links together are {:.4g} too short", "make one of them at least {:up4} longer"),
+        ("one of its two links is {:.4g} too long for the other", "make the longer one at least {:up4} shorter"),
     ),
-    RRP: (("its link is {} mm too short to reach the slide", "make it at least {} mm longer"),) * 2,
+    RRP: (("its link is {:.4g} too short to reach the slide", "make it at least {:up4} longer"),) * 2,
     ActuatedRRR: (
-        ("the actuator is {} mm too long for its pins", "give a stroke at least {} mm shorter"),
-        ("the actuator is {} mm too short for its pins", "give a stroke at least {} mm longer"),
+        ("the actuator is {:.4g} too long for its pins", "give a stroke at least {:up4} shorter"),
+        ("the actuator is {:.4g} too short for its pins", "give a stroke at least {:up4} longer"),
     ),
-    ActuatedRRP: (("the actuator is {} mm too short to reach the slide", "give a stroke at least {} mm longer"),),
-    RPR: (("its pins are {} mm too close together for its offset", "make the offset at least {} mm smaller"),),
+    ActuatedRRP: (("the actuator is {:.4g} too short to reach the slide", "give a stroke at least {:up4} longer"),),
+    RPR: (("its pins are {:.4g} too close together for its offset", "make the offset at least {:up4} smaller"),),
 }
 
 
@@ -70,6 +71,9 @@ class AssemblyFailure:
     branch: Mapping[str, int] | None
     text: str
     remedy: str
+
+    def __post_init__(self) -> None:
+        as_sentences(self, "text", "remedy")
 
     def __str__(self) -> str:
         return self.text
@@ -115,8 +119,7 @@ def assembly_failure(motion: Motion) -> AssemblyFailure | None:
         lacking, (problem, remedy) = min(zip([-gap for gap in gaps], LACKS[kind]), key=lambda row: -row[0])
         # If only rounding opens it there is no length to report.
         lacking = max(lacking, 0.0)
-        number = f"{lacking * 1.0005:.4g}"
-        name, text, remedy = open_placement.joint, problem.format(f"{lacking:.4g}"), remedy.format(number)
+        name, text, remedy = open_placement.joint, problem.format(mm(lacking)), remedy.format(mm(lacking * 1.0005))
         text = f"the dyad at {printable(name)} opens first, {at}: {text}"
     else:
         assert isinstance(open_placement, Loops | Crossed)
@@ -142,7 +145,7 @@ def assembly_error(motion: Motion) -> DesignError:
     elif not np.isnan(failure.lacking) and (parts := _reached(motion, failure)):
         driver = motion.linkage.driver
         remedy = f"drive the {printable(driver)} between {' or '.join(parts)}"
-    return DesignError("drive", f"the linkage closes at no frame; {failure.text}", remedy, "does-not-assemble")
+    return DesignError("drive", f"the linkage closes at no frame; {marked(failure.text)}", remedy, "does-not-assemble")
 
 
 def _open(placement: Placement, solution: LinkageSolution, frame: int) -> bool:
@@ -151,7 +154,7 @@ def _open(placement: Placement, solution: LinkageSolution, frame: int) -> bool:
 
 
 def _shown(drive: float, turns: bool) -> str:
-    return f"{np.degrees(drive):.6g} deg" if turns else f"{drive:.6g} mm"
+    return f"{np.degrees(drive):.6g} deg" if turns else f"{mm(drive):.6g}"
 
 
 def _closing(motion: Motion, solution: LinkageSolution, frame: int, opened: Placement) -> dict[str, int] | None:
@@ -193,5 +196,5 @@ def _reached(motion: Motion, failure: AssemblyFailure) -> list[str]:
         low, high = np.degrees(part) if turns else part
         step = 10.0 ** np.floor(np.log10(high - low) - 2)
         low, high = np.ceil(low / step) * step, np.floor(high / step) * step
-        texts.append(f"{low:.10g} and {high:.10g} {'deg' if turns else 'mm'}")
+        texts.append(f"{mm(low, high, unit='deg' if turns else 'mm', between=' and '):.7g}")
     return texts

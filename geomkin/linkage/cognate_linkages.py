@@ -12,6 +12,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.records import record
+from ..core.units import mm
 from ..plane.vec import Complex, cross, direction_deg
 from .linkage import Linkage
 from .moving import move
@@ -228,9 +229,10 @@ def _ratio(four_bar: FourBar) -> complex:
     w = complex(four_bar.coupler_point / four_bar.coupler)
     for distance, pin in ((abs(w), "crank"), (abs(w - 1), "rocker")):
         if distance <= AT_PIN:
+            given = mm(four_bar.coupler_point.real, four_bar.coupler_point.imag)
             raise DesignError(
                 "coupler_point",
-                f"found {four_bar.coupler_point:g} mm, at the {pin} pin, where one cognate shrinks to a point",
+                f"found ({given:g}), at the {pin} pin, where one cognate shrinks to a point",
                 "give a point away from both pins: at a pin the coupler curve is an arc, which a single link traces",
             )
     return w

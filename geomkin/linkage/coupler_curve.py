@@ -12,6 +12,7 @@ from ..core.arguments import checked
 from ..core.errors import DesignError, shown
 from ..core.fields import rounded_up
 from ..core.records import record
+from ..core.units import mm
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole, cross, unit
 from .body_motion import PointMotion
@@ -330,8 +331,8 @@ def _drawn(
             return [[runs[dash] for dash in sorted(runs)] for runs in finished]
     raise DesignError(
         "tolerance",
-        f"found {tolerance:g} mm, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
-        f"give at least {rounded_up(worst / AIM, 4)} mm, or fewer points or dashes",
+        f"found {mm(tolerance):g}, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
+        f"give at least {mm(worst / AIM):up4}, or fewer points or dashes",
         "too-much-work",
         rounded_up(worst / AIM, 4),
     )

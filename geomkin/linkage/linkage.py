@@ -16,6 +16,7 @@ from ..core.fields import ComplexOrArray, KindTable
 from ..core.names import check_names
 from ..core.records import record
 from ..core.reprs import LONGEST, moving_picture, one_line
+from ..core.units import mm
 from ..plane.vec import Array, Complex, Real, direction_deg
 from .solve.placement import Placement
 
@@ -194,7 +195,7 @@ class Linkage(AbstractLinkage):
                 if not is_place(place):
                     is_number = PLAIN[np.ndarray].fits(place)
                     value = "not finite everywhere" if is_number and np.ndim(place) else shown(place)
-                    remedy = f"give finite coordinates x + yj below {LARGEST:g} mm"
+                    remedy = f"give finite coordinates x + yj below {mm(LARGEST):down6}"
                     id: ProblemId = "impossible-geometry" if is_number else "wrong-type"
                     raise DesignError("bodies", f"point {point} of {body} is {value}", remedy, id)
                 if isinstance(place, np.ndarray):

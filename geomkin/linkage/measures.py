@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
+from ..core.units import Sentence, mm
 from ..model.motor import RotatingBody
 from ..plane.vec import Real, Whole, dot
 from .drive_limits import largest_between
@@ -209,8 +210,8 @@ def motion_quantities(linkage: AbstractLinkage, motion: Motion) -> dict[str, str
     for body, points in list(general.bodies.items())[:MOST_LISTED]:
         pins = [complex(z) for name, z in points.items() if name in general.pins]
         pairs = zip(pins, [*pins[1:], pins[0]]) if len(pins) > 2 else [tuple(pins)] * (len(pins) == 2)
-        if lengths := [f"{abs(b - a):.5g}" for a, b in pairs]:
-            listed[body.replace("_", " ")] = f"{', '.join(lengths)} mm"
+        if lengths := [abs(b - a) for a, b in pairs]:
+            listed[body.replace("_", " ")] = Sentence(f"{mm(*lengths):.5g}")
     least, largest = (transmission_extreme(motion, sign)[0] for sign in (-1, 1))
     if np.isfinite(least):
         listed["transmission angle"] = f"{least:.4g} to {largest:.4g} deg"

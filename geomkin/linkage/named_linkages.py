@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, entry, inside, quantity, rounded_down
+from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, entry, inside, quantity
 from ..core.records import record
+from ..core.units import mm
 from .linkage import AbstractLinkage, Linkage, Slider
 
 
@@ -75,9 +76,9 @@ class SliderCrank(AbstractLinkage):
         if np.abs(self.offset) >= self.crank + self.coupler:
             raise DesignError(
                 "offset",
-                f"found {self.offset:g} mm, but crank and coupler together reach only "
-                f"{self.crank + self.coupler:g} mm, so the loop cannot close",
-                f"give less than {rounded_down(float(self.crank + self.coupler))} mm or lengthen the others",
+                f"found {mm(self.offset):g}, but crank and coupler together reach only "
+                f"{mm(self.crank + self.coupler):g}, so the loop cannot close",
+                f"give less than {mm(float(self.crank + self.coupler)):down} or lengthen the others",
                 "does-not-assemble",
                 inside(float(self.crank + self.coupler), 1),
             )
@@ -162,8 +163,8 @@ class InvertedSliderCrank(AbstractLinkage):
         if np.ndim(farthest + self.offset) == 0 and np.abs(self.offset) >= farthest:
             raise DesignError(
                 "offset",
-                f"found {self.offset:g} mm, but the crank pin is at most {farthest:g} mm from the rocker pivot",
-                f"give less than {rounded_down(float(farthest))} mm",
+                f"found {mm(self.offset):g}, but the crank pin is at most {mm(farthest):down6} from the rocker pivot",
+                f"give less than {mm(float(farthest)):down}",
                 "does-not-assemble",
                 inside(float(farthest), 1),
             )
@@ -395,9 +396,9 @@ class Shaper(AbstractLinkage):
         if self.crank >= self.ground:
             raise DesignError(
                 "crank",
-                f"found {self.crank:g} mm, but the lever turns over unless the crank is shorter than the ground, "
-                f"{self.ground:g} mm",
-                f"give less than {rounded_down(self.ground)} mm",
+                f"found {mm(self.crank):g}, but the lever turns over unless the crank is shorter than the ground, "
+                f"{mm(self.ground):g}",
+                f"give less than {mm(self.ground):down}",
                 value=inside(self.ground, 1),
             )
 
@@ -495,9 +496,9 @@ class FourBar(AbstractLinkage):
         if lengths[longest] >= others:
             raise DesignError(
                 longest,
-                f"found {lengths[longest]:g} mm, but the other three links together reach only {others:g} mm, "
+                f"found {mm(lengths[longest]):g}, but the other three links together reach only {mm(others):g}, "
                 "so the loop cannot close",
-                f"give {longest} less than {rounded_down(float(others))} mm or lengthen the others",
+                f"give {longest} less than {mm(float(others)):down} or lengthen the others",
                 "does-not-assemble",
                 inside(float(others), 1),
             )

@@ -7,6 +7,7 @@ from functools import cached_property
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, ComplexPoint, Ratio, entry, quantity
 from ..core.records import record
+from ..core.units import mm
 from .linkage import AbstractLinkage, Linkage
 
 
@@ -70,8 +71,9 @@ class Pantograph(AbstractLinkage):
         if abs(distance - self.crank) >= farthest or distance + self.crank <= nearest:
             raise DesignError(
                 "crank_pivot",
-                f"found {distance:g} mm from the pole, but the bars reach from {nearest:g} to {farthest:g} mm there",
-                f"give a distance within {self.crank:g} mm of that range",
+                f"found {mm(distance):g} from the pole, but the bars reach from "
+                f"{mm(nearest, farthest, between=' to '):g} there",
+                f"give a distance within {mm(self.crank):g} of that range",
                 "does-not-assemble",
             )
 

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
+from ..core.units import mm
 from ..model.part import Part
-from ..model.scene import Limit, Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, mm, plottable
+from ..model.scene import Limit, Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, plottable
 from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre
@@ -299,14 +300,14 @@ def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
         pairs = combinations(places.items(), 2) if len(places) <= 3 else pairwise(places.items())
         for (one, start), (other, end) in pairs:
             if abs(end - start) > least:
-                words = f"{mm(abs(end - start))}, {one} to {other}".replace("_", " ")
+                words = f"{mm(abs(end - start)):.5g}, {one} to {other}".replace("_", " ")
                 yield dimension(start, end, words, body)
     for slider in linkage.sliders:
         line = complex(np.asarray(slider.direction))
         for name, place in list(joints[slider.along].items())[:1]:
             away = 1j * line * float(np.imag(np.conj(line) * (complex(slider.through) - place)))
             if abs(away) > least:
-                words = f"offset {mm(abs(away))}, of {slider.name} from {name}".replace("_", " ")
+                words = f"offset {mm(abs(away)):.5g}, of {slider.name} from {name}".replace("_", " ")
                 yield dimension(place, place + away, words, slider.along)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.fields import to_digits
+from ..core.units import unit_name
 from ..model.scene import Plot
 from ..model.table import Column, finite
 from ..plane.vec import Real
@@ -32,7 +33,7 @@ def size_columns(motion: Motion) -> tuple[Column, ...]:
         if size.endswith("_deg") or "origin." in size:
             continue
         values = finite(scale * np.abs(motion.sensitivity(name, by=size)))
-        words = f"change of the {name.replace('_', ' ')} for 1 mm of {size}"
+        words = f"change of the {name.replace('_', ' ')} for 1 {unit_name()} of {size}"
         columns.append(Column(f"{name}_by_{size.replace('.', '_')}", unit, words, values))
     # To six digits, so that rounding does not decide the order.
     columns.sort(key=lambda column: -to_digits(_largest(column.values), 6))
@@ -50,7 +51,11 @@ def _traced(linkage: Linkage, body: str) -> list[str]:
 
 def size_plot(columns: tuple[Column, ...]) -> tuple[Plot, ...]:
     """The plot of `size_columns`; empty if there are none."""
-    return (Plot("effect of 1 mm of each size", tuple(column.id for column in columns), bars=True),) if columns else ()
+    return (
+        (Plot(f"effect of 1 {unit_name()} of each size", tuple(column.id for column in columns), bars=True),)
+        if columns
+        else ()
+    )
 
 
 def _largest(values: Real) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from ..core.records import record
+from ..core.units import marked
 from ..model.part import Bought
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism
@@ -50,7 +51,7 @@ class MachineAssembly:
     @property
     def steps(self) -> tuple[str, ...]:
         """The shafts that join the mechanisms, then the steps of each mechanism."""
-        own = (f"{name}: {step}" for name, recipe in self.recipes.items() for step in recipe.steps)
+        own = (f"{name}: {marked(step)}" for name, recipe in self.recipes.items() for step in recipe.steps)
         phases = (
             f"turn the driver of {name} by {mechanism.phase_deg:g} deg before it is fixed to its shaft"
             for name, mechanism in self.mechanisms.items()

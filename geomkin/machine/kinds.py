@@ -14,6 +14,7 @@ from ..core.errors import DesignError, shown
 from ..core.fields import entry, quantity
 from ..core.names import check_names
 from ..core.records import record
+from ..core.units import marked, mm
 from ..making.motors import MOTORS, motor_check
 from ..model.check import Check
 from ..model.material import Mass
@@ -93,8 +94,8 @@ class MachineRecipe(AbstractAssembledRecipe):
                 problem = "is given, but the machine sets the speed"
                 raise DesignError(f"mechanisms.{name}.recipe.loads.run", problem, "omit it", "conflict")
             if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
-                problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
-                raise DesignError("files.kerf", problem, f"give {kerf:g} mm as kerf in [files]", "conflict")
+                problem = f"found {mm(self.files.kerf):g}, but {mm(kerf):g} in the recipe of {name}"
+                raise DesignError("files.kerf", problem, f"give {mm(kerf):g} as kerf in [files]", "conflict")
         if not any(isinstance(recipe, AbstractGoal) for recipe in alone(self.mechanisms).values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
@@ -258,7 +259,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Those of each mechanism."""
-        return tuple(f"{name}: {remark}" for name, recipe in self.recipes.items() for remark in recipe.remarks)
+        return tuple(f"{name}: {marked(remark)}" for name, recipe in self.recipes.items() for remark in recipe.remarks)
 
     @property
     def facts(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.fields import to_digits
 from ..core.records import record
+from ..core.units import mm
 from ..making.assembly import collar_bill, collar_width
 from ..making.motors import face_of
 from ..model.check import Check
@@ -76,14 +77,14 @@ class ShaftFit:
         """The shaft and a collar at each end; none without bores, or if it is that of a motor."""
         if self.is_motor or not self.diameter > 0:
             return ()
-        shaft = f"shaft {self.diameter:g} mm, {self._long}"
+        shaft = f"shaft {mm(self.diameter):g}, {self._long}"
         items = ((shaft, 1), *collar_bill(self.diameter, 2))
         return tuple(Bought(name, count, tuple(self.bodies)) for name, count in items)
 
     @property
     def _long(self) -> str:
         length = self.length + 2 * collar_width(self.diameter)
-        return f"at least {to_digits(length, 10):g} mm and the gaps long"
+        return f"at least {mm(to_digits(length, 10)):up6} and the gaps long"
 
     @property
     def step(self) -> str:
@@ -97,7 +98,7 @@ class ShaftFit:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
         id = f"{self.shaft.mechanism}_{self.shaft.body}_shaft".replace(" ", "_")
         bores = {name: bore.diameter if bore else np.nan for name, bore in self.bores.items()}
-        words = ", ".join(f"{name} {bore:g} mm" if bore > 0 else f"{name} none" for name, bore in bores.items())
+        words = ", ".join(f"{name} {mm(bore):g}" if bore > 0 else f"{name} none" for name, bore in bores.items())
         advice = "give all bodies on this shaft the same bore: bore of gears and cams, pin_diameter of linkages"
         spread = without_rounding(np.ptp(list(bores.values())), max(bores.values()))
         yield Check(f"{id}_bores", f"difference of bores on one shaft ({words})", spread, "at most", 0.0, "mm", advice)

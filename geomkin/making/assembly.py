@@ -9,8 +9,9 @@ from math import ceil
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, inside, quantity, rounded_down, to_digits
+from ..core.fields import FARTHEST, inside, quantity, to_digits
 from ..core.records import record
+from ..core.units import InText, mm
 from ..model.part import Bought, HoleFit, Part
 from ..model.scene import layer_name
 from ..plane.curve import AbstractCurve
@@ -89,8 +90,8 @@ class BaseOpening:
         if self.diameter < SMALLEST:
             raise DesignError(
                 self.key,
-                f"found {self.diameter:g} mm, but the base has a hole for {self.item}",
-                f"give at least {SMALLEST:g} mm, or omit base",
+                f"found {mm(self.diameter):g}, but the base has a hole for {self.item}",
+                f"give at least {mm(SMALLEST):up6}, or omit base",
                 "conflict",
                 SMALLEST,
             )
@@ -165,9 +166,9 @@ def _check_apart(first: BaseOpening, second: BaseOpening, clearance: float) -> N
         key, value, most = large.key, large.diameter, 2 * (apart - clearance) - small.diameter
     raise DesignError(
         key,
-        f"found {value:g} mm: the holes for {first.item} and {second.item} in the base are {apart:.6g} mm apart "
-        f"and together {2 * wide:.6g} mm wide, so they meet",
-        f"give less than {rounded_down(to_digits(most, 12))} mm" if most > 0 else "move them apart",
+        f"found {mm(value):g}: the holes for {first.item} and {second.item} in the base are {mm(apart):.6g} apart "
+        f"and together {mm(2 * wide):.6g} wide, so they meet",
+        f"give less than {mm(to_digits(most, 12)):down}" if most > 0 else "move them apart",
         value=inside(most, 1) if most > 0 else None,
     )
 
@@ -182,8 +183,8 @@ def _check_off_motor(motor_opening: BaseOpening, other: BaseOpening, clearance: 
     if overlap > 0:
         raise DesignError(
             _motor_key(motor_opening),
-            f"found {motor_opening.motor}, whose face, {face.face_width:g} mm wide, overlaps the opening for "
-            f"{other.item} in the base by {overlap:.4g} mm",
+            f"found {motor_opening.motor}, whose face, {mm(face.face_width):g} wide, overlaps the opening for "
+            f"{other.item} in the base by {mm(overlap):.4g}",
             "move the axes apart, or omit motor or base",
         )
 
@@ -210,15 +211,17 @@ def shaft_bill(
     motor's shaft is cut to the length.
     """
     across, (width, _) = stock.across_flat, stock.keyway
-    form = f"shaft {stock.bore:g} mm" if across is None else f"D-shaft {stock.bore:g} mm, {across:g} mm across its flat"
+    form = (
+        f"shaft {mm(stock.bore):g}" if across is None else f"D-shaft {mm(stock.bore):g}, {mm(across):g} across its flat"
+    )
     if stock.bore_form == "double-D":
-        form = f"shaft {stock.bore:g} mm with two flats {across:g} mm apart"
+        form = f"shaft {mm(stock.bore):g} with two flats {mm(across):g} apart"
     elif across is not None and stock.bore_form != "D":
-        form = f"{stock.bore_form} shaft, {across:.4g} mm between flats, {stock.bore:g} mm over its corners"
+        form = f"{stock.bore_form} shaft, {mm(across):.4g} between flats, {mm(stock.bore):g} over its corners"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
         motor = face_of(stock.motor)
-        shaft_length = f"cut to {_shown(length)} mm from its face" if is_cut else _at_least(length)
+        shaft_length = f"cut to {_rounded(length):g} from its face" if is_cut else _at_least(length)
         item = ", ".join([f"motor {motor.product}", *([form] if stock.bore else []), *([shaft_length] if base else [])])
         return (item, count), *motor.bill(base or stock.thickness, base > 0, count), *key
     return ((f"{form}, {_at_least(length)}", count), *key) if stock.bore else ()
@@ -226,7 +229,7 @@ def shaft_bill(
 
 def pin_bill(diameter: float, length: float, count: int = 1, item: str = "pin") -> Bill:
     """Round pins or plain shafts through plates of a total thickness, mm; empty for diameter 0."""
-    return ((f"{item} {diameter:g} mm, {_at_least(length)}", count),) if diameter else ()
+    return ((f"{item} {mm(diameter):g}, {_at_least(length)}", count),) if diameter else ()
 
 
 def screw_bill(base: BaseStock, length: float, count: int = 4) -> Bill:
@@ -249,12 +252,12 @@ def collar_across(diameter: float) -> float:
 
 def collar_bill(diameter: float, count: int = 1) -> Bill:
     """Set collars, which are clamped on a shaft or pin by their own screws."""
-    return ((f"shaft collar DIN 705 A, {diameter:g} mm", count),)
+    return ((f"shaft collar DIN 705 A, {mm(diameter):g}", count),)
 
 
 def tube_bill(diameter: float, height: float, count: int = 1) -> Bill:
     """Pieces of tube that keep plates on a shaft or screw apart; cut, printed or made of washers."""
-    return ((f"tube {diameter:g} mm inside, cut to {_shown(height)} mm", count),)
+    return ((f"tube {mm(diameter):g} inside, cut to {_rounded(height):g}", count),)
 
 
 def glue_bill(joints: int) -> Bill:
@@ -264,17 +267,17 @@ def glue_bill(joints: int) -> Bill:
 
 def _at_least(length: float) -> str:
     # The length beyond the plates depends on the support.
-    return f"at least {_shown(length)} mm long"
+    return f"at least {_rounded(length):up6} long"
 
 
-def _shown(length: float) -> str:
-    return f"{to_digits(length, 10):g}"
+def _rounded(length: float) -> InText:
+    return mm(to_digits(length, 10))
 
 
 def _key(shaft: float, width: float, room: float) -> str:
     """The key for a keyway in a part of a thickness `room`, mm: the shaft's standard key, or another of that width."""
     keys = [key for key in (key_of(shaft), *PARALLEL_KEYS) if key and key.width == width]
-    return keys[0].bill(room) if keys else f"key {width:g} mm wide, cut to {room:g} mm"
+    return keys[0].bill(room) if keys else f"key {mm(width):g} wide, cut to {mm(room):g}"
 
 
 # Clearance between rotating parts under a base and the surface below, mm.
@@ -393,7 +396,7 @@ class AssemblyBuilder:
             self.keep_free_below(width)
         if gap:
             self.buy(joint, tube_bill(stock.bore, gap))
-            self.add_step(1, f"put a tube of {gap:g} mm on {shaft_name}")
+            self.add_step(1, f"put a tube of {mm(gap):g} on {shaft_name}")
         collars = f"fit a collar on {shaft_name}" if self.plate else f"fit a collar on each end of {shaft_name}"
         self._upper_collars.append((top, collars))
 
@@ -426,7 +429,7 @@ class AssemblyBuilder:
             bill = fastener.bill(grip)
             self.keep_free_below(fastener.ends(grip)[1])
         else:
-            bill = ((f"screw {diameter:g} mm with nut, at least {grip + 2 * diameter:g} mm long", 1),)
+            bill = ((f"screw {mm(diameter):g} with nut, at least {mm(grip + 2 * diameter):up6} long", 1),)
             self.keep_free_below(2 * diameter)
         self.buy(letter, tuple((name, number * count) for name, number in bill))
 
@@ -439,10 +442,10 @@ class AssemblyBuilder:
             if self.base is not None and self.base.screw:
                 self.buy(self.plate, screw_bill(self.base, self.thickness + free, feet))
                 self.buy(self.plate, tube_bill(self.base.screw, free, feet))
-                step = f"screw {self.plate} down at its corners, with a tube of {free:g} mm under each"
+                step = f"screw {self.plate} down at its corners, with a tube of {mm(free):g} under each"
                 self._last.insert(0, f"{step}, so that nothing rubs below it")
             else:
-                self._last.insert(0, f"keep {free:g} mm free under {self.plate}")
+                self._last.insert(0, f"keep {mm(free):g} free under {self.plate}")
         for layer, step in self._upper_collars:
             self.add_step(layer, step)
         layers = (f"{layer_name(layer)}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
@@ -451,15 +454,15 @@ class AssemblyBuilder:
     def _add_motor_feet(self, motor: MotorFace, free: float, feet: int) -> None:
         """Feet for a base over a motor, which is sold in several lengths. free: least height under the base, mm."""
         if self.base is None or not self.base.screw:
-            height = f"the length of motor {motor.product}, at least {free:g} mm,"
+            height = f"the length of motor {motor.product}, at least {mm(free):up6},"
             self._last.insert(0, f"keep {height} free under {self.plate}")
             return
         screw = self.base.screw
-        self.buy(self.plate, ((f"screw {screw:g} mm, at least {self.thickness:g} mm longer than its tube", feet),))
-        longer = f"{FREE:g} mm longer than the motor, and at least {free:g} mm"
-        self.buy(self.plate, ((f"tube {screw:g} mm inside, cut {longer}", feet),))
-        step = f"screw {self.plate} down at its corners, with a tube under each, {FREE:g} mm longer than the motor"
-        self._last.insert(0, f"{step} and at least {free:g} mm long")
+        self.buy(self.plate, ((f"screw {mm(screw):g}, at least {mm(self.thickness):up6} longer than its tube", feet),))
+        longer = f"{mm(FREE):g} longer than the motor, and at least {mm(free):up6}"
+        self.buy(self.plate, ((f"tube {mm(screw):g} inside, cut {longer}", feet),))
+        step = f"screw {self.plate} down at its corners, with a tube under each, {mm(FREE):g} longer than the motor"
+        self._last.insert(0, f"{step} and at least {mm(free):up6} long")
 
 
 def seated(part: str, letter: str, stock: AbstractBored) -> str:
@@ -471,7 +474,7 @@ def seated(part: str, letter: str, stock: AbstractBored) -> str:
     if stock.across_flat is not None:
         return f"{verb} {part} on {shaft}, flat on flat"
     if width:
-        return f"{verb} {part} on {shaft} with its key (the shaft needs a keyway {width:g} mm wide)"
+        return f"{verb} {part} on {shaft} with its key (the shaft needs a keyway {mm(width):g} wide)"
     if stock.fit == "press":
         return f"press {part} on {shaft}"
     return f"lay {part} on {shaft} (it turns on the shaft unless you glue it)"

@@ -8,8 +8,9 @@ from typing import Any, Literal
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, rounded_up, to_digits
+from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, to_digits
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .materials import MaterialKey, material_entry
@@ -54,22 +55,24 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
     """
     if diameter == 0:
         return ()
-    room = f"in a part whose least width is {widest:.7g} mm"
+    room = f"in a part whose least width is {mm(widest):.7g}"
     if not SMALLEST <= diameter < widest - min(clearance, 0.0):
         most = widest - clearance
         sizes = (
-            f"at least {SMALLEST:g} and less than {rounded_down(most)} mm"
+            f"at least {bare_mm(SMALLEST):up} and less than {mm(most):down}"
             if most > SMALLEST
             else "make the part larger"
         )
         remedy = f"give 0 for none, or {sizes}"
-        raise DesignError(key, f"found {diameter:g} mm {room}", remedy, value=inside(most, 1) if most > SMALLEST else 0)
+        raise DesignError(
+            key, f"found {mm(diameter):g} {room}", remedy, value=inside(most, 1) if most > SMALLEST else 0
+        )
     if diameter + clearance >= widest:
         most = to_digits(widest - diameter, 12)
         raise DesignError(
             f"{key.rpartition('.')[0]}.clearance",
-            f"found {clearance:g} mm for a shaft of {diameter:g} mm {room}",
-            f"give less than {rounded_down(most)} mm, or a smaller {key.rpartition('.')[2]}",
+            f"found {mm(clearance):g} for a shaft of {mm(diameter):g} {room}",
+            f"give less than {mm(most):down}, or a smaller {key.rpartition('.')[2]}",
             value=inside(most, 1),
         )
     return (Circle(centre, (diameter + clearance) / 2),)
@@ -91,13 +94,13 @@ def keyed_bore(
     if width == 0 or depth == 0:
         missing = "width" if width == 0 else "depth"
         raise DesignError(
-            f"{key}.keyway_{missing}", "found 0 mm", "give width and depth of the keyway, or neither", "conflict"
+            f"{key}.keyway_{missing}", f"found {mm(0):g}", "give width and depth of the keyway, or neither", "conflict"
         )
     across = diameter + clearance
     if width >= across:
         raise DesignError(
             f"{key}.keyway_width",
-            f"found {width:g} mm in a bore of {across:g} mm",
+            f"found {mm(width):g} in a bore of {mm(across):g}",
             "give a keyway narrower than the bore",
         )
     radius = across / 2
@@ -105,8 +108,9 @@ def keyed_bore(
     if abs(corner) >= widest / 2:
         raise DesignError(
             f"{key}.keyway_depth",
-            f"found {depth:g} mm, so the keyway extends {abs(corner):.4g} mm from the axis of a part whose least width "
-            f"is {widest:.4g} mm",
+            f"found {mm(depth):g}, so the keyway extends {mm(abs(corner)):.4g} from the axis of a part whose least "
+            "width "
+            f"is {mm(widest):.4g}",
             "give a shallower keyway or a smaller bore",
         )
     mouth = np.sqrt(radius**2 - width**2 / 4) + 0.5j * width
@@ -195,7 +199,7 @@ class ParallelKey:
         most = min(room, self.lengths[1])
         fitting = [length for length in LENGTHS if self.lengths[0] <= length <= most]
         if not fitting:
-            return f"key steel DIN 6880 {section}, cut to {room:g} mm"
+            return f"key steel DIN 6880 {section}, cut to {mm(room):g}"
         return f"parallel key DIN 6885-1 A {section} x {fitting[-1]:g}"
 
 
@@ -414,14 +418,14 @@ class AbstractBored:
     def _check_bore(self) -> None:
         """DesignError for sizes that contradict each other, independent of the part."""
         if self.bore_form != "round" and not self.bore:
-            problem = f'found 0 mm, which means no hole, and bore_form = "{self.bore_form}"'
+            problem = f'found {mm(0):g}, which means no hole, and bore_form = "{self.bore_form}"'
             raise DesignError("bore", problem, 'give the shaft\'s diameter, or bore_form = "round"', "conflict")
         if self.flat is not None and self.bore_form not in FLATS:
-            problem = f"found {self.flat:g} mm for a bore without a flat"
+            problem = f"found {mm(self.flat):g} for a bore without a flat"
             raise DesignError("flat", problem, 'omit it, or give bore_form = "D"', "conflict")
         if self.motor is not None and self.bore >= (boss := face_of(self.motor).boss_diameter):
-            problem = f"found {self.bore:g} mm on the shaft of {self.motor}, whose boss is {boss:g} mm wide"
-            remedy = f"give less than {rounded_down(boss)} mm, or omit motor"
+            problem = f"found {mm(self.bore):g} on the shaft of {self.motor}, whose boss is {mm(boss):g} wide"
+            remedy = f"give less than {mm(boss):down}, or omit motor"
             raise DesignError("bore", problem, remedy, value=inside(boss, 1))
         if self.bore_form in FLATS:
             self._check_flat()
@@ -429,11 +433,12 @@ class AbstractBored:
             self._check_interference()
         if self.bore_form == "keyed" and not self.keyway_width and not self.keyway_depth and not key_of(self.bore):
             thickest = PARALLEL_KEYS[-1].thickest
-            nearest = f"at least {THINNEST:g}" if self.bore < THINNEST else f"at most {thickest:g}"
+            nearest = f"at least {mm(THINNEST):up}" if self.bore < THINNEST else f"at most {mm(thickest):down}"
             raise DesignError(
                 "bore",
-                f"found {self.bore:g} mm, but DIN 6885-1 has keys for shafts of {THINNEST:g} to {thickest:g} mm only",
-                f'give {nearest} mm, your own keyway_width and keyway_depth, or bore_form = "D"',
+                f"found {mm(self.bore):g}, but DIN 6885-1 has keys for shafts of "
+                f"{mm(THINNEST, thickest, between=' to '):g} only",
+                f'give {nearest}, your own keyway_width and keyway_depth, or bore_form = "D"',
                 "out-of-range",
             )
 
@@ -441,22 +446,22 @@ class AbstractBored:
         """DesignError for an interference that leaves no hole at the narrowest width of the shaft."""
         narrowest = self.across_flat or self.bore
         if 0 < narrowest < self.interference + SMALLEST:
-            problem = f"found {self.interference:g} mm, which leaves no hole for a shaft {narrowest:g} mm across"
+            problem = f"found {mm(self.interference):g}, which leaves no hole for a shaft {mm(narrowest):g} across"
             value = rounded_down(narrowest - SMALLEST) if narrowest > SMALLEST else None
-            remedy = "give a thicker shaft" if value is None else f"give at most {value} mm"
+            remedy = "give a thicker shaft" if value is None else f"give at most {mm(narrowest - SMALLEST):down}"
             raise DesignError("interference", problem, remedy, value=value)
 
     def _check_flat(self) -> None:
         half, across = (self.bore / 2 if self.bore_form == "D" else 0.0), self.across_flat
         if across is None and self.bore_form == "double-D":
-            remedy = f"give the distance of the flats, less than {self.bore:g} mm"
+            remedy = f"give the distance of the flats, less than {mm(self.bore):down6}"
             raise DesignError("flat", 'is missing for bore_form = "double-D"', remedy, "missing-key")
         if across is None:
-            shafts = ", ".join(f"{shaft:g}" for shaft in MOTOR_FLATS)
+            shafts = f"{bare_mm(*MOTOR_FLATS):g}"
             raise DesignError(
                 "bore",
-                f"found {self.bore:g} mm, which is no usual diameter of a D-shaft",
-                f"give one of {shafts}, or give flat, more than {half:g} and less than {self.bore:g} mm",
+                f"found {mm(self.bore):g}, which is no usual diameter of a D-shaft",
+                f"give one of {shafts}, or give flat, more than {bare_mm(half):up} and less than {mm(self.bore):down6}",
                 "out-of-range",
             )
         if (flats := FLATS[self.bore_form]) > 2:
@@ -464,13 +469,13 @@ class AbstractBored:
         if not half < across < self.bore:
             raise DesignError(
                 "flat",
-                f"found {across:g} mm across a shaft of {self.bore:g} mm",
-                f"give more than {rounded_up(half)} and less than {rounded_down(self.bore)} mm",
+                f"found {mm(across):g} across a shaft of {mm(self.bore):g}",
+                f"give more than {bare_mm(half):up} and less than {mm(self.bore):down}",
                 "out-of-range",
                 inside(self.bore, 1),
             )
         for name, size in (("keyway_width", self.keyway_width), ("keyway_depth", self.keyway_depth)):
             if size:
                 raise DesignError(
-                    name, f"found {size:g} mm in a bore with a flat", 'give 0, or bore_form = "keyed"', "conflict"
+                    name, f"found {mm(size):g} in a bore with a flat", 'give 0, or bore_form = "keyed"', "conflict"
                 )

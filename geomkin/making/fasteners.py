@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from ..core.errors import DesignError, shown
 from ..core.field_visitor import WrittenForm
 from ..core.records import record
-from ..core.units import INCH
+from ..core.units import INCH, mm
 from ..model.part import Bought
 
 
@@ -114,7 +114,7 @@ def size_of(diameter: float) -> Size | None:
 def screw_text(diameter: float) -> str:
     """The name of a screw of a diameter, mm, such as "screw 4 mm" or "screw #6-32"."""
     size = size_of(diameter)
-    return f"screw {size.thread}" if size and size.series is UNIFIED else f"screw {diameter:g} mm"
+    return f"screw {size.thread}" if size and size.series is UNIFIED else f"screw {mm(diameter):g}"
 
 
 class ThreadOrDiameter(WrittenForm):
@@ -190,13 +190,13 @@ class Fastener:
     def bill(self, grip: float) -> tuple[tuple[str, int], ...]:
         """The items of one joint: name and number of each."""
         if self.form == "rod" or self.size is None:
-            return ((f"rod {self.diameter:g} mm, cut to {grip + self.play:g} mm", 1),)
+            return ((f"rod {mm(self.diameter):g}, cut to {mm(grip + self.play):g}", 1),)
         thread, series, length = self.size.thread, self.size.series, self.length(grip)
         ends = 1 if length else 2
         nuts = (f"{thread} {series.washer}", ends), (f"{thread} {self.size.nut}", ends)
         if length is None:
             rod = self._rod_length(self.size, grip)
-            return (f"{thread} {series.rod}, cut to {rod:.1f} mm", 1), *nuts
+            return (f"{thread} {series.rod}, cut to {mm(rod):.1f}", 1), *nuts
         return (f"{thread} x {series.lengths[length]} {self.size.screw}", 1), *nuts
 
     def volume(self, grip: float) -> float:
@@ -245,7 +245,7 @@ def fastener_of(
     if form == "screw" and not size_of(diameter):
         raise DesignError(
             "fastener",
-            f"found a screw, but there is no screw size of {diameter:g} mm",
+            f"found a screw, but there is no screw size of {mm(diameter):g}",
             f'give pin_diameter as one of {THREADS}, or fastener = "rod"',
             "conflict",
         )

@@ -17,11 +17,10 @@ from ..core.fields import (
     entry,
     inside,
     quantity,
-    rounded_down,
-    rounded_up,
     to_digits,
 )
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..model.check import Check, Suggestion
 from ..model.motor import RPM, Motor, MotorDuty
 from ..model.part import HoleFit, Part
@@ -174,7 +173,7 @@ def motor_check(
     needed = f"{duty.peak_torque:.4g} N mm at up to {duty.peak_speed_rpm:.4g} rpm are required ({power:.3g} W)"
     change = f"choose another motor by its torque: none of the table suffices; {needed}"
     if better:
-        shaft = f", whose shaft has {MOTOR_FACES[better].shaft:g} mm" if on_plate else ""
+        shaft = f", whose shaft has {mm(MOTOR_FACES[better].shaft):g}" if on_plate else ""
         change = f'give motor = "{better}" ({MOTORS[better].name}{shaft})'
     advice = _excess(motor, duty) + change
     name = f"torque of the {motor.name} to that required"
@@ -281,19 +280,19 @@ class MotorFace:
 
     def __post_init__(self) -> None:
         if round(self.thread, 9) not in MOTOR_SCREWS:
-            raise DesignError("thread", f"found {self.thread:g} mm", f"give {MOTOR_THREADS} mm", "out-of-range")
+            raise DesignError("thread", f"found {mm(self.thread):g}", f"give {MOTOR_THREADS} mm", "out-of-range")
         if self.least_depth > self.largest_depth:
-            problem = f"found {self.least_depth:g} mm, more than largest_depth"
+            problem = f"found {mm(self.least_depth):g}, more than largest_depth"
             most = self.largest_depth
-            raise DesignError("least_depth", problem, f"give at most {rounded_down(most)} mm", "conflict", most)
+            raise DesignError("least_depth", problem, f"give at most {mm(most):down}", "conflict", most)
         if self.boss_diameter <= self.shaft:
-            problem = f"found {self.boss_diameter:g} mm round a shaft of {self.shaft:g} mm"
-            remedy = f"give more than {rounded_up(self.shaft)} mm"
+            problem = f"found {mm(self.boss_diameter):g} round a shaft of {mm(self.shaft):g}"
+            remedy = f"give more than {mm(self.shaft):up}"
             raise DesignError("boss_diameter", problem, remedy, "conflict", inside(self.shaft, -1))
         least = self.shaft / 2 if self.flats == 1 else 0.0
         if self.flat is not None and not least < self.flat < self.shaft:
-            problem = f"found {self.flat:g} mm across a shaft of {self.shaft:g} mm"
-            limits = f"give more than {rounded_up(least)} and less than {rounded_down(self.shaft)} mm"
+            problem = f"found {mm(self.flat):g} across a shaft of {mm(self.shaft):g}"
+            limits = f"give more than {bare_mm(least):up} and less than {mm(self.shaft):down}"
             raise DesignError("flat", problem, limits, "out-of-range", inside(self.shaft, 1))
         if len(self.screws) < 2:
             raise DesignError("screws", f"found {len(self.screws)}", "give at least two")
@@ -302,7 +301,7 @@ class MotorFace:
         on_face = np.maximum(np.abs((places - self.face_offset).real), np.abs(places.imag)) < half
         if not (on_face & (np.abs(places) > clear)).all():
             problem = "found a screw in the hole of the boss, or off the face"
-            remedy = f"give places more than {rounded_up(clear)} mm from the shaft, on the face"
+            remedy = f"give places more than {mm(clear):up} from the shaft, on the face"
             raise DesignError("screws", problem, remedy)
 
     def __str__(self) -> str:
@@ -332,7 +331,9 @@ class MotorFace:
         fitting = [length for length in LENGTHS if max(least, lengths[0]) <= length <= min(most, lengths[1])]
         if not fitting:
             product = "countersunk screw" if sunk else "screw"
-            return f"{size.thread} {product}, {least:g} to {most:g} mm {'long' if sunk else 'under its head'}"
+            return (
+                f"{size.thread} {product}, {mm(least, most, between=' to '):g} {'long' if sunk else 'under its head'}"
+            )
         return f"{size.thread} x {fitting[-1]:g} {name}"
 
     def bill(self, thickness: float, sunk: bool = False, count: int = 1) -> tuple[tuple[str, int], ...]:
@@ -366,11 +367,11 @@ class MotorFace:
         """
         head = self._own_screws.sunk[0]
         if thickness < (least := max(self.boss_height / sheets, head)):
-            high = f"boss is {self.boss_height:g} mm high, and the heads of its screws {head:g} mm"
+            high = f"boss is {mm(self.boss_height):g} high, and the heads of its screws {mm(head):g}"
             raise DesignError(
                 key,
-                f"found {motor_face_name(self)}, whose {high}, under a plate {thickness:g} mm thick",
-                f"give a thickness of at least {rounded_up(least)} mm, or omit the motor",
+                f"found {motor_face_name(self)}, whose {high}, under a plate {mm(thickness):g} thick",
+                f"give a thickness of at least {mm(least):up}, or omit the motor",
             )
 
 

@@ -12,6 +12,7 @@ from ..core.errors import harmless
 from ..core.fields import to_digits
 from ..core.records import record
 from ..core.reprs import clipped
+from ..core.units import as_sentences
 from ..plane.vec import rounded
 
 # May be nan or infinite.
@@ -78,6 +79,9 @@ class Check:
     at: AnyNumber | None = None
     expected: str = ""
     suggestions: tuple[Suggestion, ...] = ()
+
+    def __post_init__(self) -> None:
+        as_sentences(self, "name", "advice")
 
     @property
     def passed(self) -> bool:

@@ -73,4 +73,4 @@ def _plots(unit: LengthUnit, plots: tuple[Plot, ...], table: Table) -> tuple[Plo
     def in_unit(limit: Limit) -> Limit:
         return replace(limit, value=unit.of(limit.value, table.column(limit.column).unit), label=unit.text(limit.label))
 
-    return tuple(replace(plot, limits=tuple(map(in_unit, plot.limits))) for plot in plots)
+    return tuple(replace(plot, title=unit.text(plot.title), limits=tuple(map(in_unit, plot.limits))) for plot in plots)

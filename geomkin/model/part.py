@@ -13,6 +13,7 @@ from ..core.fields import Length
 from ..core.names import check_names
 from ..core.records import record
 from ..core.reprs import still_picture
+from ..core.units import as_sentences
 from ..plane.curve import AbstractCurve
 from ..plane.measure import AreaMoments, area_moments
 from ..plane.vec import Pose, dot
@@ -209,6 +210,9 @@ class Bought:
     name: str
     count: int
     joints: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        as_sentences(self, "name")
 
     @property
     def data(self) -> dict[str, object]:

@@ -11,6 +11,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import to_digits
 from ..core.records import record
+from ..core.units import as_sentences, bare_mm, converted_power, unit_name
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Segment
 from ..plane.vec import Array, Complex, Mask, Real, Whole, as_unit, box_of
@@ -117,6 +118,9 @@ class SceneCurve:
     label: str = ""
     body: str = ""
 
+    def __post_init__(self) -> None:
+        as_sentences(self, "label")
+
 
 @record(checked=True, eq=False)
 class SceneRegion:
@@ -162,6 +166,7 @@ class SceneMark:
     radius: Real | None = None
 
     def __post_init__(self) -> None:
+        as_sentences(self, "label")
         if self.direction is not None:
             object.__setattr__(self, "direction", as_unit(self.direction))
 
@@ -216,6 +221,9 @@ class Limit:
     value: float
     label: str
 
+    def __post_init__(self) -> None:
+        as_sentences(self, "label")
+
 
 @record
 class Plot:
@@ -228,6 +236,9 @@ class Plot:
     columns: tuple[str, ...]
     limits: tuple[Limit, ...] = ()
     bars: bool = False
+
+    def __post_init__(self) -> None:
+        as_sentences(self, "title")
 
     def with_limits(self, limits: Iterable[Limit]) -> Plot:
         """A copy with the limits of its own columns, in the order of the columns."""
@@ -422,12 +433,8 @@ def dimension(start: complex, end: complex, words: str, body: str = "") -> Scene
 
 def drawn_at(scale: float, unit: str) -> str:
     """Text that states the scale of arrows, if one of the unit is drawn `scale` mm long."""
-    return f"1 mm is {to_digits(1 / scale, 3):g} {unit}"
-
-
-def mm(length: float) -> str:
-    """A length with its unit, to five digits."""
-    return f"{length:.5g} mm"
+    value = bare_mm(to_digits(1 / scale, 3), power=converted_power(unit) - 1)
+    return f"1 {unit_name()} is {value:.3g} {unit_name(unit)}"
 
 
 def shown_columns(scene: Scene) -> list[Column]:

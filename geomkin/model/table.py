@@ -13,6 +13,7 @@ from ..core.arguments import ArgumentType
 from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.reprs import clipped
+from ..core.units import as_sentences
 from ..plane.vec import Array, Complex, Real, known, rounded
 
 Number = TypeVar("Number", np.floating, np.complexfloating)
@@ -53,6 +54,7 @@ class Column:
     scale: float | Sizes = 0.0
 
     def __post_init__(self) -> None:
+        as_sentences(self, "meaning")
         if np.shape(self.scale) not in ((), np.shape(self.values)):
             problem = f"found {np.size(self.scale)} numbers"
             raise DesignError("scale", problem, f"give one, or {len(self.values)}", "conflict")

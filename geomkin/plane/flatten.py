@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.fields import rounded_up
+from ..core.units import mm
 from .curve import AbstractCurve, Mirrored, Moved, Reversed
 from .joined import Path, PolarArray
 from .primitives import Arc, Circle, Polyline, Segment
@@ -371,11 +372,10 @@ def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Rea
     count: Real = np.asarray(sweep) / (2 * half)
     if (total := float(np.sum(count))) > MOST_CHORDS:
         # The count is inversely proportional to the root of the tolerance.
-        enough = rounded_up(tolerance * (total / MOST_CHORDS) ** 2, 4)
-        remedy = f"give at least {enough} mm"
-        raise DesignError(
-            "tolerance", f"found {tolerance:g} mm, which takes {total:,.0f} chords", remedy, "too-much-work", enough
-        )
+        enough = tolerance * (total / MOST_CHORDS) ** 2
+        remedy = f"give at least {mm(enough):up4}"
+        problem = f"found {mm(tolerance):g}, which takes {total:,.0f} chords"
+        raise DesignError("tolerance", problem, remedy, "too-much-work", rounded_up(enough, 4))
     return count - 1e-9
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..core.arguments import ComplexRow, PositiveInt
 from ..core.errors import DesignError
 from ..core.records import record
+from ..core.units import mm
 from .curve import AbstractCurve, Mirrored, Reversed, curvature_from_derivatives
 from .vec import Complex, Real, Whole
 
@@ -48,7 +49,7 @@ class Path(AbstractCurve):
             worst = int(gaps.argmax())
             raise DesignError(
                 "pieces",
-                f"piece {worst} ends {gaps[worst]:.3g} mm from the start of the next",
+                f"piece {worst} ends {mm(gaps[worst]):.3g} from the start of the next",
                 "give pieces that join end to end",
             )
 
@@ -162,7 +163,7 @@ class PolarArray(AbstractCurve):
         start, _, end = _start_middle_end(self.piece).tolist()
         gap = abs(end - start * self.turns[1 % self.count])
         if gap > GAP * abs(start):
-            raise DesignError("piece", f"it ends {gap:.3g} mm from the start of its next copy", "close the gap")
+            raise DesignError("piece", f"it ends {mm(gap):.3g} from the start of its next copy", "close the gap")
 
     @cached_property
     def turns(self) -> Complex:

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 
 from geomkin.core.errors import DesignError
-from geomkin.core.fields import check_sizes, entry, quantity, rounded_down
+from geomkin.core.fields import check_sizes, entry, quantity
 from geomkin.core.records import record
+from geomkin.core.units import mm
 from geomkin.model import Check, Column, Part, Table
 from geomkin.model.scene import Plot, Scene, SceneBody, SceneMark
 from geomkin.plane import Circle
@@ -45,8 +46,8 @@ class Eccentric:
         check_sizes(self)
         most = self.radius - self.bore / 2
         if self.eccentricity >= most:
-            problem = f"found {self.eccentricity:g} mm, with which the bore meets the rim"
-            raise DesignError("eccentricity", problem, f"give less than {most:g} mm")
+            problem = f"found {mm(self.eccentricity):g}, with which the bore meets the rim"
+            raise DesignError("eccentricity", problem, f"give less than {mm(most):down6}")
 
     def lift(self, angle: Real) -> Real:
         """Lift of a flat follower above its lowest position, mm, at rotations of the disc, rad."""
@@ -93,7 +94,7 @@ class ExampleRecipe(AbstractRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         ratio = self.design.eccentricity / self.design.radius
-        advice = f"give an eccentricity of at most {rounded_down(LARGEST_RATIO * self.design.radius)} mm"
+        advice = f"give an eccentricity of at most {mm(LARGEST_RATIO * self.design.radius):down}"
         return (Check("eccentricity", "eccentricity", ratio, "at most", LARGEST_RATIO, "radii", advice),)
 
     @cached_property

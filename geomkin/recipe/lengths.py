@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -56,4 +57,7 @@ def shown_numbers(recipe: AbstractRecipe) -> Iterator[Number]:
 def shown_problem(problem: Problem, recipe: type, unit: LengthUnit) -> Problem:
     """A problem of a recipe with its lengths in the recipe's unit."""
     declared = field_of(problem.key, recipe)
-    return unit.problem(problem, declared is not None and declared.is_length)
+    value = problem.value
+    if value is not None and declared is not None and declared.is_length:
+        value = unit.in_digits(value, "mm")
+    return replace(problem, problem=unit.text(problem.problem), remedy=unit.text(problem.remedy), value=value)

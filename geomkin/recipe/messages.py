@@ -11,6 +11,7 @@ from ..core.dotted_keys import key_parts
 from ..core.errors import Problem, printable
 from ..core.field_visitor import DeclaredField, fields_of, kind_of
 from ..core.fields import allowed
+from ..core.units import PLURAL, marked, unit_name
 
 NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]{0,12}|°|%|\"|')\s*")
 # One `key = value` of a line, if the value is neither a text, a list nor a table.
@@ -128,7 +129,8 @@ def _homes(table: type, name: str, path: str = "") -> list[tuple[str, str]]:
 def allowed_value(about: Any) -> str:
     """The allowed values of a key: its meaning, and for numbers the range."""
     meaning = about.get("description", "").removesuffix(f", {about.get('unit')}")
-    return f"{allowed(about)} ({meaning})" if "unit" in about else meaning
+    meaning = meaning.replace(" in mm", f" in {unit_name(PLURAL)}")
+    return f"{marked(allowed(about))} ({meaning})" if "unit" in about else meaning
 
 
 def field_of(key: str, recipe: type) -> DeclaredField | None:

@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
 from typing import Any, get_args
 
-from ..core.arguments import PLAIN, ArgumentType, is_endless
+from ..core.arguments import PLAIN, ArgumentType, found_value, is_endless, number_range
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.field_visitor import ROWS, DeclaredField, TypeShape, fields_of, item_shape, kind_of
 from ..core.fields import SMALLEST, Coordinate, quantity_fits, refusal_id
 from ..core.names import Folder
+from ..core.units import marked
 from .messages import allowed_value, did_you_mean, joined_key, number_meant, table_remedy, unknown_key
 
 # In place of a value that is refused.
@@ -79,7 +80,7 @@ class _TableReader:
         is_short = "unit" in declared.about and isinstance(given, str) and len(given) < 100
         meant = number_meant(given, quoted=True) if is_short else ""
         remedy = f"{meant + '; ' if meant else ''}give {allowed_value(declared.about)}"
-        return self.refuse(key, f"found {shown(given)}", remedy, id)
+        return self.refuse(key, f"found {_found(given, declared)}", remedy, id)
 
     def value(self, given: Any, shape: TypeShape, key: str, declared: DeclaredField) -> Any:
         """A value of a type."""
@@ -148,7 +149,8 @@ class _TableReader:
         if mark.fits(given):
             return kind(given)
         id: ProblemId = "not-finite" if is_endless(given) else "out-of-range"
-        return self.refuse(key, f"found {shown(given)}", f"give {mark.allowed} ({allowed_value(about)})", id)
+        allowed = number_range(*mark.limits, "mm") if mark.limits and declared.is_length else marked(mark.allowed)
+        return self.refuse(key, f"found {_found(given, declared)}", f"give {allowed} ({allowed_value(about)})", id)
 
     def rows(self, given: Any, hints: Sequence[Any], key: str, declared: DeclaredField) -> Any:
         """The items of a list; hints: of each item, or of all before `...`."""
@@ -174,3 +176,7 @@ class _TableReader:
 def _inside(key: str, name: str) -> str:
     """The dotted key of a name in a table."""
     return f"{key}.{name}" if key else name
+
+
+def _found(given: Any, declared: DeclaredField) -> str:
+    return found_value(given, *(declared.units or ("mm",) if declared.is_length else ()))

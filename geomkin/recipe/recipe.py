@@ -17,7 +17,7 @@ from ..core.fields import entry, quantity, to_digits
 from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
-from ..core.units import Units
+from ..core.units import Units, in_sentences
 from ..model.check import Check
 from ..model.material import Mass
 from ..model.motor import RotatingBody
@@ -29,6 +29,8 @@ from ..plane.vec import Real
 from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable
 
+# Properties of recipes that hold sentences.
+TEXTS = frozenset({"steps", "notes", "facts", "forces_missing", "remarks", "subtitle", "quantities"})
 # Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
 UNSCALED = ("stock", "base", "files", "tolerances", "optimise")
 # Keys of stocks and bases that make a wall thicker: of openings and the sheet, and of the material around openings.
@@ -78,6 +80,11 @@ class _Applied:
     )
 
 
+def _in_sentences(texts: property) -> property:
+    """A property of texts whose lengths are marked, as one of sentences."""
+    return property(lambda recipe: in_sentences(texts.__get__(recipe)), doc=texts.__doc__)
+
+
 class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
 
@@ -103,6 +110,12 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving_picture
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        # Texts read in mm, and know their lengths.
+        for name in vars(cls).keys() & TEXTS:
+            setattr(cls, name, _in_sentences(vars(cls)[name]))
 
     @property
     def is_in_own_file(self) -> bool:

@@ -18,6 +18,7 @@ from ..core.fields import (
     rounded_up,
 )
 from ..core.records import record
+from ..core.units import bare_mm, mm
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check, Suggestion
@@ -64,8 +65,9 @@ def check_rows(key: str, span: float, step: float, unit: str, columns: int = 1) 
         cells = f" of {columns} columns" if columns > 1 else ""
         raise DesignError(
             key,
-            f"found {step:g} {unit} for a range of {span:g} {unit}, which takes {span / step:,.0f} rows{cells}",
-            f"give at least {rounded_up(span / most, 4)} {unit}",
+            f"found {mm(step, unit=unit):g} for a range of {mm(span, unit=unit):g}, "
+            f"which takes {span / step:,.0f} rows{cells}",
+            f"give at least {mm(span / most, unit=unit):up4}",
             "too-much-work",
             rounded_up(span / most, 4),
         )
@@ -154,10 +156,12 @@ def _acceleration(unit: str) -> Any:
 
 def _check_speed(key: str, speed: float, least: float) -> None:
     if abs(speed) < least:
+        power = int(not key.endswith("_rpm"))
         raise DesignError(
             key,
-            f"found {speed:g}",
-            f"give at least {least:g}, or at most {-least:g} for the opposite direction",
+            f"found {bare_mm(speed, power=power):g}",
+            f"give at least {bare_mm(least, power=power):up6}, or at most {bare_mm(-least, power=power):down6} for the "
+            "opposite direction",
             "out-of-range",
             least,
         )
@@ -168,8 +172,10 @@ def _check_end(key: str, start: float, end: float, speed_key: str, speed: float)
     if (end - start) * speed > 0:
         return
     side, other = ("more", "negative") if speed > 0 else ("less", "positive")
-    problem = f"found {end:g}, with {speed_key} = {speed:g}"
-    raise DesignError(key, problem, f"give {side} than {start:g}, the start, or a {other} {speed_key}", "conflict")
+    power = int(not key.endswith("_deg"))
+    begin, found, rate = (bare_mm(number, power=power) for number in (start, end, speed))
+    problem = f"found {found:g}, with {speed_key} = {rate:g}"
+    raise DesignError(key, problem, f"give {side} than {begin:g}, the start, or a {other} {speed_key}", "conflict")
 
 
 @record(checked=True)

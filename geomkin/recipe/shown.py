@@ -104,7 +104,7 @@ class ShownRecipe:
     def introduction(self) -> str:
         """The sentences at the head of the page: the subtitle, remarks, and why there are no forces."""
         recipe = self.recipe
-        return self.unit.text(" ".join(filter(None, (recipe.subtitle, *recipe.remarks, recipe.forces_missing))))
+        return " ".join(self.texts(filter(None, (recipe.subtitle, *recipe.remarks, recipe.forces_missing))))
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from ..core.field_visitor import fields_of
 from ..core.fields import FARTHEST, quantity
 from ..core.names import Folder, read_text_file
 from ..core.records import record
-from ..core.units import MM, UNITS, LengthUnit
+from ..core.units import MM, UNITS, LengthUnit, marked, mm
 from .lengths import in_mm, shown_problem
 from .messages import did_you_mean
 from .reader import read_table
@@ -89,7 +89,7 @@ def _read(name: object, file: str, folder: Folder) -> dict[str, MeasuredFits]:
     except RecipeError as error:
         problems += error.problems
     if problems:
-        described = (f"{printable(name)}: {printable(p.key or '(whole file)')}: {p.problem}" for p in problems)
+        described = (f"{printable(name)}: {printable(p.key or '(whole file)')}: {marked(p.problem)}" for p in problems)
         raise RecipeError(file, [Problem("workshop", line, p.remedy, p.id) for line, p in zip(described, problems)])
     if not measured:
         remedy = "give a table for each material, such as [birch-plywood], with kerf, clearance and interference"
@@ -144,7 +144,7 @@ def _common_kerf(name: str, measured: Mapping[str, MeasuredFits], materials: Ite
     """The kerf of all materials as an entry of `files`; empty if none is measured."""
     kerfs = {material: width for material in materials if (width := measured[material].kerf) is not None}
     if len(set(kerfs.values())) > 1:
-        widths = " and ".join(f"{width:g} mm for {printable(material)}" for material, width in kerfs.items())
+        widths = " and ".join(f"{mm(width):g} for {printable(material)}" for material, width in kerfs.items())
         problem, remedy = f"is missing, and {name} has {widths}", "give the kerf, or make the parts of one material"
         raise DesignError("files.kerf", problem, remedy, "conflict")
     return {"kerf": next(iter(kerfs.values()))} if kerfs else {}

@@ -19,6 +19,7 @@ from ..core.arguments import ArgumentType, checked, refused
 from ..core.errors import DesignError, GeomkinError, printable
 from ..core.names import PathName
 from ..core.records import record
+from ..core.units import mm
 from ..export.files import write_whole
 from ..export.job import Job, StaticSource
 from ..gear.checks import mesh_checks
@@ -237,7 +238,7 @@ def _moved(linkage: AbstractLinkage, branch: Branch, wanted: tuple[float, float]
     else:
         drive = np.linspace(*(_widest_range(limits, slides) if wanted is None else wanted), FRAMES // 2 + 1)
     speed = float(np.ptp(drive)) if slides else 2 * np.pi
-    about = f"Driven at {speed:.3g} mm/s." if slides else "Driven at 60 rpm."
+    about = f"Driven at {mm(speed, unit='mm/s'):.3g}." if slides else "Driven at 60 rpm."
     return replace(_job(move(linkage, drive, branch, speed or 1.0)), name=type(linkage).__name__, about=about)
 
 

@@ -19,7 +19,7 @@ from ..core.fields import to_digits
 from ..core.names import PathName, file_name_flaw
 from ..core.progress import report
 from ..core.records import record
-from ..core.units import MM, UNITS, LengthUnit
+from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, sentences
 from ..export.formats import format_of
 from ..export.summary import FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
 from ..model.part import Bought, Part
@@ -162,6 +162,9 @@ class FileReport:
     problems: tuple[str, ...] = ()
     worst: Measured | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "problems", sentences(self.problems))
+
     @property
     def passed(self) -> bool:
         """Whether there are no problems."""
@@ -211,6 +214,9 @@ class Certificate:
     files: tuple[FileReport, ...]
     problems: tuple[str, ...] = ()
     unit: LengthUnit = MM
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "problems", sentences(self.problems))
 
     @property
     def passed(self) -> bool:
@@ -472,15 +478,16 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
             return FileReport(path.name, kind, measured=False)
         content = READERS[kind](path, expected)
     except (UnreadableError, OSError, GeomkinError) as error:
-        return file(problems=(harmless(error),))
+        return file(problems=(Sentence(str(error), harmless),))
     problems = [*content.problems, *(_stamp_problems(content.stamp, expected, hashed) if kind in STAMPED else [])]
     for part in content.measured:
         named = printable(part.part, 60) or "the drawing"
-        problems += [f"{named}: {problem}" for problem in part.problems]
+        problems += [f"{named}: {marked(problem)}" for problem in part.problems]
         if part.deviation > expected.tolerance * (1 + MEASURED):
             problems.append(
-                f"{named}: {part.deviation:.4g} mm off its curve at ({part.place.real:.3f}, {part.place.imag:.3f}), "
-                f"and {expected.tolerance:g} mm are allowed"
+                f"{named}: {mm(part.deviation):.4g} off its curve at "
+                f"({bare_mm(part.place.real, part.place.imag):.3f}), "
+                f"and {mm(expected.tolerance):g} are allowed"
             )
     worst = worst_of(content.measured)
     return file(

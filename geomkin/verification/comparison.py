@@ -10,6 +10,7 @@ from math import nan
 import numpy as np
 
 from ..core.records import record
+from ..core.units import mm
 from ..model.part import Part
 from ..model.thin_features import beam_checks
 from ..plane.region import Edges, containers, is_simple, offset
@@ -381,7 +382,7 @@ def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
     grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
     drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), solid.marks) for loops in grown]
     left = "".join(
-        f"a beam {kerf:g} mm wide leaves {check.value:g} mm of a corner or gap, and {check.limit:g} mm are allowed"
+        f"a beam {mm(kerf):g} wide leaves {mm(check.value):g} of a corner or gap, and {mm(check.limit):g} are allowed"
         for check in beam_checks([part], kerf, tolerance)
         if not check.passed
     )
@@ -494,7 +495,7 @@ def _unmarked(shape: Shape) -> Shape:
 def _thickness_problems(low: float, high: float, part: Part, share: float) -> list[str]:
     if max(abs(low), abs(high - part.thickness)) <= share * max(part.thickness, 1.0) + 1e-6:
         return []
-    return [f"it reaches from z = {low:.6g} to {high:.6g} mm, and the part is {part.thickness:g} mm thick"]
+    return [f"it reaches from z = {low:.6g} to {mm(high):.6g}, and the part is {mm(part.thickness):g} thick"]
 
 
 def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
@@ -507,7 +508,9 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
     volume, expected = mesh.volume, exact.solid.area * part.thickness
     allowed = exact.solid.length * tolerance * part.thickness + EVEN * expected
     if abs(volume - expected) > allowed:
-        problems.append(f"its volume is {volume:.7g} mm3, and that of the part {expected:.7g} mm3")
+        problems.append(
+            f"its volume is {mm(volume, unit='mm3'):.7g}, and that of the part {mm(expected, unit='mm3'):.7g}"
+        )
     if not part.twist and (np.minimum(abs(z), abs(z - part.thickness)) > 4 * mesh.rounding).any():
         problems.append("it has corners between its two faces")
     worst = Measured(name, 0.0)
@@ -515,7 +518,7 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
         loops = cross_section(mesh, height)
         plate = as_plate(loops, part, height / part.thickness) if loops else None
         if plate is None:
-            problems.append(f"its section at z = {height:.4g} mm is not one plate")
+            problems.append(f"its section at z = {mm(height):.4g} is not one plate")
             break
         found = compared(plate, _unmarked(exact.solid), name, tolerance)
         worst = found if found.problems else worst_of([worst, found])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..core.records import record
+from ..core.units import mm
 from ..plane.curve import AbstractCurve
 from ..plane.region import Edges, distance_from_segment
 from ..plane.vec import Complex, Real, Whole, cross
@@ -256,7 +257,7 @@ class Pen:
         """The line; an open one ends at `end`."""
         points = np.concatenate([*self.points, *([np.array([end])] if end is not None else [])])
         if not (np.abs(points) < FARTHEST).all():
-            raise UnreadableError(f"a coordinate is not a number below {FARTHEST:,.0f} mm")
+            raise UnreadableError(f"a coordinate is not a number below {mm(FARTHEST):,.0f}")
         is_distinct = np.append(True, points[1:] != points[:-1])
         is_distinct[-1] &= not (closed and len(points) > 1 and points[-1] == points[0])
         return Outline(points[is_distinct], self.error, closed)
@@ -275,5 +276,5 @@ def polyline(vertices: Complex, bulges: list[float], closed: bool, error: float)
 def circle(centre: complex, radius: float, error: float) -> Outline:
     """A circle as a polygon."""
     if not (abs(centre) < FARTHEST and 0 < radius < FARTHEST):
-        raise UnreadableError(f"the radius of a circle is not above 0, or it is not within {FARTHEST:,.0f} mm")
+        raise UnreadableError(f"the radius of a circle is not above 0, or it is not within {mm(FARTHEST):,.0f}")
     return Outline(circle_points(centre, radius, error), error)

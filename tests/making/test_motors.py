@@ -12,6 +12,7 @@ import shapely
 import shapely.affinity
 
 import geomkin as gk
+from geomkin.core.units import Sentence
 from geomkin.making.motors import MOTOR_FACES
 from tests.making.test_bases import PAIR, PLANETARY, RACK, cam
 from tests.texts import parse, template_of
@@ -47,7 +48,7 @@ def test_a_screw_of_a_motor_is_the_longest_that_is_sold_and_reaches_into_it_by_2
     for thickness in np.arange(0.5, 32, 0.5).tolist():
         fits = [length for length in sold if 2 <= length - thickness <= 4.5]
         reported = f"M3 x {fits[-1]} {name}" if fits else cut.format(thickness + 2, thickness + 4.5)
-        assert MOTOR_FACES["nema17"].screw(thickness, sunk=sunk) == reported
+        assert Sentence(MOTOR_FACES["nema17"].screw(thickness, sunk=sunk)) == reported
         found.add(fits[-1] if fits else None)
     assert longest in found and None in found
 

@@ -2,6 +2,8 @@
 
 import csv
 import io
+import json
+import pickle
 import re
 import tomllib
 import zipfile
@@ -15,7 +17,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.dotted_keys import key_parts, numbers_in
-from geomkin.core.units import IN
+from geomkin.core.units import END, IN, MARK, NEXT, START, UNITS, Sentence, bare_mm, marked, mm
+from geomkin.model.scene import drawn_at
 from geomkin.recipe.keys import with_values
 from geomkin.recipe.load import from_table, to_toml
 from geomkin.recipe.shown import ShownRecipe
@@ -198,10 +201,10 @@ def test_forces_torques_and_named_units_stay():
         ({"stock": {"thickness": 100}}, "stock.thickness", ("found 100;", "39.37", "inches")),
         ({"stock": {"thickness": "0.5"}}, "stock.thickness", ("found '0.5'", "write 0.5 ", "39.37", "inches")),
         ({"stock": {"thickness": "1,25in"}}, "stock.thickness", ("found '1,25in'", "write 1.25 ", "39.37")),
-        ({"stock": {"bar_width": 0.1}}, "stock.bar_width", ("0.1 in", "0.1653543 in")),
-        ({"files": {"sheet": [4, 2]}}, "files.sheet", ("found 4 x 2 in", "0.1968504 in")),
+        ({"stock": {"bar_width": 0.1}}, "stock.bar_width", ("0.1 in", "0.165354 in")),
+        ({"files": {"sheet": [4, 2]}}, "files.sheet", ("found 4 x 2 in", "0.19685 in")),
         ({"files": {"kerf": 0.3}}, "files.kerf", ("0.3 in",)),
-        ({"linkage": {**BAR, "origin": [1e12, 0]}}, "linkage.origin[0]", ("found 1e+12;", "3.937008e+07", "inches")),
+        ({"linkage": {**BAR, "origin": [1e12, 0]}}, "linkage.origin[0]", ("found 1e+12;", "3.937e+07", "inches")),
     ],
 )
 def test_messages_are_in_inches(change, key, said, tmp_path):
@@ -215,29 +218,67 @@ def test_messages_are_in_inches(change, key, said, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "shown"),
+    ("text", "in_mm", "in_inches"),
     [
-        ("found 12.7 mm in a part", "found 0.5 in in a part"),
-        ("give at least 10 and less than 25.4 mm", "give at least 0.39371 and less than 1 in"),
-        ("found 254 x 50.8 mm", "found 10 x 2 in"),
-        ("5 N mm, 3 N/mm, 2 kg mm2 and an M3 x 16 screw of 3 teeth", None),
-        ("6.4516 mm2 at 25.4 mm/s", "0.01 in2 at 1 in/s"),
-        ("1 mm is 3 mm/s", "1 in is 3 in/s"),
-        ("1 mm is 3 N", "1 in is 76.2 N"),
-        (
-            "found '12.7 mm', which is the recipe's 25.4 mm, not the user's",
-            "found '12.7 mm', which is the recipe's 1 in, not the user's",
-        ),
+        (f"found {mm(12.7):g} in a part", "found 12.7 mm in a part", "found 0.5 in in a part"),
+        (f"{bare_mm(10):up5} to {mm(25.4):down}", "10 to 25.4 mm", "0.39371 to 1 in"),
+        (f"found {mm(254, 50.8, between=' x '):g}", "found 254 x 50.8 mm", "found 10 x 2 in"),
+        (f"{mm(6.4516, unit='mm2'):g} at {mm(25.4, unit='mm/s'):g}", "6.4516 mm2 at 25.4 mm/s", "0.01 in2 at 1 in/s"),
+        (f"{mm(5, unit='N mm'):g}, {mm(3, unit='N/mm'):g}", "5 N mm, 3 N/mm", "5 N mm, 3 N/mm"),
+        (f"{mm(0.0871):,.0f} and {mm(2540):,.1f}", "0 mm and 2,540.0 mm", "0 in and 100 in"),
+        (drawn_at(1 / 3, "mm/s"), "1 mm is 3 mm/s", "1 in is 3 in/s"),
+        (drawn_at(1 / 3, "N"), "1 mm is 3 N", "1 in is 76.2 N"),
+        (f"found '12.7 mm', not {mm(25.4):g}", "found '12.7 mm', not 25.4 mm", "found '12.7 mm', not 1 in"),
     ],
 )
-def test_lengths_in_sentences(text, shown):
-    assert IN.text(text) == (shown or text)
+def test_lengths_in_sentences(text, in_mm, in_inches):
+    sentence = Sentence(text)
+    for same in (sentence, pickle.loads(pickle.dumps(sentence)), deepcopy(sentence)):
+        assert (same, json.loads(json.dumps(same)), IN.text(same)) == (in_mm, in_mm, in_inches)
+    assert IN.text(f"a: {marked(sentence)}") == f"a: {in_inches}"
 
 
-def test_limits_in_sentences_stay_allowed():
-    limits = "give at least 1 mm, at most 2 mm, more than 3 mm or less than 4 mm"
-    for number, word, least in zip(re.findall(r"[\d.]+", IN.text(limits)), (1, 2, 3, 4), (True, False, True, False)):
-        assert (float(number) * INCH >= word) if least else (float(number) * INCH <= word)
+@pytest.mark.parametrize("unit", UNITS.values())
+def test_limits_in_sentences_stay_allowed(unit):
+    for limit in np.random.default_rng(1).lognormal(2, 3, 200):
+        up, down = (float(unit.text(f"{bare_mm(limit):{side}4}")) for side in ("up", "down"))
+        assert down * unit.mm <= limit * (1 + 1e-11) and up * unit.mm >= limit * (1 - 1e-11)
+        assert up - down <= 2e-3 * up
+
+
+def test_a_text_that_is_no_length_stays_as_it_is():
+    pieces = [
+        "bar 20 mm",
+        "at least 3",
+        " x ",
+        "12.5 mm/s",
+        "'7 mm'",
+        "1 mm is 2 ",
+        "M3",
+        START,
+        NEXT,
+        END,
+        "9" * 5,
+        "\n",
+    ]
+    choice = np.random.default_rng(2)
+    for _ in range(2000):
+        text = "".join(choice.choice(pieces, 12))
+        if not MARK.search(text):
+            assert IN.text(text) == Sentence(text) == text
+
+
+def test_a_body_keeps_its_name_in_inches():
+    bodies = {"ground": {"O": [0, 0], "D": [4, 0]}, "bar 20 mm": {"O": [0, 0], "A": [1, 0]}}
+    bodies |= {"link": {"A": [0, 0], "B": [3.5, 0]}, "rocker": {"D": [0, 0], "B": [2.75, 0]}}
+    linkage = {"bodies": bodies, "driver": "bar 20 mm"}
+    with pytest.raises(gk.RecipeError) as refused:
+        from_table({"kind": "linkage", "units": "in", "linkage": linkage | {"driver": "bar 21 mm"}})
+    assert "bar 21 mm" in str(refused.value) and "bar 20 mm" in str(refused.value)
+    recipe = from_table({"kind": "linkage", "units": "in", "linkage": linkage})
+    shown = ShownRecipe(recipe)
+    assert any("bar 20 mm" in step for step in shown.steps)
+    assert "bar 20 mm" in shown.quantities
 
 
 WRONG = {

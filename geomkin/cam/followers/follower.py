@@ -11,6 +11,7 @@ from ...core.arguments import ArgumentType
 from ...core.errors import DesignError
 from ...core.fields import KindTable, inside, rounded_up
 from ...core.records import record
+from ...core.units import mm
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real
@@ -88,8 +89,8 @@ def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:
     if stem < least:
         raise DesignError(
             "stock.stem_length",
-            f"found {stem:g} mm, too short for two guide pins with bars {width:g} mm wide",
-            f"give at least {rounded_up(least)} mm, or omit base",
+            f"found {mm(stem):g}, too short for two guide pins with bars {mm(width):g} wide",
+            f"give at least {mm(least):up}, or omit base",
             value=rounded_up(least),
         )
     inner, outer = (Hole("pivot_bore", bars.pivot_bore, width, distance * along) for distance in (first, stem))
@@ -136,8 +137,8 @@ def stemmed_face(face: tuple[float, float], tilt: float, width: float, stem: flo
     if (end.imag - width / 2) <= width:
         raise DesignError(
             "stock.stem_length",
-            f"found {stem:g} mm, too short for a bar {width:g} mm wide along the face",
-            f"give more than {rounded_up(1.5 * width / along.imag)} mm",
+            f"found {mm(stem):g}, too short for a bar {mm(width):g} wide along the face",
+            f"give more than {mm(1.5 * width / along.imag):up}",
             value=inside(1.5 * width / along.imag, -1),
         )
     corners = [low, high, high + 1j * width, right, end + aside, end - aside, left, low + 1j * width]
@@ -160,8 +161,8 @@ def faced_arm(face: tuple[float, float], offset: float, width: float, tau: int) 
     if face[0] < start:
         raise DesignError(
             "stock.bar_width",
-            f"found {width:g} mm, but the face must start {face[0]:.4g} mm from the perpendicular through the pivot, "
-            f"and the boss of the pivot extends to {start:.4g} mm",
+            f"found {mm(width):g}, but the face must start {mm(face[0]):.4g} from the perpendicular through the pivot, "
+            f"and the boss of the pivot extends to {mm(start):.4g}",
             "give a narrower bar, a shorter overhang or a larger pivot_distance",
         )
     corners = [face[1] + 1j * back, face[1] + 1j * top, start + 1j * top]
@@ -372,7 +373,7 @@ def check_reach(
     reached = f"{limits}, not {base_radius:g}" if low < high else "no cam"
     raise DesignError(
         f"follower.{size}",
-        f"found {getattr(follower, size):g} mm with {other} {getattr(follower, other):g} mm and lifts up to "
+        f"found {mm(getattr(follower, size)):g} with {other} {mm(getattr(follower, other)):g} and lifts up to "
         f"{np.degrees(lift):.4g} deg: the {part} reaches {reached}",
         f"change {size}, {other} or base_radius",
     )

@@ -10,8 +10,9 @@ from typing import Literal, Self
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, inside, quantity, rounded_down
+from ...core.fields import FARTHEST, entry, inside, quantity
 from ...core.records import record
+from ...core.units import mm
 from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
 from ..program.extrema import highest
@@ -182,8 +183,8 @@ class TranslatingRoller(AbstractRoller):
         if abs(self.offset) >= prime:
             raise DesignError(
                 "follower.offset",
-                f"found {self.offset:g} mm, not below the prime radius of {prime:g} mm",
-                f"give an offset below {rounded_down(prime)} mm or a larger base_radius",
+                f"found {mm(self.offset):g}, not below the prime radius of {mm(prime):g}",
+                f"give an offset below {mm(prime):down} or a larger base_radius",
                 value=inside(prime, 1),
             )
 

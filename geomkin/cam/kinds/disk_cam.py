@@ -14,6 +14,7 @@ from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.names import read_text_file
 from ...core.records import record
+from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock
 from ...model.check import Check
 from ...model.material import Mass
@@ -158,9 +159,9 @@ class DiskCamRecipe(AbstractComposedRecipe):
             return round(sign * float(np.degrees(value)), 9) + 0.0
 
         return {
-            "largest lift": f"{lift:.4g} {unit}",
+            "largest lift": f"{mm(lift, unit=unit):.4g}",
             "pressure angle": f"{extreme_deg(-1):.3g} to {extreme_deg(1):.3g} deg",
-            "undercut": f"loses {lost:.3g} {unit} of lift" if lost else "none",
+            "undercut": f"loses {mm(lost, unit=unit):.3g} of lift" if lost else "none",
         }
 
     def _limits(self) -> tuple[Limit, ...]:

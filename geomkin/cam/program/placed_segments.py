@@ -9,9 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import DesignError, shown
-from ...core.fields import check_quantities, rounded_down, rounded_up
+from ...core.fields import check_quantities
 from ...core.names import Folder
 from ...core.records import record
+from ...core.units import mm
 from ...plane.vec import Real
 from .given_lifts import MOST_ROWS, checked_rows, read_lifts
 from .segments import Dwell, LiftPolynomial, LiftTable, Pointed, Return, Rise, Segment, Timed
@@ -127,7 +128,7 @@ def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
     if abs(lift - made[0].lift) > max(SLIP, band(made[-1].segment)):
         raise DesignError(
             "program",
-            f"the lift ends at {lift:g} {unit}, not at {made[0].lift:g}",
+            f"the lift ends at {mm(lift, unit=unit):g}, not at {mm(made[0].lift, unit=unit):g}",
             "add a return, or correct its end_lift",
             "conflict",
         )
@@ -171,17 +172,17 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
     unit = "deg" if oscillates else "mm"
     if isinstance(segment, Rise) and end <= before:
         raise DesignError(
-            field, f"it ends at {end:g} {unit}, not above its start", "use a return to go down", "out-of-range"
+            field, f"it ends at {mm(end, unit=unit):g}, not above its start", "use a return to go down", "out-of-range"
         )
     if isinstance(segment, Return) and end >= before:
         raise DesignError(
-            field, f"it ends at {end:g} {unit}, not below its start", "use a rise to go up", "out-of-range"
+            field, f"it ends at {mm(end, unit=unit):g}, not below its start", "use a rise to go up", "out-of-range"
         )
     if end < 0:
-        limits = {"fall": f"at most {rounded_down(before)}", "rise": f"at least {rounded_up(-before)}"}
-        limit = limits.get(field.removesuffix("_deg"), "at least 0")
-        problem = f"it ends at {end:g} {unit}, below the base circle"
-        raise DesignError(field, problem, f"give {limit} {unit}", "out-of-range")
+        limits = {"fall": f"at most {mm(before, unit=unit):down}", "rise": f"at least {mm(-before, unit=unit):up}"}
+        limit = limits.get(field.removesuffix("_deg"), f"at least {mm(0, unit=unit):g}")
+        problem = f"it ends at {mm(end, unit=unit):g}, below the base circle"
+        raise DesignError(field, problem, f"give {limit}", "out-of-range")
     return end, oscillates
 
 
@@ -225,9 +226,12 @@ def _given(
     low = int(points[:, 1].argmin())
     # Measured rows of a dwell deviate to both sides.
     if points[low, 1] < -band(segment):
-        problem = f"the lift is {points[low, 1]:g} {unit} at {points[low, 0]:g} deg, below the base circle"
+        problem = f"the lift is {mm(points[low, 1], unit=unit):g} at {points[low, 0]:g} deg, below the base circle"
         raise DesignError(
-            field + row.format(low), problem, f"give 0 {unit} or more, and a smaller base_radius", "out-of-range"
+            field + row.format(low),
+            problem,
+            f"give {mm(0, unit=unit):g} or more, and a smaller base_radius",
+            "out-of-range",
         )
     if alone:
         points = _from_zero(points, segment, unit)
@@ -243,7 +247,8 @@ def _given(
     if lift is None:
         lift = float(points[0, 1])
     if abs(points[0, 1] - lift) > slip:
-        problem = f"the lift starts at {points[0, 1]:g} {unit}, but the segment before ends at {lift:g}"
+        start, end = mm(points[0, 1], unit=unit), mm(lift, unit=unit)
+        problem = f"the lift starts at {start:g}, but the segment before ends at {end:g}"
         raise DesignError(field + row.format(0), problem, "give equal lifts", "conflict")
     points[[0, -1], 0], points[0, 1] = (start, end), lift
     return PlacedSegment(place, segment, start, end, lift, float(points[-1, 1]), oscillates, points)
@@ -262,7 +267,7 @@ def _from_zero(points: Real, segment: Pointed, unit: str) -> Real:
     if abs(points[-1, 0] - end) > SLIP or not len(zero) or abs(first[0]) <= SLIP:
         return points
     if abs(points[-1, 1] - first[1]) > max(SLIP, band(segment)):
-        problem = f"a whole turn starts at {first[1]:g} {unit} and ends at {points[-1, 1]:g} {unit}"
+        problem = f"a whole turn starts at {mm(first[1], unit=unit):g} and ends at {mm(points[-1, 1], unit=unit):g}"
         raise DesignError("", problem, "give equal lifts in the first and the last row", "conflict")
     turned = np.vstack([points[zero[0] : -1], points[: zero[0] + 1] + np.array([360.0, 0.0])])
     turned[:, 0] -= turned[0, 0]

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
-from ...core.fields import rounded_up
 from ...core.names import Folder
 from ...core.records import record
 from ...core.scaling import with_lengths
+from ...core.units import mm
 from ...plane.vec import Real, Whole
 from .extrema import SegmentPeaks, highest
 from .given_lifts import TableFit, read_lifts, spline_through
@@ -414,10 +414,10 @@ class _Stretches:
         for segment, low, angle, _ in ranges:
             # The curve of a table may go below 0 by its band, and by the rounding of the search for it.
             if low < -max(SLIP, DIP * highest_lift, (1 + 1e-6) * band(segment.placed.segment)):
-                problem = f"the lift falls to {low:g} {unit} at {angle:g} deg, below the base circle"
+                problem = f"the lift falls to {mm(low, unit=unit):g} at {angle:g} deg, below the base circle"
                 remedy = "give other values there, or more lift and a smaller base_radius"
                 if segment.fit:
-                    wide = rounded_up(segment.fit.wide, 2) if segment.fit.wide > 0 else ""
-                    within = f"a `within` of at least {wide} {unit}" if wide else "a larger `within`"
+                    wide = f"{mm(segment.fit.wide, unit=unit):up2}" if segment.fit.wide > 0 else ""
+                    within = f"a `within` of at least {wide}" if wide else "a larger `within`"
                     remedy = f"no curve was found within the band and above the base circle: give {within}"
                 raise DesignError(segment.placed.place, problem, remedy)

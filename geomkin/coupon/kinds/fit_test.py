@@ -8,7 +8,7 @@ from typing import Literal
 
 from ...core.fields import entry
 from ...core.records import record
-from ...core.units import UNITS
+from ...core.units import UNITS, Sentence, mm
 from ...making.materials import MATERIALS, MaterialKey, material_entry
 from ...model.check import Check
 from ...model.part import Bought, Part
@@ -47,12 +47,12 @@ class FitTestRecipe(AbstractRecipe):
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        return (Bought(f"pin or shaft {self.openings.pin:g} mm, to try", 1, ("coupon",)),)
+        return (Bought(f"pin or shaft {mm(self.openings.pin):g}, to try", 1, ("coupon",)),)
 
     @property
     def steps(self) -> tuple[str, ...]:
         """How to measure the coupon."""
-        gauge = f"{GAUGE_WIDTH + self.files.kerf:g} mm"
+        gauge = f"{mm(GAUGE_WIDTH + self.files.kerf):g}"
         return (
             f"measure the width of the gauge: the kerf is {gauge} minus this width",
             "push the pin into the holes from the left: note the largest that it must be pressed into, and the "
@@ -96,7 +96,10 @@ class FitTestRecipe(AbstractRecipe):
     @property
     def quantities(self) -> Mapping[str, str]:
         holes, slots = self.openings.hole_diameters, self.openings.slot_widths
-        return {"holes": f"{holes[0]:g} to {holes[-1]:g} mm", "slots": f"{slots[0]:g} to {slots[-1]:g} mm"}
+        return {
+            "holes": Sentence(f"{mm(holes[0], holes[-1], between=' to '):g}"),
+            "slots": Sentence(f"{mm(slots[0], slots[-1], between=' to '):g}"),
+        }
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -12,6 +12,7 @@ from ...core.arguments import FloatOrNan, checked, whole_between
 from ...core.errors import DesignError
 from ...core.fields import Length, Size, inside, rounded_down
 from ...core.records import record
+from ...core.units import bare_mm, mm
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Reversed
 from ...plane.joined import Path, PolarArray
@@ -236,8 +237,8 @@ def _check_depth(tooth: AbstractCurve, pitch_radius: float, addendum: float, rin
     if addendum > deep * (1 + 1e-12):
         raise DesignError(
             "addendum",
-            f"found {addendum:.5g} mm, but the spaces of the gear are only {deep:.5g} mm deep below its pitch circle",
-            f"give at most {inside(deep, 1, 6)}",
+            f"found {mm(addendum):.5g}, but the spaces of the gear are only {mm(deep):.5g} deep below its pitch circle",
+            f"give at most {bare_mm(float(inside(deep, 1, 6))):down6}",
             value=inside(deep, 1, 6),
         )
 
@@ -263,8 +264,8 @@ def _piece(steps: list[BoundaryPiece], teeth: int, ring: bool, pitch_radius: flo
         most = 0.999 * abs(_pointed(pieces, teeth, ring) - pitch_radius)
         raise DesignError(
             "addendum",
-            f"found {abs(abs(last) - pitch_radius):.5g} mm, for which the mate's teeth are pointed",
-            f"give at most {rounded_down(most, 6)}, or a gear with thinner teeth",
+            f"found {mm(abs(abs(last) - pitch_radius)):.5g}, for which the mate's teeth are pointed",
+            f"give at most {bare_mm(most):down6}, or a gear with thinner teeth",
             value=rounded_down(most, 6),
         )
     samples = np.concatenate([np.abs(p.point(p.breaks[0] + (p.breaks[-1] - p.breaks[0]) * GRID)) for p in pieces])

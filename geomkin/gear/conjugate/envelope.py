@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError
 from ...core.records import record
+from ...core.units import mm
 from ...plane.curve import AbstractCurve, SubCurve
 from ...plane.flatten import CORNER, direction, smooth_runs
 from ...plane.vec import Complex, Mask, Real, Whole, cross
@@ -121,7 +122,7 @@ class Swept:
         if not candidates:
             raise DesignError(
                 "tooth",
-                f"the mate's flank that it generates ends {abs(place):.5g} mm from the mate's axis",
+                f"the mate's flank that it generates ends {mm(abs(place)):.5g} from the mate's axis",
                 "give a tooth with deeper flanks, or a smaller addendum",
             )
         if len(candidates) == 1:

@@ -12,6 +12,7 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, Length, entry, inside, quantity, rounded_down, rounded_up, to_digits
 from ...core.records import record
+from ...core.units import PLURAL, bare_mm, mm, unit_name
 from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.flatten import direction, flatten
 from ...plane.joined import Path, PolarArray, Spline
@@ -97,8 +98,8 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         if backlash > self.most_backlash:
             raise DesignError(
                 "backlash",
-                f"found {backlash:.5g} mm, for which adjacent teeth of the mate's cutter meet",
-                f"give at most {inside(self.most_backlash, 1, 6)}",
+                f"found {mm(backlash):.5g}, for which adjacent teeth of the mate's cutter meet",
+                f"give at most {bare_mm(float(inside(self.most_backlash, 1, 6))):down6}",
                 value=inside(self.most_backlash, 1, 6),
             )
         flank = Moved(self.flank, Pose(0j, np.exp(-0.5j * backlash / self.pitch_radius)))
@@ -115,8 +116,8 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             room = abs(end - along * end.real / along.real) - self.tip_radius if along.real < 0 else 0.0
             raise DesignError(
                 "clearance",
-                f"found {clearance:.5g} mm, but the flanks, extended beyond the tip, meet after {room:.5g} mm",
-                f"give at most {inside(room, 1, 6)}",
+                f"found {mm(clearance):.5g}, but the flanks, extended beyond the tip, meet after {mm(room):.5g}",
+                f"give at most {bare_mm(float(inside(room, 1, 6))):down6}",
                 value=inside(room, 1, 6),
             )
         return self._toothed([flank, Segment(end, end + s * along)]).piece
@@ -136,8 +137,8 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         if not self.root_radius < self.pitch_radius < self.tip_radius:
             raise DesignError(
                 "flank",
-                f"it runs from {self.root_radius:.5g} to {self.tip_radius:.5g} mm from the axis "
-                f"and does not cross the pitch circle of {self.pitch_radius:.5g} mm",
+                f"it runs from {mm(self.root_radius, self.tip_radius, between=' to '):.5g} from the axis "
+                f"and does not cross the pitch circle of {mm(self.pitch_radius):.5g}",
                 "give it from the bottom land out to the tip, across the pitch circle",
             )
         # A flank may end in the middle of the tooth.
@@ -162,8 +163,8 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         if (far := float(np.abs(z).max())) > most:
             raise DesignError(
                 "flank",
-                f"it extends {far:.5g} mm from the axis, but the pitch radius is {self.pitch_radius:.5g} mm",
-                f"keep it within {inside(most, 1, 6)} mm of the axis",
+                f"it extends {mm(far):.5g} from the axis, but the pitch radius is {mm(self.pitch_radius):.5g}",
+                f"keep it within {mm(float(inside(most, 1, 6))):down6} of the axis",
                 "out-of-range",
             )
 
@@ -350,16 +351,16 @@ class PointToothGear(AbstractFlankGear):
         if max((abs(z) for z in points), default=0.0) <= self.pitch_radius:
             raise DesignError(
                 "points",
-                f"none is outside the pitch circle of {self.pitch_radius:.5g} mm",
+                f"none is outside the pitch circle of {mm(self.pitch_radius):.5g}",
                 "give them from the bottom land out to the tip, across the pitch circle",
             )
         far = [k for k, z in enumerate(points) if abs(z) > most]
         if far:
             raise DesignError(
                 "points",
-                f"point {far[0] + 1} is {abs(points[far[0]]):.5g} mm from the axis, but the pitch radius is "
-                f"{self.pitch_radius:.5g} mm",
-                f"give points within {inside(most, 1, 6)} mm of the axis",
+                f"point {far[0] + 1} is {mm(abs(points[far[0]])):.5g} from the axis, but the pitch radius is "
+                f"{mm(self.pitch_radius):.5g}",
+                f"give points within {mm(float(inside(most, 1, 6))):down6} of the axis",
                 "out-of-range",
             )
 
@@ -406,7 +407,7 @@ class LanternPinion(AbstractShaper):
             raise DesignError(
                 "pin_diameter",
                 "is missing",
-                f"give it in mm, about {1.25 * self.module:.3g}",
+                f"give it in {unit_name(PLURAL)}, about {bare_mm(1.25 * self.module):.3g}",
                 "missing-key",
                 to_digits(1.25 * self.module, 3),
             )
@@ -414,8 +415,8 @@ class LanternPinion(AbstractShaper):
         if self.pin_diameter >= chord:
             raise DesignError(
                 "pin_diameter",
-                f"found {self.pin_diameter:g} mm, but adjacent pins are {chord:.4g} mm apart",
-                f"give less than {rounded_down(chord)} mm, about {chord / 2:.3g}",
+                f"found {mm(self.pin_diameter):g}, but adjacent pins are {mm(chord):.4g} apart",
+                f"give less than {mm(chord):down}, about {bare_mm(chord / 2):.3g}",
                 value=to_digits(chord / 2, 3),
             )
 
@@ -476,8 +477,8 @@ class LanternPinion(AbstractShaper):
         if backlash >= self.most_backlash:
             raise DesignError(
                 "backlash",
-                f"found {backlash:.5g} mm, for which no teeth of the wheel remain between two pins",
-                f"give at most {inside(self.most_backlash, 1, 6)}",
+                f"found {mm(backlash):.5g}, for which no teeth of the wheel remain between two pins",
+                f"give at most {bare_mm(float(inside(self.most_backlash, 1, 6))):down6}",
                 value=inside(self.most_backlash, 1, 6),
             )
         centre, radius, turn = 1j * self.pitch_radius, self.pin_diameter / 2, 0.5 * backlash / self.pitch_radius

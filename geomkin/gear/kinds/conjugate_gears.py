@@ -13,6 +13,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ...core.records import record
+from ...core.units import bare_mm, mm
 from ...making.assembly import PLAY, Assembly, BaseStock
 from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
@@ -81,14 +82,14 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
     def quantities(self) -> Mapping[str, str]:
         """Ratio and centre distance."""
         mate = self.design
-        return {"ratio": f"{mate.teeth / mate.gear_teeth:.5g}", "centre distance": f"{mate.distance:.6g} mm"}
+        return {"ratio": f"{mate.teeth / mate.gear_teeth:.5g}", "centre distance": f"{mm(mate.distance):.6g}"}
 
     @property
     def notes(self) -> Mapping[str, object]:
         """Derived sizes, and the parts of the tooth that never touch, by their distance from the gear's axis."""
         mate = self.design
         least = least_backlash(mate.distance, 2 * mate.pitch_radius / mate.teeth)
-        jams = f"teeth without backlash jam: give mate.backlash, about {least:.2f} mm"
+        jams = f"teeth without backlash jam: give mate.backlash, about {mm(least):.2f}"
         return {
             "ratio": to_digits(mate.teeth / self.shaper.teeth * (1 if mate.is_ring else -1), 10),
             **({} if self.mate.backlash else {"backlash_advice": jams}),
@@ -141,9 +142,10 @@ def _mate(gear: AbstractShaper, wanted: Mate) -> Conjugate:
     except DesignError as error:
         most = _most_backlash(gear, wanted)
         if most < wanted.backlash:
-            problem = f"found {wanted.backlash:g} mm, for which the mate has no teeth"
+            problem = f"found {mm(wanted.backlash):g}, for which the mate has no teeth"
             enough = inside(most, 1, 6)
-            raise DesignError("mate.backlash", problem, f"give at most {enough}", value=enough) from None
+            remedy = f"give at most {bare_mm(float(enough)):down6}"
+            raise DesignError("mate.backlash", problem, remedy, value=enough) from None
         raise error.named(KEYS.get(error.field, error.field)) from None
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
+from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
@@ -379,7 +380,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
 
     @property
     def quantities(self) -> Mapping[str, str]:
-        distance = {"distance of axis and reference line": f"{self.design.distance:.6g} mm"}
+        distance = {"distance of axis and reference line": f"{mm(self.design.distance):.6g}"}
         return distance | gear_quantities(self.design.pinion, "pinion")
 
     @property

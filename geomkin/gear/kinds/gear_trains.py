@@ -15,12 +15,13 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import Ratio, entry, quantity, to_digits
 from ...core.records import record
+from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.motor import RotatingBody
 from ...model.part import Part
-from ...model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, circle_handle, dimension, mm, point_handle
+from ...model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, circle_handle, dimension, point_handle
 from ...model.table import Table
 from ...plane.curve import Moved
 from ...plane.primitives import Circle
@@ -131,7 +132,7 @@ def _distance(train: GearTrain, k: int) -> SceneCurve:
     start, end = (complex(z) for z in train.axes[k : k + 2])
     if k == 0:
         return centre_distance(start, end)
-    return dimension(start, end, f"centre distance {mm(abs(end - start))} of stage {k + 1}")
+    return dimension(start, end, f"centre distance {mm(abs(end - start)):.5g} of stage {k + 1}")
 
 
 def _frames(train: GearTrain) -> Meshing:

@@ -11,6 +11,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import WIDEST, entry, to_digits
 from ...core.records import record
+from ...core.units import Sentence, bare_mm, marked, mm, unit_name
 from ...making.assembly import BaseStock
 from ...making.motors import MountedMotorKey, face_of
 from ...model.check import Check
@@ -89,8 +90,8 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
             if self.section == "transverse" or not self.helix_angle_deg:
                 raise
             ratio = np.cos(np.radians(self.helix_angle_deg))
-            remedy = f"{error.remedy}; sizes in modules are {ratio:.6g} of the normal ones there"
-            problem = f"{error.problem}, in the transverse section"
+            remedy = f"{marked(error.remedy)}; sizes in modules are {ratio:.6g} of the normal ones there"
+            problem = f"{marked(error.problem)}, in the transverse section"
             raise DesignError(error.field, problem, remedy, error.id) from None
 
     @property
@@ -120,8 +121,8 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
             if self.herringbone and thickness != first:
                 raise DesignError(
                     f"{key}.thickness",
-                    f"found {thickness:g} mm, but the first gear has {first:g} mm; herringbones need equal faces",
-                    f"give {first:.15g} mm",
+                    f"found {mm(thickness):g}, but the first gear has {mm(first):g}; herringbones need equal faces",
+                    f"give {mm(first):.15g}",
                     "conflict",
                     first,
                 )
@@ -143,7 +144,8 @@ def check_tooth_points(files: Files, gears: list[AbstractCurve], rings: list[Abs
         teeth = sum(curve.count for curve, _ in toothed)
         raise DesignError(
             "tolerance",
-            f"found {files.tolerance:g} mm, for which {teeth:,} teeth count as {count:,} points; the limit is {MOST:,}",
+            f"found {mm(files.tolerance):g}, for which {teeth:,} teeth count as {count:,} points; the limit is "
+            f"{MOST:,}",
             # With fewer teeth, each has more curvature.
             _remedy(files.tolerance, points, teeth * MOST // count * 9 // 10),
             "too-much-work",
@@ -155,7 +157,7 @@ def _remedy(tolerance: float, points: Callable[[float], int], teeth: int) -> str
     for k in range(1, TRIALS + 1):
         wider = to_digits(tolerance * WIDER**k, 3)
         if points(wider) <= MOST:
-            return f"give at least {wider:g} mm, or at most {teeth:,} teeth"
+            return f"give at least {mm(wider):up6}, or at most {teeth:,} teeth"
     return f"give at most {teeth:,} teeth"
 
 
@@ -269,7 +271,7 @@ def backlash_notes(pair: GearPair | RackPair, distance: float, helix: Helix = ST
     # Along the pitch circle it is larger.
     least = least_backlash(distance, helix.normal_module(pair.module))
     along = least / np.cos(helix.normal_pressure_angle(pair.driver)) / np.cos(np.radians(helix.helix_angle_deg))
-    advice = f"teeth without backlash jam: give tooth_thickness_allowance to both gears, about {along / 2:.2f} mm each"
+    advice = f"teeth without backlash jam: give tooth_thickness_allowance to both gears, about {mm(along / 2):.2f} each"
     return {"backlash_mm": backlash, "backlash_advice": advice}
 
 
@@ -277,7 +279,7 @@ def backlash_remarks(notes: Mapping[str, object]) -> tuple[str, ...]:
     """Advice on backlash as sentences: that of each mesh, under the mesh's name if there are several."""
     key = "backlash_advice"
     meshes = {"pair": notes, **{name: entries for name, entries in notes.items() if isinstance(entries, Mapping)}}
-    advice = {name: str(entries[key]) for name, entries in meshes.items() if key in entries}
+    advice = {name: marked(entries[key]) for name, entries in meshes.items() if key in entries}
     named = (text if name == "pair" else f"{name.replace('_', ' ')}: {text}" for name, text in advice.items())
     return tuple(f"{text[0].upper()}{text[1:]}." for text in named)
 
@@ -295,20 +297,23 @@ def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
 
 def pair_quantities(pair: GearPair) -> dict[str, str]:
     """Ratio, centre distance, working pressure angle, contact ratio and backlash, by label."""
+    of_distance = f"for 1 {unit_name()} of centre distance"
     ratio_rate, backlash_rate = (pair.sensitivity(of, by="centre_distance") for of in ("contact_ratio", "backlash"))
     return {
         "ratio": f"{pair.ratio:.5g}",
-        "centre distance": f"{pair.centre_distance:.6g} mm",
+        "centre distance": Sentence(f"{mm(pair.centre_distance):.6g}"),
         "working pressure angle": f"{np.degrees(pair.working_pressure_angle):.4g} deg",
-        "contact ratio": f"{pair.contact_ratio:.4g}, and {ratio_rate:+.3g} for 1 mm of centre distance",
-        "backlash": f"{round(pair.backlash, 6):.4g} mm, and {backlash_rate:+.3g} mm for 1 mm of centre distance",
+        "contact ratio": Sentence(f"{pair.contact_ratio:.4g}, and {bare_mm(ratio_rate, power=-1):+.3g} {of_distance}"),
+        "backlash": Sentence(
+            f"{mm(round(pair.backlash, 6)):.4g}, and {backlash_rate:+.3g} {unit_name()} {of_distance}"
+        ),
     }
 
 
 def gear_quantities(gear: AbstractInvoluteGear, name: str) -> dict[str, str]:
     """Diameters of pitch, tip and root circle, by label."""
     diameters = (2 * radius for radius in (gear.pitch_radius, gear.tip_radius, gear.root_radius))
-    return {f"pitch, tip and root diameter of the {name}": f"{', '.join(f'{d:.4g}' for d in diameters)} mm"}
+    return {f"pitch, tip and root diameter of the {name}": Sentence(f"{mm(*diameters):.4g}")}
 
 
 def mesh_notes(pair: GearPair, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:

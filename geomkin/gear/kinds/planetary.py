@@ -13,6 +13,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.records import record
+from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock, collar_across
 from ...making.materials import MATERIALS
 from ...making.motors import plate_radius
@@ -226,7 +227,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     def quantities(self) -> Mapping[str, str]:
         gears = self.design
         ratio = {(name := f"{self.driver} to {self.output}"): f"{gears.ratios[name]:.5g}"}
-        ratio["centre distance"] = f"{gears.inner.centre_distance:.6g} mm"
+        ratio["centre distance"] = f"{mm(gears.inner.centre_distance):.6g}"
         return ratio | gear_quantities(gears.sun, "sun") | gear_quantities(gears.ring, "ring")
 
     @property

@@ -13,6 +13,7 @@ from ...core.arguments import ArgumentType, are_points, are_reals, is_complex
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
+from ...core.units import mm
 from ...model.material import Mass
 from ...plane.vec import Array, Real, unit
 from ..motion import Motion
@@ -281,7 +282,7 @@ class GasSpring(_TwoPoints):
         if np.any(compression >= self.gas_length):
             raise DesignError(
                 "springs.gas_length",
-                f"the gas spring is compressed by {np.nanmax(compression):.5g} mm",
+                f"the gas spring is compressed by {mm(np.nanmax(compression)):.5g}",
                 "give a longer gas column, or a shorter spring",
             )
         return np.where(compression >= 0, -self.force / (1 - compression / self.gas_length), 0.0)

@@ -9,8 +9,9 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, ComplexPoint, entry, inside, quantity, rounded_up
+from ...core.fields import FARTHEST, ComplexPoint, entry, inside, quantity
 from ...core.records import record
+from ...core.units import mm
 from ...plane.vec import Complex, Real, cross
 from ..motion import Motion
 from ..moving import move
@@ -228,8 +229,8 @@ def _peaks(
     if linkage.coupler <= (least := float(linkage.crank + np.abs(linkage.offset))):
         raise DesignError(
             "coupler",
-            f"found {linkage.coupler:g} mm, so the crank cannot turn fully",
-            f"give more than {rounded_up(least)} mm, crank and offset together",
+            f"found {mm(linkage.coupler):g}, so the crank cannot turn fully",
+            f"give more than {mm(least):up}, crank and offset together",
             value=inside(least, -1),
         )
     driven = replace(linkage, driver="crank")

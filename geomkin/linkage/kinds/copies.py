@@ -11,6 +11,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity
 from ...core.records import record
+from ...core.units import mm
 from ...making.assembly import Bill, glue_bill, tube_bill
 from ...model.check import Check
 from ...model.part import Part
@@ -240,17 +241,17 @@ def shared_rods(
         if one.mirrored and not two.mirrored and shaft.first == other_shaft.first == 0:
             room = sum(_beyond(stack, thickness, 0, shaft.name) for stack in (lower, upper))
             length = shaft.length + other_shaft.length + room
-            rod = f"rod {lower.letters[shaft.name]}, {length:g} mm long, is glued into both cranks"
+            rod = f"rod {lower.letters[shaft.name]}, {mm(length):g} long, is glued into both cranks"
             angle = "so that their pins point in opposite directions" if apart == 180 else f"{apart:g} deg apart"
-            words = f"{pair} back to back, {room:g} mm between their grounds: {rod}, {angle}"
+            words = f"{pair} back to back, {mm(room):g} between their grounds: {rod}, {angle}"
             yield Shared(shaft.name, length, room, words, room)
         elif two.mirrored and not one.mirrored and apart == 0 and (names := [n for n in common if n in other_common]):
             pin = names[0]
             room = sum(_beyond(stack, thickness, max(stack.layers.values()), pin) for stack in (lower, upper))
             length = common[pin].length + other_common[pin].length + room
-            rod = f"rod {lower.letters[pin]}, {length:g} mm long, is glued into both cranks"
+            rod = f"rod {lower.letters[pin]}, {mm(length):g} long, is glued into both cranks"
             height = room + thickness * sum(max(stack.layers.values()) for stack in (lower, upper))
-            words = f"{pair} face to face, {room:g} mm between them, the upper one turned over: {rod}"
+            words = f"{pair} face to face, {mm(room):g} between them, the upper one turned over: {rod}"
             yield Shared(pin, length, room, words, height)
         else:
             yield Shared("", 0.0, np.nan, f"{pair}: no rod joins their cranks; add a shaft that turns both")
@@ -295,7 +296,10 @@ def joint_bills(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: fl
             has_rod = any(rod.pin == name for rod in shared[max(0, k - 1) : k + 1])
             lines += [(stack.letters[name], stack.bill(pin)) for pin in stack.pins if pin.name == name and not has_rod]
         lines += [
-            (stack.letters[name], ((f"rod {stack.fastener.diameter:g} mm, cut to {rod.length:g} mm", 1), *glue_bill(2)))
+            (
+                stack.letters[name],
+                ((f"rod {mm(stack.fastener.diameter):g}, cut to {mm(rod.length):g}", 1), *glue_bill(2)),
+            )
             for stack, rod in zip(stacks, shared)
             if rod.pin == name
         ]
@@ -359,11 +363,12 @@ def _frame_step(shared: Sequence[Shared], stacks: Sequence[Stack], thickness: fl
     if not first.frame:
         return f"mount all {len(stacks)} grounds in a frame at right angles to the shaft"
     letters = [first.letters[name] for name in first.frame]
-    tubes = ", ".join(f"{rod.apart:g}" for rod in shared)
+    tubes = f"{mm(*(rod.apart for rod in shared)):g}"
     return (
         f"frame: the rods {', '.join(letters)} go through all grounds, "
-        f"{frame_length(stacks, shared, thickness):g} mm from the first to the last; on each rod, between the grounds, "
-        f"tubes of {tubes} mm in this order; a washer and a nut at each end; where a copy is turned over, {letters[0]} "
+        f"{mm(frame_length(stacks, shared, thickness)):g} from the first to the last; on each rod, between the "
+        "grounds, "
+        f"tubes of {tubes} in this order; a washer and a nut at each end; where a copy is turned over, {letters[0]} "
         f"and {letters[1]} change places"
     )
 

@@ -13,6 +13,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
+from ...core.units import marked, mm
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle, circle_handle
@@ -104,7 +105,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         if not motion.assembled[1]:
             alone = move(general, [self.place], self.made.branch)
             given = self.place if self.stroke else np.degrees(self.place)
-            problem = f"found {given:g}, which is not reached: {assembly_failure(alone)}"
+            problem = f"found {given:g}, which is not reached: {marked(str(assembly_failure(alone)))}"
             raise DesignError(self.position_key, problem, "give another", "does-not-assemble")
         if general.estimate:
             pins = {pin: complex(motion.point(pin).position[1]) for pin in general.pins}
@@ -251,7 +252,7 @@ class CentrodesRecipe(AbstractBodyRecipe):
             )
         if not runs:
             raise DesignError(
-                "reach", f"found {self.reach:g} mm, within which no centrode lies", "give a larger one", "out-of-range"
+                "reach", f"found {mm(self.reach):g}, within which no centrode lies", "give a larger one", "out-of-range"
             )
         return [(float(part.min()), float(part.max())) for part in runs]
 

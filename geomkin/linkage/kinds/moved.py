@@ -11,9 +11,10 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import ComplexPoint, check_sizes, entry, quantity, rounded_down
+from ...core.fields import ComplexPoint, check_sizes, entry, quantity
 from ...core.names import check_names
 from ...core.records import record
+from ...core.units import mm
 from ...model.scene import SceneHandle
 from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
@@ -253,8 +254,9 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
     if not abs(b - c) < base < b + c:
         raise DesignError(
             f"corners[{k}]",
-            f"{b:g} and {c:g} mm form no triangle with the {base:g} mm from {corner.base[0]} to {corner.base[1]}",
-            f"give two lengths that differ by less than {rounded_down(base)} mm and together exceed it",
+            f"{mm(b, c, between=' and '):g} form no triangle with the {mm(base):g} from {corner.base[0]} to "
+            f"{corner.base[1]}",
+            f"give two lengths that differ by less than {mm(base):down} and together exceed it",
         )
     # Kahan, Miscalculating area and angles of a needle-like triangle: this keeps the digits of a needle's height.
     long, middle, short = sorted((base, b, c), reverse=True)

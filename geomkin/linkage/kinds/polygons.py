@@ -12,6 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
+from ...core.units import marked
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
@@ -79,7 +80,7 @@ class PolygonsRecipe(AbstractRecipe):
         place = self.position if self.linkage.linkage.driven_slider else np.radians(self.position)
         motion = move(self.linkage, [place], branch_of(self.branch, self.branches), self.speed, self.acceleration)
         if not motion.assembled[0]:
-            problem = f"found {self.position:g}, which is not reached: {assembly_failure(motion)}"
+            problem = f"found {self.position:g}, which is not reached: {marked(str(assembly_failure(motion)))}"
             raise DesignError("position", problem, "give another", "does-not-assemble")
         return motion
 

@@ -12,6 +12,7 @@ import numpy as np
 from ...core.errors import DesignError, shown
 from ...core.fields import entry, to_digits
 from ...core.records import record
+from ...core.units import mm
 from ...model.check import Check
 from ...plane.vec import Complex, Real, without_rounding
 from ..checks import in_driver_unit
@@ -123,8 +124,9 @@ class Stance:
             yield FOUR_LEGS
         if (margin := self.least_margin[0]) > 0:
             yield (
-                f"It stands if its weight is in the middle, {self.centre.imag:.4g} mm from the outer face of the first "
-                f"ground: fix the battery so that it balances there, within {margin:.2g} mm."
+                f"It stands if its weight is in the middle, {mm(self.centre.imag):.4g} from the outer face of the "
+                "first "
+                f"ground: fix the battery so that it balances there, within {mm(margin):.2g}."
             )
 
     @property

@@ -13,6 +13,7 @@ from ...core.arguments import between
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ...core.records import record
+from ...core.units import mm
 from ...model.check import Check, Suggestion
 from ...model.scene import Limit, Plot, Scene, SceneRegion
 from ...model.table import Column, Table
@@ -243,7 +244,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         tolerance = rounded_down(loosest * (1 - ROUNDING), 3)
         keys = ["tolerances.tolerance"] * bool(self.given.tolerance)
         keys += [f"tolerances.lengths.{name}" for name, value in self.given.lengths.items() if value]
-        advice = f"cut all lengths to at most {tolerance} mm, or give a smaller clearance"
+        advice = f"cut all lengths to at most {mm(float(tolerance)):down}, or give a smaller clearance"
         return advice, (Suggestion(dict.fromkeys(keys, float(tolerance)), "mm"),)
 
     @cached_property
@@ -300,9 +301,11 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         band = f" The band about its path is enlarged {self.enlarged:g} times." if self.enlarged else ""
         normal, uniform = (f"{self.within[errors]:g} %" for errors in ("normal", "uniform"))
         return (
-            f"If lengths are cut to {self.given.tolerance:g} mm and holes are {clearance:g} mm wider than their pins, "
-            f"{self.given.of} deviates by at most {worst:.3g} {self.unit}. The root sum square is "
-            f"{self.root_sum_square:.3g} {self.unit}: {normal} of all linkages keep within it if errors of lengths are "
+            f"If lengths are cut to {mm(self.given.tolerance):g} and holes are {mm(clearance):g} wider than their "
+            "pins, "
+            f"{self.given.of} deviates by at most {mm(worst, unit=self.unit):.3g}. The root sum square is "
+            f"{mm(self.root_sum_square, unit=self.unit):.3g}: {normal} of all linkages keep within it if errors of "
+            "lengths are "
             f"normally distributed, a tolerance being three standard deviations, and {uniform} if they are uniformly "
             f"distributed.{band}"
         )

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.records import record
+from ...core.units import mm
 from ...making.motors import CORNER, face_of
 from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
@@ -228,14 +229,14 @@ class LinkPlate:
             if self.seat and self.seat.rim.size and self.seat.pin in (one, two):
                 raise DesignError(
                     "stock.motor",
-                    f"the {kinds[self.seat.pin == one]} in the {name} is {apart:.4g} mm from the face of the motor, "
-                    f"and its pin needs {needed:.4g} mm",
+                    f"the {kinds[self.seat.pin == one]} in the {name} is {mm(apart):.4g} from the face of the motor, "
+                    f"and its pin needs {mm(needed):.4g}",
                     'move them apart, give a smaller pin_diameter or fastener = "rod", or omit motor',
                 )
             raise DesignError(
                 traced[0] if traced else self.body,
-                f"the {kinds[0]} and the {kinds[1]} in the {name} are {apart:.4g} mm apart, "
-                f"and they are {needed:g} mm wide",
+                f"the {kinds[0]} and the {kinds[1]} in the {name} are {mm(apart):.4g} apart, "
+                f"and they are {mm(needed):g} wide",
                 "change the sizes that bring them together, or give a smaller pin_diameter",
             )
         radius = stock.hole_diameter / 2

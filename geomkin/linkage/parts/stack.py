@@ -14,6 +14,7 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import to_digits
 from ...core.records import record
+from ...core.units import Sentence, mm, sentences
 from ...making.assembly import Bill, glue_bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
@@ -127,7 +128,8 @@ class Collision:
     unit: str
 
     def __str__(self) -> str:
-        return f"pin {self.pin} meets {self.plate} from {self.first:.4g} to {self.last:.4g} {self.unit}"
+        span = mm(self.first, self.last, unit=self.unit, between=" to ")
+        return Sentence(f"pin {self.pin} meets {self.plate} from {span:.4g}")
 
 
 @record(eq=False)
@@ -193,7 +195,7 @@ class Stack:
     @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line for each layer."""
-        return (*self.steps_with({}), *self.closing)
+        return sentences((*self.steps_with({}), *self.closing))
 
     @property
     def closing(self) -> tuple[str, ...]:
@@ -250,7 +252,7 @@ class Stack:
         """How the crank is fixed on a motor's shaft, the only support if layers below it are empty."""
         low, crank = (next(name for name in pin.holes if self.layers[name] == layer) for layer in (pin.first, pin.last))
         crossed = pin.last - pin.first - 1
-        height = f", {crossed * pin.length / (crossed + 2):.6g} mm above {low}" if crossed else ""
+        height = f", {mm(crossed * pin.length / (crossed + 2)):.6g} above {low}" if crossed else ""
         seat = self.plates[crank].seat
         fit = seat.fits[0] if seat else None
         fixed = ", flat on flat" if fit and fit.flat else ""

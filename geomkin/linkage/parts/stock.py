@@ -9,6 +9,7 @@ from typing import Literal
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
+from ...core.units import mm
 from ...making.bores import AbstractBored, Fit, fit_entry, interference
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
@@ -58,7 +59,7 @@ class LinkStock:
         if self.bar_width <= self.hole_diameter:
             raise DesignError(
                 "bar_width",
-                f"found {self.bar_width:g} mm, but the pin holes are {self.hole_diameter:g} mm wide",
+                f"found {mm(self.bar_width):g}, but the pin holes are {mm(self.hole_diameter):g} wide",
                 "give wider bars or thinner pins",
             )
 
@@ -106,6 +107,6 @@ class LinkStock:
         if self.bar_width <= (widest := shaft.bore + shaft.play):
             raise DesignError(
                 "bar_width",
-                f"found {self.bar_width:g} mm, but the hole for the motor's shaft is {widest:g} mm wide",
+                f"found {mm(self.bar_width):g}, but the hole for the motor's shaft is {mm(widest):g} wide",
                 "give wider bars, or omit motor",
             )

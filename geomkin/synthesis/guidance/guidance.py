@@ -13,6 +13,7 @@ from ...core.errors import DesignError
 from ...core.fields import to_digits
 from ...core.progress import Watch
 from ...core.records import record
+from ...core.units import bare_mm
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.moving import move
 from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
@@ -239,9 +240,9 @@ def body_guides(
     if region is not None or not (has_points or len(origins) > 4):
         for corners in request.larger_regions:
             if search(replace(request, region=corners, rng=np.random.default_rng(seed))):
-                low, high = ([to_digits(v, 12) for v in (z.real, z.imag)] for z in corners)
+                low, high = (f"{bare_mm(to_digits(z.real, 12), to_digits(z.imag, 12))}" for z in corners)
                 problem = f"{problem} in the region"
-                raise DesignError("poses", problem, f"give a larger region: [{low}, {high}] is large enough")
+                raise DesignError("poses", problem, f"give a larger region: [[{low}], [{high}]] is large enough")
             if watch.over():
                 raise DesignError("poses", problem, "give a larger region, weaker limits, another kind or other poses")
     raise DesignError(

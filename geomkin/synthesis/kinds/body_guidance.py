@@ -12,6 +12,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import ComplexPoint, Coordinate, Ratio, entry, quantity, to_digits
 from ...core.records import record
+from ...core.units import bare_mm, unit_name
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.motion import Motion, unwrapped_deg
 from ...linkage.moving import move
@@ -303,7 +304,9 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         if given is None or not np.isfinite(self.found.pins).all():
             return ()
         # To a micrometre: the lengths of the found linkage are rounded.
-        driving, driven = (f"({pin.real:.7g}, {pin.imag:.7g}) mm" for pin in rounded(np.array(self.found.pins), 3))
+        driving, driven = (
+            f"({bare_mm(pin.real, pin.imag):.7g}) {unit_name()}" for pin in rounded(np.array(self.found.pins), 3)
+        )
         return (f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",)
 
     @property

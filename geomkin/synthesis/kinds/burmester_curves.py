@@ -11,6 +11,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
+from ...core.units import mm
 from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
 from ...model.check import Check
 from ...model.part import Part
@@ -107,7 +108,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         curves = burmester_curves(self.wanted.pairs, self.reach)
         if not curves.fixed:
             raise DesignError(
-                "wanted.reach", f"found {self.reach:g} mm, within which no pivot lies", "give more", "out-of-range"
+                "wanted.reach", f"found {mm(self.reach):g}, within which no pivot lies", "give more", "out-of-range"
             )
         return curves
 

@@ -15,7 +15,7 @@ from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, quantity
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
-from ...core.units import INCH
+from ...core.units import INCH, marked
 from ...linkage.coupler_curve import CouplerCurve
 from ...linkage.moving import move
 from ...linkage.parts.engraved import PlateStock, engraved, skeleton
@@ -80,7 +80,9 @@ class FileName:
             try:
                 return drawing_points(text, count)
             except DesignError as error:
-                raise DesignError("file", f"{printable(self.name)}: {error.problem}", error.remedy, error.id) from None
+                raise DesignError(
+                    "file", f"{printable(self.name)}: {marked(error.problem)}", error.remedy, error.id
+                ) from None
         return _rows(text, printable(self.name))
 
 
@@ -89,7 +91,7 @@ def as_field(name: str, path: str, count: int) -> Complex:
     try:
         return svg_path_points(path, count)[0]
     except DesignError as error:
-        raise DesignError(name, f"its path {error.problem}", error.remedy, error.id) from None
+        raise DesignError(name, f"its path {marked(error.problem)}", error.remedy, error.id) from None
 
 
 def _rows(text: str, name: str) -> Complex:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, Ratio, entry, quantity, to_digits
 from ...core.records import record
+from ...core.units import marked, mm
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
@@ -220,10 +221,12 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
                 raise
             # The length of this link follows from another key.
             key = next(name for name, size in given.items() if size is not None)
-            link = f"the resulting {error.field} is {self.found.lengths[error.field]:g} mm long: {error.problem}"
+            link = (
+                f"the resulting {error.field} is {mm(self.found.lengths[error.field]):g} long: {marked(error.problem)}"
+            )
             is_ratio_limited = self.found.at_largest_ratio and key != "stroke"
             ratio_advice = f", a largest_ratio below {self.found.largest_ratio:g}" if is_ratio_limited else ""
-            remedy = f"give a larger {key} than {given[key]:g} mm{ratio_advice}, or a smaller stock.pin_diameter"
+            remedy = f"give a larger {key} than {mm(given[key]):g}{ratio_advice}, or a smaller stock.pin_diameter"
             raise DesignError(f"wanted.{key}", link, remedy, error.id) from None
 
     @property

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core.errors import DesignError, shown
 from ...core.records import record
+from ...core.units import mm
 from ...plane.vec import Complex, Real, dot
 
 NAMES = ("ground", "crank", "coupler", "rocker", "x", "y", "origin_x", "origin_y", "ground_angle", "start")
@@ -179,7 +180,7 @@ def bounds_of(
         k = names.index(name)
         is_length = CRANK <= k <= ROCKER or (k == GROUND and not slides)
         if is_length and most <= 0:
-            raise DesignError("bounds", f"{name} is at most {most:g} mm", "give a length above 0", "out-of-range")
+            raise DesignError("bounds", f"{name} is at most {mm(most):down6}", "give a length above 0", "out-of-range")
         if name.endswith("_deg"):
             least, most = np.radians(least), np.radians(most)
         elif name.startswith("origin"):
@@ -191,7 +192,7 @@ def bounds_of(
         if low[k] > high[k]:
             raise DesignError(
                 "bounds",
-                f"{name} is out of proportion to the points, which are {size:.3g} mm wide",
+                f"{name} is out of proportion to the points, which are {mm(size):.3g} wide",
                 "give bounds nearer to their size",
                 "out-of-range",
             )

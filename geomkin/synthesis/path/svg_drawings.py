@@ -16,6 +16,7 @@ import numpy as np
 from ...core.arguments import checked, whole_between
 from ...core.errors import DesignError, printable, shown, with_article
 from ...core.fields import FARTHEST
+from ...core.units import marked, mm
 from ...plane.vec import Complex
 
 # Largest number of characters of a path; longer texts are not paths.
@@ -72,7 +73,7 @@ def evenly_spaced(line: Complex, closed: bool, count: int) -> tuple[Complex, boo
     """Points at equal lengths along a polyline, mirrored so that y goes up; and `closed`."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
     if not 0 < length[-1] < FARTHEST:
-        raise DesignError("path", f"is {length[-1]:g} mm long", "give a path with a length", "out-of-range")
+        raise DesignError("path", f"is {mm(length[-1]):g} long", "give a path with a length", "out-of-range")
     is_distinct = np.append(True, np.diff(length) > 0)
     positions = np.linspace(0, length[-1], count, endpoint=not closed)
     return np.conj(np.interp(positions, length[is_distinct], line[is_distinct])), closed
@@ -280,11 +281,11 @@ def drawing_points(text: str, count: int) -> Complex:
         line = placement.place(line)
         if not (np.abs(line) < FARTHEST).all():
             raise DesignError(
-                "path", "has points too far away", f"give places within {FARTHEST:g} mm of 0", "out-of-range"
+                "path", "has points too far away", f"give places within {mm(FARTHEST):g} of 0", "out-of-range"
             )
         return evenly_spaced(line, closed, count)[0]
     except DesignError as error:
-        raise _refused(f"its path {error.problem}", error.remedy) from None
+        raise _refused(f"its path {marked(error.problem)}", error.remedy) from None
 
 
 def _refused(problem: str, remedy: str = "save it as plain SVG without that") -> DesignError:

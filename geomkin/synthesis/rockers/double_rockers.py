@@ -10,8 +10,9 @@ import numpy as np
 
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
-from ...core.fields import Size, inside, last_fit, rounded_down, rounded_up
+from ...core.fields import Size, inside, last_fit, rounded_up
 from ...core.records import record
+from ...core.units import bare_mm, mm
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Mask, Real, Whole, cross
@@ -392,13 +393,13 @@ def _weights_for_size(name: str, value: float, ground: float, ends: tuple[Real, 
     end_values = [ground * float(end[0] / end[k]) if end[k] else np.inf for end in ends if end[0] or end[k]]
     low, high = min(end_values), max(end_values)
     if high - low <= ZERO_COEFFICIENT * low:
-        remedy = f"leave it out: it is {low:.7g} mm in the whole family"
+        remedy = f"leave it out: it is {mm(low):.7g} in the whole family"
     elif np.isfinite(high):
-        remedy = f"give more than {rounded_up(low)} and less than {rounded_down(high)} mm"
+        remedy = f"give more than {bare_mm(low):up} and less than {mm(high):down}"
     else:
-        remedy = f"give more than {rounded_up(low)} mm"
+        remedy = f"give more than {mm(low):up}"
     nearest = inside(low, -1) if value <= low or not np.isfinite(high) else inside(high, 1)
-    raise DesignError(name, f"found {value:g} mm, which no linkage of the family has", remedy, value=nearest)
+    raise DesignError(name, f"found {mm(value):g}, which no linkage of the family has", remedy, value=nearest)
 
 
 def _best(wanted: TwoPositions, ends: tuple[Real, Real], largest: float) -> tuple[float, bool]:

@@ -9,8 +9,9 @@ import numpy as np
 
 from ...core.arguments import LARGEST
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, SMALLEST, rounded_down, rounded_up, to_digits
+from ...core.fields import FARTHEST, SMALLEST, rounded_down, to_digits
 from ...core.records import record
+from ...core.units import mm
 from ...linkage.drive_limits import dead_centres
 from ...linkage.linkage import AbstractLinkage
 from ...linkage.measures import least_transmission_angle
@@ -152,18 +153,18 @@ def scale_for_link(sizes: Mapping[str, float], name: str, length: float) -> floa
     scale = length / sizes[name]
     longest, shortest = max(sizes.values()), min(sizes.values())
     if longest * scale > FARTHEST:
-        most = rounded_down(FARTHEST * sizes[name] / longest)
+        most = FARTHEST * sizes[name] / longest
         raise DesignError(
             name,
-            f"found {length:g} mm, which makes a link of {longest * scale:g} mm",
-            f"give {most} mm",
+            f"found {mm(length):g}, which makes a link of {mm(longest * scale):g}",
+            f"give {mm(most):down}",
             "out-of-range",
-            most,
+            rounded_down(most),
         )
     if shortest * scale < SMALLEST:
-        least = rounded_up(SMALLEST * sizes[name] / shortest)
-        found = f"found {length:g} mm, which makes a link of {shortest * scale:g} mm"
-        raise DesignError(name, found, f"give at least {least} mm", "out-of-range")
+        least = SMALLEST * sizes[name] / shortest
+        found = f"found {mm(length):g}, which makes a link of {mm(shortest * scale):g}"
+        raise DesignError(name, found, f"give at least {mm(least):up}", "out-of-range")
     return scale
 
 

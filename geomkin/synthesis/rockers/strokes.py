@@ -9,8 +9,9 @@ import numpy as np
 
 from ...core.arguments import between, checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, Size, inside, rounded_down, rounded_up
+from ...core.fields import FARTHEST, Size, inside
 from ...core.records import record
+from ...core.units import bare_mm, converted_power, mm
 from ...linkage.named_linkages import SliderCrank
 from ...plane.vec import Real
 from ..found import Rounding
@@ -207,19 +208,20 @@ def _transmission(turn: float, free: Real) -> Real:
 def _free_of(name: str, size: float, stroke: float, turn: float, ends: tuple[float, float]) -> float:
     """Free angle, rad, of the linkage with a given size; DesignError if there is none."""
     if name == "free_angle_deg":
-        range_values, wanted, unit = np.degrees(np.array(ends)), size, " deg"
+        range_values, wanted, unit = np.degrees(np.array(ends)), size, "deg"
     else:
-        range_values, wanted, unit = _sizes(stroke, turn, np.array(ends))[name], size, " mm"
+        range_values, wanted, unit = _sizes(stroke, turn, np.array(ends))[name], size, "mm"
         if name == "offset":
             range_values[1] = 0.0
     low, high = np.sort(range_values)
+    power = converted_power(unit)
     if turn == np.pi and name in ("crank", "offset"):
-        only_value = "0" if name == "offset" else f"{0.5 * stroke:.7g} mm"
-        problem = f"found {size:g} mm, but with equal strokes it is {only_value}"
+        only_value = "0" if name == "offset" else f"{mm(0.5 * stroke):.7g}"
+        problem = f"found {mm(size):g}, but with equal strokes it is {only_value}"
         raise DesignError(name, problem, "leave it out, give another turn, or give the coupler")
     if not low < wanted < high:
-        range_text = f"more than {rounded_up(low)} and less than {rounded_down(high)}{unit}"
-        problem = f"found {size:g}{unit}, which no such slider-crank has"
+        range_text = f"more than {bare_mm(low, power=power):up} and less than {mm(high, unit=unit):down}"
+        problem = f"found {mm(size, unit=unit):g}, which no such slider-crank has"
         nearest = inside(high, 1) if wanted >= high else inside(low, -1)
         raise DesignError(name, problem, f"give {range_text}", value=nearest)
     if name == "free_angle_deg":
