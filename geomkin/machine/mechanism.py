@@ -71,7 +71,7 @@ class Mechanism:
     Parameters
     ----------
     recipe : AbstractRecipe
-        Its recipe, of a linkage, a disk cam, a gear pair, a gear train or a planetary set.
+        Its recipe, of a linkage, a disk cam, gears in mesh, or a belt or chain drive.
     turned_by : str, optional
         The body that turns its driver, as `mechanism.body`; None for the one that a motor or a hand drives.
     phase_deg : float, optional
