@@ -1,5 +1,8 @@
 # The public names of this package. Each is imported when it is first used.
 from . import (
+    belt as belt,
+)
+from . import (
     cam as cam,
 )
 from . import (

@@ -57,6 +57,10 @@ KINDS_BY_GROUP.update({
         "parametric-tooth-gears": "geomkin.gear.kinds.conjugate_gears:ParametricToothGearsRecipe",
         "lantern-gears": "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe",
     },
+    "belts and chains": {
+        "belt-drive": "geomkin.belt.kinds.drives:BeltDriveRecipe",
+        "chain-drive": "geomkin.belt.kinds.drives:ChainDriveRecipe",
+    },
     "coupons": {
         "fit-test": "geomkin.coupon.kinds.fit_test:FitTestRecipe",
     },

@@ -15,7 +15,7 @@ from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
-from geomkin.recipe.messages import did_you_mean
+from geomkin.recipe.messages import NOT_OFFERED, did_you_mean
 
 GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
@@ -159,6 +159,14 @@ def test_list_searches_names_and_descriptions_of_kinds_and_recipes_of_the_galler
 )
 def test_a_longer_name_of_a_kind_is_recognised_and_another_mechanism_is_not(name, kind):
     assert did_you_mean(name, kind_names()).rstrip("? ").removeprefix("did you mean ") == kind
+
+
+@pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear")])
+def test_what_no_kind_makes_names_the_nearest_ones(words):
+    result = CliRunner().invoke(commands.cli, words)
+    kinds = NOT_OFFERED["worm"].split(" or ")
+    assert result.exit_code == 2 and set(kinds) < set(kind_names())
+    assert all(kind in result.output for kind in kinds)
 
 
 def test_the_command_alone_prints_its_help(command):

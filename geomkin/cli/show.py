@@ -89,6 +89,7 @@ def list_command(words: tuple[str, ...]) -> None:
 
     from ..core.errors import harmless, printable
     from ..recipe.kinds import all_kinds, gallery, recipe_class
+    from ..recipe.messages import nearest_kind
 
     # The words of `planetary-gear` are two.
     wanted = re.findall(r"\w+", " ".join(words).casefold())
@@ -105,7 +106,8 @@ def list_command(words: tuple[str, ...]) -> None:
     groups = {group: found for group, lines in groups.items() if (found := [*filter(has_words, lines)])}
     if not groups:
         problem = f"no kind and no recipe of the gallery has {printable(' '.join(words))!r}"
-        raise click.BadParameter(f"{problem}; `geomkin list` shows all kinds", param_hint="WORD")
+        remedy = nearest_kind(" ".join(words), all_kinds())
+        raise click.BadParameter(f"{problem}; {remedy}`geomkin list` shows all kinds", param_hint="WORD")
     width = max(len(name) for lines in groups.values() for name, _ in lines)
     for group, lines in groups.items():
         click.echo(harmless(group))
@@ -130,10 +132,10 @@ def new(name: str, options: tuple[str, ...]) -> None:
     try:
         recipe = recipe_class(name)
     except KeyError:
-        from ..recipe.messages import did_you_mean
+        from ..recipe.messages import nearest_kind
 
         kinds = kind_names()
-        remedy = f"{did_you_mean(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
+        remedy = f"{nearest_kind(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
     from ..recipe.template import template
 

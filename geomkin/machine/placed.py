@@ -237,6 +237,6 @@ def timing_diagrams(mechanisms: Sequence[PlacedMechanism], table: Table) -> Iter
         if ids:
             yield Plot(f"timing diagram, {'positions' if unit == 'mm' else 'angles'}", tuple(ids))
     if turns:
-        yield Plot("rotations of gears", turns)
+        yield Plot("rotations of wheels", turns)
     if TORQUE in table.ids:
         yield Plot("torque of the driver", (TORQUE,))

@@ -38,14 +38,14 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     try:
         kind = recipe_class(name if isinstance(name, str) else "")
     except KeyError:
-        from .messages import did_you_mean
+        from .messages import nearest_kind
 
         id: ProblemId = "unknown-kind" if "kind" in data else "missing-key"
         kinds = kind_names()
         found = "is missing" if "kind" not in data else f"found {shown(name)}"
         inner = {table: value.get("kind") for table, value in data.items() if isinstance(value, dict)}
         owner = next((table for table, kind in inner.items() if isinstance(kind, str) and kind in kinds), None)
-        near = f"move it from [{printable(owner)}] above the first table; " if owner else did_you_mean(name, kinds)
+        near = f"move it from [{printable(owner)}] above the first table; " if owner else nearest_kind(name, kinds)
         if data and all(
             isinstance(table, Mapping) and table.keys() <= {"kerf", *FITS}
             for key, table in data.items()

@@ -35,6 +35,27 @@ RENAMED = {
     **dict.fromkeys(("unit", "inch", "inches"), "units"),
 }  # fmt: skip
 
+# Mechanisms that no kind makes, by a word of their names, and the kinds that come nearest.
+NOT_OFFERED = {
+    **dict.fromkeys(("worm", "harmonic", "cycloidal", "cycloid"), "planetary or gear-train"),
+    **dict.fromkeys(("bevel", "hypoid", "crown", "miter", "mitre"), "gear-pair"),
+    **dict.fromkeys(("screw", "leadscrew", "ballscrew", "nut"), "rack-and-pinion"),
+    **dict.fromkeys(("v", "flat", "rope", "cable", "capstan", "ribbed"), "belt-drive"),
+    **dict.fromkeys(("geneva", "maltese", "ratchet", "pawl", "escapement", "indexing"), "disk-cam, with dwells"),
+    **dict.fromkeys(("barrel", "cylindrical", "globoid", "groove"), "disk-cam"),
+    **dict.fromkeys(("universal", "cardan", "hooke"), "oldham-coupling"),
+    **dict.fromkeys(("delta", "hexapod", "stewart", "scara", "robot", "spherical"), "linkage"),
+}  # fmt: skip
+
+
+def nearest_kind(name: object, kinds: Iterable[str]) -> str:
+    """The start of a remedy for an unknown kind: the kind that was meant, or the ones nearest to what no kind makes."""
+    meant = did_you_mean(name, kinds)
+    words = WORD.findall(name[:100].lower()) if isinstance(name, str) and not meant else []
+    if nearest := next((NOT_OFFERED[word] for word in words if word in NOT_OFFERED), ""):
+        return f"geomkin makes planar mechanisms, but not this one; nearest to it is {nearest}; "
+    return meant
+
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
     """The start of a remedy, `did you mean ...? `, if a known name is similar; otherwise "".

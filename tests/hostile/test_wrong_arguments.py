@@ -52,7 +52,7 @@ STATE = gk.synthesis.BodyState(1 + 0j, 4.0, 10j, -10.0)
 # Every public name of the geometry, the mechanisms, their checks and their parts, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.coupon, gk.synthesis, gk.making, gk.tradeoff, gk)
+    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.belt, gk.coupon, gk.synthesis, gk.making, gk.tradeoff, gk)
     for name in dir(room)
     if not name.startswith("_")
     and not inspect.ismodule(getattr(room, name))
@@ -61,6 +61,9 @@ PUBLIC = {
 # Good arguments of every public name, by name.
 GOOD = {
     "Arc": {"centre": 0j, "start": 2 + 0j, "sweep": 1.0},
+    "BeltLoop": {"wheels": (gk.belt.LoopWheel(0j, 6.0, 20.0), gk.belt.LoopWheel(100 + 0j, 19.0, 60.0)), "pitch": 2.0},
+    "LoopWheel": {"centre": 1j, "radius": 6.0, "pitches": 20.0, "is_outside": True, "outer_radius": 8.0},
+    "toothed_outline": {"profile": "GT2-2M", "teeth": 20},
     "BodyState": {"velocity": 1 + 2j, "omega": 4.0, "acceleration": 10j, "alpha": -10.0, "position": 1j},
     "Cam": {"follower": ROLLER, "program": PROGRAM, "base_radius": 40.0, "direction": "clockwise"},
     "CentrodeCurve": {"linkage": FOUR_BAR, "body": "coupler", "span": (0.5, 0.7), "moving": True, "branch": 1, "start": 0.5},
@@ -303,7 +306,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "CamForces", "DriveTable", "Balance", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "masses",
+    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "CamForces", "DriveTable", "Balance", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "PROFILES", "masses",
     "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.

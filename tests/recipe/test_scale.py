@@ -29,7 +29,9 @@ def gallery(name):
 
 def test_linkages_and_cams_take_it_and_gears_do_not():
     assert set(KINDS) - set(SCALED) == {
-        name for name in KINDS if "gear" in name or name in ("rack-and-pinion", "planetary", "fit-test", "machine")
+        name
+        for name in KINDS
+        if "gear" in name or name.endswith("-drive") or name in ("rack-and-pinion", "planetary", "fit-test", "machine")
     }
     defined = schema_of_all()["$defs"]
     for name in KINDS:

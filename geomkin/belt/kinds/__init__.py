@@ -1,0 +1,1 @@
+"""Recipes of belt and chain drives."""
