@@ -101,8 +101,8 @@ from .linkage.dynamics.loads import (
 from .linkage.dynamics.loads import (
     TorsionSpring as TorsionSpring,
 )
+from .linkage.joints.slide import Slider as Slider
 from .linkage.linkage import Linkage as Linkage
-from .linkage.linkage import Slider as Slider
 from .linkage.measures import least_transmission_angle as least_transmission_angle
 from .linkage.moving import move as move
 from .linkage.named_linkages import (

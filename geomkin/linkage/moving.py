@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -14,7 +15,8 @@ from numpy.typing import ArrayLike
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..plane.vec import Complex, Real
-from .linkage import AbstractLinkage, Linkage, Slider
+from .joints.slide import Slider
+from .linkage import AbstractLinkage, Linkage
 from .motion import Motion
 from .solve.actuators import ActuatorBar, actuated_dyad
 from .solve.branch import Branch, BranchSpec, Continuation, as_branch_spec
@@ -63,18 +65,20 @@ def _find_plan(linkage: Linkage, follow: bool) -> tuple[Placement, ...]:
 
 
 def _check_mobility(linkage: Linkage) -> None:
-    """Gruebler's count: three freedoms per moving body, less two per pin or slider, must leave one for the driver."""
-    pins = sum(len(bodies) - 1 for bodies in linkage.pins.values())
-    freedom = 3 * (len(linkage.bodies) - 1) - 2 * pins - 2 * len(linkage.sliders)
-    joined = {body for bodies in linkage.pins.values() for body in bodies}
-    joined |= {body for slider in linkage.sliders for body in (slider.body, slider.along)}
+    """Gruebler's count: three freedoms per moving body, less those that joints remove, must leave the driver one."""
+    freedom = 3 * (len(linkage.bodies) - 1) - sum(joint.removes for joint in linkage.joints)
+    joined = {body for joint in linkage.joints for body in joint.bodies}
     unjoined = [body for body in linkage.bodies if body not in joined]
     if unjoined:
         raise DesignError(
             "bodies", f"{unjoined[0]} is not joined to any other body", "give it a point that another body has too"
         )
     if freedom != 1:
-        count = f"{len(linkage.bodies) - 1} moving bodies with {pins} pins and {len(linkage.sliders)} sliders"
+        nouns = Counter({"pin": 0, "slider": 0})
+        for joint in linkage.joints:
+            nouns[joint.noun] += joint.count
+        joints = " and ".join(f"{number} {noun}s" for noun, number in nouns.items())
+        count = f"{len(linkage.bodies) - 1} moving bodies with {joints}"
         raise DesignError(
             "bodies",
             f"{count} have {freedom} degrees of freedom and one driver, so the linkage is "

@@ -10,7 +10,8 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, entry, inside, quantity, rounded_down
 from ..core.records import record
-from .linkage import AbstractLinkage, Linkage, Slider
+from .joints.slide import Slider
+from .linkage import AbstractLinkage, Linkage
 
 
 @record(checked=True, arrays=True)

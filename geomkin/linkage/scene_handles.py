@@ -69,7 +69,7 @@ def linkage_handles(linkage: AbstractLinkage, motion: Motion, key: str = "linkag
         keys = tuple(f"{key}.{field}" for field in dict.fromkeys(fields))
         at = handle_position(motion, id)
         if any(np.allclose(at, other, rtol=0, atol=1e-9 * step, equal_nan=True) for other in taken):
-            if sort != "point" or name in general.pins:
+            if sort != "point" or name in general.joint_points:
                 continue
             # A point that is not used lies on a pin, whose handle it would hide: it is offered beside that.
             body = next(body for body, points in general.bodies.items() if name in points)
@@ -94,7 +94,7 @@ def _differences(one: Linkage, other: Linkage) -> Iterator[str]:
             elsewhere = [one.bodies[b][name] for b in one.pins.get(name, ()) if b != body]
             is_hidden = body != ground and (name in pivots or (place == 0 and any(z != 0 for z in elsewhere)))
             yield "" if is_hidden else f"point:{name}"
-    for slider, changed in zip(one.sliders, other.sliders):
+    for slider, changed in zip(one.slides, other.slides):
         if slider.through != changed.through:
             yield f"slide:{slider.name}"
             if slider.along == ground:
@@ -114,7 +114,7 @@ def handle_position(motion: Motion, id: str) -> Complex:
     if name in linkage.bodies:
         position = motion.bodies[name].point(arm).position
     else:
-        slider = next(s for s in linkage.sliders if s.name == name)
+        slider = next(s for s in linkage.slides if s.name == name)
         position = motion.bodies[slider.along].point(slider.through + arm * slider.direction).position
     return np.where(motion.assembled, position, np.nan)
 

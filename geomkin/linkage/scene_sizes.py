@@ -44,8 +44,8 @@ def size_columns(motion: Motion) -> tuple[Column, ...]:
 def _traced(linkage: Linkage, body: str) -> list[str]:
     """Points of a body that lie elsewhere than its pins."""
     points = linkage.bodies[body]
-    pins = [place for point, place in points.items() if point in linkage.pins]
-    return [point for point, place in points.items() if point not in linkage.pins and place not in pins]
+    pins = [place for point, place in points.items() if point in linkage.joint_points]
+    return [point for point, place in points.items() if point not in linkage.joint_points and place not in pins]
 
 
 def size_plot(columns: tuple[Column, ...]) -> tuple[Plot, ...]:

@@ -18,7 +18,8 @@ from ...model.scene import SceneHandle
 from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
-from ..linkage import AbstractLinkage, Linkage, Slider
+from ..joints.slide import Slider
+from ..linkage import AbstractLinkage, Linkage
 from ..measures import motion_quantities
 from ..motion import Motion
 from ..scene_handles import handle_position, linkage_handles, stroke_handles
