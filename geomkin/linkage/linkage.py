@@ -19,6 +19,7 @@ from ..core.reprs import LONGEST, moving_picture, one_line
 from ..plane.vec import Array, Real, direction_deg
 from .joints.joint import AbstractJoint
 from .joints.pin import PinJoint
+from .joints.pin_in_slot import PinInSlot
 from .joints.slide import AbstractSlide, Slider
 from .solve.placement import Placement
 
@@ -98,6 +99,8 @@ class Linkage(AbstractLinkage):
         Direction of the fixed body's x axis, deg.
     estimate : mapping of str to complex
         Approximate positions of pins at the first frame, mm. Only needed if the linkage is not a chain of dyads.
+    slots : tuple of PinInSlot
+        The pins that run in slots.
 
     Raises
     ------
@@ -128,6 +131,7 @@ class Linkage(AbstractLinkage):
     origin: ComplexOrArray = 0j
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
+    slots: tuple[PinInSlot, ...] = ()
 
     def __post_init__(self) -> None:
         _check_structure(*self.structure)
@@ -150,7 +154,7 @@ class Linkage(AbstractLinkage):
     @cached_property
     def structure(self) -> Structure:
         """Names of bodies and points, slides with their bodies, and the driver."""
-        slides = tuple(slide.names for slide in self.sliders)
+        slides = tuple(slide.names for slide in (*self.sliders, *self.slots))
         return tuple((body, *points) for body, points in self.bodies.items()), slides, self.driver
 
     @property
@@ -221,12 +225,12 @@ class Linkage(AbstractLinkage):
 
     @cached_property
     def slides(self) -> tuple[AbstractSlide, ...]:
-        """The joints in which a point of one body runs along a line of another."""
-        return self.sliders
+        """The joints in which a point of one body runs along a line of another: sliders, then pins in slots."""
+        return *self.sliders, *(slot.of(self.bodies) for slot in self.slots)
 
     def with_slides(self, changed: Callable[[Any], Any]) -> dict[str, Any]:
         """The fields of the slides, with each of them changed."""
-        return {"sliders": tuple(map(changed, self.sliders))}
+        return {"sliders": tuple(map(changed, self.sliders)), "slots": tuple(map(changed, self.slots))}
 
     @cached_property
     def joints(self) -> tuple[AbstractJoint, ...]:
