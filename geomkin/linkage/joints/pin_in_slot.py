@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Self
+from typing import Literal, Self
 
 from ...core.fields import ComplexOrArray, entry, quantity
 from ...core.records import record
@@ -42,7 +42,7 @@ class PinInSlot(AbstractSlide):
     ... )
     >>> motion = gk.move(quick_return, [0.0, 1.0], speed=2.0)
     >>> motion.lever.omega.round(4), motion.slide("slot").displacement.round(4)
-    (array([1.7241, 2.6373]), array([53.8516, 35.0021]))
+    (array([1.7241, 2.7255]), array([53.8516, 34.8864]))
     """
 
     name: str = entry("its name", example="slot")
@@ -92,8 +92,8 @@ class PinInSlot(AbstractSlide):
         return self.body, complex(self.point), self.along
 
     def marks(self, motion: MotionOfJoint) -> Iterator[SceneMark]:
-        """The slide, and its pin unless that also joins two bodies."""
-        yield from super().marks(motion)
+        """The pin, unless it also joins two bodies; the slot is cut in its plate."""
         if len(motion.linkage.joint_points[self.pin]) == 1:
             place = motion.bodies[self.body].point(self.point).position
-            yield SceneMark("pin", place, "construction", self.pin)
+            sort: Literal["pin", "fixed pin"] = "fixed pin" if self.body == motion.linkage.ground else "pin"
+            yield SceneMark(sort, place, "construction", self.pin)
