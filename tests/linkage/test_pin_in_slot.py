@@ -142,6 +142,12 @@ def test_forces_are_those_of_a_block_without_mass(coefficient):
     assert not one.slide("slot").moment.any() and not one.undetermined
 
 
+def test_friction_of_a_slot_has_no_length():
+    with pytest.raises(DesignError) as refused:
+        gk.forces(moved(SLOTTED), replace(LOADS, friction=[gk.SlideFriction("slot", 0.2, length=30)])).driver
+    assert refused.value.field == "friction.length"
+
+
 @pytest.mark.parametrize("by", ["crank.A.x", "slot.through.y", "slot.direction_deg", "ground.C.y"])
 def test_sensitivities_are_those_of_a_block(by):
     one, other = moved(SLOTTED), moved(BLOCK)

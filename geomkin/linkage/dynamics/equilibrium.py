@@ -156,7 +156,7 @@ class Equilibrium:
                 speed = np.abs(self.wrenches.first(slider.body, slider.point))
                 sense = self._sense(motion.slide(slider.name).first, speed)
                 effect = self.pressed(slider, -friction.coefficient * sense)
-                share = 2 * self.size / friction.length if friction.length and slider.is_aligned else 0.0
+                share = 2 * self.size / friction.length if friction.length else 0.0
                 terms.append(DryFriction(self.slides[slider.name], effect, share))
         return terms
 

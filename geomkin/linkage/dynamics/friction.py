@@ -75,7 +75,8 @@ class SlideFriction:
     coefficient : float
         Coefficient of dry friction.
     length : float
-        Length of the guided part, mm, half of it on each side of the slider's point; 0 if it takes no moment.
+        Length of the guided part, mm, half of it on each side of the slider's point; 0 if it takes no moment, as of
+        a pin in a slot. The slip of such a pin is that of its centre.
     viscous : float
         Viscous force per sliding velocity, N s/mm.
 
@@ -94,6 +95,9 @@ class SlideFriction:
         """The slider with this name."""
         for slider in linkage.slides:
             if slider.name == self.slide:
+                if self.length and not slider.is_aligned:
+                    problem = f"found {self.length:.4g} mm, but {self.slide} is a pin in a slot, which takes no moment"
+                    raise DesignError("friction.length", problem, "omit it", "conflict")
                 return slider
         problem = f"found {shown(self.slide)}, which is not the name of a slider"
         names = ", ".join(slider.name for slider in linkage.slides) or "none, for the linkage has no slider"
