@@ -104,8 +104,9 @@ from .linkage.dynamics.loads import (
 from .linkage.dynamics.loads import (
     TorsionSpring as TorsionSpring,
 )
+from .linkage.joints.pin_in_slot import PinInSlot as PinInSlot
+from .linkage.joints.slide import Slider as Slider
 from .linkage.linkage import Linkage as Linkage
-from .linkage.linkage import Slider as Slider
 from .linkage.measures import least_transmission_angle as least_transmission_angle
 from .linkage.moving import move as move
 from .linkage.named_linkages import (

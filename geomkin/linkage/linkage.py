@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import field, fields
 from functools import cached_property, lru_cache
 from typing import Annotated, Any, ClassVar
@@ -17,11 +17,16 @@ from ..core.names import check_names
 from ..core.records import record
 from ..core.reprs import LONGEST, moving_picture, one_line
 from ..core.units import mm
-from ..plane.vec import Array, Complex, Real, direction_deg
+from ..plane.vec import Array, Real, direction_deg
+from .joints.joint import AbstractJoint
+from .joints.pin import PinJoint
+from .joints.pin_in_slot import PinInSlot
+from .joints.slide import AbstractSlide, Slider
 from .solve.placement import Placement
 
-# The structure of a linkage, equal for linkages that differ only in sizes.
-Structure = tuple[tuple[tuple[str, ...], ...], tuple[tuple[str, str, str], ...], str]
+# The structure of a linkage, equal for linkages that differ only in sizes: each body with its points; each slide with
+# its name, body and guide, and its pin if it has one; the driver.
+Structure = tuple[tuple[tuple[str, ...], ...], tuple[tuple[str, ...], ...], str]
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
 MOTION_ATTRIBUTES = {
     "assembled", "bodies", "branches", "drive", "error_amplification", "given", "linkage",
@@ -74,67 +79,6 @@ OneLinkage = Annotated[
 
 
 @record(checked=True, eq=False)
-class Slider:
-    """Sliding joint: `body` slides along a straight line of the body `along`, without turning relative to it.
-
-    Parameters
-    ----------
-    name : str
-        Name of the joint.
-    body, along : str
-        The sliding body, and the body that has the line.
-    point : complex
-        Point of `body` that stays on the line, mm in the frame of `body`.
-    through : complex
-        Point of the line, mm in the frame of `along`; the displacement is measured from it.
-    direction_deg : float
-        Direction of the line in the frame of `along`, deg.
-    angle_deg : float
-        Angle of the x axis of `body` from the line's direction, deg.
-    """
-
-    name: str
-    body: str
-    along: str
-    point: ComplexOrArray = 0j
-    through: ComplexOrArray = 0j
-    direction_deg: float = 0.0
-    angle_deg: float = 0.0
-
-    @cached_property
-    def direction(self) -> Complex:
-        """Direction of the line in the frame of `along`, unit complex."""
-        return direction_deg(self.direction_deg)
-
-    @cached_property
-    def rotation(self) -> Complex:
-        """Direction of the x axis of `body` in the frame of `along`, unit complex."""
-        return self.direction * direction_deg(self.angle_deg) if self.angle_deg else self.direction
-
-    def in_other_frame(self, body: str, place: complex | Complex, displacement: float) -> Complex:
-        """A point of one of the two bodies, in the frame of the other.
-
-        Parameters
-        ----------
-        body : str
-            The body that the point belongs to.
-        place : complex or array
-            The point, mm in the frame of `body`.
-        displacement : float
-            Displacement of the slider, mm.
-
-        Returns
-        -------
-        complex or array
-            mm, in the frame of the other body.
-        """
-        start = self.through + displacement * self.direction
-        if body == self.body:
-            return start + self.rotation * (place - self.point)
-        return self.point + np.conj(self.rotation) * (place - start)
-
-
-@record(checked=True, eq=False)
 class Linkage(AbstractLinkage):
     """Rigid bodies with named points; a pin joins two bodies at each point that both name.
 
@@ -156,6 +100,8 @@ class Linkage(AbstractLinkage):
         Direction of the fixed body's x axis, deg.
     estimate : mapping of str to complex
         Approximate positions of pins at the first frame, mm. Only needed if the linkage is not a chain of dyads.
+    slots : tuple of PinInSlot
+        The pins that run in slots.
 
     Raises
     ------
@@ -186,6 +132,7 @@ class Linkage(AbstractLinkage):
     origin: ComplexOrArray = 0j
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
+    slots: tuple[PinInSlot, ...] = ()
 
     def __post_init__(self) -> None:
         _check_structure(*self.structure)
@@ -207,9 +154,9 @@ class Linkage(AbstractLinkage):
 
     @cached_property
     def structure(self) -> Structure:
-        """Names of bodies and points, sliders with their bodies, and the driver."""
-        joints = tuple((slider.name, slider.body, slider.along) for slider in self.sliders)
-        return tuple((body, *points) for body, points in self.bodies.items()), joints, self.driver
+        """Names of bodies and points, slides with their bodies, and the driver."""
+        slides = tuple(slide.names for slide in (*self.sliders, *self.slots))
+        return tuple((body, *points) for body, points in self.bodies.items()), slides, self.driver
 
     @property
     def driver_pivot(self) -> str | None:
@@ -249,7 +196,7 @@ class Linkage(AbstractLinkage):
     def size(self) -> Real:
         """Largest distance of a point or a slide line from its body's origin, mm, shape () or (linkages,)."""
         places = [z for points in self.bodies.values() for z in points.values()]
-        places += [place for slider in self.sliders for place in (slider.point, slider.through)]
+        places += [place for slide in self.slides for place in (slide.point, slide.through)]
         largest: Real = np.zeros(())
         for place in places:
             largest = np.maximum(largest, np.abs(place))
@@ -278,6 +225,29 @@ class Linkage(AbstractLinkage):
         return {name: tuple(bodies) for name, bodies in bodies_at.items() if len(bodies) > 1}
 
     @cached_property
+    def slides(self) -> tuple[AbstractSlide, ...]:
+        """The joints in which a point of one body runs along a line of another: sliders, then pins in slots."""
+        return *self.sliders, *(slot.of(self.bodies) for slot in self.slots)
+
+    def with_slides(self, changed: Callable[[Any], Any]) -> dict[str, Any]:
+        """The fields of the slides, with each of them changed."""
+        return {"sliders": tuple(map(changed, self.sliders)), "slots": tuple(map(changed, self.slots))}
+
+    @cached_property
+    def joints(self) -> tuple[AbstractJoint, ...]:
+        """All joints, the pins first."""
+        pins = (PinJoint(name, {b: self.bodies[b][name] for b in bodies}) for name, bodies in self.pins.items())
+        return *pins, *self.slides
+
+    @cached_property
+    def joint_points(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of the points at which joints are, with the bodies to which each belongs."""
+        named: dict[str, tuple[str, ...]] = {}
+        for point, bodies in (item for joint in self.joints for item in joint.points.items()):
+            named[point] = tuple(dict.fromkeys((*named.get(point, ()), *bodies)))
+        return named
+
+    @cached_property
     def plans(self) -> dict[bool, tuple[Placement, ...]]:
         """Cache of the solver: the placements of all bodies, by whether branches are followed."""
         return {}
@@ -293,12 +263,10 @@ STRUCTURES = 256
 
 
 @lru_cache(STRUCTURES)
-def _check_structure(
-    bodies: tuple[tuple[str, ...], ...], sliders: tuple[tuple[str, str, str], ...], driver: str
-) -> None:
-    """Raise DesignError for names, sliders or a driver that make no linkage, whatever its sizes.
+def _check_structure(bodies: tuple[tuple[str, ...], ...], slides: tuple[tuple[str, ...], ...], driver: str) -> None:
+    """Raise DesignError for names, joints or a driver that make no linkage, whatever its sizes.
 
-    bodies: each a name and its points, the ground first; sliders: each name, body, guide.
+    bodies: each a name and its points, the ground first; slides: each name, body, guide, and its pin if it has one.
     """
     names = [body for body, *_ in bodies]
     if len(names) < 2:
@@ -308,19 +276,27 @@ def _check_structure(
         problem = f"a body is named {shown(taken[0])}, which is reserved for an attribute of Motion"
         raise DesignError("bodies", problem, f"give it another name, such as {taken[0].lstrip('_')}_body")
     check_names("bodies", (point for _, *points in bodies for point in points), "a point")
-    joints = [name for name, _, _ in sliders]
+    sliders = tuple((name, body, along) for name, body, along, *pin in slides if not pin)
+    joints = [name for name, *_ in sliders]
     check_names("sliders", joints, "a slider")
-    if len(set(joints)) < len(joints):
-        raise DesignError("sliders", "two have the same name", "give each a different name")
+    check_names("slots", (name for name, _, _, *pin in slides if pin), "a slot")
+    if len({name for name, *_ in slides}) < len(slides):
+        field = "sliders" if len(sliders) == len(slides) else "slots"
+        raise DesignError(field, "two have the same name", "give each a different name")
     drivers = [*names[1:], *joints]
     if driver not in drivers:
         raise DesignError("driver", f"found {shown(driver)}", f"give one of {', '.join(drivers)}")
-    for name, *ends in sliders:
+    points = {body: named for body, *named in bodies}
+    for name, *ends, pin in ((*slide, "")[:4] for slide in slides):
+        field = "slots" if pin else "sliders"
         for body in ends:
             if body not in names:
-                raise DesignError("sliders", f"{name} names {shown(body)}", f"give one of {', '.join(names)}")
+                raise DesignError(field, f"{name} names {shown(body)}", f"give one of {', '.join(names)}")
         if ends[0] == ends[1]:
-            raise DesignError("sliders", f"{name} slides {ends[0]} on itself", "give two bodies")
+            raise DesignError(field, f"{name} slides {ends[0]} on itself", "give two bodies")
+        if pin and pin not in points[ends[0]]:
+            problem = f"{name} names {shown(pin)}, which is not a point of {ends[0]}"
+            raise DesignError(field, problem, f"give one of {', '.join(points[ends[0]]) or 'its points'}")
     _check_driver(bodies, sliders, driver)
 
 

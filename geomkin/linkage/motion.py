@@ -13,9 +13,10 @@ from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.reprs import clipped, moving_picture, short
 from ..model.table import Column, Table, finite, xy_columns
-from ..plane.vec import Array, Complex, Mask, Real, Whole, cross, dot
+from ..plane.vec import Array, Complex, Mask, Real, Whole, dot
 from .body_motion import Body, PointMotion, SlideMotion
-from .linkage import AbstractLinkage, Linkage, Slider
+from .joints.slide import AbstractSlide
+from .linkage import AbstractLinkage, Linkage
 from .sensitivity import Sensitivities
 from .solve.solution import LinkageSolution
 from .timing import Timing
@@ -127,14 +128,8 @@ class Motion:
             stretch = np.abs(np.abs(self.bodies[name].direction) - 1)
             for place in points.values():
                 largest = np.maximum(largest, stretch * np.abs(place))
-        for pin, bodies in self.linkage.pins.items():
-            places = [self.bodies[b].point(self.linkage.bodies[b][pin]).position for b in bodies]
-            for other in places[1:]:
-                largest = np.maximum(largest, np.abs(other - places[0]))
-        for s in self.linkage.sliders:
-            guide, body = self.bodies[s.along], self.bodies[s.body]
-            apart = body.point(s.point).position - guide.point(s.through).position
-            largest = np.maximum(largest, np.abs(cross(guide.direction * s.direction, apart)))
+        for joint in self.linkage.joints:
+            largest = np.maximum(largest, joint.gap(self))
         return largest
 
     @cached_property
@@ -205,10 +200,10 @@ class Motion:
         DesignError
             If the linkage has no such slider; lists the names.
         """
-        for slider in self.linkage.sliders:
-            if slider.name == name:
-                return _slide(self, slider)
-        sliders = ", ".join(slider.name for slider in self.linkage.sliders)
+        for slide in self.linkage.slides:
+            if slide.name == name:
+                return _slide(self, slide)
+        sliders = ", ".join(slide.name for slide in self.linkage.slides)
         raise DesignError(
             "name",
             f"found {shown(name)}, which is not the name of a slider",
@@ -279,9 +274,8 @@ class Motion:
         return {column.header: column.values for column in motion_table(self).columns}
 
 
-def _slide(motion: Motion, slider: Slider) -> SlideMotion:
-    guide = motion.bodies[slider.along]
-    line = guide.direction * slider.direction
+def _slide(motion: Motion, slider: AbstractSlide) -> SlideMotion:
+    guide, line = motion.bodies[slider.along], slider.line(motion)
     start, point = guide.point(slider.through), motion.bodies[slider.body].point(slider.point)
     apart = np.conj(line) * (point.position - start.position)
     # Relative to the rotating line the point only slides along it: the other terms are the line's rotation.
@@ -406,7 +400,7 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
         drive,
         Column("time", "s", "time at the recipe's speed", motion.timing.elapsed(motion.drive)),
         *_bodies(motion),
-        *_slides(motion),
+        *(column for joint in linkage.joints for column in joint.columns(motion)),
         Column(
             "transmission_angle",
             "deg",
@@ -418,7 +412,7 @@ def motion_table(motion: Motion, coefficients: bool = False) -> Table:
     ]
     for body, points in linkage.bodies.items():
         for point in points:
-            if body != ground and point not in linkage.pins:
+            if body != ground and point not in linkage.joint_points:
                 columns += _point(motion, point)
     return Table((*columns, *_coefficients(motion))) if coefficients else Table(tuple(columns))
 
@@ -443,34 +437,15 @@ def _bodies(motion: Motion) -> Iterator[Column]:
         yield Column(f"{name}_alpha", "rad/s2", f"angular acceleration of the {name}", alpha, omega**2)
 
 
-def _slides(motion: Motion) -> Iterator[Column]:
-    for slider in motion.linkage.sliders:
-        slide, name = motion.slide(slider.name), slider.name
-        velocity, acceleration = finite(slide.velocity), finite(slide.acceleration)
-        # Scales for rounding: values that are tiny beside the whole motion of the body are written as 0.
-        speed = np.abs(motion.bodies[slider.body].origin.velocity)
-        body_acceleration = np.abs(motion.bodies[slider.body].origin.acceleration)
-        yield Column(f"{name}_displacement", "mm", f"displacement along the line of {name}", slide.displacement)
-        yield Column(f"{name}_velocity", "mm/s", f"sliding velocity of {name}", velocity, speed)
-        yield Column(
-            f"{name}_acceleration", "mm/s2", f"sliding acceleration of {name}", acceleration, body_acceleration
-        )
-        if _largest(slide.coriolis) > ROUNDING * max(_largest(body_acceleration), _largest(acceleration)):
-            yield from xy_columns(
-                f"{name}_coriolis", "mm/s2", f"Coriolis acceleration of {name}", finite(slide.coriolis)
-            )
-
-
 def _largest(values: Real | Complex) -> float:
     """Largest finite magnitude; 0 if no value is finite."""
     return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
 def on_ground(linkage: Linkage) -> set[str]:
-    """Names of the bodies that a pin or a slider joins to the ground."""
-    joined = {b for bodies in linkage.pins.values() if linkage.ground in bodies for b in bodies}
-    joined |= {b for s in linkage.sliders if linkage.ground in (s.body, s.along) for b in (s.body, s.along)}
-    return joined - {linkage.ground}
+    """Names of the bodies that a joint leaves one freedom on the ground."""
+    joints = (joint.bodies for joint in linkage.joints if joint.freedoms == 2 and linkage.ground in joint.bodies)
+    return {body for bodies in joints for body in bodies} - {linkage.ground}
 
 
 def _outputs(motion: Motion) -> Iterator[Column]:
@@ -510,12 +485,9 @@ def _coefficients(motion: Motion) -> Iterator[Column]:
     free = [(body, point) for body, points in linkage.bodies.items() for point in points]
     for order, per in orders:
         unit = {"mm": "", "mm2": "1/mm"}.get(per, f"mm/{per}")
-        for slider in linkage.sliders:
-            words = f"{order} kinematic coefficient of {slider.name}"
-            scale = np.abs(getattr(motion.bodies[slider.body].origin, order))
-            values = finite(getattr(motion.slide(slider.name), order))
-            yield Column(f"{slider.name}_displacement_{order}_coefficient", unit, words, values, scale)
-        for point in (point for body, point in free if body != linkage.ground and point not in linkage.pins):
+        for joint in linkage.joints:
+            yield from joint.coefficients(motion, order, unit)
+        for point in (point for body, point in free if body != linkage.ground and point not in linkage.joint_points):
             words = f"{order} kinematic coefficient of the {point.replace('_', ' ')}"
             values = finite(getattr(motion.point(point), order))
             yield from xy_columns(f"{point}_{order}_coefficient", unit, words, values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -14,7 +15,8 @@ from numpy.typing import ArrayLike
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..plane.vec import Complex, Real
-from .linkage import AbstractLinkage, Linkage, Slider
+from .joints.slide import AbstractSlide, Slider
+from .linkage import AbstractLinkage, Linkage
 from .motion import Motion
 from .solve.actuators import ActuatorBar, actuated_dyad
 from .solve.branch import Branch, BranchSpec, Continuation, as_branch_spec
@@ -63,18 +65,20 @@ def _find_plan(linkage: Linkage, follow: bool) -> tuple[Placement, ...]:
 
 
 def _check_mobility(linkage: Linkage) -> None:
-    """Gruebler's count: three freedoms per moving body, less two per pin or slider, must leave one for the driver."""
-    pins = sum(len(bodies) - 1 for bodies in linkage.pins.values())
-    freedom = 3 * (len(linkage.bodies) - 1) - 2 * pins - 2 * len(linkage.sliders)
-    joined = {body for bodies in linkage.pins.values() for body in bodies}
-    joined |= {body for slider in linkage.sliders for body in (slider.body, slider.along)}
+    """Gruebler's count: three freedoms per moving body, less those that joints remove, must leave the driver one."""
+    freedom = 3 * (len(linkage.bodies) - 1) - sum(joint.removes for joint in linkage.joints)
+    joined = {body for joint in linkage.joints for body in joint.bodies}
     unjoined = [body for body in linkage.bodies if body not in joined]
     if unjoined:
         raise DesignError(
             "bodies", f"{unjoined[0]} is not joined to any other body", "give it a point that another body has too"
         )
     if freedom != 1:
-        count = f"{len(linkage.bodies) - 1} moving bodies with {pins} pins and {len(linkage.sliders)} sliders"
+        nouns = Counter({"pin": 0, "slider": 0})
+        for joint in linkage.joints:
+            nouns[joint.noun] += joint.count
+        joints = " and ".join(f"{number} {noun}s" for noun, number in nouns.items())
+        count = f"{len(linkage.bodies) - 1} moving bodies with {joints}"
         raise DesignError(
             "bodies",
             f"{count} have {freedom} degrees of freedom and one driver, so the linkage is "
@@ -150,9 +154,11 @@ class Planner:
         return len(self.placements) > before
 
     def place_dyad(self) -> bool:
-        """Place the first pair of bodies, in the linkage's order, that are joined to placed ones and to each other."""
+        """Place the first body in a slot, or pair of bodies that are joined to placed ones and to each other."""
         unplaced = [body for body in self.linkage.bodies if body not in self.placed]
-        return any(self.place_pair(one, two) for one, two in combinations(unplaced, 2))
+        return any(self.place_in_slot(body) for body in unplaced) or any(
+            self.place_pair(one, two) for one, two in combinations(unplaced, 2)
+        )
 
     def place_pair(self, one: str, two: str) -> bool:
         for slider in self.linkage.sliders:
@@ -248,6 +254,32 @@ class Planner:
         self.oriented |= {one, two}
         return True
 
+    def place_in_slot(self, body: str) -> bool:
+        """Place a body pinned to a placed one, if its pin runs in a slot of another placed one or the reverse."""
+        slots = [slide for slide in self.rails_to_placed(body) if not slide.is_aligned]
+        pivots = self.pins_to_placed(body)
+        if body in self.oriented or not (slots and pivots):
+            return False
+        slot, pivot = slots[0], pivots[0]
+        (pin,) = slot.points
+        lines, base = ((pivot, pin), slot.name), self.anchor(pivot)
+        if body == slot.body:
+            arm, start = self.arm(body, pivot, pin), Anchor(slot.along, slot.through)
+            self.append(RRP(slot.name, lines, body, arm, base, start, self.rail(slot, body)))
+        else:
+            rotation = np.conj(slot.direction)
+            offset = (rotation * (slot.through - self.local(body, pivot))).imag
+            bases, before = (
+                (base, Anchor(slot.body, slot.point)),
+                tuple(p for p in self.placements if isinstance(p, Dyad)),
+            )
+            turned = (body, body), (rotation, rotation), offset, bases
+            self.placements.append(RPR(slot.name, lines, *turned, self.linkage.size, before))
+        self.placements.append(PinnedBody(body, self.local(body, pivot), base))
+        self.placed.add(body)
+        self.oriented.add(body)
+        return True
+
     def two_slides(self, one: str, two: str, inner: tuple[str, str], shift: Arms) -> bool:
         rails = self.rails_to_placed(one)[0], self.rails_to_placed(two)[0]
         # From the origin of `one` over the inner pin to the point of `two` that runs on its rail.
@@ -306,8 +338,8 @@ class Planner:
         start = self.actuator.in_other_frame(body, self.local(body, inner), 0.0) - self.local(end, outer)
         return ActuatorBar(start, _stroke_line(self.actuator, end)[2])
 
-    def rails_to_placed(self, body: str) -> list[Slider]:
-        return [s for s in self.linkage.sliders if body in (s.body, s.along) and _other(s, body) in self.placed]
+    def rails_to_placed(self, body: str) -> list[AbstractSlide]:
+        return [slide for slide in self.linkage.slides if body in slide.bodies and _other(slide, body) in self.placed]
 
     def inner_pins(self, one: str, two: str) -> list[tuple[str, tuple[str, str], Arms]]:
         """Connections from `one` to `two` over pins that are not placed yet: name, the two pins, arms between them.
@@ -329,18 +361,21 @@ class Planner:
         body = next(b for b in self.linkage.bodies if b in self.placed and self.has(b, pin))
         return Anchor(body, self.local(body, pin))
 
-    def rail(self, slider: Slider, body: str) -> SlideAxis:
-        other = _other(slider, body)
-        return SlideAxis(other, _line_on(slider, other)[2])
+    def rail(self, slide: AbstractSlide, body: str) -> SlideAxis:
+        # The line of a slot turns with the body of the slot alone.
+        if not isinstance(slide, Slider):
+            return SlideAxis(slide.along, slide.direction)
+        other = _other(slide, body)
+        return SlideAxis(other, _line_on(slide, other)[2])
 
-    def start(self, slider: Slider, body: str, arms: Arms) -> Anchor:
+    def start(self, slider: AbstractSlide, body: str, arms: Arms) -> Anchor:
         """Position of the body's origin, plus `arms`, when the body's point is at the rail's own point."""
         other = _other(slider, body)
-        local, through, _ = _line_on(slider, other)
+        local, through = _points_on(slider, other)
         return Anchor(other, through, ((body, -local), *arms))
 
 
-def _other(slider: Slider, body: str) -> str:
+def _other(slider: AbstractSlide, body: str) -> str:
     return slider.along if body == slider.body else slider.body
 
 
@@ -349,15 +384,19 @@ def _rotation(slider: Slider, body: str) -> Complex:
     return slider.rotation if body == slider.body else np.conj(slider.rotation)
 
 
+def _points_on(slide: AbstractSlide, other: str) -> tuple[complex | Complex, complex | Complex]:
+    """The point that runs on the line of a slide, and a point of the line, which is on `other`."""
+    return (slide.point, slide.through) if other == slide.along else (slide.through, slide.point)
+
+
 def _line_on(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:
     """A slider as a line on `other`: the point that runs on it, a point of the line, the line's direction.
 
     In the frame of the sliding body, it is the guide's own point that runs along a line through `point`, backwards. The
     line's direction is kept, so that the sign of the displacement stays the same.
     """
-    if other == slider.along:
-        return slider.point, slider.through, slider.direction
-    return slider.through, slider.point, np.conj(slider.rotation) * slider.direction
+    on_guide = other == slider.along
+    return *_points_on(slider, other), slider.direction if on_guide else np.conj(slider.rotation) * slider.direction
 
 
 def _stroke_line(slider: Slider, other: str) -> tuple[complex | Complex, complex | Complex, Complex]:

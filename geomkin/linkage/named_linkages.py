@@ -11,7 +11,8 @@ from ..core.errors import DesignError
 from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, entry, inside, quantity
 from ..core.records import record
 from ..core.units import mm
-from .linkage import AbstractLinkage, Linkage, Slider
+from .joints.slide import Slider
+from .linkage import AbstractLinkage, Linkage
 
 
 @record(checked=True, arrays=True)

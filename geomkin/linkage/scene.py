@@ -125,20 +125,14 @@ def _lines(motion: Motion, with_parts: set[str]) -> Iterator[SceneMark]:
 
 
 def _joints(motion: Motion) -> Iterator[SceneMark]:
-    linkage = motion.linkage
-    for pin, bodies in linkage.pins.items():
-        kind = "fixed pin" if linkage.ground in bodies else "pin"
-        yield SceneMark(kind, motion.point(pin).position, "construction", pin)  # type: ignore[arg-type]
-    for slider in linkage.sliders:
-        place = motion.bodies[slider.body].point(slider.point).position
-        line = motion.bodies[slider.along].direction * slider.direction
-        yield SceneMark("slide", place, "construction", slider.name, direction=line)
+    for joint in motion.linkage.joints:
+        yield from joint.marks(motion)
 
 
 def _free_points(motion: Motion) -> Iterator[tuple[str, Complex, Complex, Complex]]:
     """Points that are not pins, nor coincide with one: name, position, velocity, acceleration."""
     for body, points in motion.linkage.bodies.items():
-        pins = [z for name, z in points.items() if name in motion.linkage.pins]
+        pins = [z for name, z in points.items() if name in motion.linkage.joint_points]
         for name, z in points.items():
             if body != motion.linkage.ground and not any(z == pin for pin in pins):
                 moved = motion.point(name)
@@ -183,7 +177,7 @@ def with_components(scene: Scene, motion: Motion) -> Scene:
 def _vectors(motion: Motion, has_components: bool = False) -> Iterator[SceneMark]:
     """Velocities and accelerations of moving pins and free points, each at its own scale; also their components."""
     tracks = {name: (place, velocity, acceleration) for name, place, velocity, acceleration in _free_points(motion)}
-    for pin, bodies in motion.linkage.pins.items():
+    for pin, bodies in motion.linkage.joint_points.items():
         if motion.linkage.ground not in bodies:
             point = motion.point(pin)
             tracks[pin] = point.position, point.velocity, point.acceleration
@@ -227,12 +221,12 @@ def _centres(motion: Motion) -> Iterator[SceneMark]:
 def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> tuple[Plot, ...]:
     """Plots of the columns of `motion_table(motion)`, and of those of another mode, `other_...`; the clearest first."""
     linkage, limits = motion.linkage, tuple(limits)
-    bodies, slides = list(motion.bodies), [slider.name for slider in linkage.sliders]
+    bodies, slides = list(motion.bodies), [slide.name for slide in linkage.slides]
     points = [
         point
         for body, places in linkage.bodies.items()
         for point in places
-        if body != linkage.ground and point not in linkage.pins
+        if body != linkage.ground and point not in linkage.joint_points
     ]
     modes = ("", "other_")
     named = [f"{mode}{point}" for mode in modes for point in points]
@@ -302,7 +296,7 @@ def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
             if abs(end - start) > least:
                 words = f"{mm(abs(end - start)):.5g}, {one} to {other}".replace("_", " ")
                 yield dimension(start, end, words, body)
-    for slider in linkage.sliders:
+    for slider in linkage.slides:
         line = complex(np.asarray(slider.direction))
         for name, place in list(joints[slider.along].items())[:1]:
             away = 1j * line * float(np.imag(np.conj(line) * (complex(slider.through) - place)))
@@ -313,6 +307,8 @@ def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
 
 def _joint_positions(linkage: Linkage, body: str) -> dict[str, complex]:
     """Pins of a body, and points on which it slides, mm."""
-    places: dict[str, complex | Array] = {n: z for n, z in linkage.bodies[body].items() if n in linkage.pins}
-    places |= {slider.name: slider.point for slider in linkage.sliders if slider.body == body}
+    places: dict[str, complex | Array] = {
+        n: z for n, z in linkage.bodies[body].items() if body in linkage.joint_points.get(n, ())
+    }
+    places |= {s.name: s.point for s in linkage.slides if s.body == body and not s.points}
     return {name: complex(np.asarray(place)) for name, place in places.items()}

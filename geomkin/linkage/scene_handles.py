@@ -1,4 +1,4 @@
-"""Handles of a linkage: its points, pivots and slides, each with the sizes that place it."""
+"""Sizes of a linkage on the page: handles with the sizes that place them, and how far each size moves the output."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ import numpy as np
 
 from ..core.dotted_keys import numbers_in, with_number
 from ..core.errors import DesignError
-from ..model.scene import SceneHandle, point_handle
-from ..plane.vec import Complex
+from ..core.fields import to_digits
+from ..core.units import unit_name
+from ..model.scene import Plot, SceneHandle, point_handle
+from ..model.table import Column, finite
+from ..plane.vec import Complex, Real
 from .linkage import AbstractLinkage, Linkage
-from .motion import Motion
+from .motion import ROUNDING, Motion, on_ground
+from .sensitivity import field_names
 
 # Change of a size by which the points that it places are recognised, as a share of the linkage's size.
 CHANGE = 1e-3
@@ -69,7 +73,7 @@ def linkage_handles(linkage: AbstractLinkage, motion: Motion, key: str = "linkag
         keys = tuple(f"{key}.{field}" for field in dict.fromkeys(fields))
         at = handle_position(motion, id)
         if any(np.allclose(at, other, rtol=0, atol=1e-9 * step, equal_nan=True) for other in taken):
-            if sort != "point" or name in general.pins:
+            if sort != "point" or name in general.joint_points:
                 continue
             # A point that is not used lies on a pin, whose handle it would hide: it is offered beside that.
             body = next(body for body, points in general.bodies.items() if name in points)
@@ -94,7 +98,7 @@ def _differences(one: Linkage, other: Linkage) -> Iterator[str]:
             elsewhere = [one.bodies[b][name] for b in one.pins.get(name, ()) if b != body]
             is_hidden = body != ground and (name in pivots or (place == 0 and any(z != 0 for z in elsewhere)))
             yield "" if is_hidden else f"point:{name}"
-    for slider, changed in zip(one.sliders, other.sliders):
+    for slider, changed in zip(one.slides, other.slides):
         if slider.through != changed.through:
             yield f"slide:{slider.name}"
             if slider.along == ground:
@@ -114,7 +118,7 @@ def handle_position(motion: Motion, id: str) -> Complex:
     if name in linkage.bodies:
         position = motion.bodies[name].point(arm).position
     else:
-        slider = next(s for s in linkage.sliders if s.name == name)
+        slider = next(s for s in linkage.slides if s.name == name)
         position = motion.bodies[slider.along].point(slider.through + arm * slider.direction).position
     return np.where(motion.assembled, position, np.nan)
 
@@ -132,3 +136,51 @@ def stroke_handles(motion: Motion, start: float, end: float) -> Iterator[SceneHa
 def body_point(motion: Motion, body: str, place: complex) -> Complex:
     """Positions of a point of a body at the frames, mm; nan if the linkage cannot be assembled."""
     return np.where(motion.assembled, motion.bodies[body].point(place).position, np.nan)
+
+
+def size_columns(motion: Motion) -> tuple[Column, ...]:
+    """Displacement of the first traced point or of the output per mm of each length, or rotation of the output.
+
+    The most influential size over all frames comes first. Empty for a general linkage, which has no named sizes.
+    """
+    linkage = motion.linkage
+    ground, moving = linkage.ground, list(linkage.bodies)[1:]
+    traced = [point for body in moving for point in _traced(linkage, body)]
+    outputs = [body for body in moving if body in on_ground(linkage) - {linkage.driver}]
+    if not (traced or outputs):
+        return ()
+    slides = [s.name for s in linkage.sliders if not traced and {s.body, s.along} == {outputs[-1], ground}]
+    name = traced[0] if traced else f"{slides[0]}_displacement" if slides else f"{outputs[-1]}_angle"
+    unit, scale = ("mm/mm", 1.0) if traced or slides else ("deg/mm", 180 / np.pi)
+    columns = []
+    for size in field_names(motion.given):
+        if size.endswith("_deg") or "origin." in size:
+            continue
+        values = finite(scale * np.abs(motion.sensitivity(name, by=size)))
+        words = f"change of the {name.replace('_', ' ')} for 1 {unit_name()} of {size}"
+        columns.append(Column(f"{name}_by_{size.replace('.', '_')}", unit, words, values))
+    # To six digits, so that rounding does not decide the order.
+    columns.sort(key=lambda column: -to_digits(_largest(column.values), 6))
+    # The rest is rounding: sizes that do not matter.
+    usual = 1.0 if unit == "mm/mm" else scale / float(linkage.size)
+    return tuple(column for column in columns if _largest(column.values) > ROUNDING * usual)
+
+
+def _traced(linkage: Linkage, body: str) -> list[str]:
+    """Points of a body that lie elsewhere than its pins."""
+    points = linkage.bodies[body]
+    pins = [place for point, place in points.items() if point in linkage.joint_points]
+    return [point for point, place in points.items() if point not in linkage.joint_points and place not in pins]
+
+
+def size_plot(columns: tuple[Column, ...]) -> tuple[Plot, ...]:
+    """The plot of `size_columns`; empty if there are none."""
+    return (
+        (Plot(f"effect of 1 {unit_name()} of each size", tuple(column.id for column in columns), bars=True),)
+        if columns
+        else ()
+    )
+
+
+def _largest(values: Real) -> float:
+    return float(np.nanmax(values, initial=0.0))

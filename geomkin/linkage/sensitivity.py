@@ -22,7 +22,8 @@ from ..core.arguments import is_place
 from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..plane.vec import Array, Complex, Mask, Real
-from .linkage import STRUCTURES, AbstractLinkage, Linkage, Slider, Structure
+from .joints.slide import AbstractSlide
+from .linkage import STRUCTURES, AbstractLinkage, Linkage, Structure
 from .solve.loops import Loops
 from .solve.solution import LinkageSolution
 
@@ -39,13 +40,13 @@ RAD = np.pi / 180
 
 
 def linkage_data(linkage: Linkage) -> Complex:
-    """Points, mm, of all bodies; of each slider point, through, direction and angle; origin; ground angle, rad.
+    """Points, mm, of all bodies; the sizes of each slide, angles in rad; origin; ground angle, rad.
 
     Shape (entries, *linkages).
     """
     entries: list[complex | Array] = [z for points in linkage.bodies.values() for z in points.values()]
-    for s in linkage.sliders:
-        entries += [s.point, s.through, s.direction_deg * RAD, s.angle_deg * RAD]
+    for slide in linkage.slides:
+        entries += [value * RAD if name.endswith("_deg") else value for name, value in slide.sizes.items()]
     entries += [linkage.origin, linkage.ground_angle_deg * RAD]
     shape = np.broadcast_shapes(*(np.shape(entry) for entry in entries))
     data: Complex = np.empty((len(entries), *shape), dtype=complex)
@@ -57,7 +58,7 @@ def linkage_data(linkage: Linkage) -> Complex:
 def entry_numbers(linkage: Linkage) -> dict[tuple[str, str], int]:
     """Number of each entry of the data: by body and point, or by slider and field; ("", field) for the rest."""
     names = [(body, point) for body, points in linkage.bodies.items() for point in points]
-    names += [(s.name, field) for s in linkage.sliders for field in ("point", "through", "direction_deg", "angle_deg")]
+    names += [(slide.name, field) for slide in linkage.slides for field in slide.sizes]
     return {name: k for k, name in enumerate([*names, ("", "origin"), ("", "ground_angle_deg")])}
 
 
@@ -193,12 +194,12 @@ def quantities(linkage: Linkage) -> Mapping[str, Quantity]:
 
 @lru_cache(STRUCTURES)
 def _quantities(structure: Structure) -> Mapping[str, Quantity]:
-    bodies, sliders, _ = structure
+    bodies, slides, _ = structure
     ids = {"transmission_angle": Quantity("angle", "", 0)}
     for body, *_ in bodies:
         ids |= {f"{body}_{what}": Quantity("body", body, k) for k, what in enumerate(("angle", "omega", "alpha"))}
     orders = "displacement", "velocity", "acceleration"
-    for slider, *_ in sliders:
+    for slider, *_ in slides:
         ids |= {f"{slider}_{what}": Quantity("slider", slider, k) for k, what in enumerate(orders)}
     for point in dict.fromkeys(point for _, *points in bodies for point in points):
         for k, suffix in enumerate(("", "_velocity", "_acceleration")):
@@ -350,13 +351,13 @@ class SizeDerivatives:
                 point = point + self.angle[k][body] * arm
         return point + self.rates[entry] * self._axis(body, order) if self.changed[entry] else point
 
-    def _line(self, slider: Slider, order: int = 0) -> Complex:
+    def _line(self, slider: AbstractSlide, order: int = 0) -> Complex:
         """Direction of a slider's line, or its derivative by the drive, (n,)."""
         return self._axis(slider.along, order) * slider.direction
 
-    def _slide(self, slider: Slider, order: int) -> Complex:
+    def _slide(self, slider: AbstractSlide, order: int) -> Complex:
         """Rates of the sliding point relative to the line's own frame, along it and to its left, (sizes, n)."""
-        ends = (slider.body, slider.name, "point"), (slider.along, slider.name, "through")
+        ends = (slider.body, *slider.point_entry), (slider.along, slider.name, "through")
 
         def line(k: int) -> Complex:
             return np.conj(self._line(slider, k))
@@ -379,11 +380,13 @@ class SizeDerivatives:
             one, two = (self._point(body, body, pin, order) for body in bodies)
             apart = (one - two) * (1 / self.scale)
             rows += [apart.real, apart.imag]
-        for slider in self.linkage.sliders:
+        for slider in self.linkage.slides:
             relative = self._slide(slider, order) * (1 / self.scale)
             rows.append(relative.imag)
             if slider is self.linkage.driven_slider:
                 rows.append(relative.real)
+            if not slider.is_aligned:
+                continue
             turned = self.angle[order].get(slider.body, 0.0) - self.angle[order].get(slider.along, 0.0)
             if order == 0:
                 turned = turned - sum(self._rate(slider.name, f"{w}_deg").real for w in ("direction", "angle"))
@@ -465,8 +468,8 @@ class SizeDerivatives:
         body = self._body_of(quantity.name)
         return self._point(body, body, quantity.name, order)
 
-    def _slider(self, name: str) -> Slider:
-        return next(slider for slider in self.linkage.sliders if slider.name == name)
+    def _slider(self, name: str) -> AbstractSlide:
+        return next(slide for slide in self.linkage.slides if slide.name == name)
 
     def _body_of(self, point: str) -> str:
         return next(body for body, points in self.linkage.bodies.items() if point in points)

@@ -15,6 +15,8 @@ from ..core.errors import DesignError, shown
 from ..core.fields import FARTHEST, rounded_up
 from ..core.records import record
 from ..plane.vec import Array, Complex, Mask, Real, Whole, dot, first_largest
+from .joints.joint import Play
+from .joints.slide import Slide
 from .linkage import AbstractLinkage, Linkage
 from .motion import Motion, unwrapped_deg
 from .moving import move
@@ -151,11 +153,12 @@ class ToleranceAnalysis:
             name: np.abs(derivative(name)) * tolerance for name, tolerance in self.lengths.items()
         }
         for pin, clearance in self.clearances.items():
-            bodies = self.motion.linkage.pins[pin]
+            plays = _plays(self.motion.linkage)[pin]
             # Both holes of a pin of two bodies displace an output equally, unless it is the pin itself.
-            are_alike = len(bodies) == 2 and self._quantity.name != pin
-            for body in bodies[are_alike:]:
-                per_mm = np.hypot(*(derivative(f"{body}.{pin}.{axis}") for axis in "xy"))
+            are_alike = len(plays) == 2 and self._quantity.name != pin
+            for owner, place, direction in plays[are_alike:]:
+                x, y = (derivative(f"{owner}.{place}.{axis}") for axis in "xy")
+                per_mm = np.hypot(x, y) if direction is None else np.abs(x * direction.real + y * direction.imag)
                 play = (1.0 if are_alike else 0.5) * clearance * per_mm
                 terms[pin] = terms[pin] + play if pin in terms else play
         return terms
@@ -223,9 +226,9 @@ class ToleranceAnalysis:
             share = rng.normal(0, 1 / DEVIATIONS, SHARE_LINKAGES) if is_normal else rng.uniform(-1, 1, SHARE_LINKAGES)
             deviation += rate(name) * tolerance * share
         for pin, clearance in self.clearances.items():
-            for body in self.motion.linkage.pins[pin]:
-                hole = 0.5 * clearance * _in_circle(rng, SHARE_LINKAGES)
-                deviation += rate(f"{body}.{pin}.x") * hole.real + rate(f"{body}.{pin}.y") * hole.imag
+            for owner, place, direction in _plays(self.motion.linkage)[pin]:
+                hole = 0.5 * clearance * _within(direction, rng, SHARE_LINKAGES)
+                deviation += rate(f"{owner}.{place}.x") * hole.real + rate(f"{owner}.{place}.y") * hole.imag
         return float(np.mean(np.abs(deviation) <= squares[frame] * (1 + 1e-9)))
 
     @checked
@@ -379,29 +382,34 @@ class ToleranceAnalysis:
             for k in np.flatnonzero(rate).tolist():
                 moved[k] = moved.get(k, data[k]) + rate[k] * steps
         for pin, clearance in self.clearances.items():
-            for body in general.pins[pin]:
-                k = numbers[body, pin]
-                moved[k] = moved.get(k, data[k]) + 0.5 * clearance * _in_circle(rng, count)
-        if not moved:
-            # Without tolerances all linkages are exact.
+            for owner, place, direction in _plays(general)[pin]:
+                k = numbers[owner, place]
+                moved[k] = moved.get(k, data[k]) + 0.5 * clearance * _within(direction, rng, count)
+        if all(k >= sum(map(len, general.bodies.values())) for k in moved):
+            # The points are arrays even if none of them is inexact.
             moved[0] = data[0] + np.zeros(count)
         bodies = {
             body: {point: moved.get(numbers[body, point], z) for point, z in points.items()}
             for body, points in general.bodies.items()
         }
-        sliders = tuple(
-            replace(
-                slider,
-                point=moved.get(numbers[slider.name, "point"], slider.point),
-                through=moved.get(numbers[slider.name, "through"], slider.through),
-            )
-            for slider in general.sliders
-        )
-        return replace(general, bodies=bodies, sliders=sliders)
+
+        def varied(slide: Slide) -> Slide:
+            places = {place: numbers[slide.name, place] for place in slide.places}
+            return slide.with_sizes({place: moved[k] for place, k in places.items() if k in moved})
+
+        return replace(general, bodies=bodies, **general.with_slides(varied))
 
 
-def _in_circle(rng: np.random.Generator, count: int) -> Complex:
-    """Random points of the unit circle's area, with equal probability for equal areas."""
+def _plays(linkage: Linkage) -> dict[str, tuple[Play, ...]]:
+    """By the name of each joint with a clearance, the places that it leaves free to move."""
+    return {joint.name: joint.plays for joint in linkage.joints if joint.plays}
+
+
+def _within(direction: complex | None, rng: np.random.Generator, count: int) -> Complex:
+    """Random points of the unit circle's area, with equal probability for equal areas; or of its diameter."""
+    if direction is not None:
+        across: Complex = rng.uniform(-1, 1, count) * direction
+        return across
     radius = np.sqrt(rng.random(count))
     points: Complex = radius * np.exp(2j * np.pi * rng.random(count))
     return points
@@ -480,7 +488,7 @@ def tolerances(motion: Motion, of: str, lengths: Amounts = 0.0, clearances: Amou
     clearances : float or mapping of str to float
         Diametral clearance, mm: by how much the holes of a pin are wider than it. Each hole may lie anywhere within
         the circle of that diameter about the pin. A number is that of every pin. If a pin is fixed in one of
-        two bodies, give half of it.
+        two bodies, give half of it. A pin in a slot has the name of the slot, and moves across it.
 
     Returns
     -------
@@ -512,7 +520,7 @@ def tolerances(motion: Motion, of: str, lengths: Amounts = 0.0, clearances: Amou
     """
     if motion.linkage.is_batch:
         raise DesignError("motion", f"found {motion.assembled.shape[1:]} linkages", "give one at a time", "wrong-type")
-    pins = list(motion.linkage.pins)
+    pins = list(_plays(motion.linkage))
     names = length_names(motion.given)
     by_length = dict(lengths) if isinstance(lengths, Mapping) else dict.fromkeys(names, float(lengths))
     by_pin = dict(clearances) if isinstance(clearances, Mapping) else dict.fromkeys(pins, float(clearances))

@@ -9,9 +9,10 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole, cross
-from ..linkage import Slider
+from ..joints.joint import AbstractJoint, Effect
+from ..joints.slide import AbstractSlide
 from ..solve.continuation import solved
-from .friction import DryFriction, Effect, PinFriction, SlideFriction
+from .friction import DryFriction, PinFriction, SlideFriction
 from .wrenches import Wrenches
 
 # Frames times linkages that are solved at once: their matrices stay in the processor's cache.
@@ -35,8 +36,8 @@ class Equilibrium:
 
     Each body gives three rows: the two components of force, and the moment about its reference point. Each pin gives
     two unknowns for every body but its first, the force on that body; each slide the normal force on the sliding body
-    and the moment about its point; the last unknown is the driver's torque or force. Moments are divided by the size of
-    the linkage, so that they compare with forces.
+    and, if it keeps the bodies aligned, the moment about its point; the last unknown is the driver's torque or force.
+    Moments are divided by the size of the linkage, so that they compare with forces.
 
     Parameters
     ----------
@@ -67,15 +68,20 @@ class Equilibrium:
         return {pair: 2 * k for k, pair in enumerate(pairs)}
 
     @cached_property
+    def joints(self) -> dict[AbstractJoint, int]:
+        """First column of each joint."""
+        joints = self.wrenches.motion.linkage.joints
+        return dict(zip(joints, np.cumsum([0, *(joint.removes for joint in joints)]).tolist()))
+
+    @cached_property
     def slides(self) -> dict[str, int]:
-        """First column of each slide: normal force, then moment / size."""
-        first = 2 * len(self.pins)
-        return {slider.name: first + 2 * k for k, slider in enumerate(self.wrenches.motion.linkage.sliders)}
+        """First column of each slide: normal force, then moment / size if it takes one."""
+        return {slide.name: self.joints[slide] for slide in self.wrenches.motion.linkage.slides}
 
     @property
     def columns(self) -> int:
         """Number of unknowns; the last one is the driver's."""
-        return 2 * len(self.pins) + 2 * len(self.slides) + 1
+        return sum(joint.removes for joint in self.joints) + 1
 
     def matrix(self, frames: slice | Whole) -> Real:
         """Coefficients of the unknowns at some frames, (frames x linkages, rows, columns)."""
@@ -90,22 +96,16 @@ class Equilibrium:
     def _effects(self) -> list[tuple[int, Effect]]:
         """Each unknown's column, and its effect on the equations."""
         linkage, effects = self.wrenches.motion.linkage, list[tuple[int, Effect]]()
-        for (pin, body), column in self.pins.items():
-            for end, sign in ((body, 1), (linkage.pins[pin][0], -1)):
-                arm = self.wrenches.arm(end, linkage.bodies[end][pin])
-                effects += [(column + k, self._force(end, arm, sign * unit)) for k, unit in enumerate((1, 1j))]
-        for slider in linkage.sliders:
-            column = self.slides[slider.name]
-            effects.append((column, self._pressed(slider, 1j)))
-            effects.append((column + 1, self._turned(slider.body, slider.along, 1.0)))
-            if slider is linkage.driven_slider:
-                sense = -1 if linkage.driver == slider.along else 1
-                effects.append((self.columns - 1, self._pressed(slider, sense)))
+        for joint, column in self.joints.items():
+            effects += enumerate(joint.effects(self), column)
         if linkage.driven_slider is None:
-            effects.append((self.columns - 1, self._turned(linkage.driver, linkage.ground, 1.0)))
+            effects.append((self.columns - 1, self.turned(linkage.driver, linkage.ground, 1.0)))
+        else:
+            sense = -1 if linkage.driver == linkage.driven_slider.along else 1
+            effects.append((self.columns - 1, self.pressed(linkage.driven_slider, sense)))
         return effects
 
-    def _force(self, body: str, arm: Complex, force: Complex | complex) -> Effect:
+    def force(self, body: str, arm: Complex, force: Complex | complex) -> Effect:
         """Effect of a force at the end of an arm of a body."""
         if body not in self.rows:
             return []
@@ -113,15 +113,14 @@ class Equilibrium:
         row, components = self.rows[body], (acting.real, acting.imag, cross(arm, force) / self.size)
         return [(row + k, self._flat(values)) for k, values in enumerate(components) if np.any(values)]
 
-    def _pressed(self, slider: Slider, force: complex | Real) -> Effect:
+    def pressed(self, slider: AbstractSlide, force: complex | Real) -> Effect:
         """Effect of a force at the slider's point, relative to its line, on the sliding body and its guide."""
-        wrenches = self.wrenches
-        line = wrenches.motion.bodies[slider.along].direction * slider.direction
+        wrenches, line = self.wrenches, slider.line(self.wrenches.motion)
         guide_arm = wrenches.position(slider.body, slider.point) - wrenches.reference(slider.along).position
         arm = wrenches.arm(slider.body, slider.point)
-        return [*self._force(slider.body, arm, force * line), *self._force(slider.along, guide_arm, -force * line)]
+        return [*self.force(slider.body, arm, force * line), *self.force(slider.along, guide_arm, -force * line)]
 
-    def _turned(self, body: str, other: str, moment: Real | float) -> Effect:
+    def turned(self, body: str, other: str, moment: Real | float) -> Effect:
         """Effect of a moment, in units of size, on a body and of the opposite one on another."""
         ends = ((body, moment), (other, -moment))
         return [(self.rows[end] + 2, self._flat(values)) for end, values in ends if end in self.rows]
@@ -150,13 +149,13 @@ class Equilibrium:
             if isinstance(friction, PinFriction):
                 for body, holder in friction.pairs(motion.linkage):
                     sense = self._sense(motion.bodies[body].first - motion.bodies[holder].first, turning)
-                    effect = self._turned(body, holder, -friction.arm / self.size * sense)
+                    effect = self.turned(body, holder, -friction.arm / self.size * sense)
                     terms.append(DryFriction(self.pins[friction.pin, body], effect))
             else:
                 slider = friction.slider(motion.linkage)
                 speed = np.abs(self.wrenches.first(slider.body, slider.point))
                 sense = self._sense(motion.slide(slider.name).first, speed)
-                effect = self._pressed(slider, -friction.coefficient * sense)
+                effect = self.pressed(slider, -friction.coefficient * sense)
                 share = 2 * self.size / friction.length if friction.length else 0.0
                 terms.append(DryFriction(self.slides[slider.name], effect, share))
         return terms

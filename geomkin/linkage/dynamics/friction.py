@@ -7,8 +7,11 @@ import numpy as np
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
+from ...core.units import mm
 from ...plane.vec import Real, Whole
-from ..linkage import Linkage, Slider
+from ..joints.joint import Effect
+from ..joints.slide import AbstractSlide
+from ..linkage import Linkage
 from .wrenches import Wrenches
 
 
@@ -73,7 +76,8 @@ class SlideFriction:
     coefficient : float
         Coefficient of dry friction.
     length : float
-        Length of the guided part, mm, half of it on each side of the slider's point; 0 if it takes no moment.
+        Length of the guided part, mm, half of it on each side of the slider's point; 0 if it takes no moment, as of
+        a pin in a slot. The slip of such a pin is that of its centre.
     viscous : float
         Viscous force per sliding velocity, N s/mm.
 
@@ -88,13 +92,16 @@ class SlideFriction:
     length: float = quantity("length of the guided part", "mm", default=0.0, at_least=0, at_most=FARTHEST, example=40.0)
     viscous: float = quantity("viscous force per sliding velocity", "N s/mm", default=0.0, at_least=0, at_most=FARTHEST)
 
-    def slider(self, linkage: Linkage) -> Slider:
+    def slider(self, linkage: Linkage) -> AbstractSlide:
         """The slider with this name."""
-        for slider in linkage.sliders:
+        for slider in linkage.slides:
             if slider.name == self.slide:
+                if self.length and not slider.is_aligned:
+                    problem = f"found {mm(self.length):.4g}, but {self.slide} is a pin in a slot, which takes no moment"
+                    raise DesignError("friction.length", problem, "omit it", "conflict")
                 return slider
         problem = f"found {shown(self.slide)}, which is not the name of a slider"
-        names = ", ".join(slider.name for slider in linkage.sliders) or "none, for the linkage has no slider"
+        names = ", ".join(slider.name for slider in linkage.slides) or "none, for the linkage has no slider"
         raise DesignError("friction.slide", problem, f"give one of {names}", "unknown-key")
 
     def apply(self, wrenches: Wrenches) -> None:
@@ -102,13 +109,9 @@ class SlideFriction:
         slider, motion = self.slider(wrenches.motion.linkage), wrenches.motion
         if self.viscous:
             force = -self.viscous * motion.slide(slider.name).velocity
-            line = motion.bodies[slider.along].direction * slider.direction
+            line = slider.line(motion)
             wrenches.add_force(slider.body, slider.point, force * line)
             wrenches.add_force(slider.along, slider.through, -force * line)
-
-
-# Effect of an unknown of 1 on the equations of equilibrium: row, and one value or one for each frame.
-Effect = list[tuple[int, "Real | float"]]
 
 
 @record(eq=False)

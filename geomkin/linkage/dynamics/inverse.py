@@ -142,14 +142,17 @@ class ForceAnalysis:
         if column is None:
             problem, names = f"found {shown(name)}, which is not a slider", ", ".join(self._equilibrium.slides)
             raise DesignError("name", problem, f"give one of {names or 'none'}", "unknown-key")
-        return SlideForces(self._unknown(column), self._equilibrium.size * self._unknown(column + 1))
+        is_aligned = next(slide.is_aligned for slide in self.motion.linkage.slides if slide.name == name)
+        normal = self._unknown(column)
+        moment = self._equilibrium.size * self._unknown(column + 1) if is_aligned else 0 * normal
+        return SlideForces(normal, moment)
 
     @property
     def undetermined(self) -> tuple[str, ...]:
         """Names of the joints of which equilibrium leaves a force open, since they hold the same direction."""
-        columns = np.flatnonzero(self._equilibrium.undetermined)
-        joints = {pin: column for (pin, _), column in self._equilibrium.pins.items()} | self._equilibrium.slides
-        return tuple(name for name, column in joints.items() if {column, column + 1} & set(columns.tolist()))
+        is_open, joints = self._equilibrium.undetermined, self._equilibrium.joints.items()
+        names = (joint.name for joint, first in joints if is_open[first : first + joint.removes].any())
+        return tuple(dict.fromkeys(names))
 
     @cached_property
     def shaking_force(self) -> Complex:

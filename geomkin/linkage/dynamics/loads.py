@@ -172,13 +172,13 @@ class SlideForce(AbstractLoad):
 
     def apply(self, wrenches: Wrenches) -> None:
         linkage = wrenches.motion.linkage
-        slider = next((s for s in linkage.sliders if s.name == self.slide), None)
+        slider = next((s for s in linkage.slides if s.name == self.slide), None)
         if slider is None:
             problem = f"found {shown(self.slide)}, which is not the name of a slider"
-            names = ", ".join(s.name for s in linkage.sliders) or "none, for the linkage has no slider"
+            names = ", ".join(s.name for s in linkage.slides) or "none, for the linkage has no slider"
             raise DesignError("slide_forces.slide", problem, f"give one of {names}", "unknown-key")
         force = _over_frames(wrenches.motion, self.force, "slide_forces.force")
-        line = wrenches.motion.bodies[slider.along].direction * slider.direction
+        line = slider.line(wrenches.motion)
         wrenches.add_force(slider.body, slider.point, force * line)
         # Both act along the same line.
         wrenches.add_force(slider.along, slider.through, -force * line)

@@ -11,7 +11,8 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex, Real, known, unit
-from ..linkage import Linkage, Slider
+from ..joints.slide import Slider
+from ..linkage import Linkage
 from ..motion import Motion, fastest, is_rounding
 
 

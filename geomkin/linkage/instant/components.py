@@ -100,7 +100,7 @@ def _lines(motion: Motion) -> Iterator[Line]:
         points = linkage.bodies[body]
         direction = motion.bodies[body].direction * unit(points[two] - points[one])
         yield name, direction, {pin: _on_next_body(motion, body, pin) for pin in (one, two)}, "along"
-    for slider in linkage.sliders:
+    for slider in linkage.slides:
         if slider.along == linkage.ground:
             continue
         points, guide = linkage.bodies[slider.body], motion.bodies[slider.along]
@@ -109,7 +109,7 @@ def _lines(motion: Motion) -> Iterator[Line]:
         under = guide.point(np.conj(guide.direction) * (block.position - guide.origin.position))
         ends = {f"{slider.name}_on_{slider.along}": under}
         ends[pin or f"{slider.name}_on_{slider.body}"] = _on_next_body(motion, slider.body, pin) if pin else block
-        yield slider.name, guide.direction * slider.direction, ends, "across"
+        yield slider.name, slider.line(motion), ends, "across"
 
 
 def links(linkage: Linkage) -> Iterator[tuple[str, tuple[str, str], str]]:
@@ -142,7 +142,7 @@ def _components(
 
 def number_of_components(linkage: Linkage) -> int:
     """Upper limit of the columns of components."""
-    return 8 * (sum(1 for _ in links(linkage)) + len(linkage.sliders))
+    return 8 * (sum(1 for _ in links(linkage)) + len(linkage.slides))
 
 
 class ComponentVector(NamedTuple):

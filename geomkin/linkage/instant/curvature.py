@@ -12,7 +12,8 @@ from ...core.errors import DesignError
 from ...core.fields import ComplexOrArray
 from ...core.records import record
 from ...plane.vec import Complex, Real, as_unit, cross, dot, known, unit
-from ..linkage import Linkage, Slider
+from ..joints.slide import Slider
+from ..linkage import Linkage
 from ..motion import Motion
 from ..moving import move
 from .centres import pin_between, slider_between, zero_at_infinity

@@ -11,7 +11,7 @@ from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex
-from ..linkage import Slider
+from ..joints.slide import AbstractSlide
 from ..motion import Motion
 
 
@@ -195,8 +195,8 @@ def polygon_parts(
     """
     linkage, ground = motion.linkage, motion.linkage.ground
     members: dict[str, dict[str, Complex | complex]] = {b: dict(points) for b, points in linkage.bodies.items()}
-    sliding: list[tuple[Slider, str, str]] = []
-    for slider in linkage.sliders:
+    sliding: list[tuple[AbstractSlide, str, str]] = []
+    for slider in linkage.slides:
         point = next(
             (n for n, z in members[slider.body].items() if z == slider.point), f"{slider.name} on {slider.body}"
         )

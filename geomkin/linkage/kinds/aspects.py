@@ -115,7 +115,7 @@ def other_mode_scene(made: MadeLinkage) -> dict[str, Scene]:
         return {}
     joint, motion = made.other
     # The slots of a ground are for the requested mode only.
-    slotted = made.motion.linkage.ground if made.motion.linkage.sliders else ""
+    slotted = made.motion.linkage.ground if made.motion.linkage.slides else ""
     parts = [part for part in made.own_parts if not slotted or part.body != slotted]
     # Plots are those of the requested mode, or of both.
     table = Table(made.table_of(made.motion).columns[:2])

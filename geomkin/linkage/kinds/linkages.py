@@ -28,7 +28,7 @@ from ..parts.counterweight_plates import RoundEnd
 from ..parts.stack import MOTOR_PLATE
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
-from ..scene_sizes import size_columns, size_plot
+from ..scene_handles import size_columns, size_plot
 from .aspects import BothModesAspect, CopiesAspect, DwellAspect, other_mode_scene
 from .components import ComponentsAspect
 from .copies import Copy, copies_entry, is_whole_turn

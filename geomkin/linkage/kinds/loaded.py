@@ -159,15 +159,8 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         if self.mechanism.copies:
             meaning = "torque of the shaft: that of the linkage and its copies"
             yield Column("shaft_torque", "N mm", meaning, self.effort)
-        for pin, bodies in linkage.pins.items():
-            for body in bodies[1:]:
-                force, meaning = analysis.pin(pin, body), f"force at {pin} on {body}"
-                yield from vector_columns(f"{pin}_force_on_{body}", "N", meaning, force)
-        for slider in linkage.sliders:
-            name, slide = slider.name, analysis.slide(slider.name)
-            meaning = f"on {slider.body}, along the left normal of {name}"
-            yield Column(f"{name}_normal_force", "N", f"force of {slider.along} {meaning}", slide.normal)
-            yield Column(f"{name}_moment", "N mm", f"moment of {slider.along} on {slider.body}", slide.moment)
+        for joint in linkage.joints:
+            yield from joint.force_columns(analysis)
         meaning = "shaking force of the masses on the ground"
         yield from vector_columns("shaking_force", "N", meaning, analysis.shaking_force)
         at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
@@ -185,8 +178,8 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         plots = [
             Plot(f"driver {effort}", (f"driver_{effort}", *(("shaft_torque",) if self.mechanism.copies else ()))),
             Plot("pin forces", _pin_forces(linkage)),
-            Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
-            Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
+            Plot("normal forces of slides", tuple(f"{slide.name}_normal_force" for slide in linkage.slides)),
+            Plot("moments of slides", tuple(f"{slide.name}_moment" for slide in linkage.slides if slide.is_aligned)),
             Plot("shaking force", ("shaking_force",)),
         ]
         yield from self.run.plots if self.run else ()

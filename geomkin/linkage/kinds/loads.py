@@ -234,4 +234,4 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 11 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
+    return 11 + 3 * sum(joint.count for joint in linkage.joints)

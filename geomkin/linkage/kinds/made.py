@@ -92,7 +92,7 @@ class DrivenLinkage:
         linkage = self.linkage.linkage
         points = sum(len(names) for names in linkage.bodies.values()) - sum(map(len, linkage.pins.values()))
         columns_each = np.array([4, 5, 6]) + self.has_coefficients * np.array([2, 2, 4])
-        columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.sliders), points]) + len(linkage.pins)
+        columns = 3 + int(columns_each @ [len(linkage.bodies), len(linkage.slides), points]) + len(linkage.pins)
         return columns + (number_of_components(linkage) if self.has_components else 0)
 
     def reaches(self, branch: BranchSpec) -> Mapping[str, object]:
@@ -120,7 +120,7 @@ class DrivenLinkage:
         if not 1 <= len(branches) <= MOST_DYADS:
             return None
         joint, sides = list(branches.items())[-1]
-        if joint in (slider.name for slider in self.motion.linkage.sliders):
+        if joint in (slide.name for slide in self.motion.linkage.slides):
             # The other branch is the same lever turned by 180 deg, which would need another slot.
             return None
         # The sign is 0 where both branches meet; a followed branch starts on the first other sign.

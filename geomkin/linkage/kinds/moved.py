@@ -19,7 +19,9 @@ from ...model.scene import SceneHandle
 from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe
 from ...recipe.settings import Stroke, Turn
-from ..linkage import AbstractLinkage, Linkage, Slider
+from ..joints.pin_in_slot import PinInSlot
+from ..joints.slide import Slider
+from ..linkage import AbstractLinkage, Linkage
 from ..measures import motion_quantities
 from ..motion import Motion
 from ..scene_handles import handle_position, linkage_handles, stroke_handles
@@ -210,6 +212,7 @@ class BodyList(AbstractLinkage):
         example=(TriangleCorner("coupler", "pen", ("A", "B"), (50.0, 60.0)),),
     )
     sliders: tuple[SliderTable, ...] = entry("sliding joints", default=())
+    slots: tuple[PinInSlot, ...] = entry("pins that run in slots", default=())
     estimate: dict[str, ComplexPoint] = field(
         default_factory=dict,
         metadata={
@@ -246,7 +249,7 @@ class BodyList(AbstractLinkage):
         sliders = tuple(
             Slider(s.name, s.body, s.along, s.point, s.through, s.direction_deg, s.angle_deg) for s in self.sliders
         )
-        return Linkage(bodies, self.driver, sliders, self.origin, self.ground_angle_deg, self.estimate)
+        return Linkage(bodies, self.driver, sliders, self.origin, self.ground_angle_deg, self.estimate, self.slots)
 
 
 def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> complex:

@@ -18,8 +18,8 @@ from ...plane.vec import Complex, Real, without_rounding
 from ..checks import in_driver_unit
 from ..drive_limits import largest_between
 from ..linkage import Linkage
+from ..measures import ground_slopes, support_margin
 from ..motion import Motion
-from ..standing import ground_slopes, support_margin
 from .aspects import AbstractLinkageAspect
 from .copies import Copied
 

@@ -16,9 +16,11 @@ from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
 from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
-from ...plane.vec import Complex, Mask, cross, direction_deg
+from ...plane.vec import Complex, Mask, cross
 from ..assembly_failures import assembly_error
-from ..linkage import Linkage, Slider
+from ..joints.joint import AbstractJoint
+from ..joints.slide import Slider, are_equal
+from ..linkage import Linkage
 from ..motion import Motion
 from .collisions import PointPaths, relative_paths
 from .stock import LinkStock
@@ -162,10 +164,6 @@ def _moved(hole: Circle | Polyline, place: complex) -> AbstractCurve:
     return Circle(place, hole.radius) if isinstance(hole, Circle) else Polyline(hole.vertices + place, hole.bulges)
 
 
-# Points that differ by no more than this share of their coordinates coincide.
-EQUAL = 8 * np.finfo(float).eps
-
-
 @record(eq=False)
 class LinkPlate:
     """A plate in the frame of a body.
@@ -224,7 +222,7 @@ class LinkPlate:
         letters: engraved at the holes of pins, by the pins' names.
         """
         for one, two, apart, needed in self.crossings(stock):
-            traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.pins]
+            traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.joint_points]
             kinds = [f"{'hole' if len(self.openings[p]) == 1 else 'slot'} of {p}" for p in (one, two)]
             if self.seat and self.seat.rim.size and self.seat.pin in (one, two):
                 raise DesignError(
@@ -321,24 +319,22 @@ def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
     if not motion.assembled.any():
         raise assembly_error(motion)
     linkage = motion.linkage
-    blocks = {slider.name: block for slider in linkage.sliders if (block := _block(linkage, slider))}
+    running = {slide.name: pair for slide in linkage.slides if (pair := slide.runs_in(linkage))}
+    blocks = {running[slider.name][0] for slider in linkage.sliders if slider.name in running}
     axes = _axes(linkage)
     motor_seats = seats(linkage, axes, stock)
-    plates = {
-        body: LinkPlate(body, {}, motor_seats.get(body)) for body in linkage.bodies if body not in blocks.values()
-    }
+    plates = {body: LinkPlate(body, {}, motor_seats.get(body)) for body in linkage.bodies if body not in blocks}
     for name, places in axes.items():
         for body, place in places.items():
             if body in plates:
                 plates[body].openings[name] = (place,)
     guides: dict[str, list[str]] = {name: [] for name in axes}
-    for slider in linkage.sliders:
-        if slider.name in blocks:
-            block = blocks[slider.name]
-            name = next(name for name, places in axes.items() if block in places)
-            guide = slider.along if block == slider.body else slider.body
-            path = relative_paths(motion, guide, block, axes[name][block])
-            plates[guide].openings[name] = _travel(path, _line(slider, guide))
+    for slide in linkage.slides:
+        if slide.name in running:
+            body, place, guide = running[slide.name]
+            name = next(n for n, places in axes.items() if body in places and are_equal(places[body], place))
+            path = relative_paths(motion, guide, body, place)
+            plates[guide].openings[name] = _travel(path, slide.line_on(guide))
             guides[name].append(guide)
     pins = []
     for name, places in axes.items():
@@ -349,43 +345,9 @@ def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
             shaft = stock.shaft.bore if stock.shaft and on_shaft else 0.0
             pins.append(Pin(name, name, body, places[body], holes, tuple(guides[name]), shaft))
     for slider in linkage.sliders:
-        if slider.name not in blocks:
+        if slider.name not in running:
             pins += _guide_pins(motion, slider, plates, stock)
     return LinkAssembly(plates, tuple(pins))
-
-
-def _block(linkage: Linkage, slider: Slider) -> str | None:
-    """The body of the slider that is only a pin; the one with fewer points if both could be."""
-    sides = [body for body in (slider.body, slider.along) if _is_block(linkage, slider, body)]
-    return min(sides, key=lambda body: len(linkage.bodies[body]), default=None)
-
-
-def _is_block(linkage: Linkage, slider: Slider, body: str) -> bool:
-    points, other = linkage.bodies[body], slider.along if body == slider.body else slider.body
-    # A body that is driven by its angle, or is half of an actuator, must be a plate.
-    driven = body == linkage.driver or slider is linkage.driven_slider
-    if body == linkage.ground or (driven and other != linkage.ground):
-        return False
-    joined = {one for point in points for one in linkage.pins.get(point, ())} - {body}
-    if not joined or sum(body in (s.body, s.along) for s in linkage.sliders) > 1:
-        return False
-    # A body on a fixed shaft that only its slide moves is a hub, which must be a plate.
-    if joined == {linkage.ground} and not any(point in linkage.pins for point in linkage.bodies[other]):
-        return False
-    first = complex(next(iter(points.values())))
-    if not all(_equal(first, complex(place)) for place in points.values()):
-        return False
-    start = complex(slider.point if body == slider.body else slider.through)
-    return bool(abs(cross(_line(slider, body), first - start)) <= EQUAL * (abs(first) + abs(start)))
-
-
-def _equal(one: complex, two: complex) -> bool:
-    return bool(abs(one - two) <= EQUAL * max(abs(one), abs(two)))
-
-
-def _line(slider: Slider, body: str) -> complex:
-    """Direction of a slide line in the frame of either of its bodies."""
-    return complex(slider.direction if body == slider.along else direction_deg(-slider.angle_deg))
 
 
 def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:
@@ -397,7 +359,7 @@ def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:
         same = [
             other
             for other, places in axes.items()
-            if any(body in places and _equal(places[body], place) for body, place in positions.items())
+            if any(body in places and are_equal(places[body], place) for body, place in positions.items())
         ]
         # The first keeps its name and its position in the order.
         for other in same[:0:-1]:
@@ -406,15 +368,15 @@ def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:
     return axes
 
 
-def pins_on_axes(linkage: Linkage) -> dict[str, list[str]]:
-    """By the name of an axis, the pins of the linkage that lie on it: joints of coincident points share a screw."""
+def pins_on_axes(linkage: Linkage) -> dict[str, list[AbstractJoint]]:
+    """By the name of an axis, the joints whose pins lie on it: joints of coincident points share a screw."""
 
-    def lies_on(pin: str, places: Mapping[str, complex]) -> bool:
-        body = linkage.pins[pin][0]
-        return body in places and _equal(places[body], complex(linkage.bodies[body][pin]))
+    def lies_on(joint: AbstractJoint, places: Mapping[str, complex]) -> bool:
+        ends = ((body, point) for point, bodies in joint.points.items() for body in bodies[:1])
+        return any(b in places and are_equal(places[b], complex(linkage.bodies[b][point])) for b, point in ends)
 
     axes = _axes(linkage)
-    return {axis: [pin for pin in linkage.pins if lies_on(pin, places)] for axis, places in axes.items()}
+    return {axis: [joint for joint in linkage.joints if lies_on(joint, places)] for axis, places in axes.items()}
 
 
 def _travel(path: PointPaths, direction: complex) -> tuple[complex, complex]:
@@ -441,7 +403,7 @@ def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, LinkPlate],
     """The two guide pins of a sliding plate; their holes and slots are added to the plates."""
     plate, guide = plates[slider.body], plates[slider.along]
     path = relative_paths(motion, slider.along, slider.body, slider.point)
-    guide_direction, direction = _line(slider, slider.along), _line(slider, slider.body)
+    guide_direction, direction = slider.line_on(slider.along), slider.line_on(slider.body)
     guide_pins = guide_places(
         stock.bar_width,
         _travel(path, guide_direction),

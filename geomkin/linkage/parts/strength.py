@@ -76,21 +76,11 @@ def plate_loads(analysis: ForceAnalysis) -> PlateLoads:
     motion, loads = analysis.motion, PlateLoads(analysis.motion)
     linkage = motion.linkage
     analysis.loads.apply_to(loads)
-    for pin, bodies in linkage.pins.items():
-        for body in bodies:
-            loads.add_force(body, linkage.bodies[body][pin], analysis.pin(pin, body))
-    for slider in linkage.sliders:
-        line = motion.bodies[slider.along].direction * slider.direction
-        slide, at = analysis.slide(slider.name), loads.position(slider.body, slider.point)
-        along = (
-            analysis.driver * (-1 if linkage.driver == slider.along else 1) if slider is linkage.driven_slider else 0
-        )
-        force = line * (along + 1j * slide.normal)
-        guide = motion.bodies[slider.along]
-        on_guide = (at - guide.origin.position) * np.conj(guide.direction)
-        for body, place, sign in ((slider.body, slider.point, 1), (slider.along, on_guide, -1)):
-            loads.add_force(body, place, sign * force)
-            loads.couples[body].append((np.asarray(place), sign * slide.moment))
+    acting = [force for joint in linkage.joints for force in joint.forces(analysis, loads)]
+    for body, place, force, couple in acting:
+        loads.add_force(body, place, force)
+        if np.any(couple):
+            loads.couples[body].append((np.asarray(place), couple))
     if linkage.driver_pivot:
         place = linkage.bodies[linkage.driver][linkage.driver_pivot]
         loads.couples[linkage.driver].append((np.asarray(place), analysis.driver))
@@ -177,8 +167,8 @@ def _screw_forces(analysis: ForceAnalysis) -> dict[tuple[str, str], Complex]:
     forces: dict[tuple[str, str], Complex] = {}
     for axis, pins in pins_on_axes(analysis.motion.linkage).items():
         for pin in pins:
-            for body in analysis.motion.linkage.pins[pin]:
-                forces[axis, body] = forces.get((axis, body), 0) + analysis.pin(pin, body)
+            for body, _, force, _ in pin.forces(analysis, analysis.wrenches):
+                forces[axis, body] = forces.get((axis, body), 0) + force
     return forces
 
 
@@ -191,7 +181,7 @@ def pin_shears(analysis: ForceAnalysis, stack: Stack) -> Iterator[tuple[str, Rea
     forces = _screw_forces(analysis)
     for pin in stack.pins:
         bodies = [stack.plates[name].body for name in pin.holes]
-        if pin.motor or pin.slots or pin.name not in analysis.motion.linkage.pins:
+        if pin.motor or pin.slots or pin.name not in analysis.motion.linkage.joint_points:
             continue
         below, largest = np.zeros(analysis.motion.assembled.shape, dtype=complex), np.zeros(1)
         for name in sorted(pin.holes, key=stack.layers.__getitem__):
@@ -206,7 +196,7 @@ def pin_pressures(analysis: ForceAnalysis, stack: Stack, stock: LinkStock) -> It
     forces = _screw_forces(analysis)
     for pin in stack.pins:
         bodies = [stack.plates[name].body for name in pin.holes]
-        if pin.name not in analysis.motion.linkage.pins:
+        if pin.name not in analysis.motion.linkage.joint_points:
             continue
         diameter = stock.shaft.bore if pin.motor and stock.shaft else stock.pin_diameter
         for name, body in zip(pin.holes, bodies):

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real, Whole
-from ..linkage import Linkage, Slider
+from ..joints.slide import AbstractSlide, Slider
+from ..linkage import Linkage
 from .placement import Coefficients, Poses
 
 # Origins, mm, and directions of all bodies, (..., bodies): unit complex, or derivatives of the angle.
@@ -86,21 +87,21 @@ class LoopEquations:
         return one[0], one[1], two[0], two[1]
 
     @cached_property
-    def _sliders(self) -> list[Slider]:
-        return [s for s in self.linkage.sliders if {s.body, s.along} & set(self.waiting)]
+    def _slides(self) -> list[AbstractSlide]:
+        return [slide for slide in self.linkage.slides if {*slide.bodies} & {*self.waiting}]
 
     @cached_property
     def _rails(self) -> tuple[Whole, Complex, Whole, Complex, Complex, Complex, Mask]:
-        """Sliders: body, its point, guide, the line's point and direction, the body's rotation, if it is unknown."""
-        sliders = self._sliders
+        """Slides: body, its point, guide, the line's point and direction, the body's rotation, if it is unknown."""
+        slides = self._slides
         return (
-            np.array([self.names.index(s.body) for s in sliders], dtype=int),
-            np.array([s.point for s in sliders], dtype=complex),
-            np.array([self.names.index(s.along) for s in sliders], dtype=int),
-            np.array([s.through for s in sliders], dtype=complex),
-            np.array([s.direction for s in sliders], dtype=complex),
-            np.array([s.direction * np.exp(1j * np.radians(s.angle_deg)) for s in sliders], dtype=complex),
-            np.array([not {s.body, s.along} & self.oriented for s in sliders], dtype=bool),
+            np.array([self.names.index(s.body) for s in slides], dtype=int),
+            np.array([s.point for s in slides], dtype=complex),
+            np.array([self.names.index(s.along) for s in slides], dtype=int),
+            np.array([s.through for s in slides], dtype=complex),
+            np.array([s.direction for s in slides], dtype=complex),
+            np.array([s.direction * np.exp(1j * np.radians(s.sizes.get("angle_deg", 0.0))) for s in slides], complex),
+            np.array([s.is_aligned and not {*s.bodies} & self.oriented for s in slides], dtype=bool),
         )
 
     @cached_property
@@ -112,7 +113,7 @@ class LoopEquations:
 
     @cached_property
     def _parts(self) -> tuple[slice, slice, slice, slice]:
-        """Slices of the ends that belong to the pins and to the sliders."""
+        """Slices of the ends that belong to the pins and to the slides."""
         pins, rails = len(self._pins[0]), len(self._rails[0])
         ends = np.cumsum([0, pins, pins, rails, rails]).tolist()
         return slice(*ends[0:2]), slice(*ends[1:3]), slice(*ends[2:4]), slice(*ends[3:5])
@@ -162,7 +163,7 @@ class LoopEquations:
         )
         rows: list[Array] = [at_pins, relative.imag / self.size, misalignment]
         if self.driven:
-            along = relative.real[..., self._sliders.index(self.driven)] - states[order][0][..., -1].real
+            along = relative.real[..., self._slides.index(self.driven)] - states[order][0][..., -1].real
             rows.append(along[..., None] / self.size)
         return np.concatenate(rows, axis=-1)
 
@@ -205,7 +206,7 @@ class LoopEquations:
         rails, guides, both = self._rails[0].tolist(), self._rails[2].tolist(), self._rails[-1]
         for k, pair in enumerate(zip(rails, guides)):
             # The condition across the line, and for the driven slider also the one along it.
-            targets = [(2 * pins + k, 1)] + [(self.rows - 1, 0)] * (self._sliders[k] is self.driven)
+            targets = [(2 * pins + k, 1)] + [(self.rows - 1, 0)] * (self._slides[k] is self.driven)
             for end, (body, sign) in enumerate(zip(pair, (1, -1))):
                 for k_axis, axis in enumerate(("x", "y", "angle")):
                     if (body, axis) in column:

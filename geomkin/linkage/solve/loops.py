@@ -69,7 +69,7 @@ class Loops(Placement):
 
     @property
     def _waiting_pins(self) -> list[str]:
-        return [p for p, bodies in self.linkage.pins.items() if not set(bodies) - set(self.waiting)]
+        return [p for p, bodies in self.linkage.joint_points.items() if not set(bodies) - set(self.waiting)]
 
     @cached_property
     def _unit(self) -> float:
@@ -159,7 +159,7 @@ class Loops(Placement):
         origin, origins, directions = complex(self.linkage.origin), state[0][0], state[1][0]
         ground = complex(direction_deg(self.linkage.ground_angle_deg)).conjugate()
         pins = {p: (complex(z) - origin) * ground for p, z in self.linkage.estimate.items()}
-        for pin, bodies in self.linkage.pins.items():
+        for pin, bodies in self.linkage.joint_points.items():
             for body in set(bodies) & self.placed:
                 k = names.index(body)
                 pins[pin] = complex(origins[k]) + complex(directions[k]) * complex(self.linkage.bodies[body][pin])

@@ -16,7 +16,8 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Array, Complex, Real
-from ..linkage import Linkage, Slider
+from ..joints.slide import Slide
+from ..linkage import Linkage
 from ..timing import Timing
 from .branch import BranchSpec
 from .dyads import Crossed, Dyad, JointLines
@@ -254,8 +255,7 @@ def _program_of(
 def _inputs(linkage: Linkage) -> list[tuple[Any, str]]:
     """Sizes as numbers, each with its type if it is an input, or "" if it is a constant."""
     sizes = [z for points in linkage.bodies.values() for z in points.values()]
-    for slider in linkage.sliders:
-        sizes += [slider.point, slider.through, slider.direction, slider.rotation]
+    sizes += [getattr(slide, name) for slide in linkage.slides for name in slide.program_sizes]
     return [_input(z) for z in (*sizes, linkage.origin, linkage.ground_direction)]
 
 
@@ -301,13 +301,13 @@ def _recorded(
 def _symbolic(linkage: Linkage, symbols: Iterator[Any]) -> Linkage:
     """The linkage with symbols for its sizes; they are not checked again."""
     bodies = {body: {point: next(symbols) for point in points} for body, points in linkage.bodies.items()}
-    sliders = []
-    for slider in linkage.sliders:
-        sizes = {name: next(symbols) for name in ("point", "through", "direction", "rotation")}
-        sliders.append(object.__new__(Slider))
-        sliders[-1].__dict__.update(slider.__dict__ | sizes)
+
+    def symbolised(slide: Slide) -> Slide:
+        return slide.with_sizes({name: next(symbols) for name in slide.program_sizes})
+
+    slides = linkage.with_slides(symbolised)
     symbolic = object.__new__(Linkage)
-    symbolic.__dict__.update(bodies=bodies, driver=linkage.driver, sliders=tuple(sliders), estimate={})
+    symbolic.__dict__.update(bodies=bodies, driver=linkage.driver, estimate={}, **slides)
     symbolic.__dict__.update(shape=linkage.shape, origin=next(symbols), ground_direction=next(symbols))
     return symbolic
 

@@ -31,7 +31,7 @@ def extent_of(linkage: Linkage) -> float:
     bodies = sum(
         max((float(np.abs(z).max()) for z in points.values()), default=0.0) for points in linkage.bodies.values()
     )
-    return 2 * (bodies + sum(_far(s.point) + _far(s.through) for s in linkage.sliders))
+    return 2 * (bodies + sum(_far(slide.point) + _far(slide.through) for slide in linkage.slides))
 
 
 def repeated(values: Array, shape: tuple[int, ...]) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.scene_sizes import size_columns
+from geomkin.linkage.scene_handles import size_columns
 
 TURN = np.linspace(0, 2 * np.pi, 25)
 FOUR_BAR = gk.FourBar(100, 30, 90, 70)

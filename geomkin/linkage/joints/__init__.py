@@ -1,0 +1,1 @@
+"""Joints: what holds bodies together, one kind a file."""
