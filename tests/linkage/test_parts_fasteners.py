@@ -8,6 +8,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.errors import DesignError
+from geomkin.core.units import Sentence
 from geomkin.linkage.parts.plates import assemble
 from geomkin.linkage.parts.stack import stack_links
 from geomkin.linkage.parts.stock import LinkStock
@@ -98,13 +99,14 @@ def test_screws_hold_plates_spacers_and_nut():
 def test_a_threaded_rod_stands_out_at_either_end_by_all_the_play(play):
     held = Fastener(4.0, "screw", play)
     ((name, _), *_), (below, above) = held.bill(45.0), held.ends(45.0)
-    cut = float(re.search(r"cut to (\S+) mm", name)[1])
+    cut = float(re.search(r"cut to (\S+) mm", Sentence(name))[1])
     # What stands out at one end while the plates lie against the other.
     assert below == above and below + above - play == pytest.approx(cut - 45.0)
 
 
 def test_what_is_no_screw_is_a_rod_or_refused():
-    assert fastener_of(4.1, 3.0, None, 0.2, None).bill(9.0) == (("rod 4.1 mm, cut to 9.2 mm", 1),)
+    ((name, count),) = fastener_of(4.1, 3.0, None, 0.2, None).bill(9.0)
+    assert (Sentence(name), count) == ("rod 4.1 mm, cut to 9.2 mm", 1)
     assert fastener_of(4.0, 3.0, "rod", 0.2, None).ends(9.0) == (0.0, 0.0)
     with pytest.raises(DesignError, match="fastener:"):
         LinkStock(pin_diameter=4.1, fastener="screw")
