@@ -5,6 +5,7 @@ import re
 import pytest
 
 import geomkin as gk
+from geomkin.core.units import Sentence
 from geomkin.making.assembly import shaft_bill
 
 GALLERY = ["rack-and-pinion", "planetary", "lantern", "rocker-cam"]
@@ -51,4 +52,4 @@ KEYS = [
 @pytest.mark.parametrize(("sizes", "key"), KEYS)
 def test_the_key_is_the_longest_that_the_part_has_room_for(sizes, key):
     stock = gk.gear.GearStock(**{"bore_form": "keyed"} | sizes)
-    assert [name for name, _ in shaft_bill(stock, 40.0)] == ["shaft 20 mm, at least 40 mm long", key]
+    assert [Sentence(name) for name, _ in shaft_bill(stock, 40.0)] == ["shaft 20 mm, at least 40 mm long", key]
