@@ -8,6 +8,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...making.motors import motor_check, motor_summary, nearest_motor, smallest_motor
@@ -30,7 +31,9 @@ from .copies import Copied
 from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
 from .loads import LoadsTable, number_of_columns
 from .made import MadeLinkage
+from .motor_comparison import ComparedMotor, compared_motor
 from .runs import LinkageRun, linkage_run
+from .walking import Walking, walking_of
 
 # Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
 # nothing that is carried besides the parts is known; chosen here.
@@ -47,11 +50,16 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
 
     @property
     def most_columns(self) -> int:
-        return number_of_columns(self.linkage)
+        made = self.mechanism
+        return number_of_columns(self.linkage) + (2 + len(made.copies) if made.foot else 0)
 
     def check(self) -> None:
         made, table = self.mechanism, self.given
         table.check(made.moved(made.input_range.frames[:1]))
+        for key in ("carried", "foot_friction"):
+            if getattr(table, key) and made.foot is None:
+                problem = "is given, but the linkage has no feet on which it walks"
+                raise DesignError(f"loads.{key}", problem, "give foot and copies, or omit it", "conflict")
         if table.counterweights:
             table.counterweights.check(self.linkage, made.stock, table.masses)
         if table.run:
@@ -87,29 +95,65 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         return self.mechanism.masses if self.mechanism.stock.material else {}
 
     @cached_property
+    def walking(self) -> Walking | None:
+        """The feet that carry a walker with its mounted motor; None if they carry nothing or are given forces."""
+        return self.walking_with(None)
+
+    def walking_with(self, motor: Motor | None) -> Walking | None:
+        """As `walking`, with another motor at the place of the mounted one."""
+        if self._pushed:
+            return None
+        gravity = self.given.gravity_in(self.mechanism.setting)
+        return walking_of(self.mechanism, gravity, self.given.foot_friction, motor)
+
+    @property
+    def _pushed(self) -> bool:
+        """Whether forces at the feet of a walker are given."""
+        return any(force.point == self.mechanism.foot for force in self.given.forces)
+
+    @cached_property
     def analysis(self) -> ForceAnalysis:
-        """Driver effort and joint forces of one linkage."""
-        return self.given.forces_of(self.mechanism.motion, self.masses, self.mechanism.setting)
+        """Driver effort and joint forces of the first linkage."""
+        return self._analysis(self.mechanism.motion, self.walking)
+
+    def _analysis(
+        self, motion: Motion, walking: Walking | None, copy: Copied | None = None, leg: int = 0
+    ) -> ForceAnalysis:
+        """Forces of the first linkage in a motion of it, or of a copy; leg: its number."""
+        setting = self.mechanism.setting
+        if copy is not None:
+            motion, setting = copy.motion, setting.turned_over if copy.mirror is not None else setting
+        feet = (walking.forces[leg],) if walking else ()
+        return self.given.forces_of(motion, self.masses, setting, feet)
 
     @cached_property
     def effort(self) -> Real:
         """Torque of the driver, N mm, with those of the copies; the force if a slide drives, N."""
-        return self._effort(self.analysis, self.mechanism.moving_copies)
+        return self._effort(self._legs(self.mechanism.motion, self.walking))
 
-    def _effort(self, analysis: ForceAnalysis, copies: Sequence[Copied]) -> Real:
-        total, setting = analysis.driver, self.mechanism.setting
-        for copy in copies:
-            turned_over = copy.mirror is not None
-            setting_of_copy = setting.turned_over if turned_over else setting
-            torque = self.given.forces_of(copy.motion, self.masses, setting_of_copy).driver[copy.rows]
-            total = total - torque if turned_over else total + torque
+    def _legs(self, motion: Motion, walking: Walking | None) -> list[tuple[ForceAnalysis, Copied | None]]:
+        """The forces of the linkage in a motion, and of its copies."""
+        made = self.mechanism
+        copies = made.moving_copies if motion is made.motion else made.copies_of(motion)
+        first = self.analysis if motion is made.motion and walking is self.walking else self._analysis(motion, walking)
+        others = ((self._analysis(motion, walking, copy, k), copy) for k, copy in enumerate(copies, 1))
+        return [(first, None), *others]
+
+    def _effort(self, legs: Sequence[tuple[ForceAnalysis, Copied | None]]) -> Real:
+        total = legs[0][0].driver
+        for analysis, copy in legs[1:]:
+            assert copy is not None
+            torque = analysis.driver[copy.rows]
+            total = total - torque if copy.mirror is not None else total + torque
         return total
 
+    def effort_in(self, motion: Motion, walking: Walking | None) -> Real:
+        """The torque of the driver with those of the copies in another motion of the linkage, N mm."""
+        return self._effort(self._legs(motion, walking))
+
     def torque_at(self, turn: Real) -> Real:
-        made = self.mechanism
-        motion, rows = made.moved_at(turn)
-        analysis = self.given.forces_of(motion, self.masses, made.setting)
-        return self._effort(analysis, made.copies_of(motion))[rows]
+        motion, rows = self.mechanism.moved_at(turn)
+        return self.effort_in(motion, self.walking)[rows]
 
     @property
     def duty(self) -> MotorDuty:
@@ -121,26 +165,43 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
     def peaks(self) -> Mapping[str, tuple[float, float]]:
         """Largest driver effort, that with the copies, and largest force at each pin, also between frames, by name.
 
-        Each with the driver there.
+        Each with the driver there. The pins of a walker are those of the leg whose foot carries most.
         """
-        made, names = self.mechanism, ("driver", EFFORT, *self.linkage.pins)
+        names = ("driver", EFFORT, *self.linkage.pins)
 
         def sizes(motion: Motion) -> Real:
-            analysis = self.given.forces_of(motion, self.masses, made.setting)
+            legs = self._legs(motion, self.walking)
+            leg, copy = legs[self._most_loaded]
             forces = (
-                np.fmax.reduce([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
+                np.fmax.reduce([np.abs(leg.pin(pin, body))[copy.rows if copy else slice(None)] for body in bodies[1:]])
                 for pin, bodies in self.linkage.pins.items()
             )
-            effort = self._effort(analysis, made.copies_of(motion))
-            return np.array([np.abs(analysis.driver), np.abs(effort), *forces])
+            return np.array([np.abs(legs[0][0].driver), np.abs(self._effort(legs)), *forces])
 
-        return dict(zip(names, zip(*(array.tolist() for array in largest_between(made.motion, sizes)))))
+        return dict(zip(names, zip(*(array.tolist() for array in largest_between(self.mechanism.motion, sizes)))))
 
     @cached_property
     def motor(self) -> Motor | None:
         """The given motor; without one the smallest that suffices, None if no motor can drive the linkage."""
         turns = self.linkage.driver_pivot is not None and np.isfinite(self.effort).any()
         return self.given_motor or (smallest_motor(self.duty) if turns else None)
+
+    @cached_property
+    def compared(self) -> tuple[ComparedMotor, ...]:
+        """The motors of `motors`, each with its own mass on a walker."""
+        compared = []
+        for motor in self.given.motors:
+            walking = self.walking_with(motor)
+            if self.mechanism.foot and not walking and not self._pushed:
+                continue  # It falls over, or is in the air.
+            step = walking.step if walking else 0.0
+            torque_in = partial(self.effort_in, walking=walking)
+            compared.append(compared_motor(self.mechanism, motor, torque_in, step, self.given.battery_wh))
+        return tuple(compared)
+
+    @property
+    def remarks(self) -> Iterator[str]:
+        yield from (motor.remark for motor in self.compared)
 
     @cached_property
     def run(self) -> LinkageRun | None:
@@ -173,6 +234,8 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
         moment = f"shaking moment of the masses about {at}"
         yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
+        if self.walking:
+            yield from self.walking.columns(self.mechanism)
         if self.balanced:
             yield from self.balanced.columns
         if self.run:
@@ -188,6 +251,8 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
             Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
             Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
             Plot("shaking force", ("shaking_force",)),
+            Plot("loads of the feet", self.walking.load_ids if self.walking else ()),
+            Plot("speed of the walker", ("walking_speed",) if self.walking else ()),
         ]
         yield from self.run.plots if self.run else ()
         yield from (plot for plot in plots if plot.columns)
@@ -223,12 +288,19 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Checks of the motor, the counterweights and the run, and of pins and plates if the material is known."""
         stock = self.mechanism.stock
         yield from self._motor_checks
-        yield from weight_checks(self.mechanism, self.given)
+        if not self.walking:
+            yield from weight_checks(self.mechanism, self.given)
         if self.balanced:
             yield self.balanced.check(self.analysis)
         yield from self.run.checks if self.run else ()
         if stock.material:
-            yield from linkage_strength_checks(self.analysis, stock, self.mechanism.stack)
+            leg = self._legs(self.mechanism.motion, self.walking)[self._most_loaded][0]
+            yield from linkage_strength_checks(leg, stock, self.mechanism.stack)
+
+    @property
+    def _most_loaded(self) -> int:
+        """Number of the leg of a walker whose foot carries most."""
+        return int(np.argmax(self.walking.largest)) if self.walking else 0
 
     @property
     def _motor_checks(self) -> Iterator[Check]:
@@ -270,6 +342,10 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
             result["efficiency"] = efficiency
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
+        if self.walking:
+            result |= self.walking.summary
+        if self.compared:
+            result["motors"] = [motor.summary for motor in self.compared]
         if self.balanced:
             result |= self.balanced.summary(analysis)
         if self.run:
@@ -287,13 +363,15 @@ def weight_checks(made: MadeLinkage, loads: LoadsTable) -> Iterator[Check]:
     masses = {**made.masses, **{body: given.mass for body, given in loads.masses.items()}}
     mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in masses.values())
     mass += 1e-3 * made.mounted_motor.mass_g if made.mounted_motor else 0.0
+    mass += sum(carried.mass_kg for carried in made.carried)
     if made.foot is None or not gravity or not mass:
         return
     carried = sum(force.mean_over_turn() for force in loads.forces if force.point == made.foot)
     share = -(carried * gravity.conjugate()).real * (1 + len(made.copies)) / (mass * abs(gravity) ** 2)
     name = "share of the weight of its own parts and motor that the forces at the feet carry"
     advice = (
-        f"the parts weigh {mass * abs(gravity):.3g} N: give [[loads.forces]] at {made.foot} while it stands, by "
-        "over_deg; without them the torque and the motor's margin are those of a walker in the air"
+        f"it weighs {mass * abs(gravity):.3g} N, and the torque and the motor's margin are those of a walker in the "
+        f"air: let it stand at all frames by the check support_margin, upright, with rods that join its copies; or "
+        f"give [[loads.forces]] at {made.foot} while it stands, by over_deg"
     )
     yield Check("weight_carried", name, 100 * share, "at least", LEAST_CARRIED, "%", advice)
