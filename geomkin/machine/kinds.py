@@ -11,13 +11,13 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ..core.errors import DesignError, shown
-from ..core.fields import entry, quantity
+from ..core.fields import entry, quantity, to_digits, to_digits_or_none
 from ..core.names import check_names
 from ..core.records import record
-from ..making.motors import MOTORS, motor_check
+from ..making.motors import MOTORS, motor_check, motor_summary
 from ..model.check import Check
 from ..model.material import Mass
-from ..model.motor import RPM, MotorDuty
+from ..model.motor import RPM, Motor, MotorDuty
 from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
@@ -34,6 +34,8 @@ from .shafts import ShaftGraph
 
 # Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
+# Steps of the driver's torque for each row of the table.
+BETWEEN = 8
 
 
 @record(checked=True)
@@ -98,9 +100,7 @@ class MachineRecipe(AbstractAssembledRecipe):
             if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
-            if getattr(getattr(mechanism.recipe, "loads", None), "run", None):
-                problem = "is given, but the machine sets the speed"
-                raise DesignError(f"mechanisms.{name}.recipe.loads.run", problem, "omit it", "conflict")
+            check_settings(f"mechanisms.{name}", mechanism)
             if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
                 problem = f"found {self.files.kerf:g} mm, but {kerf:g} mm in the recipe of {name}"
                 raise DesignError("files.kerf", problem, f"give {kerf:g} mm as kerf in [files]", "conflict")
@@ -179,16 +179,77 @@ class MachineRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def input_torque(self) -> Real | None:
-        """Torque on the machine's driver, N mm, by the power that the drivers of its mechanisms need.
+        """Torque on the machine's driver at the frames, N mm; None without loads."""
+        return self.input_torque_at(self.turns)
 
-        None without loads. Mechanisms without loads need none; the friction of gears is not considered.
+    def input_torque_at(self, turns: Real) -> Real | None:
+        """Torque on the machine's driver at rotations of it, N mm; None without loads.
+
+        It is the sum of the powers that the drivers of its mechanisms need, over the efficiency of the gears between;
+        power that flows back loses as much. Gears turn at a constant speed, so that their inertia needs no torque.
         """
-        torques = [
-            float(self.graph.speeds[mechanism.name]) * torque
-            for mechanism in self.placed
-            if (torque := mechanism.recipe.torque_at(mechanism.turn)) is not None
-        ]
-        return np.sum(torques, axis=0) if torques else None
+        return self.driver_torques_at(turns).get(self.graph.driver)
+
+    def driver_torques_at(self, turns: Real) -> Mapping[str, Real]:
+        """Torque on the driver of each mechanism with all that it turns, N mm; without those that need none."""
+        graph, torques = self.graph, dict[str, Real]()
+        for name in reversed(graph.order):
+            turn = 2 * np.pi * float(graph.speeds[name]) * turns + np.radians(self.mechanisms[name].phase_deg)
+            own = self.recipes[name].torque_at(turn)
+            parts = [] if own is None else [own]
+            for other, (turned_by, body) in graph.sources.items():
+                if turned_by == name and other in torques:
+                    ratio, share = graph.speeds[other] / graph.speeds[name], graph.bodies[name][body].efficiency
+                    torque = float(ratio) * torques[other]
+                    is_driven = torque * float(graph.speeds[name]) * self.drive.speed_rpm > 0
+                    parts.append(np.where(is_driven, torque / share, torque * share))
+            if parts:
+                torques[name] = np.sum(parts, axis=0)
+        return torques
+
+    @cached_property
+    def duty(self) -> MotorDuty | None:
+        """Torque and speed of the driver, in smaller steps than those of the table; None without loads."""
+        turns = np.linspace(0, self.turns[-1], BETWEEN * (len(self.turns) - 1) + 1)
+        torque = self.input_torque_at(turns)
+        if torque is None:
+            return None
+        return MotorDuty(torque, np.full(turns.shape, RPM * self.drive.speed_rpm), 2 * np.pi * turns)
+
+    @property
+    def loads_summary(self) -> Mapping[str, object]:
+        """Torque, power and work of the driver, torques of the mechanisms, and the inertia of the gears."""
+        if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
+            return {}
+        peak = int(np.nanargmax(np.abs(duty.torque)))
+        work = float(np.trapezoid(duty.torque, duty.angle))
+        torques = self.driver_torques_at(duty.angle / (2 * np.pi))
+        inertia = sum(
+            float(mass.inertia) * float(self.graph.speeds[name] * body.speed) ** 2
+            for name, recipe in self.recipes.items()
+            for key, body in self.graph.bodies[name].items()
+            if body.is_wheel and (mass := recipe.body_masses.get(key)) is not None
+        )
+        values = {
+            "work_N_mm": work,
+            "mean_power_W": 1e-3 * work / float(duty.angle[-1]) * float(duty.speed[0]),
+            "largest_power_W": 1e-3 * float(np.nanmax(duty.torque * duty.speed)),
+            "inertia_of_gears_kg_mm2": inertia or np.nan,
+        }
+        rounded = {key: to_digits_or_none(value) for key, value in values.items()}
+        motor = driver_motor(self)
+        return {
+            "loads": {
+                "input_torque_N_mm": {
+                    "peak": to_digits(duty.torque[peak]),
+                    "peak_at_deg": to_digits(np.degrees(duty.angle[peak]), 6),
+                    "rms": to_digits(duty.rms_torque),
+                },
+                "driver_torques_N_mm": {name: to_digits(np.nanmax(np.abs(torque))) for name, torque in torques.items()},
+                **{key: value for key, value in rounded.items() if value is not None},
+                **({"motor": motor_summary(motor[0], duty)} if motor else {}),
+            }
+        }
 
     @cached_property
     def scene(self) -> Scene:
@@ -262,7 +323,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     def notes(self) -> Mapping[str, object]:
         graph = self.graph
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
-        return {"period_turns": {"driver": str(graph.period), **turns}, **assembly_summary(self)}
+        return {"period_turns": {"driver": str(graph.period), **turns}, **self.loads_summary, **assembly_summary(self)}
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -306,17 +367,38 @@ def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:
     return dict(zip(mechanisms, recipes))
 
 
+# Keys of a mechanism that the machine decides for all, and those of one that another mechanism turns.
+OF_MACHINE = ("loads.run", "loads.motors", "loads.speed_fluctuation", "drive.acceleration_rad_per_s2")
+OF_DRIVER = ("loads.motor",)
+
+
+def check_settings(key: str, mechanism: Mechanism) -> None:
+    """DesignError for a key of a mechanism that would count for nothing in a machine. key: of the mechanism."""
+    for path in (*OF_MACHINE, *(OF_DRIVER if mechanism.turned_by else ())):
+        table, _, name = path.partition(".")
+        if getattr(getattr(mechanism.recipe, table, None), name, None):
+            problem = "is given, but the machine sets speed and motor of this mechanism"
+            raise DesignError(f"{key}.recipe.{path}", problem, "omit it", "conflict")
+
+
+def driver_motor(machine: MachineRecipe) -> tuple[Motor, str] | None:
+    """The motor of the driver, mounted or named in its loads, and its key; None without one."""
+    recipe, key = machine.recipes[machine.graph.driver], f"mechanisms.{machine.graph.driver}.recipe"
+    stock, _, name = motor_key(recipe).partition(".")
+    named = getattr(getattr(recipe, "loads", None), "motor", None)
+    if named is not None:
+        return named, f"{key}.loads.motor"
+    mounted = MOTORS.get(str(getattr(getattr(recipe, stock), name))) if name else None
+    return (mounted, f"{key}.{stock}.{name}") if mounted else None
+
+
 def motor_checks(machine: MachineRecipe) -> Iterator[Check]:
-    """Whether the motor on the driver, if it is of the table, supplies the torque."""
-    recipe = machine.recipes[machine.graph.driver]
-    stock, _, key = motor_key(recipe).partition(".")
-    motor = MOTORS.get(str(getattr(getattr(recipe, stock), key))) if key else None
-    if motor is not None and machine.input_torque is not None:
-        angle = 2 * np.pi * machine.turns
-        duty = MotorDuty(machine.input_torque, np.full(angle.shape, RPM * machine.drive.speed_rpm), angle)
+    """Whether the motor on the driver supplies the torque."""
+    motor, duty = driver_motor(machine), machine.duty
+    if motor is not None and duty is not None:
         known = np.isfinite(duty.torque).any()
-        at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
-        yield motor_check(motor, duty, TORQUE, at, f"mechanisms.{machine.graph.driver}.recipe.{stock}.{key}")
+        at = float(np.degrees(duty.angle[np.nanargmax(np.abs(duty.torque))])) if known else None
+        yield motor_check(motor[0], duty, TORQUE, at, motor[1])
 
 
 def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
@@ -327,8 +409,8 @@ def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_che
         with errors_of(name):
             checks: tuple[Check, ...] = getattr(recipe, kind)
         for check in checks:
-            if check.id == "motor_torque" and name in machine.graph.sources:
-                continue  # A motor of the recipe alone, which the machine does not have.
+            if check.id == "motor_torque":
+                continue  # The machine has one check of the motor on its driver.
             id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
             inner = () if is_file else tuple(suggestion.under(key) for suggestion in check.suggestions)
             yield replace(

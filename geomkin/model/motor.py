@@ -265,8 +265,11 @@ class RotatingBody:
         Its rotations, counterclockwise, for one rotation of the driver; not 0.
     is_wheel : bool, optional
         Whether it looks alike at every angle, apart from teeth and marks, as a gear does.
+    efficiency : float, optional
+        Share of the power of the driver that reaches it, above 0 to 1; of the same power backwards too.
     """
 
     axis: complex
     speed: Fraction
     is_wheel: bool = False
+    efficiency: float = 1.0

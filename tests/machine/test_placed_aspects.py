@@ -22,7 +22,7 @@ def placed(recipe, **more):
 def walker():
     table = tomllib.loads(gk.recipe.to_toml(gk.load(WALKER)))
     del table["stock"]["motor"]
-    del table["files"], table["loads"]["motors"], table["loads"]["battery_wh"]
+    del table["files"], table["loads"]["motor"], table["loads"]["motors"], table["loads"]["battery_wh"]
     return table
 
 

@@ -20,18 +20,19 @@ from ...model.table import Column, Table, vector_columns
 from ...plane.vec import Real
 from ..checks import in_driver_unit
 from ..drive_limits import largest_between
-from ..dynamics.inverse import ForceAnalysis
+from ..dynamics.inverse import WATT, ForceAnalysis
+from ..dynamics.wrenches import NEWTON
 from ..linkage import Linkage
 from ..motion import Motion
 from ..parts.counterweight_plates import RoundEnd
 from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
 from .aspects import AbstractLinkageAspect
-from .copies import Copied
+from .copies import Copied, is_whole_turn
 from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
 from .loads import LoadsTable, number_of_columns
 from .made import MadeLinkage
-from .motor_comparison import ComparedMotor, compared_motor
+from .motor_comparison import POSITIONS, ComparedMotor, compared_motor
 from .runs import LinkageRun, linkage_run
 from .walking import Walking, walking_of
 
@@ -56,6 +57,11 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
     def check(self) -> None:
         made, table = self.mechanism, self.given
         table.check(made.moved(made.input_range.frames[:1]))
+        steady = is_whole_turn(made.input_range) and not made.input_range.acceleration
+        if table.speed_fluctuation and not (steady and self.linkage.driver_pivot is not None):
+            problem = "is given, but the driver makes no whole turn at a constant speed on a fixed shaft"
+            remedy = "let it turn by 360 deg without acceleration, or omit it"
+            raise DesignError("loads.speed_fluctuation", problem, remedy, "conflict")
         for key in ("carried", "foot_friction"):
             if getattr(table, key) and made.foot is None:
                 problem = "is given, but the linkage has no feet on which it walks"
@@ -155,11 +161,41 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         motion, rows = self.mechanism.moved_at(turn)
         return self.effort_in(motion, self.walking)[rows]
 
+    @cached_property
+    def dense(self) -> tuple[Motion, Real]:
+        """A motion in small steps over the range of the driver, and the effort with that of the copies in it."""
+        frames = self.mechanism.input_range.frames
+        motion = self.mechanism.moved(np.linspace(frames[0], frames[-1], max(POSITIONS, len(frames))))
+        return motion, self.effort_in(motion, self.walking)
+
     @property
     def duty(self) -> MotorDuty:
         """Torque and speed of the shaft."""
-        peak = self.peaks[EFFORT][0]
-        return replace(self.analysis.duty, torque=self.effort, between=0.0 if np.isnan(peak) else peak)
+        peak, (motion, effort) = self.peaks[EFFORT][0], self.dense
+        speed = np.broadcast_to(np.asarray(motion.timing.speed, dtype=float), motion.drive.shape)
+        return MotorDuty(effort, speed, motion.drive, 0.0 if np.isnan(peak) else peak)
+
+    @cached_property
+    def work(self) -> Real:
+        """Work of the driver since its first position, with that of the copies, N mm; nan beyond an unknown effort."""
+        motion, effort = self.dense
+        steps = np.diff(motion.drive) * (effort[1:] + effort[:-1]) / 2
+        return np.append(0.0, np.cumsum(steps))
+
+    @cached_property
+    def flywheel(self) -> Mapping[str, float]:
+        """Inertia of the flywheel for `speed_fluctuation`, and the disc of one sheet that has it; empty if none."""
+        if self.given.speed_fluctuation is None:
+            return {}
+        drive, stock = self.dense[0].drive, self.mechanism.stock
+        excess = self.work - self.work[-1] * (drive - drive[0]) / (drive[-1] - drive[0])
+        inertia = float(np.ptp(excess)) / NEWTON / (self.given.speed_fluctuation * self.mechanism.speed**2)
+        if stock.material is None:
+            return {"inertia_kg_mm2": inertia}
+        # Half the mass times the square of the radius.
+        sheet = 1e-9 * stock.material.density * stock.thickness
+        radius = (2 * inertia / (np.pi * sheet)) ** 0.25
+        return {"inertia_kg_mm2": inertia, "disc_diameter_mm": 2 * radius, "disc_mass_kg": sheet * np.pi * radius**2}
 
     @cached_property
     def peaks(self) -> Mapping[str, tuple[float, float]]:
@@ -220,6 +256,12 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         if self.mechanism.copies:
             meaning = "torque of the shaft: that of the linkage and its copies"
             yield Column("shaft_torque", "N mm", meaning, self.effort)
+        power = WATT * self.effort * self.mechanism.motion.timing.speed
+        of = " and those of the copies" if self.mechanism.copies else ""
+        yield Column("input_power", "W", f"power of the driver{of}, negative where the loads drive it", power)
+        if analysis.loads.friction:
+            locked = "1 where friction holds the loads that would drive the linkage, so that it stays at rest, else 0"
+            yield Column("self_locking", "", locked, analysis.self_locking.astype(float))
         for pin, bodies in linkage.pins.items():
             for body in bodies[1:]:
                 force, meaning = analysis.pin(pin, body), f"force at {pin} on {body}"
@@ -247,6 +289,7 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         effort = "torque" if linkage.driven_slider is None else "force"
         plots = [
             Plot(f"driver {effort}", (f"driver_{effort}", *(("shaft_torque",) if self.mechanism.copies else ()))),
+            Plot("power of the driver", ("input_power",)),
             Plot("pin forces", _pin_forces(linkage)),
             Plot("normal forces of slides", tuple(f"{slider.name}_normal_force" for slider in linkage.sliders)),
             Plot("moments of slides", tuple(f"{slider.name}_moment" for slider in linkage.sliders)),
@@ -321,25 +364,38 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Peak and rms driver effort, largest pin forces, efficiency and motor; without unknown ones."""
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
-        efforts = {effort: ("driver", analysis.driver)}
-        efforts |= {"shaft_torque_N_mm": (EFFORT, self.effort)} if self.mechanism.copies else {}
+        (dense, total), copies = self.dense, self.mechanism.copies
+        driver = self._analysis(dense, self.walking).driver if copies else total
+        efforts = {effort: ("driver", driver, analysis.driver)}
+        efforts |= {"shaft_torque_N_mm": (EFFORT, total, self.effort)} if copies else {}
         result: dict[str, object] = {}
-        for key, (name, values) in efforts.items():
+        for key, (name, values, at_frames) in efforts.items():
             peak, drive = self.peaks[name]
             if np.isfinite(peak):
                 motion = self.mechanism.motion
                 nearest = np.argmin(np.abs(motion.drive - drive))
                 result[key] = {
-                    "peak": to_digits(np.copysign(peak, values[nearest])),
+                    "peak": to_digits(np.copysign(peak, at_frames[nearest])),
                     f"peak_at_{unit}": to_digits(in_driver_unit(motion, drive), 6),
-                    "rms": to_digits(root_mean_square(values, motion.drive)),
+                    "rms": to_digits(root_mean_square(values, self.dense[0].drive)),
                 }
         result["largest_pin_force_N"] = {
             pin: to_digits(self.peaks[pin][0]) for pin in self.linkage.pins if np.isfinite(self.peaks[pin][0])
         }
-        efficiency = to_digits_or_none(float(analysis.efficiency)) if analysis.loads.friction else None
-        if efficiency is not None:
-            result["efficiency"] = efficiency
+        power, range_of_drive = WATT * total * dense.timing.speed, dense.drive[-1] - dense.drive[0]
+        mean_power = WATT * self.work[-1] / range_of_drive * float(dense.timing.speed)
+        known = {
+            "work_N_mm": float(self.work[-1]),
+            "mean_power_W": float(mean_power) if dense.timing.steady else np.nan,
+            "largest_power_W": float(np.fmax.reduce(power)),
+            "efficiency": float(analysis.efficiency) if analysis.loads.friction else np.nan,
+            "largest_condition": to_digits(float(np.fmax.reduce(analysis.condition)), 4),
+        }
+        result |= {key: value for key, number in known.items() if (value := to_digits_or_none(number)) is not None}
+        if analysis.loads.friction:
+            result["self_locking_percent"] = to_digits(100 * float(np.mean(analysis.self_locking)), 6)
+        if self.flywheel:
+            result["flywheel"] = {key: to_digits(value) for key, value in self.flywheel.items()}
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
         if self.walking:

@@ -158,6 +158,10 @@ class LoadsTable:
     battery_wh: float | None = quantity(
         "energy of the battery from which these motors run", "Wh", default=None, above=0, at_most=1e9
     )
+    speed_fluctuation: float | None = quantity(
+        "allowed difference of the largest and the least speed over their mean, for a flywheel on the driver",
+        default=None, above=0, at_most=1,
+    )  # fmt: skip
     counterweights: CounterweightsTable | None = entry(
         "round ends of bars that reduce the shaking force, with bodies, distance and largest_radius", default=None
     )
@@ -293,4 +297,4 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 11 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
+    return 13 + 3 * sum(len(bodies) - 1 for bodies in linkage.pins.values()) + 2 * len(linkage.sliders)
