@@ -22,7 +22,7 @@ from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
-from ..recipe.aspect import ALONE, Setting
+from ..recipe.aspect import ALONE, Setting, ShaftPlacement
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
@@ -118,7 +118,7 @@ class MachineRecipe(AbstractAssembledRecipe):
         recipes = {}
         for name, recipe in alone(self.mechanisms).items():
             speed = float(self.graph.speeds[name]) * RPM * self.drive.speed_rpm
-            setting = Setting(speed, 0.0, complex(self.poses[name].direction))
+            setting = ShaftPlacement(self.poses[name], self.mechanisms[name].mirrored).setting(speed)
             key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
             recipes[name] = placed.setdefault(key, recipe.in_setting(setting))
         return recipes
@@ -130,6 +130,8 @@ class MachineRecipe(AbstractAssembledRecipe):
         for name, recipe in alone(self.mechanisms).items():
             with errors_of(name):
                 bodies[name] = recipe.rotating_bodies
+            if self.mechanisms[name].mirrored:
+                bodies[name] = {key: body.turned_over for key, body in bodies[name].items()}
             if not bodies[name]:
                 problem = f"this {recipe.kind} has no driver that makes whole turns on a fixed shaft and moves others"
                 remedy = "give a linkage whose crank turns by 360 deg, a disk cam, or two or more gears in mesh"
@@ -143,7 +145,10 @@ class MachineRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def poses(self) -> Mapping[str, Pose]:
-        """Pose of each mechanism: the axis of its driver is that of the body that turns it."""
+        """Pose of each mechanism, which is turned over before if it is mirrored.
+
+        The axis of its driver is that of the body that turns it.
+        """
         poses, bodies = dict[str, Pose](), self.graph.bodies
         for name in self.graph.order:
             place = axis = next(iter(bodies[name].values())).axis
@@ -160,9 +165,9 @@ class MachineRecipe(AbstractAssembledRecipe):
         graph, layer, placed = self.graph, 0, []
         for name, mechanism in self.mechanisms.items():
             turn = 2 * np.pi * float(graph.speeds[name]) * self.turns + np.radians(mechanism.phase_deg)
-            pose, upside_down = self.poses[name], mechanism.upside_down
+            placement = ShaftPlacement(self.poses[name], mechanism.mirrored)
             with errors_of(name):
-                placed.append(PlacedMechanism(name, self.recipes[name], pose, turn, upside_down, layer))
+                placed.append(PlacedMechanism(name, self.recipes[name], placement, turn, mechanism.is_reversed, layer))
                 layer += placed[-1].layers
         return tuple(placed)
 

@@ -78,6 +78,8 @@ class Mechanism:
         Rotation of its driver from its own first position when the machine is at its first, deg.
     angle_deg : float, optional
         Rotation of the whole mechanism about the axis of its driver, deg.
+    mirrored : bool, optional
+        Whether it is turned over, left for right, about the axis of its driver, which also reverses its layers.
     upside_down : bool, optional
         Whether its layers are in the reverse order, its ground on top.
     """
@@ -100,4 +102,13 @@ class Mechanism:
     angle_deg: float = quantity(
         "rotation of the whole mechanism about the axis of its driver", "deg", default=0.0, at_least=-360, at_most=360
     )
+    mirrored: bool = entry(
+        "whether it is turned over, left for right, about the axis of its driver; its layers are then reversed too",
+        default=False,
+    )
     upside_down: bool = entry("whether its layers are in the reverse order, its ground on top", default=False)
+
+    @property
+    def is_reversed(self) -> bool:
+        """Whether its layers are in the reverse order in the machine."""
+        return self.mirrored != self.upside_down

@@ -142,7 +142,7 @@ def motor_room(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     if not key:
         return
     face = face_of(getattr(getattr(driver.recipe, stock), key))
-    axis = complex(driver.pose.place(next(iter(graph.bodies[driver.name].values())).axis))
+    axis = complex(driver.placement.pose.place(next(iter(graph.bodies[driver.name].values())).axis))
     plates = (
         body
         for body in driver.scene.bodies
@@ -151,7 +151,7 @@ def motor_room(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     )
     if (plate := next(plates, None)) is None:
         return
-    middle, side = axis + face.face_offset * complex(plate.direction[0]), 1 if driver.upside_down else -1
+    middle, side = axis + face.face_offset * complex(plate.direction[0]), 1 if driver.is_reversed else -1
     rooms = (
         (float(distances([flatten(part.outline, FINE)], places_on(body, middle)).min()), body.name)
         for mechanism in mechanisms
@@ -192,7 +192,7 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     by_name = {mechanism.name: mechanism for mechanism in mechanisms}
     for shaft in graph.shafts:
         joined = {shaft.mechanism: shaft.body} | {name: next(iter(graph.bodies[name])) for name in shaft.turned}
-        axis = complex(by_name[shaft.mechanism].pose.place(graph.bodies[shaft.mechanism][shaft.body].axis))
+        axis = complex(by_name[shaft.mechanism].placement.pose.place(graph.bodies[shaft.mechanism][shaft.body].axis))
         bodies, bores, joints, layers = {}, {}, {}, []
         for name, joined_body in joined.items():
             full = f"{name}/{joined_body}"

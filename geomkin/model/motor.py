@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Annotated
@@ -273,3 +274,8 @@ class RotatingBody:
     speed: Fraction
     is_wheel: bool = False
     efficiency: float = 1.0
+
+    @property
+    def turned_over(self) -> RotatingBody:
+        """The body of a mechanism that is turned over about its y axis, left for right."""
+        return replace(self, axis=-self.axis.conjugate(), speed=-self.speed)

@@ -128,7 +128,7 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Forces of the first linkage in a motion of it, or of a copy; leg: its number."""
         setting = self.mechanism.setting
         if copy is not None:
-            motion, setting = copy.motion, setting.turned_over if copy.mirror is not None else setting
+            motion, setting = copy.motion, setting.turned_over if copy.mirrored else setting
         feet = (walking.forces[leg],) if walking else ()
         return self.given.forces_of(motion, self.masses, setting, feet)
 
@@ -150,7 +150,7 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         for analysis, copy in legs[1:]:
             assert copy is not None
             torque = analysis.driver[copy.rows]
-            total = total - torque if copy.mirror is not None else total + torque
+            total = total - torque if copy.mirrored else total + torque
         return total
 
     def effort_in(self, motion: Motion, walking: Walking | None) -> Real:

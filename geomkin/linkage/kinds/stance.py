@@ -239,7 +239,7 @@ def stance_of(made: MadeLinkage, motion: Motion | None = None, motor: Motor | No
     bodies = {**made.masses, **made.given_masses}
     body = next(name for name, points in linkage.bodies.items() if made.foot in points)
     pivots = [pin for pin, joined in linkage.pins.items() if linkage.ground in joined]
-    copies = (Copied(motion, np.arange(len(motion.drive)), None), *made.copies_of(motion))
+    copies = (Copied(motion, np.arange(len(motion.drive))), *made.copies_of(motion))
     feet, height, velocity, fixed, start = [], [], [], [], 0.0
     moment, mass = np.zeros(len(motion.drive), dtype=complex), 0.0
     rooms = (*(rod.room for rod in made.shared), 0.0)
@@ -247,10 +247,10 @@ def stance_of(made: MadeLinkage, motion: Motion | None = None, motor: Motor | No
         total = (1 + max(stack.layers.values())) * sheet
         foot = copy.motion.point(made.foot)
         place = copy.place(foot.position)
-        across = partial(_across, stack, total, sheet, copy.mirror is not None)
+        across = partial(_across, stack, total, sheet, copy.mirrored)
         feet.append(place.real + 1j * (start + across(body)))
         height.append(place.imag)
-        velocity.append(foot.velocity[copy.rows].real * (1 if copy.mirror is None else -1))
+        velocity.append(foot.velocity[copy.rows].real * (-1 if copy.mirrored else 1))
         fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
         for name, own in bodies.items():
             poses = copy.motion.bodies[name]

@@ -95,7 +95,7 @@ def walking_of(made: MadeLinkage, gravity: complex, friction: float, motor: Moto
     body = next(name for name, points in linkage.bodies.items() if made.foot in points)
     legs = []
     for copy, force in zip(stance.copies, forces):
-        drive, own = copy.motion.drive[copy.rows], force if copy.mirror is None else -np.conj(force)
+        drive, own = copy.motion.drive[copy.rows], -np.conj(force) if copy.mirrored else force
         order = np.argsort(drive, kind="stable")
         legs.append(Force(body, made.foot, DriveTable(drive[order], own[order], 2 * np.pi)))
     return Walking(stance, tuple(legs), weight, friction, speed)
