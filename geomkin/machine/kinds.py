@@ -11,13 +11,12 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ..core.errors import DesignError, shown
-from ..core.fields import entry, quantity, to_digits, to_digits_or_none
+from ..core.fields import entry, quantity
 from ..core.names import check_names
 from ..core.records import record
-from ..making.motors import MOTORS, motor_check, motor_summary
 from ..model.check import Check
 from ..model.material import Mass
-from ..model.motor import RPM, Motor, MotorDuty
+from ..model.motor import RPM
 from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
@@ -28,14 +27,13 @@ from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecip
 from ..recipe.settings import SLOWEST_RPM, Files
 from .assembly import MachineAssembly
 from .mechanism import Mechanism, refuse_machine
-from .placed import TORQUE, PlacedMechanism, joined_scene, joined_table
+from .placed import PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
+from .torques import MachineTorques
 
 # Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
-# Steps of the driver's torque for each row of the table.
-BETWEEN = 8
 
 
 @record(checked=True)
@@ -180,81 +178,12 @@ class MachineRecipe(AbstractAssembledRecipe):
     def table(self) -> Table:
         """Positions and angles of all mechanisms over the period."""
         time = 60 * self.graph.turns / abs(self.drive.speed_rpm)
-        return joined_table(self.turns, time, self.placed, self.input_torque)
+        return joined_table(self.turns, time, self.placed, self.torques.input)
 
     @cached_property
-    def input_torque(self) -> Real | None:
-        """Torque on the machine's driver at the frames, N mm; None without loads."""
-        return self.input_torque_at(self.turns)
-
-    def input_torque_at(self, turns: Real) -> Real | None:
-        """Torque on the machine's driver at rotations of it, N mm; None without loads.
-
-        It is the sum of the powers that the drivers of its mechanisms need, over the efficiency of the gears between;
-        power that flows back loses as much. Gears turn at a constant speed, so that their inertia needs no torque.
-        """
-        return self.driver_torques_at(turns).get(self.graph.driver)
-
-    def driver_torques_at(self, turns: Real) -> Mapping[str, Real]:
-        """Torque on the driver of each mechanism with all that it turns, N mm; without those that need none."""
-        graph, torques = self.graph, dict[str, Real]()
-        for name in reversed(graph.order):
-            turn = 2 * np.pi * float(graph.speeds[name]) * turns + np.radians(self.mechanisms[name].phase_deg)
-            own = self.recipes[name].torque_at(turn)
-            parts = [] if own is None else [own]
-            for other, (turned_by, body) in graph.sources.items():
-                if turned_by == name and other in torques:
-                    ratio, share = graph.speeds[other] / graph.speeds[name], graph.bodies[name][body].efficiency
-                    torque = float(ratio) * torques[other]
-                    is_driven = torque * float(graph.speeds[name]) * self.drive.speed_rpm > 0
-                    parts.append(np.where(is_driven, torque / share, torque * share))
-            if parts:
-                torques[name] = np.sum(parts, axis=0)
-        return torques
-
-    @cached_property
-    def duty(self) -> MotorDuty | None:
-        """Torque and speed of the driver, in smaller steps than those of the table; None without loads."""
-        turns = np.linspace(0, self.turns[-1], BETWEEN * (len(self.turns) - 1) + 1)
-        torque = self.input_torque_at(turns)
-        if torque is None:
-            return None
-        return MotorDuty(torque, np.full(turns.shape, RPM * self.drive.speed_rpm), 2 * np.pi * turns)
-
-    @property
-    def loads_summary(self) -> Mapping[str, object]:
-        """Torque, power and work of the driver, torques of the mechanisms, and the inertia of the gears."""
-        if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
-            return {}
-        peak = int(np.nanargmax(np.abs(duty.torque)))
-        work = float(np.trapezoid(duty.torque, duty.angle))
-        torques = self.driver_torques_at(duty.angle / (2 * np.pi))
-        inertia = sum(
-            float(mass.inertia) * float(self.graph.speeds[name] * body.speed) ** 2
-            for name, recipe in self.recipes.items()
-            for key, body in self.graph.bodies[name].items()
-            if body.is_wheel and (mass := recipe.body_masses.get(key)) is not None
-        )
-        values = {
-            "work_N_mm": work,
-            "mean_power_W": 1e-3 * work / float(duty.angle[-1]) * float(duty.speed[0]),
-            "largest_power_W": 1e-3 * float(np.nanmax(duty.torque * duty.speed)),
-            "inertia_of_gears_kg_mm2": inertia or np.nan,
-        }
-        rounded = {key: to_digits_or_none(value) for key, value in values.items()}
-        motor = driver_motor(self)
-        return {
-            "loads": {
-                "input_torque_N_mm": {
-                    "peak": to_digits(duty.torque[peak]),
-                    "peak_at_deg": to_digits(np.degrees(duty.angle[peak]), 6),
-                    "rms": to_digits(duty.rms_torque),
-                },
-                "driver_torques_N_mm": {name: to_digits(np.nanmax(np.abs(torque))) for name, torque in torques.items()},
-                **{key: value for key, value in rounded.items() if value is not None},
-                **({"motor": motor_summary(motor[0], duty)} if motor else {}),
-            }
-        }
+    def torques(self) -> MachineTorques:
+        """Torques on the drivers of all mechanisms under their loads."""
+        return MachineTorques(self.graph, self.mechanisms, self.recipes, self.turns, self.drive.speed_rpm)
 
     @cached_property
     def scene(self) -> Scene:
@@ -288,11 +217,11 @@ class MachineRecipe(AbstractAssembledRecipe):
     def design_checks(self) -> tuple[Check, ...]:
         own = checks_of(self, "design_checks")
         shafts = (check for shaft in self.shafts for check in shaft.checks(self.placed))
-        return (*own, *shafts, *motor_room(self.graph, self.placed), *motor_checks(self))
+        return (*own, *shafts, *motor_room(self.graph, self.placed), *self.torques.checks)
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:
-        return (*checks_of(self, "motion_checks"), *motor_checks(self))
+        return (*checks_of(self, "motion_checks"), *self.torques.checks)
 
     def wall_advice(self, part: Part) -> str:
         owners = [name for name in self.recipes if part.name.startswith(f"{name}_".replace(" ", "_"))]
@@ -328,7 +257,11 @@ class MachineRecipe(AbstractAssembledRecipe):
     def notes(self) -> Mapping[str, object]:
         graph = self.graph
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
-        return {"period_turns": {"driver": str(graph.period), **turns}, **self.loads_summary, **assembly_summary(self)}
+        return {
+            "period_turns": {"driver": str(graph.period), **turns},
+            **self.torques.summary,
+            **assembly_summary(self),
+        }
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -384,26 +317,6 @@ def check_settings(key: str, mechanism: Mechanism) -> None:
         if getattr(getattr(mechanism.recipe, table, None), name, None):
             problem = "is given, but the machine sets speed and motor of this mechanism"
             raise DesignError(f"{key}.recipe.{path}", problem, "omit it", "conflict")
-
-
-def driver_motor(machine: MachineRecipe) -> tuple[Motor, str] | None:
-    """The motor of the driver, mounted or named in its loads, and its key; None without one."""
-    recipe, key = machine.recipes[machine.graph.driver], f"mechanisms.{machine.graph.driver}.recipe"
-    stock, _, name = motor_key(recipe).partition(".")
-    named = getattr(getattr(recipe, "loads", None), "motor", None)
-    if named is not None:
-        return named, f"{key}.loads.motor"
-    mounted = MOTORS.get(str(getattr(getattr(recipe, stock), name))) if name else None
-    return (mounted, f"{key}.{stock}.{name}") if mounted else None
-
-
-def motor_checks(machine: MachineRecipe) -> Iterator[Check]:
-    """Whether the motor on the driver supplies the torque."""
-    motor, duty = driver_motor(machine), machine.duty
-    if motor is not None and duty is not None:
-        known = np.isfinite(duty.torque).any()
-        at = float(np.degrees(duty.angle[np.nanargmax(np.abs(duty.torque))])) if known else None
-        yield motor_check(motor[0], duty, TORQUE, at, motor[1])
 
 
 def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:

@@ -87,7 +87,7 @@ def test_copies_of_a_linkage_are_mechanisms_of_a_machine_on_its_shaft(speed):
     # The copied linkage in the setting of the machine.
     setting = gk.recipe.aspect.Setting(speed * np.pi / 30, 0.0)
     torque = copied.in_setting(setting).torque_at(turn)
-    assert machine.input_torque == pytest.approx(torque, abs=1e-9 * np.abs(torque).max())
+    assert machine.torques.input == pytest.approx(torque, abs=1e-9 * np.abs(torque).max())
 
 
 def test_mirrored_mechanisms_are_made_and_certified(tmp_path):

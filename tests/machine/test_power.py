@@ -74,7 +74,7 @@ def test_power_of_the_driver_is_the_virtual_power_of_all_bodies(seed):
         machine = random_machine(np.random.default_rng([seed, number]))
         turns = np.linspace(0, float(machine.graph.period), 40) * np.sign(machine.drive.speed_rpm)
         power = virtual_power(machine, turns)
-        torque = machine.input_torque_at(turns)
+        torque = machine.torques.input_at(turns)
         ours = torque * machine.drive.speed_rpm * np.pi / 30
         assert ours == pytest.approx(power, abs=1e-10 * np.abs(power).max())
 
@@ -88,12 +88,12 @@ def lifted(friction, speed=60):
 
 @pytest.mark.parametrize("speed", [60, -60])
 def test_gears_lose_power_in_either_direction_by_the_efficiency_of_their_train(speed):
-    ideal, real = lifted(0.0, speed).input_torque, lifted(0.1, speed)
+    ideal, real = lifted(0.0, speed).torques.input, lifted(0.1, speed)
     efficiency = real.recipes["train"].design.efficiency
     assert 0.9 < efficiency < 1
     forwards = ideal * speed > 0
     assert forwards.any() and not forwards.all()
-    assert real.input_torque == pytest.approx(np.where(forwards, ideal / efficiency, ideal * efficiency), rel=1e-12)
+    assert real.torques.input == pytest.approx(np.where(forwards, ideal / efficiency, ideal * efficiency), rel=1e-12)
 
 
 def test_summary_of_a_machine_has_its_loads():
@@ -126,8 +126,8 @@ def test_motor_of_a_driver_turns_the_whole_machine():
                   "other": {"recipe": PUMP, "turned_by": "pair.first"}}  # fmt: skip
     machine = gk.load({"kind": "machine", "mechanisms": mechanisms})
     (check,) = (check for check in machine.design_checks if check.id.endswith("motor_torque"))
-    motor, torque = gk.making.motor("37d-50"), np.abs(machine.input_torque).max()
-    rms = np.sqrt(np.trapezoid(machine.input_torque**2, machine.turns) / machine.turns[-1])
+    motor, torque = gk.making.motor("37d-50"), np.abs(machine.torques.input).max()
+    rms = np.sqrt(np.trapezoid(machine.torques.input**2, machine.turns) / machine.turns[-1])
     by_hand = min(motor.torque_n_mm * (1 - 60 / 200) / torque, motor.lasting_torque_n_mm / rms)
     assert check.id == "motor_torque" and check.value == pytest.approx(by_hand, rel=1e-3)
 
