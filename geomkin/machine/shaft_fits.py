@@ -46,7 +46,7 @@ class ShaftFit:
     bodies : dict of str to SceneBody
         The joined bodies by their names, the turning one first.
     bores : dict of str to HoleFit or None
-        Bore of each joined body on the axis; None without a bore.
+        Bore of each joined body on the axis; None without a bore. Rings, which have no middle, are left out.
     joints : dict of str to str
         By mechanism, the joint in its bill whose own shaft this one replaces.
     layers : tuple of int
@@ -89,14 +89,19 @@ class ShaftFit:
     def step(self) -> str:
         """The assembly step of the shaft."""
         bodies, joints = " and ".join(self.bodies), " and ".join(f"{joint} of {n}" for n, joint in self.joints.items())
+        rings = [name for name in self.bodies if name not in self.bores]
+        discs = f"; screw a disc with its bore on {' and '.join(rings)} (not supplied)" if rings else ""
         if self.is_motor:
-            return f"the shaft of the motor, {self._long}, goes through {bodies}, fixed to each, instead of {joints}"
-        return f"one shaft goes through {bodies}, fixed to each, with a collar at each end, instead of that of {joints}"
+            return f"the shaft of the motor, {self._long}, goes through {bodies}, fixed to each, instead of {joints}{discs}"
+        ends = "fixed to each, with a collar at each end"
+        return f"one shaft goes through {bodies}, {ends}, instead of that of {joints}{discs}"
 
     def checks(self, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
         id = f"{self.shaft.mechanism}_{self.shaft.body}_shaft".replace(" ", "_")
         bores = {name: bore.diameter if bore else np.nan for name, bore in self.bores.items()}
+        if not bores:
+            return  # A ring that turns a ring.
         words = ", ".join(f"{name} {bore:g} mm" if bore > 0 else f"{name} none" for name, bore in bores.items())
         advice = "give all bodies on this shaft the same bore: bore of gears and cams, pin_diameter of linkages"
         spread = without_rounding(np.ptp(list(bores.values())), max(bores.values()))
@@ -201,7 +206,9 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
                 if found or body.name == full:
                     layers.append(body.layer)
                 if body.name == full:
-                    bodies[full], bores[full] = body, found[0][1][0] if found else None
+                    bodies[full] = body
+                    if not graph.bodies[name][joined_body].is_ring:
+                        bores[full] = found[0][1][0] if found else None
                     if found and turns_with_shaft(graph.bodies[name], joined_body):
                         joints[name] = found[0][1][1] or found[0][0].name.removeprefix(f"{name}_")
         low, high = min(layers), max(layers)

@@ -268,12 +268,15 @@ class RotatingBody:
         Whether it looks alike at every angle, apart from teeth and marks, as a gear does.
     efficiency : float, optional
         Share of the power of the driver that reaches it, above 0 to 1; of the same power backwards too.
+    is_ring : bool, optional
+        Whether it has no middle for a bore, so that a disc on the shaft carries it.
     """
 
     axis: complex
     speed: Fraction
     is_wheel: bool = False
     efficiency: float = 1.0
+    is_ring: bool = False
 
     @property
     def turned_over(self) -> RotatingBody:
