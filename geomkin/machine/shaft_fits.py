@@ -92,9 +92,11 @@ class ShaftFit:
         rings = [name for name in self.bodies if name not in self.bores]
         discs = f"; screw a disc with its bore on {' and '.join(rings)} (not supplied)" if rings else ""
         if self.is_motor:
-            return f"the shaft of the motor, {self._long}, goes through {bodies}, fixed to each, instead of {joints}{discs}"
-        ends = "fixed to each, with a collar at each end"
-        return f"one shaft goes through {bodies}, {ends}, instead of that of {joints}{discs}"
+            shaft = f"the shaft of the motor, {self._long}, goes through {bodies}, fixed to each, instead of {joints}"
+        else:
+            ends = "fixed to each, with a collar at each end"
+            shaft = f"one shaft goes through {bodies}, {ends}, instead of that of {joints}"
+        return f"{shaft}{discs}"
 
     def checks(self, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
