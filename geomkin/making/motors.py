@@ -19,7 +19,7 @@ from ..core.fields import (
     quantity,
     rounded_down,
     rounded_up,
-    to_digits,
+    to_digits_or_none,
 )
 from ..core.records import record
 from ..model.check import Check, Suggestion
@@ -204,7 +204,7 @@ def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
     """A motor and its margin, as an entry of the summary."""
     key = motor_name(motor)
     named: dict[str, object] = {"motor": key} if key else {}
-    return {**named, "name": motor.name, "margin": to_digits(motor.margin(duty), 6)}
+    return {**named, "name": motor.name, "margin": to_digits_or_none(motor.margin(duty), 6)}
 
 
 @record

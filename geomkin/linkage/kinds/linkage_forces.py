@@ -147,7 +147,15 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
             )
             return np.array([np.abs(legs[0][0].driver), np.abs(self._effort(legs)), *forces])
 
-        return dict(zip(names, zip(*(array.tolist() for array in largest_between(self.mechanism.motion, sizes)))))
+        if not self.walking:
+            found = largest_between(self.mechanism.motion, sizes)
+        else:
+            # The forces at the feet are linear between positions of which each is one of these.
+            motion = self.dense[0]
+            values = sizes(motion)
+            at = np.nanargmax(np.where(np.isfinite(values), values, -1.0), axis=1)
+            found = values[range(len(values)), at], motion.drive[at]
+        return dict(zip(names, zip(*(array.tolist() for array in found))))
 
     @property
     def _most_loaded(self) -> int:

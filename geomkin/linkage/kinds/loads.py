@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -109,6 +110,10 @@ class CarriedMass:
         "its position along the shaft, from the outer face of the first ground; by default the middle",
         "mm", default=None, at_least=-FARTHEST, at_most=FARTHEST,
     )  # fmt: skip
+
+    def at_scale(self, scale: float) -> CarriedMass:
+        """The same mass in a linkage of another size, whose stack along the shaft stays as it is."""
+        return replace(self, along=None if self.along is None else scale * self.along)
 
 
 @record(checked=True)

@@ -17,6 +17,9 @@ from .made import MadeLinkage
 
 # Positions over the range of the driver at which the torque is computed.
 POSITIONS = 721
+# Shares of a motor's speed without load at which the torque is computed, between which it is a parabola: exact without
+# dry friction, which needs a direction of the motion.
+SHARES = np.array([1e-3, 0.5, 1.0])
 # Halvings of the range of speeds in which the largest one is found, and digits of the speed that they give.
 HALVINGS, DIGITS = 15, 4
 
@@ -88,17 +91,23 @@ def compared_motor(
     frames = made.input_range.frames
     positions = np.linspace(frames[0], frames[-1], POSITIONS)
 
-    def duty_at(speed: float, acceleration: float = 0.0) -> MotorDuty:
-        motion = move(made.linkage, positions, made.branch, speed, acceleration)
-        return MotorDuty(torque_in(motion), np.full(positions.shape, speed), positions)
+    def torque_at(speed: float, acceleration: float = 0.0) -> Real:
+        return torque_in(move(made.linkage, positions, made.branch, speed, acceleration))
 
-    duty = duty_at(made.speed, made.acceleration)
+    def duty_of(torque: Real, speed: float) -> MotorDuty:
+        return MotorDuty(torque, np.full(positions.shape, speed), positions)
+
+    duty = duty_of(torque_at(made.speed, made.acceleration), made.speed)
     power = motor.electric_power(duty.torque, duty.speed)
     mean = float(np.trapezoid(power, positions) / (positions[-1] - positions[0]))
     # Its margin falls with the speed, apart from inertia that relieves it: the first speed at which it is too small.
     low, high = 0.0, RPM * motor.speed_rpm
+    parabolas = np.linalg.solve(
+        np.vander(SHARES), [torque_at(np.copysign(share * high, made.speed)) for share in SHARES]
+    )
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        enough = motor.margin(duty_at(np.copysign(middle, made.speed))) >= LEAST_MOTOR_MARGIN
+        torque = (middle / (RPM * motor.speed_rpm)) ** np.arange(2, -1, -1) @ parabolas
+        enough = motor.margin(duty_of(torque, middle)) >= LEAST_MOTOR_MARGIN
         low, high = (middle, high) if enough else (low, middle)
     return ComparedMotor(motor, duty, low, step, mean, energy)
