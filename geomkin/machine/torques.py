@@ -19,8 +19,8 @@ from .placed import TORQUE
 from .shaft_fits import motor_key
 from .shafts import ShaftGraph
 
-# Steps of the driver's torque for each row of the table.
-BETWEEN = 8
+# Steps of the torques for each row of the table, of which there are at least 72 in a turn of a crank.
+BETWEEN = 3
 
 
 @record(eq=False)
@@ -68,10 +68,16 @@ class MachineTorques:
         return torques
 
     @cached_property
-    def duty(self) -> MotorDuty | None:
-        """Torque and speed of the driver, in smaller steps than those of the table; None without loads."""
+    def dense(self) -> tuple[Real, Mapping[str, Real]]:
+        """Rotations of the driver in smaller steps than those of the table, and the torques on all drivers there."""
         turns = np.linspace(0, self.turns[-1], BETWEEN * (len(self.turns) - 1) + 1)
-        torque = self.input_at(turns)
+        return turns, self.by_driver_at(turns)
+
+    @property
+    def duty(self) -> MotorDuty | None:
+        """Torque and speed of the driver in these steps; None without loads."""
+        turns, torques = self.dense
+        torque = torques.get(self.graph.driver)
         if torque is None:
             return None
         return MotorDuty(torque, np.full(turns.shape, RPM * self.speed_rpm), 2 * np.pi * turns)
@@ -113,13 +119,13 @@ class MachineTorques:
             return {}
         peak = int(np.nanargmax(np.abs(duty.torque)))
         work = float(np.trapezoid(duty.torque, duty.angle))
-        torques = self.by_driver_at(duty.angle / (2 * np.pi))
         values = {
             "work_N_mm": work,
             "mean_power_W": 1e-3 * work / float(duty.angle[-1]) * float(duty.speed[0]),
             "largest_power_W": 1e-3 * float(np.nanmax(duty.torque * duty.speed)),
             "inertia_of_gears_kg_mm2": self.inertia_of_gears or np.nan,
         }
+        largest = {name: to_digits(np.nanmax(np.abs(torque))) for name, torque in self.dense[1].items()}
         rounded = {key: to_digits_or_none(value) for key, value in values.items()}
         return {
             "loads": {
@@ -128,7 +134,9 @@ class MachineTorques:
                     "peak_at_deg": to_digits(np.degrees(duty.angle[peak]), 6),
                     "rms": to_digits(duty.rms_torque),
                 },
-                "driver_torques_N_mm": {name: to_digits(np.nanmax(np.abs(torque))) for name, torque in torques.items()},
+                "driver_torques_N_mm": {
+                    name: to_digits(np.nanmax(np.abs(torque))) for name, torque in self.dense[1].items()
+                },
                 **{key: value for key, value in rounded.items() if value is not None},
                 **({"motor": motor_summary(self.motor[0], duty)} if self.motor else {}),
             }
