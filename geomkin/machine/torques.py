@@ -134,9 +134,7 @@ class MachineTorques:
                     "peak_at_deg": to_digits(np.degrees(duty.angle[peak]), 6),
                     "rms": to_digits(duty.rms_torque),
                 },
-                "driver_torques_N_mm": {
-                    name: to_digits(np.nanmax(np.abs(torque))) for name, torque in self.dense[1].items()
-                },
+                "driver_torques_N_mm": largest,
                 **{key: value for key, value in rounded.items() if value is not None},
                 **({"motor": motor_summary(self.motor[0], duty)} if self.motor else {}),
             }
