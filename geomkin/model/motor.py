@@ -200,7 +200,8 @@ class Motor:
         no_load, at_stall = 0.0, 1e-3 * self.torque_n_mm * RPM * self.speed_rpm
         if self.voltage_v and self.stall_current_a and self.no_load_current_a is not None:
             no_load, at_stall = self.no_load_current_a / self.stall_current_a, self.voltage_v * self.stall_current_a
-        forwards = np.asarray(torque, dtype=float) * np.sign(speed) / self.torque_n_mm
+        # At standstill a torque of either sense takes current.
+        forwards = np.where(np.asarray(speed) == 0, np.abs(torque), torque * np.sign(speed)) / self.torque_n_mm
         current = no_load + (1 - no_load) * forwards
         voltage = current + (1 - no_load) * np.abs(speed) / (RPM * self.speed_rpm)
         return np.asarray(at_stall * np.where(current > 0, np.maximum(voltage, 0.0) * current, 0.0))

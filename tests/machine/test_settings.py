@@ -113,3 +113,15 @@ def test_mechanism_at_the_ratio_1_has_the_loads_of_its_own_recipe():
     assert 360 * made.turns == pytest.approx(alone.table["crank_angle"])
     torque = alone.table["driver_torque"]
     assert made.torques.input == pytest.approx(torque, abs=1e-10 * np.abs(torque).max())
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_weight_of_a_turned_mechanism_is_lifted_in_the_world_also_if_it_is_mirrored(mirrored):
+    """So slow that inertia counts for nothing: the work is the weight by the height of the slider in the machine."""
+    pump = {"recipe": PUMP, "turned_by": "pair.second", "angle_deg": 37, "mirrored": mirrored}
+    made = gk.load({"kind": "machine", "mechanisms": {"pair": PAIR, "pump": pump}, "drive": {"speed_rpm": 0.1}})
+    slider = next(body for body in made.scene.bodies if body.name == "pump/slider")
+    height = np.asarray(slider.origin).imag
+    angle = 2 * np.pi * made.turns
+    work = np.concatenate([[0], np.cumsum(np.diff(angle) * (made.torques.input[1:] + made.torques.input[:-1]) / 2)])
+    assert work == pytest.approx(MASS * GRAVITY * (height - height[0]), abs=2e-3 * MASS * GRAVITY * np.ptp(height))
