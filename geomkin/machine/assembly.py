@@ -61,10 +61,15 @@ class MachineAssembly:
             f"set {upper} above {lower} on tubes as high as the nuts and collars between them"
             for lower, upper in pairwise(self.mechanisms)
         )
+        words = {
+            (True, False): "turn {} over, left for right",
+            (False, True): "turn {} upside down, its ground on top",
+            (True, True): "lay each plate of {} with its other face up, in the same order",
+        }
         turned = (
-            f"turn {name} upside down, its ground on top"
+            words[mechanism.mirrored, mechanism.upside_down].format(name)
             for name, mechanism in self.mechanisms.items()
-            if mechanism.upside_down
+            if mechanism.mirrored or mechanism.upside_down
         )
         return (*(shaft.step for shaft in self.shafts), *own, *turned, *neighbours, *phases)
 

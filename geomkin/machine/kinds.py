@@ -15,23 +15,23 @@ from ..core.fields import entry, quantity
 from ..core.names import check_names
 from ..core.records import record
 from ..core.units import marked, mm
-from ..making.motors import MOTORS, motor_check
 from ..model.check import Check
 from ..model.material import Mass
-from ..model.motor import RPM, MotorDuty
+from ..model.motor import RPM
 from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
-from ..recipe.aspect import ALONE, Setting
+from ..recipe.aspect import ALONE, Setting, ShaftPlacement
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
 from .assembly import MachineAssembly
 from .mechanism import Mechanism, refuse_machine
-from .placed import TORQUE, PlacedMechanism, joined_scene, joined_table
+from .placed import PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
+from .torques import MachineTorques
 
 # Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
@@ -90,9 +90,7 @@ class MachineRecipe(AbstractAssembledRecipe):
             if mechanism.turned_by and (key := motor_key(mechanism.recipe)):
                 problem = f"found a motor, but {mechanism.turned_by} turns this mechanism"
                 raise DesignError(f"mechanisms.{name}.recipe.{key}", problem, "omit it, or omit turned_by", "conflict")
-            if getattr(getattr(mechanism.recipe, "loads", None), "run", None):
-                problem = "is given, but the machine sets the speed"
-                raise DesignError(f"mechanisms.{name}.recipe.loads.run", problem, "omit it", "conflict")
+            check_settings(f"mechanisms.{name}", mechanism)
             if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
                 problem = f"found {mm(self.files.kerf):g}, but {mm(kerf):g} in the recipe of {name}"
                 raise DesignError("files.kerf", problem, f"give {mm(kerf):g} as kerf in [files]", "conflict")
@@ -110,7 +108,7 @@ class MachineRecipe(AbstractAssembledRecipe):
         recipes = {}
         for name, recipe in alone(self.mechanisms).items():
             speed = float(self.graph.speeds[name]) * RPM * self.drive.speed_rpm
-            setting = Setting(speed, 0.0, complex(self.poses[name].direction))
+            setting = ShaftPlacement(self.poses[name], self.mechanisms[name].mirrored).setting(speed)
             key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
             recipes[name] = placed.setdefault(key, recipe.in_setting(setting))
         return recipes
@@ -122,6 +120,8 @@ class MachineRecipe(AbstractAssembledRecipe):
         for name, recipe in alone(self.mechanisms).items():
             with errors_of(name):
                 bodies[name] = recipe.rotating_bodies
+            if self.mechanisms[name].mirrored:
+                bodies[name] = {key: body.turned_over for key, body in bodies[name].items()}
             if not bodies[name]:
                 problem = f"this {recipe.kind} has no driver that makes whole turns on a fixed shaft and moves others"
                 remedy = "give a linkage whose crank turns by 360 deg, a disk cam, a belt or chain, or gears in mesh"
@@ -135,7 +135,10 @@ class MachineRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def poses(self) -> Mapping[str, Pose]:
-        """Pose of each mechanism: the axis of its driver is that of the body that turns it."""
+        """Pose of each mechanism, which is turned over before if it is mirrored.
+
+        The axis of its driver is that of the body that turns it.
+        """
         poses, bodies = dict[str, Pose](), self.graph.bodies
         for name in self.graph.order:
             place = axis = next(iter(bodies[name].values())).axis
@@ -152,9 +155,9 @@ class MachineRecipe(AbstractAssembledRecipe):
         graph, layer, placed = self.graph, 0, []
         for name, mechanism in self.mechanisms.items():
             turn = 2 * np.pi * float(graph.speeds[name]) * self.turns + np.radians(mechanism.phase_deg)
-            pose, upside_down = self.poses[name], mechanism.upside_down
+            placement = ShaftPlacement(self.poses[name], mechanism.mirrored)
             with errors_of(name):
-                placed.append(PlacedMechanism(name, self.recipes[name], pose, turn, upside_down, layer))
+                placed.append(PlacedMechanism(name, self.recipes[name], placement, turn, mechanism.is_reversed, layer))
                 layer += placed[-1].layers
         return tuple(placed)
 
@@ -167,20 +170,12 @@ class MachineRecipe(AbstractAssembledRecipe):
     def table(self) -> Table:
         """Positions and angles of all mechanisms over the period."""
         time = 60 * self.graph.turns / abs(self.drive.speed_rpm)
-        return joined_table(self.turns, time, self.placed, self.input_torque)
+        return joined_table(self.turns, time, self.placed, self.torques.input)
 
     @cached_property
-    def input_torque(self) -> Real | None:
-        """Torque on the machine's driver, N mm, by the power that the drivers of its mechanisms need.
-
-        None without loads. Mechanisms without loads need none; the friction of gears is not considered.
-        """
-        torques = [
-            float(self.graph.speeds[mechanism.name]) * torque
-            for mechanism in self.placed
-            if (torque := mechanism.recipe.torque_at(mechanism.turn)) is not None
-        ]
-        return np.sum(torques, axis=0) if torques else None
+    def torques(self) -> MachineTorques:
+        """Torques on the drivers of all mechanisms under their loads."""
+        return MachineTorques(self.graph, self.mechanisms, self.recipes, self.turns, self.drive.speed_rpm)
 
     @cached_property
     def scene(self) -> Scene:
@@ -214,11 +209,11 @@ class MachineRecipe(AbstractAssembledRecipe):
     def design_checks(self) -> tuple[Check, ...]:
         own = checks_of(self, "design_checks")
         shafts = (check for shaft in self.shafts for check in shaft.checks(self.placed))
-        return (*own, *shafts, *motor_room(self.graph, self.placed), *motor_checks(self))
+        return (*own, *shafts, *motor_room(self.graph, self.placed), *self.torques.checks)
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:
-        return (*checks_of(self, "motion_checks"), *motor_checks(self))
+        return (*checks_of(self, "motion_checks"), *self.torques.checks)
 
     def wall_advice(self, part: Part) -> str:
         owners = [name for name in self.recipes if part.name.startswith(f"{name}_".replace(" ", "_"))]
@@ -254,7 +249,11 @@ class MachineRecipe(AbstractAssembledRecipe):
     def notes(self) -> Mapping[str, object]:
         graph = self.graph
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
-        return {"period_turns": {"driver": str(graph.period), **turns}, **assembly_summary(self)}
+        return {
+            "period_turns": {"driver": str(graph.period), **turns},
+            **self.torques.summary,
+            **assembly_summary(self),
+        }
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -298,17 +297,18 @@ def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:
     return dict(zip(mechanisms, recipes))
 
 
-def motor_checks(machine: MachineRecipe) -> Iterator[Check]:
-    """Whether the motor on the driver, if it is of the table, supplies the torque."""
-    recipe = machine.recipes[machine.graph.driver]
-    stock, _, key = motor_key(recipe).partition(".")
-    motor = MOTORS.get(str(getattr(getattr(recipe, stock), key))) if key else None
-    if motor is not None and machine.input_torque is not None:
-        angle = 2 * np.pi * machine.turns
-        duty = MotorDuty(machine.input_torque, np.full(angle.shape, RPM * machine.drive.speed_rpm), angle)
-        known = np.isfinite(duty.torque).any()
-        at = float(np.degrees(angle[np.nanargmax(np.abs(duty.torque))])) if known else None
-        yield motor_check(motor, duty, TORQUE, at, f"mechanisms.{machine.graph.driver}.recipe.{stock}.{key}")
+# Keys of a mechanism that the machine decides for all, and those of one that another mechanism turns.
+OF_MACHINE = ("loads.run", "loads.motors", "loads.speed_fluctuation", "drive.acceleration_rad_per_s2")
+OF_DRIVER = ("loads.motor",)
+
+
+def check_settings(key: str, mechanism: Mechanism) -> None:
+    """DesignError for a key of a mechanism that would count for nothing in a machine. key: of the mechanism."""
+    for path in (*OF_MACHINE, *(OF_DRIVER if mechanism.turned_by else ())):
+        table, _, name = path.partition(".")
+        if getattr(getattr(mechanism.recipe, table, None), name, None):
+            problem = "is given, but the machine sets speed and motor of this mechanism"
+            raise DesignError(f"{key}.recipe.{path}", problem, "omit it", "conflict")
 
 
 def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:
@@ -319,8 +319,8 @@ def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_che
         with errors_of(name):
             checks: tuple[Check, ...] = getattr(recipe, kind)
         for check in checks:
-            if check.id == "motor_torque" and name in machine.graph.sources:
-                continue  # A motor of the recipe alone, which the machine does not have.
+            if check.id == "motor_torque":
+                continue  # The machine has one check of the motor on its driver.
             id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
             inner = () if is_file else tuple(suggestion.under(key) for suggestion in check.suggestions)
             yield replace(

@@ -86,4 +86,13 @@ class Mechanism:
     angle_deg: float = quantity(
         "rotation of the whole mechanism about the axis of its driver", "deg", default=0.0, at_least=-360, at_most=360
     )
+    mirrored: bool = entry(
+        "whether it is turned over, left for right, about the axis of its driver; its layers are then reversed too",
+        default=False,
+    )
     upside_down: bool = entry("whether its layers are in the reverse order, its ground on top", default=False)
+
+    @property
+    def is_reversed(self) -> bool:
+        """Whether its layers are in the reverse order in the machine."""
+        return self.mirrored != self.upside_down

@@ -14,8 +14,8 @@ from ..core.records import record
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneBody, SceneHandle
 from ..model.table import Column, Table
-from ..plane.curve import AbstractCurve, Moved
-from ..plane.vec import Complex, Pose, Real
+from ..plane.vec import Complex, Real
+from ..recipe.aspect import ShaftPlacement
 from ..recipe.recipe import AbstractRecipe
 
 # Units of the columns that a machine's table takes from those of its mechanisms. Rates are those of another speed.
@@ -36,11 +36,11 @@ class PlacedMechanism:
         Its name in the machine.
     recipe : AbstractRecipe
         Its recipe.
-    pose : Pose
-        Pose of its frame in that of the machine, mm.
+    placement : ShaftPlacement
+        Of its frame in that of the machine.
     turn : array, shape (frames,)
         Rotation of its driver from its first position, rad.
-    upside_down : bool
+    is_reversed : bool
         Whether its layers are in the reverse order.
     first_layer : int
         Its lowest layer in the machine.
@@ -48,9 +48,9 @@ class PlacedMechanism:
 
     name: str
     recipe: AbstractRecipe
-    pose: Pose
+    placement: ShaftPlacement
     turn: Real
-    upside_down: bool
+    is_reversed: bool
     first_layer: int
 
     @cached_property
@@ -82,48 +82,44 @@ class PlacedMechanism:
     @cached_property
     def scene(self) -> Scene:
         """Its scene in the frame and the layers of the machine, under the names of the machine."""
-        own, direction = self._own_scene, complex(np.asarray(self.pose.direction))
+        own, placement = self._own_scene, self.placement
         lowest = min(body.layer for body in own.bodies)
         known = {id(part): own_part for part, own_part in zip(self.recipe.parts, self.parts)}
 
         def body_in_place(body: SceneBody, layer: int) -> SceneBody:
-            parts = tuple(known.get(id(part)) or self._part(part) for part in body.parts)
-            place = self.pose.place(body.origin)
+            parts = (known.get(id(part)) or self._part(part) for part in body.parts)
             return replace(
                 body,
                 name=self._of_body(body.name),
-                parts=parts,
-                origin=place,
-                direction=body.direction * direction,
+                parts=tuple(map(placement.part, parts)),
+                origin=placement.place(body.origin),
+                direction=placement.rotated(body.direction),
                 layer=layer,
             )
 
-        def moved(curve: AbstractCurve, body: str = "") -> AbstractCurve:
-            return curve if body else Moved(curve, self.pose)
-
         def turned(vector: Complex | None) -> Complex | None:
-            return None if vector is None else vector * direction
+            return None if vector is None else placement.vector(vector)
 
         curves = (
-            replace(curve, curve=moved(curve.curve, curve.body), body=self._of_body(curve.body))
+            replace(curve, curve=placement.curve(curve.curve, bool(curve.body)), body=self._of_body(curve.body))
             for curve in own.curves
             if curve.role != "dimension"
         )
         marks = (
             replace(
                 mark,
-                place=self.pose.place(mark.place),
+                place=placement.place(mark.place),
                 vector=turned(mark.vector),
                 direction=turned(mark.direction),
                 label=f"{self.name} {mark.label}" if mark.label else "",
             )
             for mark in own.marks
         )
-        regions = (replace(region, curves=tuple(map(moved, region.curves))) for region in own.regions)
+        regions = (replace(region, curves=tuple(map(placement.curve, region.curves))) for region in own.regions)
 
         def layer_of(body: SceneBody) -> int:
             layer = body.layer - lowest
-            return self.first_layer + (self.layers - 1 - layer if self.upside_down else layer)
+            return self.first_layer + (self.layers - 1 - layer if self.is_reversed else layer)
 
         # Units are assembled each by itself, with its own layers.
         units = {
@@ -161,8 +157,8 @@ class PlacedMechanism:
                     id=f"{self.name}/{handle.id}",
                     label=f"{self.name}: {handle.label}",
                     keys=tuple(f"mechanisms.{self.name}.recipe.{key}" for key in handle.keys),
-                    at=self.pose.place(at),
-                    arrow=complex(self.pose.direction) * handle.arrow,
+                    at=self.placement.place(at),
+                    arrow=complex(self.placement.vector(handle.arrow)),
                 )
 
     @property
@@ -210,7 +206,7 @@ def joined_scene(table: Table, mechanisms: Sequence[PlacedMechanism], is_cyclic:
     """The scenes of all mechanisms as one, with the timing diagrams."""
     scenes = [mechanism.scene for mechanism in mechanisms]
     # Equal mechanisms in one place leave the same trails, and only the first one's are drawn.
-    places = [(id(m.recipe), complex(m.pose.origin), complex(m.pose.direction)) for m in mechanisms]
+    places = [(id(m.recipe), *(complex(m.placement.place(z)) for z in (0j, 1 + 0j, 1j))) for m in mechanisms]
     first = [places.index(place) == k for k, place in enumerate(places)]
     return Scene(
         table,

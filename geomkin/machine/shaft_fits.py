@@ -47,7 +47,7 @@ class ShaftFit:
     bodies : dict of str to SceneBody
         The joined bodies by their names, the turning one first.
     bores : dict of str to HoleFit or None
-        Bore of each joined body on the axis; None without a bore.
+        Bore of each joined body on the axis; None without a bore. Rings, which have no middle, are left out.
     joints : dict of str to str
         By mechanism, the joint in its bill whose own shaft this one replaces.
     layers : tuple of int
@@ -90,14 +90,21 @@ class ShaftFit:
     def step(self) -> str:
         """The assembly step of the shaft."""
         bodies, joints = " and ".join(self.bodies), " and ".join(f"{joint} of {n}" for n, joint in self.joints.items())
+        rings = [name for name in self.bodies if name not in self.bores]
+        discs = f"; screw a disc with its bore on {' and '.join(rings)} (not supplied)" if rings else ""
         if self.is_motor:
-            return f"the shaft of the motor, {self._long}, goes through {bodies}, fixed to each, instead of {joints}"
-        return f"one shaft goes through {bodies}, fixed to each, with a collar at each end, instead of that of {joints}"
+            shaft = f"the shaft of the motor, {self._long}, goes through {bodies}, fixed to each, instead of {joints}"
+        else:
+            ends = "fixed to each, with a collar at each end"
+            shaft = f"one shaft goes through {bodies}, {ends}, instead of that of {joints}"
+        return f"{shaft}{discs}"
 
     def checks(self, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
         id = f"{self.shaft.mechanism}_{self.shaft.body}_shaft".replace(" ", "_")
         bores = {name: bore.diameter if bore else np.nan for name, bore in self.bores.items()}
+        if not bores:
+            return  # A ring that turns a ring.
         words = ", ".join(f"{name} {mm(bore):g}" if bore > 0 else f"{name} none" for name, bore in bores.items())
         advice = "give all bodies on this shaft the same bore: bore of gears and cams, pin_diameter of linkages"
         spread = without_rounding(np.ptp(list(bores.values())), max(bores.values()))
@@ -143,7 +150,7 @@ def motor_room(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     if not key:
         return
     face = face_of(getattr(getattr(driver.recipe, stock), key))
-    axis = complex(driver.pose.place(next(iter(graph.bodies[driver.name].values())).axis))
+    axis = complex(driver.placement.pose.place(next(iter(graph.bodies[driver.name].values())).axis))
     plates = (
         body
         for body in driver.scene.bodies
@@ -152,7 +159,7 @@ def motor_room(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     )
     if (plate := next(plates, None)) is None:
         return
-    middle, side = axis + face.face_offset * complex(plate.direction[0]), 1 if driver.upside_down else -1
+    middle, side = axis + face.face_offset * complex(plate.direction[0]), 1 if driver.is_reversed else -1
     rooms = (
         (float(distances([flatten(part.outline, FINE)], places_on(body, middle)).min()), body.name)
         for mechanism in mechanisms
@@ -193,7 +200,7 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
     by_name = {mechanism.name: mechanism for mechanism in mechanisms}
     for shaft in graph.shafts:
         joined = {shaft.mechanism: shaft.body} | {name: next(iter(graph.bodies[name])) for name in shaft.turned}
-        axis = complex(by_name[shaft.mechanism].pose.place(graph.bodies[shaft.mechanism][shaft.body].axis))
+        axis = complex(by_name[shaft.mechanism].placement.pose.place(graph.bodies[shaft.mechanism][shaft.body].axis))
         bodies, bores, joints, layers = {}, {}, {}, []
         for name, joined_body in joined.items():
             full = f"{name}/{joined_body}"
@@ -202,7 +209,9 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
                 if found or body.name == full:
                     layers.append(body.layer)
                 if body.name == full:
-                    bodies[full], bores[full] = body, found[0][1][0] if found else None
+                    bodies[full] = body
+                    if not graph.bodies[name][joined_body].is_ring:
+                        bores[full] = found[0][1][0] if found else None
                     if found and turns_with_shaft(graph.bodies[name], joined_body):
                         joints[name] = found[0][1][1] or found[0][0].name.removeprefix(f"{name}_")
         low, high = min(layers), max(layers)

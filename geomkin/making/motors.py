@@ -17,7 +17,7 @@ from ..core.fields import (
     entry,
     inside,
     quantity,
-    to_digits,
+    to_digits_or_none,
 )
 from ..core.records import record
 from ..core.units import bare_mm, mm
@@ -42,34 +42,40 @@ def _stepper(name: str, holding_torque: float, mass: float, source: str) -> Moto
     return Motor(name, torque, STEPPER_RPM, torque, mass, constant_torque=True, source=source)
 
 
-def _brushed(name: str, stall: float, speed_rpm: float, mass: float, source: str, most: float = np.inf) -> Motor:
-    """most: lasting torque that the gears carry, N mm."""
-    return Motor(name, stall, speed_rpm, min(LASTING * stall, most), mass, source=source)
+def _brushed(
+    name: str, stall: float, speed_rpm: float, mass: float, source: str, electric: tuple[float, float, float] | None,
+    most: float = np.inf,
+) -> Motor:  # fmt: skip
+    """electric: voltage, V, and currents without load and at standstill, A. most: lasting torque of its gears, N mm."""
+    values = electric or (None, None, None)
+    return Motor(name, stall, speed_rpm, min(LASTING * stall, most), mass, False, None, source, *values)
 
 
 def _servo(name: str, stall: float, seconds_per_60_deg: float, mass: float, source: str) -> Motor:
     return Motor(name, stall, 10 / seconds_per_60_deg, LASTING * stall, mass, range_deg=180, source=source)
 
 
+# Voltage, and currents without load and at standstill, by the makers' data sheets.
+N20, GEAR_37 = (6.0, 0.02, 0.36), (12.0, 0.2, 5.5)
 # Typical values, N mm, rpm and g, for a first choice. Torques at standstill are extrapolated by the makers; sellers of
 # servos claim up to 1.6 times as much. Masses are rounded.
 MOTORS: dict[str, Motor] = {
     "sg90": _servo("SG90 servo, 4.8 V", 118, 0.12, 9, "sellers' pages, the lowest torque"),
-    "n20-100": _brushed("N20 gear motor 100:1, 6 V", 73, 130, 10, "Pololu micro metal gearmotor, LP 6 V"),
-    "n20-298": _brushed("N20 gear motor 298:1, 6 V", 196, 45, 10, "Pololu micro metal gearmotor, LP 6 V"),
-    "tt": _brushed("TT gear motor 1:48, 6 V", 39, 200, 30, "sellers' pages"),
+    "n20-100": _brushed("N20 gear motor 100:1, 6 V", 73, 130, 10, "Pololu micro metal gearmotor, LP 6 V", N20),
+    "n20-298": _brushed("N20 gear motor 298:1, 6 V", 196, 45, 10, "Pololu micro metal gearmotor, LP 6 V", N20),
+    "tt": _brushed("TT gear motor 1:48, 6 V", 39, 200, 30, "sellers' pages", None),
     "28byj-48": Motor(
         "28BYJ-48 geared stepper, 5 V", 34.3, 15, 34.3, 35, constant_torque=True,
         source="makers' sheets: pull-in torque at 120 steps per second",
     ),
     "mg996r": _servo("MG996R servo, 4.8 V", 920, 0.17, 55, "sellers' pages, at 4.8 V"),
-    "25d-4": _brushed("25 mm gear motor 4.4:1, 6 V", 118, 2200, 90, "Pololu 25D, HP 6 V"),
-    "25d-75": _brushed("25 mm gear motor 75:1, 12 V", 696, 75, 100, "Pololu 25D, LP 12 V"),
+    "25d-4": _brushed("25 mm gear motor 4.4:1, 6 V", 118, 2200, 90, "Pololu 25D, HP 6 V", (6, 0.5, 6)),
+    "25d-75": _brushed("25 mm gear motor 75:1, 12 V", 696, 75, 100, "Pololu 25D, LP 12 V", (12, 0.06, 0.9)),
     "nema17-short": _stepper("NEMA 17 stepper, 20 mm long", 160, 130, "StepperOnline 17HS08"),
     "nema14": _stepper("NEMA 14 stepper, 34 mm long", 180, 180, "StepperOnline 14HS13-0804S"),
-    "37d-19": _brushed("37 mm gear motor 19:1, 12 V", 834, 530, 185, "Pololu 37D, 12 V", 981),
-    "37d-30": _brushed("37 mm gear motor 30:1, 12 V", 1373, 330, 190, "Pololu 37D, 12 V", 981),
-    "37d-50": _brushed("37 mm gear motor 50:1, 12 V", 2059, 200, 195, "Pololu 37D, 12 V", 981),
+    "37d-19": _brushed("37 mm gear motor 19:1, 12 V", 834, 530, 185, "Pololu 37D, 12 V", GEAR_37, 981),
+    "37d-30": _brushed("37 mm gear motor 30:1, 12 V", 1373, 330, 190, "Pololu 37D, 12 V", GEAR_37, 981),
+    "37d-50": _brushed("37 mm gear motor 50:1, 12 V", 2059, 200, 195, "Pololu 37D, 12 V", GEAR_37, 981),
     "nema17": _stepper("NEMA 17 stepper, 48 mm long", 590, 400, "StepperOnline 17HS19-2004S1"),
     "nema17-long": _stepper("NEMA 17 stepper, 60 mm long", 650, 500, "StepperOnline 17HS24"),
     "nema23": _stepper("NEMA 23 stepper, 56 mm long", 1240, 700, "StepperOnline 23HS22-2804S"),
@@ -197,7 +203,7 @@ def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
     """A motor and its margin, as an entry of the summary."""
     key = motor_name(motor)
     named: dict[str, object] = {"motor": key} if key else {}
-    return {**named, "name": motor.name, "margin": to_digits(motor.margin(duty), 6)}
+    return {**named, "name": motor.name, "margin": to_digits_or_none(motor.margin(duty), 6)}
 
 
 @record

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Annotated
@@ -118,6 +119,8 @@ class Motor:
         Angle through which a servo turns, deg; None if the shaft turns without end.
     source : str, optional
         Where the values are from.
+    voltage_v, no_load_current_a, stall_current_a : float, optional
+        Rated voltage of a direct-current motor, V, and its currents without load and at standstill, A.
 
     Examples
     --------
@@ -141,6 +144,67 @@ class Motor:
         "angle through which a servo turns", "deg", default=None, above=0, at_most=36_000
     )
     source: str = entry("where the values are from", default="")
+    voltage_v: float | None = quantity("rated voltage", "V", default=None, above=0, at_most=1e6)
+    no_load_current_a: float | None = quantity(
+        "current without load, of a direct-current motor", "A", default=None, at_least=0, at_most=1e6
+    )
+    stall_current_a: float | None = quantity(
+        "current at standstill, of a direct-current motor", "A", default=None, above=0, at_most=1e6
+    )
+
+    def __post_init__(self) -> None:
+        electric = {key: getattr(self, key) for key in ("voltage_v", "no_load_current_a", "stall_current_a")}
+        missing = [key for key, value in electric.items() if value is None]
+        if 0 < len(missing) < len(electric):
+            raise DesignError(missing[0], "is missing", f"give all of {', '.join(electric)}, or none", "missing-key")
+        if not missing and electric["no_load_current_a"] >= electric["stall_current_a"]:
+            problem = f"found {self.no_load_current_a:g} A, not less than stall_current_a"
+            most = electric["stall_current_a"]
+            raise DesignError("no_load_current_a", problem, f"give less than {most:g} A", "conflict", most)
+
+    @property
+    def has_currents(self) -> bool:
+        """Whether its electric power is that of its data sheet."""
+        return self.stall_current_a is not None
+
+    @checked
+    def electric_power(self, torque: AnyFloat, speed: AnyFloat) -> Real:
+        """Power that a direct-current motor takes from its supply, at the voltage that gives a torque at a speed.
+
+        Parameters
+        ----------
+        torque : float or array_like
+            N mm.
+        speed : float or array_like
+            rad/s.
+
+        Returns
+        -------
+        ndarray
+            W; 0 where the load drives it, for nothing is fed back; nan for a motor of constant torque.
+
+        Notes
+        -----
+        The current rises in proportion to the torque, from `no_load_current_a` to `stall_current_a`; the voltage is
+        that of the winding's resistance at this current and of the speed. Without currents the motor and its gears
+        count as free of friction, so that the power is the least possible.
+
+        Examples
+        --------
+        >>> motor = gk.making.motor("37d-50")
+        >>> float(motor.electric_power(216.0, 180 * np.pi / 30).round(2))
+        9.11
+        """
+        if self.constant_torque:
+            return np.full(np.broadcast_shapes(np.shape(torque), np.shape(speed)), np.nan)
+        no_load, at_stall = 0.0, 1e-3 * self.torque_n_mm * RPM * self.speed_rpm
+        if self.voltage_v and self.stall_current_a and self.no_load_current_a is not None:
+            no_load, at_stall = self.no_load_current_a / self.stall_current_a, self.voltage_v * self.stall_current_a
+        # At standstill a torque of either sense takes current.
+        forwards = np.where(np.asarray(speed) == 0, np.abs(torque), torque * np.sign(speed)) / self.torque_n_mm
+        current = no_load + (1 - no_load) * forwards
+        voltage = current + (1 - no_load) * np.abs(speed) / (RPM * self.speed_rpm)
+        return np.asarray(at_stall * np.where(current > 0, np.maximum(voltage, 0.0) * current, 0.0))
 
     @checked
     def torque_at(self, speed: AnyFloat) -> Real:
@@ -203,8 +267,19 @@ class RotatingBody:
         Its rotations, counterclockwise, for one rotation of the driver; not 0.
     is_wheel : bool, optional
         Whether it looks alike at every angle, apart from teeth and marks, as a gear does.
+    efficiency : float, optional
+        Share of the power of the driver that reaches it, above 0 to 1; of the same power backwards too.
+    is_ring : bool, optional
+        Whether it has no middle for a bore, so that a disc on the shaft carries it.
     """
 
     axis: complex
     speed: Fraction
     is_wheel: bool = False
+    efficiency: float = 1.0
+    is_ring: bool = False
+
+    @property
+    def turned_over(self) -> RotatingBody:
+        """The body of a mechanism that is turned over about its y axis, left for right."""
+        return replace(self, axis=-self.axis.conjugate(), speed=-self.speed)

@@ -6,11 +6,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar, Generic, TypeVar
 
+import numpy as np
+
 from ..core.records import record
 from ..model.check import Check
+from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneHandle
 from ..model.table import Column, Table
-from ..plane.vec import Real
+from ..plane.curve import AbstractCurve, Mirrored, Moved
+from ..plane.vec import Complex, Pose, Real
 
 M = TypeVar("M")
 T = TypeVar("T")
@@ -54,6 +58,48 @@ class Setting:
 
 # Of a recipe that is placed by nothing.
 ALONE = Setting()
+
+
+@record(eq=False)
+class ShaftPlacement:
+    """Where a copy, or a mechanism of a machine, lies on a shaft: turned over or not, then moved by a pose.
+
+    pose: of its frame, mm. mirrored: whether it is first turned over about its y axis, left for right.
+    """
+
+    pose: Pose = Pose()
+    mirrored: bool = False
+
+    def _over(self, z: Complex | complex) -> Complex | complex:
+        return -np.conj(z) if self.mirrored else z
+
+    def place(self, z: Complex | complex) -> Complex:
+        """Positions in the frame of the mechanism, placed."""
+        return self.pose.place(self._over(z))
+
+    def vector(self, vector: Complex | complex) -> Complex:
+        """Vectors in the frame of the mechanism, placed."""
+        return np.asarray(self.pose.direction * self._over(vector))
+
+    def rotated(self, direction: Complex | complex) -> Complex:
+        """Directions of bodies, placed; their parts are those of `part`."""
+        return np.asarray(self.pose.direction * (np.conj(direction) if self.mirrored else direction))
+
+    def curve(self, curve: AbstractCurve, of_body: bool = False) -> AbstractCurve:
+        """A curve, placed; of_body: in the frame of a body."""
+        seen = Mirrored(curve) if self.mirrored else curve
+        return seen if of_body else Moved(seen, self.pose)
+
+    def part(self, part: Part) -> Part:
+        """A part as it is seen where it is placed."""
+        if not self.mirrored:
+            return part
+        holes, marks = (tuple(map(Mirrored, curves)) for curves in (part.holes, part.marks))
+        return replace(part, outline=Mirrored(part.outline), holes=holes, marks=marks)
+
+    def setting(self, speed: float) -> Setting:
+        """The setting of a mechanism at a speed of its driver, in its own direction."""
+        return Setting(speed, 0.0, complex(np.asarray(self.pose.direction)), self.mirrored)
 
 
 @record(eq=False)

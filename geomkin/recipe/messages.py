@@ -113,6 +113,8 @@ def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) 
         near = "it belongs above the first [table], next to kind; "
     elif is_load and not near and "loads" in fields_of(recipe):
         near = "it belongs under [loads]; "
+    elif (is_load or name == "loads") and not near and "mechanisms" in fields_of(recipe):
+        near = "it belongs in the recipe of a mechanism, under [mechanisms.NAME.recipe.loads]; "
     elif not near and (topic := _unsupported(name)):
         problem = f"unknown key: recipes of this kind do not cover {topic}"
     return Problem(key, problem, near + remedy, "unknown-key")

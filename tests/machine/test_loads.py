@@ -17,7 +17,7 @@ CAM = {"kind": "disk-cam", "loads": {"force_n": 30, "follower": {"mass_kg": 1e-6
 
 def work_of(made):
     angle = np.radians(made.table["driver_angle"])
-    steps = np.diff(angle) * (made.input_torque[1:] + made.input_torque[:-1]) / 2
+    steps = np.diff(angle) * (made.torques.input[1:] + made.torques.input[:-1]) / 2
     return np.concatenate([[0], np.cumsum(steps)])
 
 
@@ -45,7 +45,7 @@ def test_the_driver_supplies_the_work_that_lifts_a_follower_and_its_motor_is_che
     assert work_of(made) == pytest.approx(30 * (lift - lift[0]) - 10 * (x - x[0]), abs=0.01 * 400)
     (check,) = (check for check in made.checks if check.id == "motor_torque")
     # The gear motor's line of torque over speed: 2059 N mm at standstill, 200 rpm without load; here 60 rpm.
-    assert check.value <= 2059 * (1 - 60 / 200) / np.abs(made.input_torque).max() + 1e-9
+    assert check.value <= 2059 * (1 - 60 / 200) / np.abs(made.torques.input).max() + 1e-9
     heavy = CAM | {"loads": CAM["loads"] | {"force_n": 3000}}
     mechanisms["lift"] = mechanisms["lift"] | {"recipe": heavy}
     made = gk.load({"kind": "machine", "mechanisms": mechanisms})
@@ -55,4 +55,4 @@ def test_the_driver_supplies_the_work_that_lifts_a_follower_and_its_motor_is_che
 def test_a_machine_without_loads_has_no_torque():
     plain = {key: value for key, value in PUMP.items() if key != "loads"}
     mechanisms = {"pair": {"recipe": PAIR}, "pump": {"recipe": plain, "turned_by": "pair.second"}}
-    assert gk.load({"kind": "machine", "mechanisms": mechanisms}).input_torque is None
+    assert gk.load({"kind": "machine", "mechanisms": mechanisms}).torques.input is None

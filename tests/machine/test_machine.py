@@ -412,3 +412,15 @@ def test_a_ring_turns_the_carrier_of_a_set_whose_sun_is_held():
     assert turned[0] / turned[1] == pytest.approx(50 / 20)
     # With the sun held, the ring turns by 1 + sun / ring.
     assert turned[2] / turned[1] == pytest.approx(1 + 24 / 60)
+
+
+@pytest.mark.parametrize("bore", [4, 5])
+def test_a_ring_that_turns_a_crank_needs_a_disc_and_its_shaft_has_the_bore_of_the_crank(bore):
+    ring = {"kind": "internal-gear-pair", "pinion": {"teeth": 18, "module": 2}, "ring": {"teeth": 60, "module": 2}}
+    crank = {"kind": "slider-crank", "linkage": {"crank": 20, "coupler": 70}, "stock": {"pin_diameter": bore}}
+    machine = gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": ring},
+                       "pump": {"recipe": crank, "turned_by": "pair.ring"}}})  # fmt: skip
+    (check,) = (check for check in machine.design_checks if check.id == "pair_ring_shaft_bores")
+    (shaft,) = machine.shafts
+    assert check.passed and shaft.diameter == bore and list(shaft.bores) == ["pump/crank"]
+    assert "pair/ring" in shaft.bodies

@@ -99,3 +99,18 @@ def test_an_advised_motor_is_accepted_by_the_stock_and_suffices():
     table["loads"]["motor"] = re.search(r'motor = "([^"]+)"', motor_torque(table).advice)[1]
     assert table["loads"]["motor"] not in gk.making.MOTOR_FACES
     assert motor_torque(table).passed
+
+
+def test_electric_power_of_a_motor_is_that_of_its_data_sheet_at_standstill_and_without_load():
+    sheet = {"torque_n_mm": 400, "speed_rpm": 120, "lasting_torque_n_mm": 100, "mass_g": 90}
+    currents = {"voltage_v": 12, "no_load_current_a": 0.5, "stall_current_a": 4}
+    motor, free = gk.Motor("own", **sheet, **currents), gk.Motor("own", **sheet)
+    fast = 120 * np.pi / 30
+    assert motor.electric_power(400, 0) == pytest.approx(12 * 4)
+    assert motor.electric_power(0, fast) == pytest.approx(12 * 0.5)
+    # At full voltage the torque falls with the speed along a line, and the power with the current.
+    assert motor.electric_power(100, 0.75 * fast) == pytest.approx(12 * (0.5 + 3.5 / 4))
+    # Without friction a slow motor takes what heats it, and a fast one what it gives besides.
+    assert free.electric_power(100, 0.75 * fast) == pytest.approx(1e-3 * 100 * fast)
+    assert motor.electric_power(-200, fast) == 0 == motor.electric_power(200, -fast)
+    assert np.isnan(gk.making.motor("nema17").electric_power(10, 1))

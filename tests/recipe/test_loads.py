@@ -1,5 +1,7 @@
 """The table `[loads]` of a linkage's recipe: driver effort and joint forces in table, plots and summary."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -134,9 +136,10 @@ def test_the_summary_has_peak_and_mean_and_the_page_has_plots():
     assert 0 <= effort["peak"] / torque[peak] - 1 < 1e-3 and effort["peak_at_deg"] == pytest.approx(
         120 + 10 * peak, abs=10
     )
-    # Linear between the frames; the mean of the squares by 1000 samples of each step.
-    fine = np.interp(np.linspace(0, 12, 12001), np.arange(13), torque**2)
-    assert effort["rms"] == pytest.approx(np.sqrt(fine.mean()), rel=1e-3)
+    # The mean of the squares between the rows too, by steps of 0.1 deg.
+    drive = dataclasses.replace(recipe.drive, step_deg=0.1)
+    fine = dataclasses.replace(recipe, drive=drive).table["driver_torque"]
+    assert effort["rms"] == pytest.approx(np.sqrt(np.trapezoid(fine**2) / (len(fine) - 1)), rel=1e-4)
     for pin, force in loads["largest_pin_force_N"].items():
         sizes = [
             recipe.table[id] for id in recipe.table.ids if id.startswith(f"{pin}_force") and id[-2:] not in ("_x", "_y")
@@ -370,3 +373,50 @@ def test_copies_half_a_turn_apart_balance_the_weight_of_their_cranks():
     turn = {"linkage": {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70}, "copies": [{"phase_deg": 180}]}
     table = gk.load({"kind": "four-bar", **turn, "loads": {"masses": masses}}).table
     assert np.abs(table["shaft_torque"]).max() < 1e-9 < np.abs(table["driver_torque"]).max()
+
+
+def test_power_and_work_of_a_pump_and_its_flywheel_are_those_of_its_force():
+    """20 N against the slider: the work is the force by the way; a disc of the sheet has the flywheel's inertia."""
+    force = {"forces": [{"body": "slider", "point": "slider_pin", "force_n": [20, 0]}]}
+    turn = {"speed_rpm": 120, "step_deg": 5}
+    stock = {"thickness": 4, "material": "steel-S235"}
+    pump = {"kind": "slider-crank", "linkage": {"crank": 20, "coupler": 70}, "drive": turn, "stock": stock,
+            "loads": {**force, "gravity_m_per_s2": [0, 0], "speed_fluctuation": 0.02, "masses": {body: {"mass_kg": 0} for body in ("crank", "coupler", "slider")}}}  # fmt: skip
+    recipe = gk.load(pump)
+    loads, table = recipe.notes["loads"], recipe.table
+    angle = np.radians(table["crank_angle"])
+    root = np.sqrt(70**2 - (20 * np.sin(angle)) ** 2)
+    torque = 20 * (20 * np.sin(angle) * (1 + 20 * np.cos(angle) / root))
+    assert table["input_power"] == pytest.approx(1e-3 * torque * 4 * np.pi, abs=1e-9)
+    assert loads["work_N_mm"] == pytest.approx(0, abs=1e-6) and loads["mean_power_W"] == pytest.approx(0, abs=1e-9)
+    # The slider takes 20 N by 40 mm and gives it back.
+    wheel = loads["flywheel"]
+    assert wheel["inertia_kg_mm2"] == pytest.approx(1e3 * 800 / (0.02 * (4 * np.pi) ** 2), rel=1e-4)
+    mass = np.pi / 4 * wheel["disc_diameter_mm"] ** 2 * 4 * 7850e-9
+    assert wheel["disc_mass_kg"] == pytest.approx(mass, rel=1e-6)
+    assert wheel["inertia_kg_mm2"] == pytest.approx(mass * wheel["disc_diameter_mm"] ** 2 / 8, rel=1e-6)
+
+
+def test_friction_locks_a_pump_near_its_dead_centres():
+    """At 2 deg a load that drives the crank takes less than friction, the couple of each pin by its relative rotation."""
+    pins = [{"pin": pin, "coefficient": 0.15, "radius": 5} for pin in ("crank_pivot", "crank_pin", "slider_pin")]
+    loads = {"forces": [{"body": "slider", "point": "slider_pin", "force_n": [-100, 0]}], "pin_friction": pins}
+    pump = {"kind": "slider-crank", "linkage": {"crank": 40, "coupler": 140}, "drive": {"step_deg": 2},
+            "loads": {"gravity_m_per_s2": [0, 0], **loads}}  # fmt: skip
+    recipe = gk.load(pump)
+    locked, torque = recipe.table["self_locking"], recipe.table["driver_torque"]
+    turned = 40 * np.cos(np.radians(2)) / 140
+    couple = 100 * 5 * np.sin(np.arctan(0.15))
+    without = -100 * 40 * np.sin(np.radians(2)) * (1 + turned)
+    assert torque[1] == pytest.approx(without + couple * (1 + (1 + turned) + turned), abs=0.1) and torque[1] > 0
+    assert locked[1] == 1 and locked[45] == 0
+    assert recipe.notes["loads"]["self_locking_percent"] == pytest.approx(100 * locked.mean(), rel=1e-5)
+
+
+@pytest.mark.parametrize("drive", [{"end_deg": 200}, {"acceleration_rad_per_s2": 3}])
+def test_a_flywheel_without_a_whole_turn_at_a_constant_speed_is_refused(drive):
+    pump = {"kind": "slider-crank", "linkage": {"crank": 40, "coupler": 140}, "drive": drive,
+            "loads": {"masses": {"slider": {"mass_kg": 1}}, "speed_fluctuation": 0.02}}  # fmt: skip
+    with pytest.raises(gk.RecipeError) as refused:
+        gk.load(pump)
+    assert [problem.key for problem in refused.value.problems] == ["loads.speed_fluctuation"]

@@ -41,11 +41,13 @@ def test_a_walker_whose_feet_carry_nothing_is_reported():
 
 
 def test_feet_that_carry_the_weight_pass_by_the_mean_of_their_forces():
-    """Six feet of 2.2 N over 174 of 360 deg, against the masses of the summary and the motor of 210 g."""
-    walker = gk.load("recipes/motor-walker.toml")
-    mass = (
-        6 * sum(body["mass_kg"] for body in walker.notes["masses"].values()) + gk.making.motor("37d-50").mass_g / 1000
-    )
+    """Six feet of 2.2 N over 174 of 360 deg, against the masses of the summary, the motor and what is carried."""
+    table = tomllib.loads(gk.recipe.to_toml(gk.load("recipes/motor-walker.toml")))
+    pushed = [[0, 0, 0], [100, 0, 0], [100, 0, 2.2], [274, 0, 2.2], [274, 0, 0], [360, 0, 0]]
+    force = {"body": "leg", "point": "foot", "over_deg": pushed}
+    walker = gk.load({**table, "loads": {"forces": [force], "carried": [{"mass_kg": 0.1}]}})
+    mass = 0.1 + 6 * sum(body["mass_kg"] for body in walker.notes["masses"].values())
+    mass += gk.making.motor("37d-50").mass_g / 1000
     share = 100 * 6 * 2.2 * 174 / 360 / (9.81 * mass)
     assert check(walker, "weight_carried").value == pytest.approx(share, rel=1e-2) and share > 100
 

@@ -168,7 +168,11 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         side = 1 if pair.is_internal else -1
         speeds = Fraction(1), Fraction(side * pair.first.teeth, pair.second.teeth)
         axes = 0j, complex(0, -side * pair.centre_distance)
-        return {name: RotatingBody(axis, v, is_wheel=True) for name, axis, v in zip(pair.names, axes, speeds)}
+        rings = False, pair.is_internal
+        return {
+            name: RotatingBody(axis, speed, is_wheel=True, is_ring=is_ring)
+            for name, axis, speed, is_ring in zip(pair.names, axes, speeds, rings)
+        }
 
     def scene_at(self, turn: Real) -> Scene:
         return turned_pair_scene(self.design, self.parts, turn)

@@ -60,6 +60,9 @@ from ..train import (
 from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
 
+# Least efficiency of a mesh in a machine: with less, friction locks it.
+LEAST_EFFICIENCY = 1e-3
+
 
 @checked
 def train_scene(train: GearTrain, parts: Sequence[Part] = ()) -> Scene:
@@ -342,9 +345,10 @@ class GearTrainRecipe(AbstractLoadedRecipe):
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
         """All gears."""
         train, bodies = self.design, {}
+        shares = (1.0, *np.cumprod(np.maximum(train.efficiencies, LEAST_EFFICIENCY)).tolist())
         for k in range(len(train.stages)):
             for name, j in ((f"driver_{k + 1}", k), (f"driven_{k + 1}", k + 1)):
-                bodies[name] = RotatingBody(complex(train.axes[j]), train.speeds[j], is_wheel=True)
+                bodies[name] = RotatingBody(complex(train.axes[j]), train.speeds[j], True, shares[j])
         return bodies
 
     def scene_at(self, turn: Real) -> Scene:

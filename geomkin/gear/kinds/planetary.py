@@ -217,7 +217,10 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
         """The driver and the output; the planets have no fixed axis."""
         members = (self.driver, self.output)
-        return {name: RotatingBody(0j, self.turns[name], is_wheel=name != "carrier") for name in members}
+        return {
+            name: RotatingBody(0j, self.turns[name], is_wheel=name != "carrier", is_ring=name == "ring")
+            for name in members
+        }
 
     def scene_at(self, turn: Real) -> Scene:
         time = Column("time", "s", "time", np.zeros(turn.shape))

@@ -16,8 +16,8 @@ from ...making.assembly import Bill, glue_bill, tube_bill
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Scene, SceneBody, SceneMark
-from ...plane.curve import Mirrored
-from ...plane.vec import Complex, Real, Whole
+from ...plane.vec import Complex, Pose, Real, Whole
+from ...recipe.aspect import ShaftPlacement
 from ...recipe.settings import Stroke, Turn
 from ..linkage import AbstractLinkage
 from ..motion import Motion
@@ -32,28 +32,21 @@ from ..solve.branch import Branch
 class Copied:
     """The motion of a copy.
 
-    rows: frame of the motion for each frame of the scene. mirror: x of the line in which it is mirrored, mm, or None.
+    rows: frame of the motion for each frame of the scene. placement: of the copy on the shaft.
     """
 
     motion: Motion
     rows: Whole
-    mirror: float | None
+    placement: ShaftPlacement = ShaftPlacement()
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether it is turned over."""
+        return self.placement.mirrored
 
     def place(self, z: Complex) -> Complex:
         """Positions of the motion, (its frames,), in the copy, (frames,)."""
-        positions = z[self.rows]
-        return positions if self.mirror is None else np.asarray(2 * self.mirror - np.conj(positions), dtype=complex)
-
-    def rotated(self, direction: Complex) -> Complex:
-        """Directions of bodies in the copy; its parts are mirrored with them."""
-        return direction[self.rows] if self.mirror is None else np.conj(direction[self.rows])
-
-    def part(self, part: Part) -> Part:
-        """A part seen from the front of the copy."""
-        if self.mirror is None:
-            return part
-        holes, marks = (tuple(Mirrored(curve) for curve in curves) for curves in (part.holes, part.marks))
-        return replace(part, outline=Mirrored(part.outline), holes=holes, marks=marks)
+        return self.placement.place(z[self.rows])
 
 
 def with_copies(
@@ -72,10 +65,11 @@ def with_copies(
         suffix = f", copy {number + 1}"
         closed = closed & copy.motion.assembled[copy.rows]
         for body in placed_bodies(copy.motion, parts, layers):
-            layer = body.layer if copy.mirror is None else height - 1 - body.layer
+            layer = height - 1 - body.layer if copy.mirrored else body.layer
             layer += lowest + (number - 1) * height
-            copied_parts = tuple(copy.part(part) for part in body.parts)
-            place, direction = copy.place(np.asarray(body.origin)), copy.rotated(np.asarray(body.direction))
+            copied_parts = tuple(copy.placement.part(part) for part in body.parts)
+            place = copy.place(np.asarray(body.origin))
+            direction = copy.placement.rotated(np.asarray(body.direction)[copy.rows])
             bodies.append(SceneBody(body.name + suffix, copied_parts, place, direction, layer, body.fixed, named=False))
         marks += [
             replace(mark, place=copy.place(mark.place), label=mark.label + suffix)
@@ -164,7 +158,8 @@ def copied(copies: tuple[Copy, ...], first: Motion, linkage: AbstractLinkage, si
         speed, acceleration = side * first.timing.speed, side * first.timing.acceleration
         motion = move(linkage, _led(wanted, frames), signs, speed, acceleration)
         rows = np.arange(len(motion.drive) - len(frames), len(motion.drive))
-        yield Copied(motion, rows[::-1] if copy.mirrored else rows, shaft.real if copy.mirrored else None)
+        placement = ShaftPlacement(Pose(2 * shaft.real if copy.mirrored else 0.0), copy.mirrored)
+        yield Copied(motion, rows[::-1] if copy.mirrored else rows, placement)
 
 
 def _led(wanted: Real, frames: Real) -> Real:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import ClassVar
 
@@ -77,7 +78,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         branch, given = branch_of(self.branch, self.branches), partial(getattr, self)
         columns = given("coefficients", False), given("effective_components", False)
         driven = (self.linkage, branch, self.input_range, self.setting, *columns, UNITS[self.units])
-        return MadeLinkage(*driven, self.stock, given("copies", ()), given("foot", None), self._round_ends)
+        made = MadeLinkage(*driven, self.stock, given("copies", ()), given("foot", None), self._round_ends)
+        loads = given("loads", None)
+        return replace(made, given_masses=loads.given_masses, carried=loads.carried) if loads else made
 
     def _round_ends(self) -> dict[str, RoundEnd]:
         return {body: end for aspect in self.aspects for body, end in aspect.round_ends.items()}

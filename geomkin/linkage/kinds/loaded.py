@@ -2,66 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
 
+from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...making.motors import motor_check, motor_summary, nearest_motor, smallest_motor
 from ...model.check import Check
-from ...model.material import Mass
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
-from ...plane.vec import Real
 from ..checks import in_driver_unit
-from ..drive_limits import largest_between
-from ..dynamics.inverse import ForceAnalysis
+from ..dynamics.inverse import WATT
 from ..linkage import Linkage
-from ..motion import Motion
 from ..parts.counterweight_plates import RoundEnd
 from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
-from .aspects import AbstractLinkageAspect
-from .copies import Copied
+from .copies import is_whole_turn
 from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
+from .linkage_forces import EFFORT, AbstractLinkageForces
 from .loads import LoadsTable, number_of_columns
 from .made import MadeLinkage
+from .motor_comparison import ComparedMotor, compared_motor
 from .runs import LinkageRun, linkage_run
 
 # Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
 # nothing that is carried besides the parts is known; chosen here.
 LEAST_CARRIED = 90.0
-# Name of the effort with that of the copies among the peaks.
-EFFORT = "effort"
 
 
 @record(eq=False)
-class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
+class LoadsAspect(AbstractLinkageForces):
     """The forces of a linkage in motion, and the torque of the shaft that it shares with its copies."""
 
     key = "loads"
 
     @property
     def most_columns(self) -> int:
-        return number_of_columns(self.linkage)
+        made = self.mechanism
+        return number_of_columns(self.linkage) + (2 + len(made.copies) if made.foot else 0)
 
     def check(self) -> None:
         made, table = self.mechanism, self.given
         table.check(made.moved(made.input_range.frames[:1]))
+        steady = is_whole_turn(made.input_range) and not made.input_range.acceleration
+        if table.speed_fluctuation and not (steady and self.linkage.driver_pivot is not None):
+            problem = "is given, but the driver makes no whole turn at a constant speed on a fixed shaft"
+            remedy = "let it turn by 360 deg without acceleration, or omit it"
+            raise DesignError("loads.speed_fluctuation", problem, remedy, "conflict")
+        for key in ("carried", "foot_friction"):
+            if getattr(table, key) and made.foot is None:
+                problem = "is given, but the linkage has no feet on which it walks"
+                raise DesignError(f"loads.{key}", problem, "give foot and copies, or omit it", "conflict")
         if table.counterweights:
             table.counterweights.check(self.linkage, made.stock, table.masses)
         if table.run:
             friction, copies = table.has_dry_friction, bool(made.copies)
             table.run.check(self.linkage, made.input_range, self.given_motor, friction, copies)
-
-    @property
-    def linkage(self) -> Linkage:
-        """The linkage."""
-        return self.mechanism.linkage.linkage
 
     @property
     def given_motor(self) -> Motor | None:
@@ -82,65 +83,34 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         return self.balanced.ends if self.balanced else {}
 
     @property
-    def masses(self) -> Mapping[str, Mass]:
-        """Masses of the parts by body."""
-        return self.mechanism.masses if self.mechanism.stock.material else {}
-
-    @cached_property
-    def analysis(self) -> ForceAnalysis:
-        """Driver effort and joint forces of one linkage."""
-        return self.given.forces_of(self.mechanism.motion, self.masses, self.mechanism.setting)
-
-    @cached_property
-    def effort(self) -> Real:
-        """Torque of the driver, N mm, with those of the copies; the force if a slide drives, N."""
-        return self._effort(self.analysis, self.mechanism.moving_copies)
-
-    def _effort(self, analysis: ForceAnalysis, copies: Sequence[Copied]) -> Real:
-        total, setting = analysis.driver, self.mechanism.setting
-        for copy in copies:
-            turned_over = copy.mirror is not None
-            setting_of_copy = setting.turned_over if turned_over else setting
-            torque = self.given.forces_of(copy.motion, self.masses, setting_of_copy).driver[copy.rows]
-            total = total - torque if turned_over else total + torque
-        return total
-
-    def torque_at(self, turn: Real) -> Real:
-        made = self.mechanism
-        motion, rows = made.moved_at(turn)
-        analysis = self.given.forces_of(motion, self.masses, made.setting)
-        return self._effort(analysis, made.copies_of(motion))[rows]
-
-    @property
     def duty(self) -> MotorDuty:
         """Torque and speed of the shaft."""
-        peak = self.peaks[EFFORT][0]
-        return replace(self.analysis.duty, torque=self.effort, between=0.0 if np.isnan(peak) else peak)
-
-    @cached_property
-    def peaks(self) -> Mapping[str, tuple[float, float]]:
-        """Largest driver effort, that with the copies, and largest force at each pin, also between frames, by name.
-
-        Each with the driver there.
-        """
-        made, names = self.mechanism, ("driver", EFFORT, *self.linkage.pins)
-
-        def sizes(motion: Motion) -> Real:
-            analysis = self.given.forces_of(motion, self.masses, made.setting)
-            forces = (
-                np.fmax.reduce([np.abs(analysis.pin(pin, body)) for body in bodies[1:]])
-                for pin, bodies in self.linkage.pins.items()
-            )
-            effort = self._effort(analysis, made.copies_of(motion))
-            return np.array([np.abs(analysis.driver), np.abs(effort), *forces])
-
-        return dict(zip(names, zip(*(array.tolist() for array in largest_between(made.motion, sizes)))))
+        peak, (motion, effort) = self.peaks[EFFORT][0], self.dense
+        speed = np.broadcast_to(np.asarray(motion.timing.speed, dtype=float), motion.drive.shape)
+        return MotorDuty(effort, speed, motion.drive, 0.0 if np.isnan(peak) else peak)
 
     @cached_property
     def motor(self) -> Motor | None:
         """The given motor; without one the smallest that suffices, None if no motor can drive the linkage."""
         turns = self.linkage.driver_pivot is not None and np.isfinite(self.effort).any()
         return self.given_motor or (smallest_motor(self.duty) if turns else None)
+
+    @cached_property
+    def compared(self) -> tuple[ComparedMotor, ...]:
+        """The motors of `motors`, each with its own mass on a walker."""
+        compared = []
+        for motor in self.given.motors:
+            walking = self.walking_with(motor)
+            if self.mechanism.foot and not walking and not self._pushed:
+                continue  # It falls over, or is in the air.
+            step = walking.step if walking else 0.0
+            torque_in = partial(self.effort_in, walking=walking)
+            compared.append(compared_motor(self.mechanism, motor, torque_in, step, self.given.battery_wh))
+        return tuple(compared)
+
+    @property
+    def remarks(self) -> Iterator[str]:
+        yield from (motor.remark for motor in self.compared)
 
     @cached_property
     def run(self) -> LinkageRun | None:
@@ -159,6 +129,12 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         if self.mechanism.copies:
             meaning = "torque of the shaft: that of the linkage and its copies"
             yield Column("shaft_torque", "N mm", meaning, self.effort)
+        power = WATT * self.effort * self.mechanism.motion.timing.speed
+        of = " and those of the copies" if self.mechanism.copies else ""
+        yield Column("input_power", "W", f"power of the driver{of}, negative where the loads drive it", power)
+        if analysis.loads.friction:
+            locked = "1 where friction holds the loads that would drive the linkage, so that it stays at rest, else 0"
+            yield Column("self_locking", "", locked, analysis.self_locking.astype(float))
         for joint in linkage.joints:
             yield from joint.force_columns(analysis)
         meaning = "shaking force of the masses on the ground"
@@ -166,6 +142,8 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         at = "the driver's pivot" if linkage.driver_pivot is not None else "the origin"
         moment = f"shaking moment of the masses about {at}"
         yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
+        if self.walking:
+            yield from self.walking.columns(self.mechanism)
         if self.balanced:
             yield from self.balanced.columns
         if self.run:
@@ -177,10 +155,13 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         effort = "torque" if linkage.driven_slider is None else "force"
         plots = [
             Plot(f"driver {effort}", (f"driver_{effort}", *(("shaft_torque",) if self.mechanism.copies else ()))),
+            Plot("power of the driver", ("input_power",)),
             Plot("pin forces", _pin_forces(linkage)),
             Plot("normal forces of slides", tuple(f"{slide.name}_normal_force" for slide in linkage.slides)),
             Plot("moments of slides", tuple(f"{slide.name}_moment" for slide in linkage.slides if slide.is_aligned)),
             Plot("shaking force", ("shaking_force",)),
+            Plot("loads of the feet", self.walking.load_ids if self.walking else ()),
+            Plot("speed of the walker", ("walking_speed",) if self.walking else ()),
         ]
         yield from self.run.plots if self.run else ()
         yield from (plot for plot in plots if plot.columns)
@@ -216,12 +197,14 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Checks of the motor, the counterweights and the run, and of pins and plates if the material is known."""
         stock = self.mechanism.stock
         yield from self._motor_checks
-        yield from weight_checks(self.mechanism, self.given)
+        if not self.walking:
+            yield from weight_checks(self.mechanism, self.given)
         if self.balanced:
             yield self.balanced.check(self.analysis)
         yield from self.run.checks if self.run else ()
         if stock.material:
-            yield from linkage_strength_checks(self.analysis, stock, self.mechanism.stack)
+            leg = self._legs(self.mechanism.motion, self.walking)[self._most_loaded][0]
+            yield from linkage_strength_checks(leg, stock, self.mechanism.stack)
 
     @property
     def _motor_checks(self) -> Iterator[Check]:
@@ -242,27 +225,44 @@ class LoadsAspect(AbstractLinkageAspect[LoadsTable]):
         """Peak and rms driver effort, largest pin forces, efficiency and motor; without unknown ones."""
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
-        efforts = {effort: ("driver", analysis.driver)}
-        efforts |= {"shaft_torque_N_mm": (EFFORT, self.effort)} if self.mechanism.copies else {}
+        (dense, total), copies = self.dense, self.mechanism.copies
+        driver = self._analysis(dense, self.walking).driver if copies else total
+        efforts = {effort: ("driver", driver, analysis.driver)}
+        efforts |= {"shaft_torque_N_mm": (EFFORT, total, self.effort)} if copies else {}
         result: dict[str, object] = {}
-        for key, (name, values) in efforts.items():
+        for key, (name, values, at_frames) in efforts.items():
             peak, drive = self.peaks[name]
             if np.isfinite(peak):
                 motion = self.mechanism.motion
                 nearest = np.argmin(np.abs(motion.drive - drive))
                 result[key] = {
-                    "peak": to_digits(np.copysign(peak, values[nearest])),
+                    "peak": to_digits(np.copysign(peak, at_frames[nearest])),
                     f"peak_at_{unit}": to_digits(in_driver_unit(motion, drive), 6),
-                    "rms": to_digits(root_mean_square(values, motion.drive)),
+                    "rms": to_digits(root_mean_square(values, self.dense[0].drive)),
                 }
         result["largest_pin_force_N"] = {
             pin: to_digits(self.peaks[pin][0]) for pin in self.linkage.pins if np.isfinite(self.peaks[pin][0])
         }
-        efficiency = to_digits_or_none(float(analysis.efficiency)) if analysis.loads.friction else None
-        if efficiency is not None:
-            result["efficiency"] = efficiency
+        power, range_of_drive = WATT * total * dense.timing.speed, dense.drive[-1] - dense.drive[0]
+        mean_power = WATT * self.work[-1] / range_of_drive * float(dense.timing.speed)
+        known = {
+            "work_N_mm": float(self.work[-1]),
+            "mean_power_W": float(mean_power) if dense.timing.steady else np.nan,
+            "largest_power_W": float(np.fmax.reduce(power)),
+            "efficiency": float(analysis.efficiency) if analysis.loads.friction else np.nan,
+            "largest_condition": to_digits(float(np.fmax.reduce(analysis.condition)), 4),
+        }
+        result |= {key: value for key, number in known.items() if (value := to_digits_or_none(number)) is not None}
+        if analysis.loads.friction:
+            result["self_locking_percent"] = to_digits(100 * float(np.mean(analysis.self_locking)), 6)
+        if self.flywheel:
+            result["flywheel"] = {key: to_digits(value) for key, value in self.flywheel.items()}
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
+        if self.walking:
+            result |= self.walking.summary
+        if self.compared:
+            result["motors"] = [motor.summary for motor in self.compared]
         if self.balanced:
             result |= self.balanced.summary(analysis)
         if self.run:
@@ -280,13 +280,15 @@ def weight_checks(made: MadeLinkage, loads: LoadsTable) -> Iterator[Check]:
     masses = {**made.masses, **{body: given.mass for body, given in loads.masses.items()}}
     mass = (1 + len(made.copies)) * sum(float(mass.mass) for mass in masses.values())
     mass += 1e-3 * made.mounted_motor.mass_g if made.mounted_motor else 0.0
+    mass += sum(carried.mass_kg for carried in made.carried)
     if made.foot is None or not gravity or not mass:
         return
     carried = sum(force.mean_over_turn() for force in loads.forces if force.point == made.foot)
     share = -(carried * gravity.conjugate()).real * (1 + len(made.copies)) / (mass * abs(gravity) ** 2)
     name = "share of the weight of its own parts and motor that the forces at the feet carry"
     advice = (
-        f"the parts weigh {mass * abs(gravity):.3g} N: give [[loads.forces]] at {made.foot} while it stands, by "
-        "over_deg; without them the torque and the motor's margin are those of a walker in the air"
+        f"it weighs {mass * abs(gravity):.3g} N, and the torque and the motor's margin are those of a walker in the "
+        f"air: let it stand at all frames by the check support_margin, upright, with rods that join its copies; or "
+        f"give [[loads.forces]] at {made.foot} while it stands, by over_deg"
     )
     yield Check("weight_carried", name, 100 * share, "at least", LEAST_CARRIED, "%", advice)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -30,6 +31,8 @@ from .runs import RunTable
 ARROW = 0.05
 
 
+# Most motors that are compared.
+MOST_MOTORS = 6
 # Positions of the driver over which the mean of a force is taken.
 MEAN_FRAMES = 3600
 
@@ -95,6 +98,25 @@ class CylinderForce:
 
 
 @record(checked=True)
+class CarriedMass:
+    """A mass that the frame of a walker carries besides its parts and its motor, such as a battery, in a recipe."""
+
+    mass_kg: float = quantity("mass", "kg", above=0, at_most=FARTHEST, example=0.5)
+    along: float | None = quantity(
+        "its position along the path, in the frame of the first linkage; by default the middle of all fixed pivots",
+        "mm", default=None, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
+    across: float | None = quantity(
+        "its position along the shaft, from the outer face of the first ground; by default the middle",
+        "mm", default=None, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
+
+    def at_scale(self, scale: float) -> CarriedMass:
+        """The same mass in a linkage of another size, whose stack along the shaft stays as it is."""
+        return replace(self, along=None if self.along is None else scale * self.along)
+
+
+@record(checked=True)
 class LoadsTable:
     """What acts on a linkage besides its driver, in a recipe.
 
@@ -126,7 +148,25 @@ class LoadsTable:
     slide_friction: tuple[SlideFriction, ...] = entry(
         "friction of slides, each with slide, coefficient, length and viscous", default=()
     )
+    carried: tuple[CarriedMass, ...] = entry(
+        "what a walker with foot carries besides its parts and its motor, each with mass_kg, along and across",
+        default=(),
+    )
+    foot_friction: float = quantity(
+        "coefficient of dry friction between the feet of a walker and the ground", default=0.0, at_least=0, at_most=10
+    )
     motor: MotorKey | None = motor_entry("the driver")
+    motors: tuple[MotorKey, ...] = entry(
+        "direct-current motors to compare at the speed of the drive: margin, largest speed, and time on a battery",
+        default=(),
+    )
+    battery_wh: float | None = quantity(
+        "energy of the battery from which these motors run", "Wh", default=None, above=0, at_most=1e9
+    )
+    speed_fluctuation: float | None = quantity(
+        "allowed difference of the largest and the least speed over their mean, for a flywheel on the driver",
+        default=None, above=0, at_most=1,
+    )  # fmt: skip
     counterweights: CounterweightsTable | None = entry(
         "round ends of bars that reduce the shaking force, with bodies, distance and largest_radius", default=None
     )
@@ -197,31 +237,59 @@ class LoadsTable:
             if force.over_deg and motion.linkage.driven_slider is not None:
                 problem = "is given, but a slide drives, which has no angle"
                 raise DesignError(f"loads.forces[{k}].over_deg", problem, "omit it, and give force_n", "conflict")
-        if self.motor and motion.linkage.driver_pivot is None:
-            problem = f"found {self.motor.name}, but the driver turns on no fixed shaft"
-            raise DesignError("loads.motor", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
+        for key, motor in {"motor": self.motor, "motors": next(iter(self.motors), None)}.items():
+            if motor and motion.linkage.driver_pivot is None:
+                problem = f"found {motor.name}, but the driver turns on no fixed shaft"
+                raise DesignError(f"loads.{key}", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
+        if len(self.motors) > MOST_MOTORS:
+            raise DesignError(
+                "loads.motors", f"found {len(self.motors)}", f"give at most {MOST_MOTORS}", "out-of-range"
+            )
+        if self.battery_wh and not self.motors:
+            problem = "is given, but no motors that run from it"
+            raise DesignError("loads.battery_wh", problem, "give motors, or omit it", "conflict")
 
-    def forces_of(self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE) -> ForceAnalysis:
+    @property
+    def given_masses(self) -> dict[str, Mass]:
+        """Masses of bodies with an entry in `masses`."""
+        return {body: mass.mass for body, mass in self.masses.items()}
+
+    def gravity_in(self, setting: Setting) -> complex:
+        """Gravity in the frame of a linkage in its setting, mm/s2."""
+        return setting.of_world(1000 * complex(*self.gravity_m_per_s2))
+
+    def forces_of(
+        self,
+        motion: Motion,
+        part_masses: Mapping[str, Mass],
+        setting: Setting = ALONE,
+        further: tuple[Force, ...] = (),
+    ) -> ForceAnalysis:
         """Driver effort and joint forces.
 
         part_masses: of the parts, for bodies without an entry in `masses`. setting: of the linkage, by which gravity is
-        that of the world; the forces of the table keep their direction in the linkage.
+        that of the world; the forces of the table keep their direction in the linkage. further: forces besides them.
         """
-        return forces(motion, self.loads_of(motion, part_masses, setting))
+        return forces(motion, self.loads_of(motion, part_masses, setting, further))
 
-    def loads_of(self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE) -> Loads:
+    def loads_of(
+        self,
+        motion: Motion,
+        part_masses: Mapping[str, Mass],
+        setting: Setting = ALONE,
+        further: tuple[Force, ...] = (),
+    ) -> Loads:
         """The loads as the library has them, as for `forces_of`."""
         self.check(motion)
-        given = {body: mass.mass for body, mass in self.masses.items()}
         loads = self.by_key
+        loads["forces"] = (*loads["forces"], *further)
         friction = (*loads.pop("pin_friction"), *loads.pop("slide_friction"))
         loads["springs"] = (*loads["springs"], *loads.pop("gas_springs"), *loads.pop("torsion_springs"))
-        masses = {**part_masses, **given}
+        masses = {**part_masses, **self.given_masses}
         if not masses and not any(loads.values()):
             problem = "no body has a mass, and nothing else acts"
             raise DesignError("loads", problem, 'give material = "steel-S235" in [stock], or masses', "missing-key")
-        gravity = setting.of_world(1000 * complex(*self.gravity_m_per_s2))
-        return Loads(gravity, masses, friction=friction, **loads)
+        return Loads(self.gravity_in(setting), masses, friction=friction, **loads)
 
 
 def loads_entry() -> Any:
@@ -234,4 +302,4 @@ def loads_entry() -> Any:
 
 def number_of_columns(linkage: Linkage) -> int:
     """Number of columns that loads add to a table."""
-    return 11 + 3 * sum(joint.count for joint in linkage.joints)
+    return 13 + 3 * sum(joint.count for joint in linkage.joints)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,7 @@ from ..parts.stock import LinkStock
 from ..solve.branch import BranchSpec, as_branch_spec
 from .copies import Copied, Copy, Shared, copied, copying, counted, joint_bills, shared_rods, without_motor
 from .counterweights import stack_with_ends
+from .loads import CarriedMass
 
 # Largest number of dyads of a linkage whose other assembly mode is shown.
 MOST_DYADS = 2
@@ -136,13 +137,16 @@ class MadeLinkage(DrivenLinkage):
     """A linkage with its copies as plates in layers.
 
     stock: sheet and pins. foot: the point on which it walks; rods then join the grounds of its copies. round_ends: the
-    counterweights of bodies, which may depend on the plates without them.
+    counterweights of bodies, which may depend on the plates without them. given_masses: of bodies, instead of those of
+    their parts. carried: on the frame of a walker.
     """
 
     stock: LinkStock = LinkStock()
     copies: tuple[Copy, ...] = ()
     foot: str | None = None
     round_ends: Callable[[], Mapping[str, RoundEnd]] = dict
+    given_masses: Mapping[str, Mass] = field(default_factory=dict)
+    carried: tuple[CarriedMass, ...] = ()
 
     @property
     def mounted_motor(self) -> Motor | None:

@@ -73,7 +73,8 @@ class RunTable:
 class LinkageRun:
     """A run: time, s, and speed of the driver, rad/s, at the frames of its last turn; nan where it does not get.
 
-    mean_speeds: of each turn that it completes, rad/s. energy_error: as of `ForwardMotion`.
+    mean_speeds: of each turn that it completes, rad/s. energy_error: as of `ForwardMotion`. extremes: least and largest
+    speed of the last turn, at all time steps; nan if it does not get there.
     """
 
     time: Real
@@ -81,6 +82,7 @@ class LinkageRun:
     mean_speeds: tuple[float, ...]
     energy_error: float
     turns: int
+    extremes: tuple[float, float]
 
     @property
     def columns(self) -> Iterator[Column]:
@@ -108,11 +110,11 @@ class LinkageRun:
     @property
     def summary(self) -> Mapping[str, object]:
         """Mean speed of each turn, fluctuation of the last one, and the error of the energy."""
-        last = self.speed[np.isfinite(self.speed)]
-        mean = (last.max() + last.min()) / 2 if len(last) else np.nan
+        least, largest = self.extremes
+        mean = (largest + least) / 2
         return {
             "mean_speeds_rpm": [to_digits(speed / RPM) for speed in self.mean_speeds],
-            "fluctuation": to_digits((last.max() - last.min()) / mean) if mean > 0 else None,
+            "fluctuation": to_digits((largest - least) / mean) if mean > 0 else None,
             "energy_error": to_digits(self.energy_error, 3),
         }
 
@@ -136,6 +138,7 @@ def linkage_run(table: RunTable, motion: Motion, loads: Loads, motor: Motor | No
     wanted = frames - frames.min() + start + (table.turns - 1) * turned
     # The square of the speed is smooth over the drive, also at the start from rest.
     squared = np.interp(wanted, drive, speed**2, left=np.nan, right=np.nan)
+    last = np.append(speed[drive >= wanted.min()], np.sqrt(squared[np.isfinite(squared)]))
     ends = np.interp(start + turned * np.arange(table.turns + 1), drive, time, right=np.nan)
     means = turned / np.diff(ends)
     return LinkageRun(
@@ -144,6 +147,7 @@ def linkage_run(table: RunTable, motion: Motion, loads: Loads, motor: Motor | No
         tuple(means[np.isfinite(means)].tolist()),
         max(piece.energy_error for piece in pieces),
         table.turns,
+        (float(last.min()), float(last.max())) if last.size else (np.nan, np.nan),
     )
 
 

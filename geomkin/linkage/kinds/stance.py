@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -14,15 +14,20 @@ from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...core.units import mm
 from ...model.check import Check
+from ...model.motor import Motor
 from ...plane.vec import Complex, Real, without_rounding
 from ..checks import in_driver_unit
 from ..drive_limits import largest_between
 from ..linkage import Linkage
-from ..measures import ground_slopes, support_margin
 from ..motion import Motion
+from ..parts.stack import Stack
+from ..standing import foot_shares, foot_slip, ground_slopes, support_margin
 from .aspects import AbstractLinkageAspect
 from .copies import Copied
+from .made import MadeLinkage
 
+# Steps in which the displacement of a centre of mass is found that lets a walker stand.
+MOST_SHIFTS = 100
 # Least number of feet that carry a frame.
 FEWEST_FEET = 3
 # Largest tilt of the frame over a turn, deg, along the path or across it. A walker that rocks more stumbles; chosen
@@ -65,14 +70,18 @@ def check_foot(foot: str, linkage: Linkage, count: int) -> None:
 class Stance:
     """The feet of a linkage and its copies over a turn, seen from above: x along the path, y along the shaft, mm.
 
-    feet: shape (feet, frames); height: of the feet in the frame, of the same shape. centre: of the weight, in the
-    middle of all fixed pivots. motion: of the first linkage. of: how it stands in another motion.
+    feet, height, velocity: of the feet in the frame, shape (feet, frames); the velocity is along the path, mm/s.
+    centre: of mass, one or one for each frame; in the middle of all fixed pivots if no mass is known. mass: of all, kg.
+    motion: of the first linkage. copies: of the linkage, the first one included. of: how it stands in another motion.
     """
 
     feet: Complex
     height: Real
-    centre: complex
+    velocity: Real
+    centre: complex | Complex
+    mass: float
     motion: Motion
+    copies: tuple[Copied, ...]
     of: Callable[[Motion], Stance]
 
     @cached_property
@@ -81,10 +90,27 @@ class Stance:
         return support_margin(self.feet, self.centre)
 
     @cached_property
+    def slope(self) -> Complex:
+        """Slope of the ground under the frame along and across the path; nan where it falls over."""
+        return ground_slopes(self.feet, self.height, self.centre)
+
+    @property
     def tilt_deg(self) -> Mapping[str, Real]:
         """Tilt of the frame along the path and across it, deg; nan where it falls over."""
-        slope = ground_slopes(self.feet, self.height, self.centre)
-        return {"along": np.degrees(np.arctan(slope.real)), "across": np.degrees(np.arctan(slope.imag))}
+        return {"along": np.degrees(np.arctan(self.slope.real)), "across": np.degrees(np.arctan(self.slope.imag))}
+
+    @cached_property
+    def shares(self) -> Real:
+        """Share of the weight on each foot, (feet, frames)."""
+        return foot_shares(self.feet, self.height, self.centre, self.slope)
+
+    def ground_forces(self, weight: float, friction: float) -> tuple[Complex, Real]:
+        """Force of the ground on each foot in the frame of the first linkage, and speed of the frame, mm/s.
+
+        weight: N; friction: coefficient between feet and ground.
+        """
+        sense, speed = foot_slip(self.shares, self.velocity)
+        return weight * (1j * self.shares + friction * sense), speed
 
     @cached_property
     def least_margin(self) -> tuple[float, float]:
@@ -105,10 +131,29 @@ class Stance:
         return {direction: (0.0 - low, high) for direction, (low, high) in zip(self.tilt_deg, ends)}
 
     @property
+    def shift_that_stands(self) -> complex | None:
+        """Displacement of the centre of mass with which it stands at all frames, mm; None if there is none nearby."""
+        size, shift = float(np.abs(self.feet - self.centre).max()), 0j
+        steps = np.array([0, 1, 1j]) * size * 1e-6
+        for _ in range(MOST_SHIFTS):
+            margins = np.array([support_margin(self.feet, self.centre + shift + step).min() for step in steps])
+            if margins[0] > size * 1e-3:
+                return shift
+            gradient = complex(*((margins[1:] - margins[0]) / (size * 1e-6)))
+            if not gradient:
+                return None
+            shift += (size * 2e-3 - float(margins[0])) * gradient / abs(gradient) ** 2
+        return None
+
+    @property
     def checks(self) -> Iterator[Check]:
         """That the centre stays above the support polygon, and that the frame rocks little."""
         least, drive = self.least_margin
         advice = "give further copies at other phases, or mirrored ones, so that a foot is on each side of the frame"
+        if not least >= 0 and (shift := self.shift_that_stands) is not None:
+            x, y = (self.mass * shift.real, self.mass * shift.imag)
+            words = f"{x:+.4g} kg mm along the path and {y:+.4g} kg mm along the shaft, its mass times the displacement"
+            advice = f"it tips: displace what it carries, or add a mass, by {words}; or {advice}"
         at = in_driver_unit(self.motion, drive)
         name = "least distance of the frame's centre inside its feet"
         yield Check("support_margin", name, least, "at least", 0, "mm", advice, at=at)
@@ -122,7 +167,16 @@ class Stance:
         """That four legs tip, and the place of the weight for which the checks hold."""
         if len(self.feet) == 4:
             yield FOUR_LEGS
-        if (margin := self.least_margin[0]) > 0:
+        if (margin := self.least_margin[0]) > 0 and self.mass:
+            centre = np.asarray(self.centre)
+            x, y = centre.real, centre.imag
+            yield (
+                f"It stands: its centre of mass, of {self.mass:.4g} kg, is "
+                f"{mm(x.min(), x.max(), between=' to '):.4g} along the path from the first shaft and "
+                f"{mm(y.min(), y.max(), between=' to '):.4g} from the outer face of the first ground, at least "
+                f"{mm(margin):.2g} inside its feet. Rods and tubes of the frame are not weighed."
+            )
+        elif margin > 0 and np.ndim(self.centre) == 0:
             yield (
                 f"It stands if its weight is in the middle, {mm(self.centre.imag):.4g} from the outer face of the "
                 "first "
@@ -137,7 +191,8 @@ class Stance:
             for direction, (low, high) in self.tilt_range_deg.items()
             if np.isfinite(low)
         }
-        return {"least_margin_mm": to_digits(self.least_margin[0]), **tilts}
+        mass = {"mass_kg": to_digits(self.mass)} if self.mass else {}
+        return {**mass, "least_margin_mm": to_digits(self.least_margin[0]), **tilts}
 
 
 @record(eq=False)
@@ -152,28 +207,7 @@ class StandingAspect(AbstractLinkageAspect[str]):
     @cached_property
     def stance(self) -> Stance | None:
         """How it stands over a turn; None if the distances of the copies are unknown."""
-        if any(not rod.pin for rod in self.mechanism.shared):
-            return None
-        return self._stance_in(self.mechanism.motion)
-
-    def _stance_in(self, motion: Motion) -> Stance:
-        made = self.mechanism
-        linkage, sheet = motion.linkage, made.stock.thickness
-        body = next(name for name, points in linkage.bodies.items() if self.given in points)
-        pivots = [pin for pin, bodies in linkage.pins.items() if linkage.ground in bodies]
-        first = Copied(motion, np.arange(len(motion.drive)), None)
-        feet, height, fixed, start = [], [], [], 0.0
-        rooms = (*(rod.room for rod in made.shared), 0.0)
-        for copy, stack, room in zip((first, *made.copies_of(motion)), made.stacks, rooms):
-            total = (1 + max(stack.layers.values())) * sheet
-            layer = next(stack.layers[name] for name, plate in stack.plates.items() if plate.body == body)
-            inside = (layer + 0.5) * sheet
-            place = copy.place(copy.motion.point(self.given).position)
-            feet.append(place.real + 1j * (start + (inside if copy.mirror is None else total - inside)))
-            height.append(place.imag)
-            fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
-            start += total + room
-        return Stance(np.array(feet), np.array(height), complex(np.mean(fixed), start / 2), motion, self._stance_in)
+        return stance_of(self.mechanism)
 
     @property
     def checks(self) -> Iterator[Check]:
@@ -193,3 +227,62 @@ class StandingAspect(AbstractLinkageAspect[str]):
     @property
     def entries(self) -> Mapping[str, object]:
         return {"stance": self.stance.summary} if self.stance else {}
+
+
+def stance_of(made: MadeLinkage, motion: Motion | None = None, motor: Motor | None = None) -> Stance | None:
+    """How a walker stands over a turn; None if the distances of its copies are unknown.
+
+    motion: of the first linkage, by default at the frames of the table. motor: that it carries, by default the mounted
+    one, at its shaft and at the outer face of the first ground.
+    """
+    if made.foot is None or any(not rod.pin for rod in made.shared):
+        return None
+    motion, motor = motion or made.motion, motor or made.mounted_motor
+    linkage, sheet = motion.linkage, made.stock.thickness
+    bodies = {**made.masses, **made.given_masses}
+    body = next(name for name, points in linkage.bodies.items() if made.foot in points)
+    pivots = [pin for pin, joined in linkage.pins.items() if linkage.ground in joined]
+    copies = (Copied(motion, np.arange(len(motion.drive))), *made.copies_of(motion))
+    feet, height, velocity, fixed, start = [], [], [], [], 0.0
+    moment, mass = np.zeros(len(motion.drive), dtype=complex), 0.0
+    rooms = (*(rod.room for rod in made.shared), 0.0)
+    for copy, stack, room in zip(copies, made.stacks, rooms):
+        total = (1 + max(stack.layers.values())) * sheet
+        foot = copy.motion.point(made.foot)
+        place = copy.place(foot.position)
+        across = partial(_across, stack, total, sheet, copy.mirrored)
+        feet.append(place.real + 1j * (start + across(body)))
+        height.append(place.imag)
+        velocity.append(foot.velocity[copy.rows].real * (-1 if copy.mirrored else 1))
+        fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
+        for name, own in bodies.items():
+            poses = copy.motion.bodies[name]
+            mass_centre = poses.origin.position + poses.direction * own.centre
+            at = copy.place(np.broadcast_to(mass_centre, copy.motion.drive.shape)).real
+            moment, mass = moment + own.mass * (at + 1j * (start + across(name))), mass + float(own.mass)
+        start += total + room
+    middle = complex(np.mean(fixed), start / 2)
+    further = [
+        (given.mass_kg, middle.real if given.along is None else given.along, given.across) for given in made.carried
+    ]
+    if motor is not None and (mass or further):
+        shaft = motion.point(str(linkage.driver_pivot)).position[0].real
+        further.append((1e-3 * motor.mass_g, float(shaft), 0.0))
+    for own_mass, x, y in further:
+        moment, mass = moment + own_mass * complex(x, middle.imag if y is None else y), mass + own_mass
+    arrays = np.array(feet), np.array(height), np.array(velocity)
+    centre: complex | Complex = np.asarray(moment / mass, dtype=complex) if mass else middle
+
+    def of(other: Motion) -> Stance:
+        stance = stance_of(made, other, motor)
+        assert stance is not None
+        return stance
+
+    return Stance(*arrays, centre, mass, motion, copies, of)
+
+
+def _across(stack: Stack, total: float, sheet: float, is_mirrored: bool, body: str) -> float:
+    """Middle of the plates of a body above the lower face of its stack, mm. total: height of the stack."""
+    layers = [stack.layers[name] for name, plate in stack.plates.items() if plate.body == body]
+    inside = (float(np.mean(layers)) + 0.5) * sheet if layers else total / 2
+    return total - inside if is_mirrored else inside

@@ -1,0 +1,163 @@
+"""The forces of a linkage and of its copies under the loads of a recipe, whatever places it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from ...core.records import record
+from ...model.material import Mass
+from ...model.motor import Motor
+from ...plane.vec import Real
+from ..drive_limits import largest_between
+from ..dynamics.inverse import ForceAnalysis
+from ..dynamics.wrenches import NEWTON
+from ..linkage import Linkage
+from ..motion import Motion
+from .aspects import AbstractLinkageAspect
+from .copies import Copied
+from .loads import LoadsTable
+from .motor_comparison import POSITIONS
+from .walking import Walking, walking_of
+
+# Name of the effort with that of the copies among the peaks.
+EFFORT = "effort"
+
+
+@record(eq=False)
+class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
+    """The forces of a linkage and of its copies under the loads of a recipe, in their setting."""
+
+    @property
+    def linkage(self) -> Linkage:
+        """The linkage."""
+        return self.mechanism.linkage.linkage
+
+    @property
+    def masses(self) -> Mapping[str, Mass]:
+        """Masses of the parts by body."""
+        return self.mechanism.masses if self.mechanism.stock.material else {}
+
+    @cached_property
+    def walking(self) -> Walking | None:
+        """The feet that carry a walker with its mounted motor; None if they carry nothing or are given forces."""
+        return self.walking_with(None)
+
+    def walking_with(self, motor: Motor | None) -> Walking | None:
+        """As `walking`, with another motor at the place of the mounted one."""
+        if self._pushed:
+            return None
+        gravity = self.given.gravity_in(self.mechanism.setting)
+        return walking_of(self.mechanism, gravity, self.given.foot_friction, motor)
+
+    @property
+    def _pushed(self) -> bool:
+        """Whether forces at the feet of a walker are given."""
+        return any(force.point == self.mechanism.foot for force in self.given.forces)
+
+    @cached_property
+    def analysis(self) -> ForceAnalysis:
+        """Driver effort and joint forces of the first linkage."""
+        return self._analysis(self.mechanism.motion, self.walking)
+
+    def _analysis(
+        self, motion: Motion, walking: Walking | None, copy: Copied | None = None, leg: int = 0
+    ) -> ForceAnalysis:
+        """Forces of the first linkage in a motion of it, or of a copy; leg: its number."""
+        setting = self.mechanism.setting
+        if copy is not None:
+            motion, setting = copy.motion, setting.turned_over if copy.mirrored else setting
+        feet = (walking.forces[leg],) if walking else ()
+        return self.given.forces_of(motion, self.masses, setting, feet)
+
+    @cached_property
+    def effort(self) -> Real:
+        """Torque of the driver, N mm, with those of the copies; the force if a slide drives, N."""
+        return self._effort(self._legs(self.mechanism.motion, self.walking))
+
+    def _legs(self, motion: Motion, walking: Walking | None) -> list[tuple[ForceAnalysis, Copied | None]]:
+        """The forces of the linkage in a motion, and of its copies."""
+        made = self.mechanism
+        copies = made.moving_copies if motion is made.motion else made.copies_of(motion)
+        first = self.analysis if motion is made.motion and walking is self.walking else self._analysis(motion, walking)
+        others = ((self._analysis(motion, walking, copy, k), copy) for k, copy in enumerate(copies, 1))
+        return [(first, None), *others]
+
+    def _effort(self, legs: Sequence[tuple[ForceAnalysis, Copied | None]]) -> Real:
+        total = legs[0][0].driver
+        for analysis, copy in legs[1:]:
+            assert copy is not None
+            torque = analysis.driver[copy.rows]
+            total = total - torque if copy.mirrored else total + torque
+        return total
+
+    def effort_in(self, motion: Motion, walking: Walking | None) -> Real:
+        """The torque of the driver with those of the copies in another motion of the linkage, N mm."""
+        return self._effort(self._legs(motion, walking))
+
+    def torque_at(self, turn: Real) -> Real:
+        motion, rows = self.mechanism.moved_at(turn)
+        return self.effort_in(motion, self.walking)[rows]
+
+    @cached_property
+    def dense(self) -> tuple[Motion, Real]:
+        """A motion in small steps over the range of the driver, and the effort with that of the copies in it."""
+        frames = self.mechanism.input_range.frames
+        motion = self.mechanism.moved(np.linspace(frames[0], frames[-1], max(POSITIONS, len(frames))))
+        return motion, self.effort_in(motion, self.walking)
+
+    @cached_property
+    def work(self) -> Real:
+        """Work of the driver since its first position, with that of the copies, N mm; nan beyond an unknown effort."""
+        motion, effort = self.dense
+        steps = np.diff(motion.drive) * (effort[1:] + effort[:-1]) / 2
+        return np.append(0.0, np.cumsum(steps))
+
+    @cached_property
+    def flywheel(self) -> Mapping[str, float]:
+        """Inertia of the flywheel for `speed_fluctuation`, and the disc of one sheet that has it; empty if none."""
+        if self.given.speed_fluctuation is None:
+            return {}
+        drive, stock = self.dense[0].drive, self.mechanism.stock
+        excess = self.work - self.work[-1] * (drive - drive[0]) / (drive[-1] - drive[0])
+        inertia = float(np.ptp(excess)) / NEWTON / (self.given.speed_fluctuation * self.mechanism.speed**2)
+        if stock.material is None:
+            return {"inertia_kg_mm2": inertia}
+        # Half the mass times the square of the radius.
+        sheet = 1e-9 * stock.material.density * stock.thickness
+        radius = (2 * inertia / (np.pi * sheet)) ** 0.25
+        return {"inertia_kg_mm2": inertia, "disc_diameter_mm": 2 * radius, "disc_mass_kg": sheet * np.pi * radius**2}
+
+    @cached_property
+    def peaks(self) -> Mapping[str, tuple[float, float]]:
+        """Largest driver effort, that with the copies, and largest force at each pin, also between frames, by name.
+
+        Each with the driver there. The pins of a walker are those of the leg whose foot carries most.
+        """
+        names = ("driver", EFFORT, *self.linkage.pins)
+
+        def sizes(motion: Motion) -> Real:
+            legs = self._legs(motion, self.walking)
+            leg, copy = legs[self._most_loaded]
+            forces = (
+                np.fmax.reduce([np.abs(leg.pin(pin, body))[copy.rows if copy else slice(None)] for body in bodies[1:]])
+                for pin, bodies in self.linkage.pins.items()
+            )
+            return np.array([np.abs(legs[0][0].driver), np.abs(self._effort(legs)), *forces])
+
+        if not self.walking:
+            found = largest_between(self.mechanism.motion, sizes)
+        else:
+            # The forces at the feet are linear between positions of which each is one of these.
+            motion = self.dense[0]
+            values = sizes(motion)
+            at = np.nanargmax(np.where(np.isfinite(values), values, -1.0), axis=1)
+            found = values[range(len(values)), at], motion.drive[at]
+        return dict(zip(names, zip(*(array.tolist() for array in found))))
+
+    @property
+    def _most_loaded(self) -> int:
+        """Number of the leg of a walker whose foot carries most."""
+        return int(np.argmax(self.walking.largest)) if self.walking else 0

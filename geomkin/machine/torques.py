@@ -1,0 +1,141 @@
+"""The torques on the drivers of a machine's mechanisms under their loads, and the motor that supplies them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+
+import numpy as np
+
+from ..core.fields import to_digits, to_digits_or_none
+from ..core.records import record
+from ..making.motors import MOTORS, motor_check, motor_summary
+from ..model.check import Check
+from ..model.motor import RPM, Motor, MotorDuty
+from ..plane.vec import Real
+from ..recipe.recipe import AbstractRecipe
+from .mechanism import Mechanism
+from .placed import TORQUE
+from .shaft_fits import motor_key
+from .shafts import ShaftGraph
+
+# Steps of the torques for each row of the table, of which there are at least 72 in a turn of a crank.
+BETWEEN = 3
+
+
+@record(eq=False)
+class MachineTorques:
+    """The torques of a machine.
+
+    graph: its shafts. mechanisms, recipes: by name; the recipes are in their settings. turns: rotations of the driver
+    at the frames. speed_rpm: of the driver.
+    """
+
+    graph: ShaftGraph
+    mechanisms: Mapping[str, Mechanism]
+    recipes: Mapping[str, AbstractRecipe]
+    turns: Real
+    speed_rpm: float
+
+    @cached_property
+    def input(self) -> Real | None:
+        """Torque on the machine's driver at the frames, N mm; None without loads."""
+        return self.input_at(self.turns)
+
+    def input_at(self, turns: Real) -> Real | None:
+        """Torque on the machine's driver at rotations of it, N mm; None without loads."""
+        return self.by_driver_at(turns).get(self.graph.driver)
+
+    def by_driver_at(self, turns: Real) -> Mapping[str, Real]:
+        """Torque on the driver of each mechanism with all that it turns, N mm; without those that need none.
+
+        It is the sum of the powers that the drivers of its mechanisms need, over the efficiency of the gears between;
+        power that flows back loses as much. Gears turn at a constant speed, so that their inertia needs no torque.
+        """
+        graph, torques = self.graph, dict[str, Real]()
+        for name in reversed(graph.order):
+            turn = 2 * np.pi * float(graph.speeds[name]) * turns + np.radians(self.mechanisms[name].phase_deg)
+            own = self.recipes[name].torque_at(turn)
+            parts = [] if own is None else [own]
+            for other, (turned_by, body) in graph.sources.items():
+                if turned_by == name and other in torques:
+                    ratio, share = graph.speeds[other] / graph.speeds[name], graph.bodies[name][body].efficiency
+                    torque = float(ratio) * torques[other]
+                    is_driven = torque * float(graph.speeds[name]) * self.speed_rpm > 0
+                    parts.append(np.where(is_driven, torque / share, torque * share))
+            if parts:
+                torques[name] = np.sum(parts, axis=0)
+        return torques
+
+    @cached_property
+    def dense(self) -> tuple[Real, Mapping[str, Real]]:
+        """Rotations of the driver in smaller steps than those of the table, and the torques on all drivers there."""
+        turns = np.linspace(0, self.turns[-1], BETWEEN * (len(self.turns) - 1) + 1)
+        return turns, self.by_driver_at(turns)
+
+    @property
+    def duty(self) -> MotorDuty | None:
+        """Torque and speed of the driver in these steps; None without loads."""
+        turns, torques = self.dense
+        torque = torques.get(self.graph.driver)
+        if torque is None:
+            return None
+        return MotorDuty(torque, np.full(turns.shape, RPM * self.speed_rpm), 2 * np.pi * turns)
+
+    @property
+    def motor(self) -> tuple[Motor, str] | None:
+        """The motor of the driver, mounted or named in its loads, and its key; None without one."""
+        recipe, key = self.recipes[self.graph.driver], f"mechanisms.{self.graph.driver}.recipe"
+        stock, _, name = motor_key(recipe).partition(".")
+        named = getattr(getattr(recipe, "loads", None), "motor", None)
+        if named is not None:
+            return named, f"{key}.loads.motor"
+        mounted = MOTORS.get(str(getattr(getattr(recipe, stock), name))) if name else None
+        return (mounted, f"{key}.{stock}.{name}") if mounted else None
+
+    @property
+    def checks(self) -> Iterator[Check]:
+        """Whether the motor on the driver supplies the torque."""
+        motor, duty = self.motor, self.duty
+        if motor is not None and duty is not None:
+            known = np.isfinite(duty.torque).any()
+            at = float(np.degrees(duty.angle[np.nanargmax(np.abs(duty.torque))])) if known else None
+            yield motor_check(motor[0], duty, TORQUE, at, motor[1])
+
+    @property
+    def inertia_of_gears(self) -> float:
+        """Of all gears, as felt at the driver, kg mm2; 0 if no material is given."""
+        return sum(
+            float(mass.inertia) * float(self.graph.speeds[name] * body.speed) ** 2
+            for name, recipe in self.recipes.items()
+            for key, body in self.graph.bodies[name].items()
+            if body.is_wheel and (mass := recipe.body_masses.get(key)) is not None
+        )
+
+    @property
+    def summary(self) -> Mapping[str, object]:
+        """Torque, power and work of the driver, torques of the mechanisms, motor, and inertia of the gears."""
+        if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
+            return {}
+        peak = int(np.nanargmax(np.abs(duty.torque)))
+        work = float(np.trapezoid(duty.torque, duty.angle))
+        values = {
+            "work_N_mm": work,
+            "mean_power_W": 1e-3 * work / float(duty.angle[-1]) * float(duty.speed[0]),
+            "largest_power_W": 1e-3 * float(np.nanmax(duty.torque * duty.speed)),
+            "inertia_of_gears_kg_mm2": self.inertia_of_gears or np.nan,
+        }
+        largest = {name: to_digits(np.nanmax(np.abs(torque))) for name, torque in self.dense[1].items()}
+        rounded = {key: to_digits_or_none(value) for key, value in values.items()}
+        return {
+            "loads": {
+                "input_torque_N_mm": {
+                    "peak": to_digits(duty.torque[peak]),
+                    "peak_at_deg": to_digits(np.degrees(duty.angle[peak]), 6),
+                    "rms": to_digits(duty.rms_torque),
+                },
+                "driver_torques_N_mm": largest,
+                **{key: value for key, value in rounded.items() if value is not None},
+                **({"motor": motor_summary(self.motor[0], duty)} if self.motor else {}),
+            }
+        }

@@ -1,0 +1,153 @@
+"""Power through whole machines against the virtual power of all their bodies, and the losses of their gears."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+
+GRAVITY = -9810j
+PAIR = {"kind": "gear-pair", "first": {"teeth": 12, "module": 2, "profile_shift": 0.3}, "second": {"teeth": 24, "module": 2}}  # fmt: skip
+PUMP = {"kind": "slider-crank", "linkage": {"crank": 20, "coupler": 70}, "drive": {"step_deg": 1},
+        "loads": {"forces": [{"body": "slider", "point": "slider_pin", "force_n": [10, 0]}]}}  # fmt: skip
+
+
+def random_machine(rng):
+    """A tree of pairs, each with linkages on its gears, under masses, forces, gravity and springs."""
+    modules, mechanisms = {}, {}
+    for k in range(int(rng.integers(1, 3))):
+        teeth = rng.choice([12, 16, 24, 36], 2)
+        shafts = [f"pair{j}.second" for j in range(k)]
+        first, second = ({"teeth": int(z), "module": 2, "profile_shift": 0.3 * (z == 12)} for z in teeth)
+        mechanisms[f"pair{k}"] = {"recipe": {"kind": "gear-pair", "first": first, "second": second}}
+        if shafts:
+            mechanisms[f"pair{k}"]["turned_by"] = shafts[-1]
+        modules[k] = teeth
+    for k in range(int(rng.integers(1, 4))):
+        if rng.random() < 0.5:
+            linkage = {"crank": rng.uniform(10, 25), "coupler": rng.uniform(60, 90)}
+            kind, output, spring = "slider-crank", "slider", "slider_pin"
+        else:
+            linkage = {"ground": 120, "crank": rng.uniform(15, 30), "coupler": rng.uniform(95, 105), "rocker": 70}
+            kind, output, spring = "four-bar", "rocker", "rocker_pin"
+        mass = {body: {"mass_kg": rng.uniform(0, 1), "centre": rng.uniform(-20, 40, 2).tolist(),
+                       "inertia_kg_mm2": rng.uniform(0, 500)} for body in ("crank", "coupler", output)}  # fmt: skip
+        force = {"body": output, "point": spring, "force_n": rng.uniform(-50, 50, 2).tolist()}
+        recipe = {"kind": kind, "linkage": linkage, "drive": {"step_deg": 30},
+                  "loads": {"masses": mass, "forces": [force]}}  # fmt: skip
+        pair = int(rng.integers(len(modules)))
+        mechanisms[f"body{k}"] = {
+            "recipe": recipe, "turned_by": f"pair{pair}.{rng.choice(['first', 'second'])}",
+            "phase_deg": float(rng.integers(-180, 180)), "angle_deg": float(rng.integers(-180, 180)),
+        }  # fmt: skip
+    return gk.load({"kind": "machine", "mechanisms": mechanisms,
+                    "drive": {"speed_rpm": float(rng.choice([-1, 1]) * rng.uniform(20, 400))}})  # fmt: skip
+
+
+def virtual_power(machine, turns):
+    """Power of inertia less that of weights and forces, N mm/s, of all moving bodies of a machine in the world."""
+    total = 0.0
+    for name, mechanism in machine.mechanisms.items():
+        recipe = mechanism.recipe
+        if not hasattr(recipe, "linkage"):
+            continue
+        rate = float(machine.graph.speeds[name])
+        speed = rate * machine.drive.speed_rpm * np.pi / 30
+        turn = 2 * np.pi * rate * turns + np.radians(mechanism.phase_deg)
+        motion = gk.move(recipe.linkage, np.remainder(turn, 2 * np.pi), 1, speed=speed)
+        world = np.exp(1j * np.radians(mechanism.angle_deg))
+        for body, mass in recipe.loads.masses.items():
+            pose = motion.bodies[body]
+            arm = pose.direction * mass.centre
+            velocity = pose.origin.velocity + 1j * pose.omega * arm
+            acceleration = pose.origin.acceleration + (1j * pose.alpha - pose.omega**2) * arm
+            pull = 1e-3 * mass.mass_kg * (acceleration - GRAVITY * np.conj(world))
+            total = total + (np.conj(pull) * velocity).real + 1e-3 * mass.inertia_kg_mm2 * pose.alpha * pose.omega
+        for force in recipe.loads.forces:
+            total = total - (np.conj(complex(*force.force_n)) * motion.point(force.point).velocity).real
+    return total
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_power_of_the_driver_is_the_virtual_power_of_all_bodies(seed):
+    """Ten machines each, at 40 positions."""
+    for number in range(10):
+        machine = random_machine(np.random.default_rng([seed, number]))
+        turns = np.linspace(0, float(machine.graph.period), 40) * np.sign(machine.drive.speed_rpm)
+        power = virtual_power(machine, turns)
+        torque = machine.torques.input_at(turns)
+        ours = torque * machine.drive.speed_rpm * np.pi / 30
+        assert ours == pytest.approx(power, abs=1e-10 * np.abs(power).max())
+
+
+def lifted(friction, speed=60):
+    train = {"kind": "gear-train", "train": {"stages": [[12, 36], [12, 48]], "module": 1, "friction": friction}}
+    pump = {"recipe": PUMP, "turned_by": "train.driven_2"}
+    return gk.load({"kind": "machine", "mechanisms": {"train": {"recipe": train}, "pump": pump},
+                    "drive": {"speed_rpm": speed}})  # fmt: skip
+
+
+@pytest.mark.parametrize("speed", [60, -60])
+def test_gears_lose_power_in_either_direction_by_the_efficiency_of_their_train(speed):
+    ideal, real = lifted(0.0, speed).torques.input, lifted(0.1, speed)
+    efficiency = real.recipes["train"].design.efficiency
+    assert 0.9 < efficiency < 1
+    forwards = ideal * speed > 0
+    assert forwards.any() and not forwards.all()
+    assert real.torques.input == pytest.approx(np.where(forwards, ideal / efficiency, ideal * efficiency), rel=1e-12)
+
+
+def test_summary_of_a_machine_has_its_loads():
+    """10 N on a stroke of 40 mm, there and back: no work, 5/6 of the power by the force on the way against it."""
+    pair = PAIR | {"first_stock": {"material": "steel-S235"}, "second_stock": {"material": "steel-S235"}}
+    pump = {"recipe": PUMP, "turned_by": "pair.second"}
+    machine = gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": pair}, "pump": pump}})
+    loads = machine.notes["loads"]
+    turn = np.linspace(0, 2 * np.pi, 100_001)
+    x = 20 * np.cos(turn) + np.sqrt(70**2 - 400 * np.sin(turn) ** 2)
+    torque = 10 * np.gradient(x, turn)
+    torques = loads["driver_torques_N_mm"]
+    assert torques["pump"] == pytest.approx(np.abs(torque).max(), rel=1e-4)
+    assert abs(loads["input_torque_N_mm"]["peak"]) == pytest.approx(np.abs(torque).max() / 2, rel=1e-4)
+    assert loads["input_torque_N_mm"]["rms"] == pytest.approx(np.sqrt(np.mean(torque**2)) / 2, rel=1e-4)
+    assert loads["work_N_mm"] == pytest.approx(0, abs=1e-3 * 400)
+    assert loads["largest_power_W"] == pytest.approx(1e-3 * np.pi * np.abs(torque).max(), rel=1e-4)
+    # Discs of the pitch diameter are a little lighter than gears with their tips, and the second turns at half speed.
+    discs = sum(
+        0.5 * np.pi * 7850e-9 * machine.recipes["pair"].first_stock.thickness * radius**4 * rate**2
+        for radius, rate in ((12, 1), (24, 0.5))
+    )
+    assert loads["inertia_of_gears_kg_mm2"] == pytest.approx(discs, rel=0.2)
+
+
+def test_motor_of_a_driver_turns_the_whole_machine():
+    """A pump that turns a pair, which turns a heavier pump: the motor named in the loads of the first one drives both."""
+    own = PUMP | {"loads": PUMP["loads"] | {"motor": "37d-50"}}
+    mechanisms = {"pump": {"recipe": own}, "pair": {"recipe": PAIR, "turned_by": "pump.crank"},
+                  "other": {"recipe": PUMP, "turned_by": "pair.first"}}  # fmt: skip
+    machine = gk.load({"kind": "machine", "mechanisms": mechanisms})
+    (check,) = (check for check in machine.design_checks if check.id.endswith("motor_torque"))
+    motor, torque = gk.making.motor("37d-50"), np.abs(machine.torques.input).max()
+    rms = np.sqrt(np.trapezoid(machine.torques.input**2, machine.turns) / machine.turns[-1])
+    by_hand = min(motor.torque_n_mm * (1 - 60 / 200) / torque, motor.lasting_torque_n_mm / rms)
+    assert check.id == "motor_torque" and check.value == pytest.approx(by_hand, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [({"loads": {"motor": "tt"}}, "loads.motor"), ({"loads": {"motors": ["tt"]}}, "loads.motors"),
+     ({"loads": {"speed_fluctuation": 0.1}}, "loads.speed_fluctuation"),
+     ({"drive": {"acceleration_rad_per_s2": 5}}, "drive.acceleration_rad_per_s2")],
+)  # fmt: skip
+def test_keys_that_a_machine_decides_are_refused_by_name(change, key):
+    recipe = {**PUMP, **{table: {**PUMP[table], **values} for table, values in change.items()}}
+    with pytest.raises(gk.RecipeError) as refused:
+        gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": PAIR},
+                                                   "pump": {"recipe": recipe, "turned_by": "pair.second"}}})  # fmt: skip
+    assert [problem.key for problem in refused.value.problems] == [f"mechanisms.pump.recipe.{key}"]
+
+
+def test_loads_above_the_mechanisms_are_refused_with_the_place_where_they_belong():
+    with pytest.raises(gk.RecipeError) as refused:
+        gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": PAIR}, "pump": {"recipe": PUMP, "turned_by": "pair.second"}},
+                 "loads": {}})  # fmt: skip
+    assert "recipe.loads" in refused.value.problems[0].remedy
