@@ -18,6 +18,7 @@ from ..core.fields import (
     rounded_up,
 )
 from ..core.records import record
+from ..export.cut import LayerStyles
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check, Suggestion
@@ -99,6 +100,15 @@ class Files:
         Width and height of the sheets that parts are cut from, mm; by default one sheet is sized to fit the parts.
     title : Title, optional
         Further entries in the title block of dimensioned drawings.
+    dxf_version : {"R2000", "R12"}, optional
+        Version of the DXF files to cut: R12 has polylines and no unit, for programs that cannot read R2000.
+    cutter : float, optional
+        Diameter of a milling cutter, mm; drawings to cut have dogbones or T-bones in the corners of bores with flats or
+        keyways.
+    tab_width : float, optional
+        Width of the tabs that hold parts in their sheet, mm; these pieces of the outlines are on layer TAB.
+    layers : LayerStyles, optional
+        Names and colours of the layers of drawings to cut.
     assembly_at : float, optional
         Position of the driver in pictures of the assembly: deg, or mm if it slides; by default any.
     """
@@ -121,6 +131,26 @@ class Files:
     sheet: tuple[Side, Side] | None = entry(
         "[width, height] in mm of the sheets that parts are cut from", default=None, units=("mm", "mm")
     )
+    dxf_version: Literal["R2000", "R12"] = entry(
+        "version of the DXF files to cut: R12 has polylines and no unit, for programs that cannot read R2000",
+        default="R2000",
+    )
+    cutter: float = quantity(
+        "diameter of a milling cutter; drawings to cut then have dogbones or T-bones in the corners of bores with "
+        "flats or keyways; 0 for none",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=100,
+    )
+    tab_width: float = quantity(
+        "width of the tabs that hold parts in their sheet; these pieces of the outlines are on layer TAB; 0 for none",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=100,
+    )
+    layers: LayerStyles | None = entry("names and colours of the layers of drawings to cut", default=None)
     title: Title = entry("further entries in the title block of dimensioned drawings", default=Title())
     assembly_at: float | None = quantity(
         "position of the driver in pictures of the assembly: deg, or mm if it slides",

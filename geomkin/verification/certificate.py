@@ -20,6 +20,7 @@ from ..core.names import PathName, file_name_flaw
 from ..core.progress import report
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit
+from ..export.cut import LayerStyles
 from ..export.formats import format_of
 from ..export.summary import FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
 from ..model.part import Bought, Part
@@ -334,7 +335,7 @@ class Expected:
     def parts(self) -> tuple[ExactPart, ...]:
         """The parts with their exact curves."""
         files = self.recipe.files
-        return tuple(exact_part(part, files.kerf, files.tolerance) for part in self.recipe.parts)
+        return tuple(exact_part(part, files.kerf, files.tolerance, files.cutter) for part in self.recipe.parts)
 
     def named(self, name: str) -> ExactPart:
         """The part of this name, or of this name with the number of a copy."""
@@ -387,7 +388,9 @@ class Content:
 
 
 def _dxf(path: Path, expected: Expected) -> Content:
-    drawing = read_dxf(path, expected.tolerance * FINENESS / 2)
+    files, unit = expected.recipe.files, UNITS[expected.recipe.units]
+    layers = {name: layer for layer, name in (files.layers or LayerStyles()).names.items()}
+    drawing = read_dxf(path, expected.tolerance * FINENESS / 2, unit.mm).with_layers(layers)
     return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
 
 

@@ -10,6 +10,7 @@ from math import nan
 import numpy as np
 
 from ..core.records import record
+from ..model.corner_relief import relieved
 from ..model.part import Part
 from ..model.thin_features import beam_checks
 from ..plane.region import Edges, containers, is_simple, offset
@@ -365,8 +366,11 @@ def refuse_more(found: int, expected: int, most: tuple[int, int], name: str) -> 
         raise UnreadableError(f"it has {found} {name}, and the recipe {expected}")
 
 
-def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
-    """The exact curves of a part as polygons whose error is a small share of the tolerance, mm."""
+def exact_part(part: Part, kerf: float, tolerance: float, cutter: float = 0.0) -> ExactPart:
+    """The exact curves of a part as polygons whose error is a small share of the tolerance, mm.
+
+    Those of drawings are half a kerf off, and have relief for a cutter of a diameter, mm.
+    """
     error = tolerance * FINENESS / 2
 
     def upright(curve: Outline) -> Outline:
@@ -375,14 +379,17 @@ def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
     outline = upright(outline_of(part.outline, error))
     holes = tuple(upright(outline_of(hole, error)) for hole in part.holes)
     solid = Shape(outline, holes, tuple(outline_of(mark, error) for mark in part.marks))
-    if kerf == 0:
+    if kerf == 0 and cutter == 0:
         return ExactPart(part, solid, solid)
+    cut = relieved(part, cutter)
+    holes = tuple(upright(outline_of(hole, error)) for hole in cut.holes)
     regions = offset([outline.points, *(hole.points[::-1] for hole in holes)], kerf / 2, error)
     grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
     drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), solid.marks) for loops in grown]
     left = "".join(
-        f"a beam {kerf:g} mm wide leaves {check.value:g} mm of a corner or gap, and {check.limit:g} mm are allowed"
-        for check in beam_checks([part], kerf, tolerance)
+        f"a beam or cutter {max(kerf, cutter):g} mm wide leaves {check.value:g} mm of a corner or gap, and "
+        f"{check.limit:g} mm are allowed"
+        for check in beam_checks([cut], max(kerf, cutter), tolerance)
         if not check.passed
     )
     return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid, left)

@@ -21,10 +21,12 @@ from .outline import LARGEST, Drawing, Line, Outline, Pen, UnreadableError, circ
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
 DXF_UNITS = {1: 25.4, 4: 1.0}
+# Version without a unit.
+R12 = "AC1009"
 
 
-def read_dxf(path: Path, error: float) -> Drawing:
-    """The lines of a DXF file, arcs as chords within `error`, mm.
+def read_dxf(path: Path, error: float, unit: float = 1.0) -> Drawing:
+    """The lines of a DXF file, arcs as chords within `error`, mm. unit: of R12, which does not state its own, mm.
 
     UnreadableError if it is no DXF file, or has too many vertices.
     """
@@ -37,9 +39,10 @@ def read_dxf(path: Path, error: float) -> Drawing:
         # The library lets many kinds of error through when a file is damaged.
         raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
     problems: list[str] = []
-    if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
-        problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
-    unit = DXF_UNITS.get(units, 1.0)
+    if document.dxfversion != R12:
+        if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
+            problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
+        unit = DXF_UNITS.get(units, 1.0)
     lines = collected(_dxf_lines(entities, error, problems, unit))
     problems += _wrong_extents(document, lines, error, unit)
     return Drawing(lines, document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
@@ -51,6 +54,10 @@ def _dxf_lines(entities: list[Any], error: float, problems: list[str], unit: flo
         kind, layer = entity.dxftype(), entity.dxf.layer
         if kind == "CIRCLE":
             yield Line(circle(unit * _point(entity.dxf.center), unit * float(entity.dxf.radius), error), layer)
+        elif kind == "POLYLINE" and entity.is_2d_polyline:
+            places: Complex = np.array([_point(vertex.dxf.location) for vertex in entity.vertices], dtype=complex)
+            bulges = [float(vertex.dxf.bulge) for vertex in entity.vertices]
+            yield Line(polyline(unit * places, bulges, bool(entity.is_closed), error), layer)
         elif kind != "LWPOLYLINE":
             problems.append(f"it has {with_article(kind)} on layer {layer}, which is not a closed polyline or circle")
         elif len(entity) < 2:
@@ -82,7 +89,7 @@ TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+
 COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "a": 7, "c": 6, "z": 0}
 # Operations by stroke colour, as laser cutting programs have them, for lines without a class.
 COLOURS = {"#ff0000": "CUT", "#0000ff": "ENGRAVE"}
-LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH")
+LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH", "TAB")
 # Chords of a cubic curve, which editors write in place of arcs.
 CHORDS = np.arange(1, 257) / 256
 UNIT = re.compile(r"[\d.]+(?:mm|in)")
