@@ -10,6 +10,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, rounded_up, to_digits
 from ..core.records import record
+from ..model.limits import Fit, FitLimits, HoleTolerance, fit_limits
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .materials import MaterialKey, material_entry
@@ -257,9 +258,10 @@ MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
 SAME_SHAFT = 0.002
 SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
 BoreForm = Literal["round", "D", "double-D", "square", "hexagonal", "keyed"]
+# Fits by the clearance or the interference of a stock, not by ISO 286.
+FITS_BY_PLAY = ("running", "press")
 # Number of flats of forms with flats.
 FLATS: dict[str, Literal[1, 2, 4, 6]] = {"D": 1, "double-D": 2, "square": 4, "hexagonal": 6}
-Fit = Literal["running", "press"]
 
 
 def bore_form_entry(bore: str = "the bore") -> Any:
@@ -294,7 +296,17 @@ def keyway_depth(bore: str = "the bore") -> Any:
 
 def fit_entry(bore: str = "the bore") -> Any:
     """The field for the fit of a bore."""
-    return entry(f"{bore} runs on its shaft with the clearance, or is a press fit", default="running")
+    meaning = (
+        f"{bore} runs on its shaft with the clearance, is a press fit with the interference, or has a fit of ISO 286 "
+        'such as "H7/g6"; running, press or a fit'
+    )
+    return entry(meaning, default="running")
+
+
+def bore_tolerance(bore: str = "the bore") -> Any:
+    """The field for the tolerance class of a bore."""
+    meaning = f'tolerance class of {bore} by ISO 286, such as "H7", in place of the clearance'
+    return entry(meaning, default="")
 
 
 def interference() -> Any:
@@ -322,8 +334,11 @@ class AbstractBored:
     keyway_width, keyway_depth : float, optional
         Width of the keyway, and its depth beyond the bore along its centre line, mm. In a keyed bore 0 stands for the
         sizes of the standard, otherwise for no keyway.
-    fit : {"running", "press"}, optional
-        Fit of the bore.
+    fit : str, optional
+        Fit of the bore: "running", "press", or one of ISO 286 such as "H7/g6"; this one is drawn in the middle of the
+        limits of the bore.
+    bore_tolerance : str, optional
+        Tolerance class of the bore by ISO 286, such as "H7", in place of the clearance.
     interference : float, optional
         Interference of a press-fit bore, mm, from -1; below 0 if holes come out narrower than drawn.
     clearance : float, optional
@@ -346,6 +361,7 @@ class AbstractBored:
     keyway_width: float = keyway_width()
     keyway_depth: float = keyway_depth()
     fit: Fit = fit_entry()
+    bore_tolerance: HoleTolerance = bore_tolerance()
     interference: float = interference()
     clearance: float = clearance(0.0)
     motor: MountedMotorKey | None = mounted_motor_entry(
@@ -364,7 +380,24 @@ class AbstractBored:
     @property
     def play(self) -> float:
         """How much wider the bore is drawn than its shaft, mm; usually negative for a press fit."""
+        if self.limits is not None:
+            return self.limits.middle
         return self.clearance if self.fit == "running" else -self.interference
+
+    @property
+    def iso_fit(self) -> str:
+        """Tolerance class of the bore by ISO 286, or those of bore and shaft; "" for none."""
+        return self.bore_tolerance or (self.fit if self.fit not in FITS_BY_PLAY else "")
+
+    @property
+    def limits(self) -> FitLimits | None:
+        """Limits of the bore and its shaft by ISO 286; None without such a fit or a bore."""
+        return fit_limits(self.iso_fit, self.bore) if self.iso_fit and self.bore else None
+
+    @property
+    def is_pressed(self) -> bool:
+        """Whether the bore is pressed on its shaft."""
+        return self.fit == "press" if self.limits is None else self.limits.is_press
 
     @property
     def hole_diameter(self) -> float:
@@ -383,7 +416,11 @@ class AbstractBored:
             return ()
         flat = 0.0 if self.across_flat is None else self.across_flat + self.play
         flats = FLATS.get(self.bore_form, 1)
-        return (HoleFit(self.bore, self.play, flat, self.keyway, flats=flats, is_press=self.fit == "press"),)
+        return (
+            HoleFit(
+                self.bore, self.play, flat, self.keyway, flats=flats, is_press=self.is_pressed, iso_fit=self.iso_fit
+            ),
+        )
 
     @property
     def hole_reach(self) -> float:
@@ -451,7 +488,11 @@ class AbstractBored:
             raise DesignError("bore", problem, remedy, value=inside(boss, 1))
         if self.bore_form in FLATS:
             self._check_flat()
-        if self.fit == "press":
+        if self.bore_tolerance and self.fit != "running":
+            problem = f"found {self.bore_tolerance}, and fit = {self.fit}"
+            raise DesignError("bore_tolerance", problem, "give one of both", "conflict")
+        # Raises DesignError for a size that the standard does not have.
+        if self.limits is None and self.fit == "press":
             self._check_interference()
         if self.bore_form == "keyed" and not self.keyway_width and not self.keyway_depth and not key_of(self.bore):
             thickest = PARALLEL_KEYS[-1].thickest
