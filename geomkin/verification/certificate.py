@@ -429,7 +429,7 @@ def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content
 def _step(path: Path, expected: Expected) -> Content:
     plate = read_step(path, expected.tolerance * FINENESS / 2)
     exact = expected.named(path.stem)
-    found = measure_plate((plate.lower, plate.upper), plate.thickness, exact, expected.tolerance)
+    found = measure_plate((plate.lower, plate.upper), plate.thickness, plate.walls, exact, expected.tolerance)
     return Content([found], plate.stamp)
 
 

@@ -63,6 +63,10 @@ class Outline:
         a, b = self.starts - self.points[0], self.ends - self.points[0]
         return complex(self.points[0] + (cross(a, b) * (a + b)).sum() / (3 * cross(a, b).sum()))
 
+    def reversed(self) -> Outline:
+        """The polygon in the opposite direction."""
+        return Outline(self.points[::-1], self.error, self.closed)
+
     def placed(self, turn: complex, shift: complex) -> Outline:
         """The polygon rotated about the origin by a unit complex number, then shifted, mm."""
         return Outline(self.points * turn + shift, self.error, self.closed)

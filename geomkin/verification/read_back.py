@@ -339,11 +339,15 @@ SAME = 1e-5
 
 @record(eq=False)
 class StepPlate:
-    """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm."""
+    """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm.
+
+    walls: points (n, 3) of the B-spline surfaces between them, mm.
+    """
 
     lower: tuple[Outline, ...]
     upper: tuple[Outline, ...]
     thickness: float
+    walls: Real
     stamp: str = ""
 
 
@@ -391,14 +395,19 @@ def _plate(file: _File, error: float) -> StepPlate:
     if len(units) != 1 or "SI_UNIT(.MILLI.,.METRE.)" not in units[0]:
         raise UnreadableError("its unit of length is not the millimetre")
     lids: list[tuple[float, tuple[Outline, ...]]] = []
+    walls: list[Real] = []
     shells = [text for kind, text in file.entities.values() if kind == "CLOSED_SHELL"]
     if len(shells) != 1:
         raise UnreadableError(f"it has {len(shells)} shells, not one")
     for face in REFERENCE.findall(shells[0]):
         *bounds, surface = file.of(face, "ADVANCED_FACE")[1]
-        kind, (place, *_), _ = file.of(surface, "PLANE", "CYLINDRICAL_SURFACE")
+        kind, (place, *_), _ = file.of(surface, *SURFACES)
+        if kind == "B_SPLINE_SURFACE_WITH_KNOTS":
+            walls.append(_surface_points(file, surface))
+        if kind != "PLANE":
+            continue
         _, height, axis = file.placement(place)
-        if kind == "PLANE" and abs(axis) > 0.5:
+        if abs(axis) > 0.5:
             lids.append((height, tuple(_loop(file, bound, height, error) for bound in bounds)))
     if len(lids) != 2:
         raise UnreadableError(f"it has {len(lids)} level faces, not two")
@@ -406,7 +415,8 @@ def _plate(file: _File, error: float) -> StepPlate:
     if abs(low) > SAME:
         raise UnreadableError(f"its lower face is at z = {low:g}, not 0")
     stamp = re.search(r"FILE_DESCRIPTION\(\('([^']*)'", file.header)
-    return StepPlate(lower, upper, high, stamp.group(1) if stamp else "")
+    points = np.concatenate([np.zeros((0, 3)), *walls])
+    return StepPlate(lower, upper, high, points, stamp.group(1) if stamp else "")
 
 
 def _loop(file: _File, bound: str, height: float, error: float) -> Outline:
@@ -421,16 +431,85 @@ def _loop(file: _File, bound: str, height: float, error: float) -> Outline:
         if any(abs(z - height) > SAME for _, z in ends):
             raise UnreadableError("an edge of a level face leaves its plane")
         (start, _), (end, _) = ends
-        bulge = _step_bulge(file, curve, start, end)
-        if not text.rstrip().endswith(".T."):
+        is_forward = text.rstrip().endswith(".T.")
+        spline = _curve_points(file, curve, error) if file.entities.get(curve, ("",))[0] == SPLINE else None
+        bulge = 0.0 if spline is not None else _step_bulge(file, curve, start, end)
+        if spline is not None and max(abs(spline[0] - start), abs(spline[-1] - end)) > SAME:
+            raise UnreadableError("a B-spline does not begin or end at its edge")
+        if not is_forward:
             start, end, bulge = end, start, -bulge
         if last is not None and abs(start - last) > SAME:
             raise UnreadableError("two edges that follow each other do not meet")
         first, last = start if first is None else first, end
-        pen.edge(start, end, bulge)
+        if spline is not None:
+            pen.add(spline[:-1] if is_forward else spline[:0:-1])
+        else:
+            pen.edge(start, end, bulge)
     if first is None or last is None or abs(first - last) > SAME:
         raise UnreadableError("a loop is not closed")
     return pen.outline(closed=True)
+
+
+SPLINE = "B_SPLINE_CURVE_WITH_KNOTS"
+SURFACES = ("PLANE", "CYLINDRICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION", "B_SPLINE_SURFACE_WITH_KNOTS")
+# Points between two knots of a surface.
+GRID = 5
+
+
+def _lists(text: str) -> list[str]:
+    """The lists of an entity that contain no other list, without their parentheses."""
+    return re.findall(r"\(([^()]*)\)", text)
+
+
+def _knot_row(counts: str, values: str) -> Real:
+    """Knots, each as often as its multiplicity."""
+    return np.repeat(_numbers(values), [int(count) for count in counts.split(",")])
+
+
+def _evaluated(knots: Real, controls: Any, t: Real) -> Any:
+    """Points of a cubic B-spline at parameters, along the first axis of its control points, by de Boor's algorithm."""
+    k = np.clip(np.searchsorted(knots, t, side="right") - 1, 3, len(controls) - 1)
+    corners = [controls[k - 3 + j] for j in range(4)]
+    for r in range(1, 4):
+        for j in range(3, r - 1, -1):
+            low, high = knots[k - 3 + j], knots[k + 1 + j - r]
+            share = ((t - low) / (high - low)).reshape(-1, *[1] * (controls.ndim - 1))
+            corners[j] = (1 - share) * corners[j - 1] + share * corners[j]
+    return corners[3]
+
+
+def _between(knots: Real, count: int) -> Real:
+    """Parameters in equal steps between the knots, so many from one to the next, with the last one."""
+    distinct = np.unique(knots)
+    inner = distinct[:-1, None] + np.diff(distinct)[:, None] * np.arange(count) / count
+    return np.append(inner.ravel(), distinct[-1])
+
+
+def _curve_points(file: _File, curve: str, error: float) -> Complex:
+    """Points of a cubic B-spline, its chords within `error`, mm."""
+    _, references, text = file.of(curve, SPLINE)
+    _, counts, values = _lists(text)
+    if text.partition(",")[2].partition(",")[0] != "3":
+        raise UnreadableError("a B-spline is not cubic")
+    knots, controls = _knot_row(counts, values), np.array([file.point(number)[0] for number in references])
+    for count in (2, 4, 8, 16, 32, 64, 128, 256, 512, 1024):
+        points: Complex = _evaluated(knots, controls, _between(knots, 2 * count))
+        chords = (points[:-2:2] + points[2::2]) / 2
+        if np.abs(points[1::2] - chords).max() < error:
+            break
+    return points
+
+
+def _surface_points(file: _File, surface: str) -> Real:
+    """Points of a bicubic B-spline surface, mm."""
+    _, references, text = file.of(surface, SURFACES[-1])
+    *rows, first_counts, second_counts, first, second = _lists(text)
+    points = [file.point(number) for number in references]
+    net = np.array([(z.real, z.imag, height) for z, height in points]).reshape(len(rows), -1, 3)
+    along, up = (_knot_row(*pair) for pair in ((first_counts, first), (second_counts, second)))
+    lines = _evaluated(along, net, _between(along, GRID)).swapaxes(0, 1)
+    found: Real = _evaluated(up, lines, _between(up, GRID)).reshape(-1, 3)
+    return found
 
 
 def _step_bulge(file: _File, curve: str, start: complex, end: complex) -> float:
