@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from math import cos, pi
 from typing import Any, Literal
 
@@ -10,6 +11,7 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, rounded_up, to_digits
 from ..core.records import record
+from ..core.units import INCH
 from ..model.limits import Fit, FitLimits, HoleTolerance, fit_limits
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
@@ -180,7 +182,8 @@ class ParallelKey:
 
     thickest: diameter of the largest shaft for it. width, height: size of its section; its keyways have the same width.
     shaft_depth: depth of the keyway in the shaft. hub_depth: depth of the keyway in the part, beyond the bore along the
-    centre line. lengths: shortest and longest standard length.
+    centre line. lengths: shortest and longest standard length; none if keys are cut from stock. name: of its section in
+    inches; "" of a metric one.
     """
 
     thickest: float
@@ -188,13 +191,16 @@ class ParallelKey:
     height: float
     shaft_depth: float
     hub_depth: float
-    lengths: tuple[float, float]
+    lengths: tuple[float, float] | None
+    name: str = ""
 
     def bill(self, room: float) -> str:
         """The longest standard key for a part of a thickness `room`, mm, or else a piece of key steel."""
+        if self.lengths is None:
+            return f"key steel ASME B17.1 {self.name} in square, cut to {room:g} mm"
         section = f"{self.width:g} x {self.height:g}"
-        most = min(room, self.lengths[1])
-        fitting = [length for length in LENGTHS if self.lengths[0] <= length <= most]
+        least, most = self.lengths
+        fitting = [length for length in LENGTHS if least <= length <= min(room, most)]
         if not fitting:
             return f"key steel DIN 6880 {section}, cut to {room:g} mm"
         return f"parallel key DIN 6885-1 A {section} x {fitting[-1]:g}"
@@ -238,11 +244,43 @@ LENGTHS = (
 )  # fmt: skip
 
 
+# Square keys of inch shafts: largest diameter of the shaft and width of the key, in.
+# Source: ASME B17.1-1967, tables 1 and 2; the square keys up to 6 1/2 in. With other numbers no stock fits the keyway.
+INCH_KEYS = (
+    ("7/16", "3/32"), ("9/16", "1/8"), ("7/8", "3/16"), ("5/4", "1/4"), ("11/8", "5/16"), ("7/4", "3/8"),
+    ("9/4", "1/2"), ("11/4", "5/8"), ("13/4", "3/4"), ("15/4", "7/8"), ("9/2", "1"), ("11/2", "1-1/4"), ("13/2", "1-1/2"),
+)  # fmt: skip
+# The thinnest inch shaft with a key, exclusive, and the clearance above a key in the hub, in: of that standard.
+THINNEST_INCH, OVER_KEY = 0.3125, 0.005
+
+
+def _inch_key(shaft: float) -> ParallelKey | None:
+    """The key for a shaft of whole sixteenths of an inch, mm; None for others and for whole millimetres.
+
+    The depths are those of the standard: half of the key below the edges of the keyway in the shaft.
+    """
+    sixteenths = shaft / INCH * 16
+    is_inch = abs(sixteenths - round(sixteenths)) < 1e-6 and abs(shaft - round(shaft)) > 1e-6
+    if not is_inch or shaft <= THINNEST_INCH * INCH:
+        return None
+    for most, name in INCH_KEYS:
+        if shaft <= float(Fraction(most)) * INCH * (1 + 1e-9):
+            width = float(sum(map(Fraction, name.split("-")))) * INCH
+            edge = (shaft - float(np.sqrt(shaft**2 - width**2))) / 2
+            hub = to_digits(width / 2 - edge + OVER_KEY * INCH, 9)
+            thickest = float(Fraction(most)) * INCH
+            return ParallelKey(thickest, to_digits(width, 9), width, to_digits(edge + width / 2, 9), hub, None, name)
+    return None
+
+
 def key_of(shaft: float) -> ParallelKey | None:
     """The key for a shaft of a diameter, mm; None if the standard has none.
 
-    The upper end of a range belongs to it: a shaft of 10 mm has a key 3 mm wide.
+    A shaft of whole sixteenths of an inch, from 3/8 in on, has that of ASME B17.1. The upper end of a range belongs to
+    it: a shaft of 10 mm has a key 3 mm wide.
     """
+    if (inch_key := _inch_key(shaft)) is not None:
+        return inch_key
     if shaft < THINNEST:
         return None
     return next((key for key in PARALLEL_KEYS if shaft <= key.thickest), None)
@@ -268,7 +306,7 @@ def bore_form_entry(bore: str = "the bore") -> Any:
     """The field for the form of a bore; bore: its name in the meaning."""
     meaning = (
         f"form of {bore}: for a round shaft, a shaft with one or two flats, a square or hexagonal one, or with the "
-        "keyway of DIN 6885-1"
+        "keyway of DIN 6885-1 or, in a bore of whole sixteenths of an inch, of ASME B17.1"
     )
     return entry(meaning, default="round")
 
@@ -327,7 +365,7 @@ class AbstractBored:
         Diameter of the shaft, of a square or hexagonal one over its corners, mm; 0 for no hole.
     bore_form : {"round", "D", "double-D", "square", "hexagonal", "keyed"}, optional
         Form of the bore: for a round shaft, a motor's shaft with one or two flats, a square or hexagonal shaft, or with
-        the keyway of DIN 6885-1.
+        the keyway of DIN 6885-1; in a bore of whole sixteenths of an inch, that of ASME B17.1.
     flat : float, optional
         Of a D-shaft, from its flat side across to the round side, mm; if omitted, that of the motor or of a usual one.
         Of the others, the distance of opposite flats; of a square or hexagonal one, with sharp corners if omitted.

@@ -215,6 +215,7 @@ class MotorScrew:
 
 # Sources: ISO 273 and ISO 7046.
 MOTOR_SCREWS = {
+    1.6: MotorScrew(1.8, (1.0, 3, 16)),
     2.0: MotorScrew(2.4, (1.2, 3, 20)),
     2.5: MotorScrew(2.9, (1.5, 3, 25)),
     3.0: MotorScrew(3.4, (1.65, 4, 30)),
@@ -249,7 +250,7 @@ class MotorFace:
     flat : float, optional
         Of a D-shaft, from its flat side across to the round side, mm; of a shaft with two flats, their distance; None
         for a round shaft.
-    thread : {2, 2.5, 3, 4, 5}, optional
+    thread : {1.6, 2, 2.5, 3, 4, 5}, optional
         Thread of the screws, mm.
     least_depth, largest_depth : float, optional
         Length of a screw beyond the plate, mm: in the threads of the motor, or through its flange and a nut.
