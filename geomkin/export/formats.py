@@ -84,6 +84,7 @@ WRITERS: dict[str, Writer] = {
     "sheet-svg": _one_file("parts", "svg:sheet", "-sheet.svg", ("shapely",)),
     "3mf": _one_file("parts", "solids:threemf", ".3mf", ("shapely",)),
     "step": Writer("parts", _in("step:write_step"), ("shapely",), opt_in=True),
+    "assembly-step": _one_file("scene", "step:assembly_step", "-assembly.step", ("shapely",)),
 }
 # Formats that are written if a recipe names none.
 DEFAULT_FORMATS = tuple(name for name, writer in WRITERS.items() if not writer.opt_in)

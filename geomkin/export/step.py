@@ -11,9 +11,11 @@ from ..core.records import record
 from ..core.version import __version__
 from ..model.part import Part, Twist
 from ..plane.spline_fit import SmoothPiece, smooth_pieces
-from ..plane.vec import Complex, Real
-from .cut import Cut
+from ..plane.vec import Complex, Real, rounded
+from .cut import Cut, decimals
 from .job import Job
+from .mesh import solid_cut
+from .still import in_place, rgb
 
 # Decimals, mm, of computed centres, radii and control points. With fewer, arcs miss their ends by more than programs
 # tolerate; further ones differ between processors.
@@ -38,6 +40,53 @@ def step(cut: Cut, tolerance: float, stamp: str = "") -> bytes:
     Lines are planes, circles are cylinders, all else is cubic B-splines: a face for each flank and each root of a
     tooth. The same part and stamp give the same bytes. DesignError for more faces than programs can read.
     """
+    file = _Entities(cut.part.name, stamp)
+    _, shape = file.product(cut.part.name)
+    representation, _ = file.solid(*_walls(cut, tolerance), cut.part.name)
+    file.add(f"SHAPE_DEFINITION_REPRESENTATION({shape},{representation})")
+    return file.content()
+
+
+def assembly_step(job: Job) -> bytes:
+    """The assembly as one file: a product for each part with its name and colour, placed, mm, z up."""
+    still, placements = in_place(job)
+    file, made, styled = _Entities(job.name, job.stamp), dict[Part, tuple[str, str]](), list[str]()
+    whole, whole_shape = file.product(job.name)
+    origin = file.placement(0j, 0.0, file.up, file.east)
+    for placement in placements:
+        if placement.part not in made:
+            definition, shape = file.product(placement.name)
+            representation, solid = file.solid(
+                *_walls(solid_cut(placement.part, job.tolerance), job.tolerance), placement.name
+            )
+            file.add(f"SHAPE_DEFINITION_REPRESENTATION({shape},{representation})")
+            styled.append(file.styled(solid, rgb(still.tint(placement.body))))
+            made[placement.part] = definition, representation
+    digits = decimals(job.tolerance)
+    places = []
+    for placement in placements:
+        z, turn = rounded(placement.origin, digits).item(), rounded(placement.direction, DIGITS).item()
+        places.append(file.placement(z, placement.height, file.up, file.direction(turn.real, turn.imag, 0)))
+    items = ",".join([origin, *places])
+    frame = file.add(f"SHAPE_REPRESENTATION('{file.name}',({items}),{file.context})")
+    file.add(f"SHAPE_DEFINITION_REPRESENTATION({whole_shape},{frame})")
+    for number, (placement, place) in enumerate(zip(placements, places), 1):
+        definition, representation = made[placement.part]
+        name = _text(placement.name)
+        use = file.add(f"NEXT_ASSEMBLY_USAGE_OCCURRENCE('{number}','{name}','',{whole},{definition},$)")
+        instance = file.add(f"PRODUCT_DEFINITION_SHAPE('','',{use})")
+        moved = file.add(f"ITEM_DEFINED_TRANSFORMATION('','',{origin},{place})")
+        relation = file.add(
+            f"(REPRESENTATION_RELATIONSHIP('','',{representation},{frame})"
+            f"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION({moved})SHAPE_REPRESENTATION_RELATIONSHIP())"
+        )
+        file.add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION({relation},{instance})")
+    file.add(f"MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',({','.join(styled)}),{file.context})")
+    return file.content()
+
+
+def _walls(cut: Cut, tolerance: float) -> tuple[list[_Wall], Part, float]:
+    """The loops of a part as smooth pieces, the part, and the tolerance of its helix, mm."""
     part = cut.part
     loops = [
         _Wall(smooth_pieces(curve, FINER * tolerance / (1 + moves), k > 0, DIGITS, moves), moves)
@@ -51,7 +100,7 @@ def step(cut: Cut, tolerance: float, stamp: str = "") -> bytes:
             "omit step in files.write",
             "too-much-work",
         )
-    return _Entities(part.name, stamp).of(loops, part, FINER * tolerance / 2)
+    return loops, part, FINER * tolerance / 2
 
 
 @record(eq=False)
@@ -105,15 +154,25 @@ class _Entities:
     def __init__(self, name: str, stamp: str) -> None:
         self.name, self.about = _text(name), stamp or "a part, in mm"
         self.numbers: dict[str, str] = {}
+        self.lines: list[str] = []
+        self._context()
+        self.up, self.east = self.direction(0, 0, 1), self.direction(1, 0, 0)
 
     def add(self, entity: str) -> str:
-        """The entity's number; an entity that exists already, such as a point, keeps its number."""
-        return self.numbers.setdefault(entity, f"#{len(self.numbers) + 1}")
+        """The entity's number; an entity of the same product that exists already, such as a point, keeps its number."""
+        if entity not in self.numbers:
+            self.numbers[entity] = f"#{len(self.lines) + 1}"
+            self.lines.append(f"{self.numbers[entity]}={entity};")
+        return self.numbers[entity]
 
-    def of(self, loops: Sequence[_Wall], part: Part, tolerance: float) -> bytes:
-        """The complete file of a part; tolerance: of its helix, mm."""
-        context, product = self._product()
-        self.up, self.east = self._direction(0, 0, 1), self._direction(1, 0, 0)
+    def content(self) -> bytes:
+        """The complete file."""
+        return "\n".join([*self._header(), "DATA;", *self.lines, "ENDSEC;", "END-ISO-10303-21;\n"]).encode("ascii")
+
+    def solid(self, loops: Sequence[_Wall], part: Part, tolerance: float, name: str) -> tuple[str, str]:
+        """The representation and the solid of a part; tolerance: of its helix, mm. Solids share no faces."""
+        name = _text(name)
+        self.numbers = {}
         straight = [_Section((0.0, part.thickness), np.ones(2) + 0j, np.zeros(2) + 0j, np.array([0.0, part.thickness]))]
         walls: list[str] = []
         lids: tuple[list[str], list[str]] = ([], [])
@@ -125,17 +184,27 @@ class _Entities:
             bound = "FACE_BOUND" if number else "FACE_OUTER_BOUND"
             for lid, ring in zip(lids, rings):
                 lid.append(self.add(f"{bound}('',{ring},.T.)"))
-        down = self._direction(0, 0, -1)
+        down = self.direction(0, 0, -1)
         for lid, z, normal in zip(lids, (0.0, part.thickness), (down, self.up)):
-            plane = self.add(f"PLANE('',{self._placement(0j, z, normal, self.east)})")
+            plane = self.add(f"PLANE('',{self.placement(0j, z, normal, self.east)})")
             walls.append(self.add(f"ADVANCED_FACE('',({','.join(lid)}),{plane},.T.)"))
         shell = self.add(f"CLOSED_SHELL('',({','.join(walls)}))")
-        solid = self.add(f"MANIFOLD_SOLID_BREP('{self.name}',{shell})")
-        origin = self._placement(0j, 0.0, self.up, self.east)
-        shape = self.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION('{self.name}',({origin},{solid}),{context})")
-        self.add(f"SHAPE_DEFINITION_REPRESENTATION({product},{shape})")
-        lines = [f"{number}={entity};" for entity, number in self.numbers.items()]
-        return "\n".join([*self._header(), "DATA;", *lines, "ENDSEC;", "END-ISO-10303-21;\n"]).encode("ascii")
+        solid = self.add(f"MANIFOLD_SOLID_BREP('{name}',{shell})")
+        origin = self.placement(0j, 0.0, self.up, self.east)
+        shape = self.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION('{name}',({origin},{solid}),{self.context})")
+        return shape, solid
+
+    def styled(self, solid: str, rgb: tuple[int, int, int]) -> str:
+        """The colour of a solid."""
+        shares = ",".join(_n(channel / 255, 4) for channel in rgb)
+        colour = self.add(f"COLOUR_RGB('',{shares})")
+        fill = self.add(f"FILL_AREA_STYLE_COLOUR('',{colour})")
+        area = self.add(f"FILL_AREA_STYLE('',({fill}))")
+        covered = self.add(f"SURFACE_STYLE_FILL_AREA({area})")
+        side = self.add(f"SURFACE_SIDE_STYLE('',({covered}))")
+        use = self.add(f"SURFACE_STYLE_USAGE(.BOTH.,{side})")
+        style = self.add(f"PRESENTATION_STYLE_ASSIGNMENT(({use}))")
+        return self.add(f"STYLED_ITEM('',({style}),{solid})")
 
     def _header(self) -> Iterator[str]:
         yield "ISO-10303-21;"
@@ -146,27 +215,31 @@ class _Entities:
         yield "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));"
         yield "ENDSEC;"
 
-    def _product(self) -> tuple[str, str]:
-        """Entities required before the shape: the context with its units, and the product."""
-        use = self.add("APPLICATION_CONTEXT('automotive design')")
-        self.add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{use})")
-        field = self.add(f"PRODUCT_CONTEXT('',{use},'mechanical')")
-        product = self.add(f"PRODUCT('{self.name}','{self.name}','',({field}))")
+    def product(self, name: str) -> tuple[str, str]:
+        """A product: its definition and the definition of its shape."""
+        name = _text(name)
+        product = self.add(f"PRODUCT('{name}','{name}','',({self.field}))")
         self.add(f"PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))")
         version = self.add(f"PRODUCT_DEFINITION_FORMATION('','',{product})")
-        view = self.add(f"PRODUCT_DEFINITION_CONTEXT('part definition',{use},'design')")
-        definition = self.add(f"PRODUCT_DEFINITION('design','',{version},{view})")
+        definition = self.add(f"PRODUCT_DEFINITION('design','',{version},{self.view})")
+        return definition, self.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
+
+    def _context(self) -> None:
+        """Entities that all products share, among them the context with its units."""
+        use = self.add("APPLICATION_CONTEXT('automotive design')")
+        self.add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{use})")
+        self.field = self.add(f"PRODUCT_CONTEXT('',{use},'mechanical')")
+        self.view = self.add(f"PRODUCT_DEFINITION_CONTEXT('part definition',{use},'design')")
         length = self.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
         angle = self.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
         solid = self.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")
         same = self.add(
             f"UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({_n(SAME)}),{length},'distance_accuracy_value','')"
         )
-        context = self.add(
+        self.context = self.add(
             f"(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT(({same}))"
             f"GLOBAL_UNIT_ASSIGNED_CONTEXT(({length},{angle},{solid}))REPRESENTATION_CONTEXT('',''))"
         )
-        return context, self.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
 
     def _loop(self, loop: _Wall, sections: Sequence[_Section]) -> tuple[list[str], str, str]:
         """The walls along a loop, and its ring of edges in the directions of the lower and of the upper face."""
@@ -231,22 +304,22 @@ class _Entities:
             return self.add(f"SURFACE_OF_LINEAR_EXTRUSION('',{curve},{vector})"), True
         if piece.bulge == 0:
             along = (end - piece.start) / abs(end - piece.start)
-            normal = self._direction(along.imag, -along.real, 0)
-            east = self._direction(along.real, along.imag, 0)
-            return self.add(f"PLANE('',{self._placement(piece.start, 0.0, normal, east)})"), True
+            normal = self.direction(along.imag, -along.real, 0)
+            east = self.direction(along.real, along.imag, 0)
+            return self.add(f"PLANE('',{self.placement(piece.start, 0.0, normal, east)})"), True
         centre, radius = _circle(piece.start, end, piece.bulge)
-        place = self._placement(centre, 0.0, self.up, self.east)
+        place = self.placement(centre, 0.0, self.up, self.east)
         return self.add(f"CYLINDRICAL_SURFACE('',{place},{_n(radius)})"), piece.bulge > 0
 
     def _simple_curve(self, start: complex, end: complex, bulge: float, level: float) -> str:
         """The line or circle between two points."""
         if bulge == 0:
             along = (end - start) / abs(end - start)
-            return self._line(start, level, self._direction(along.real, along.imag, 0))
+            return self._line(start, level, self.direction(along.real, along.imag, 0))
         centre, radius = _circle(start, end, bulge)
         # A clockwise arc has an axis that points down.
-        axis = self.up if bulge > 0 else self._direction(0, 0, -1)
-        return self.add(f"CIRCLE('',{self._placement(centre, level, axis, self.east)},{_n(radius)})")
+        axis = self.up if bulge > 0 else self.direction(0, 0, -1)
+        return self.add(f"CIRCLE('',{self.placement(centre, level, axis, self.east)},{_n(radius)})")
 
     def _spline(self, points: Sequence[str], knots: Real) -> str:
         times, values = _knots(knots)
@@ -263,13 +336,13 @@ class _Entities:
         vector = self.add(f"VECTOR('',{direction},1.)")
         return self.add(f"LINE('',{self._point(through, level)},{vector})")
 
-    def _placement(self, z: complex, level: float, axis: str, across: str) -> str:
+    def placement(self, z: complex, level: float, axis: str, across: str) -> str:
         return self.add(f"AXIS2_PLACEMENT_3D('',{self._point(z, level)},{axis},{across})")
 
     def _point(self, z: complex, level: float) -> str:
         return self.add(f"CARTESIAN_POINT('',({_n(z.real)},{_n(z.imag)},{_n(level)}))")
 
-    def _direction(self, x: float, y: float, z: float) -> str:
+    def direction(self, x: float, y: float, z: float) -> str:
         return self.add(f"DIRECTION('',({_n(x, 15)},{_n(y, 15)},{_n(z, 15)}))")
 
 

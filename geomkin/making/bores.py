@@ -248,7 +248,8 @@ LENGTHS = (
 # Source: ASME B17.1-1967, tables 1 and 2; the square keys up to 6 1/2 in. With other numbers no stock fits the keyway.
 INCH_KEYS = (
     ("7/16", "3/32"), ("9/16", "1/8"), ("7/8", "3/16"), ("5/4", "1/4"), ("11/8", "5/16"), ("7/4", "3/8"),
-    ("9/4", "1/2"), ("11/4", "5/8"), ("13/4", "3/4"), ("15/4", "7/8"), ("9/2", "1"), ("11/2", "1-1/4"), ("13/2", "1-1/2"),
+    ("9/4", "1/2"), ("11/4", "5/8"), ("13/4", "3/4"), ("15/4", "7/8"), ("9/2", "1"), ("11/2", "1-1/4"),
+    ("13/2", "1-1/2"),
 )  # fmt: skip
 # The thinnest inch shaft with a key, exclusive, and the clearance above a key in the hub, in: of that standard.
 THINNEST_INCH, OVER_KEY = 0.3125, 0.005

@@ -9,8 +9,10 @@ import shapely
 
 import geomkin as gk
 from geomkin.export.cut import cut
+from geomkin.export.job import Job
 from geomkin.export.mesh import solid_cut
 from geomkin.export.step import step
+from geomkin.export.still import in_place
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import area, length
 from geomkin.verification import read_back
@@ -231,3 +233,21 @@ def test_arcs_of_a_cam_stay_cylinders():
     solid = Solid(step(cut(cam, 0.005), 0.005))
     # Two dwells and the bore; rise and return.
     assert len(solid.all("CYLINDRICAL_SURFACE")) == 3 and len(solid.all("SURFACE_OF_LINEAR_EXTRUSION")) == 2
+
+
+def test_assembly_has_a_product_for_each_part_and_an_instance_for_each_position(tmp_path):
+    recipe = gk.load("recipes/crank-rocker.toml")
+    (written,) = gk.write(recipe, tmp_path / "a-assembly.step")
+    solid, text = Solid(written.read_bytes()), written.read_text()
+    _, placements = in_place(Job("a", recipe, 0.005))
+    names = re.findall(r"PRODUCT\('([^']*)'", text)
+    assert names[1:] == list(dict.fromkeys(p.name for p in placements if p.part.name == p.name))
+    assert len(solid.all("NEXT_ASSEMBLY_USAGE_OCCURRENCE")) == len(placements)
+    for number, placement in zip(solid.all("ITEM_DEFINED_TRANSFORMATION"), placements):
+        origin, axis, east = solid.frame(solid.refers(number)[1])
+        assert origin == pytest.approx([placement.origin.real, placement.origin.imag, placement.height], abs=1e-6)
+        assert axis.tolist() == [0, 0, 1] and complex(*east[:2]) == pytest.approx(placement.direction, abs=1e-8)
+    assert len(solid.all("STYLED_ITEM")) == len(names) - 1
+    # Solids share no faces, so that each product can be edited.
+    faces = [n for shell in solid.all("CLOSED_SHELL") for n in solid.refers(shell)]
+    assert len(faces) == len(set(faces)) == len(solid.all("ADVANCED_FACE"))

@@ -1,10 +1,13 @@
 """STEP files of the whole gallery as a CAD kernel reads them. Needs the extra `kernel`."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import geomkin as gk
+from geomkin.export.job import Job
+from geomkin.export.still import in_place
 from geomkin.plane.measure import area, length
 
 pytest.importorskip("OCP", reason="no CAD kernel is installed")
@@ -65,3 +68,49 @@ def test_helical_gear_of_24_teeth_is_one_solid_with_few_faces(tmp_path, herringb
     (written,) = gk.write(recipe.parts, tmp_path / "gear.step")
     solid, _, faces = as_read(written, 0.05)
     assert is_sound(solid) and faces == (196 if herringbone else 100)
+
+
+@pytest.mark.parametrize("name", ["crank-rocker", "herringbone-pair", "walking-leg"])
+def test_assembly_has_its_parts_in_place_with_names_and_colours(name, tmp_path):
+    from OCP.BRepGProp import BRepGProp
+    from OCP.collections import Sequence_TDF_Label
+    from OCP.GProp import GProp_GProps
+    from OCP.Quantity import Quantity_Color
+    from OCP.STEPCAFControl import STEPCAFControl_Reader
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDataStd import TDataStd_Name
+    from OCP.TDF import TDF_Label
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
+
+    recipe = gk.load(f"recipes/{name}.toml")
+    (written,) = gk.write(recipe, tmp_path / "a-assembly.step")
+    _, placements = in_place(Job(name, recipe, recipe.files.tolerance))
+    document, reader = TDocStd_Document(TCollection_ExtendedString("XCAF")), STEPCAFControl_Reader()
+    reader.SetNameMode(True)
+    reader.SetColorMode(True)
+    assert reader.ReadFile(str(written)) and reader.Transfer(document)
+    shapes, colours = (
+        tool(document.Main()) for tool in (XCAFDoc_DocumentTool.ShapeTool_s, XCAFDoc_DocumentTool.ColorTool_s)
+    )
+    roots, labels = Sequence_TDF_Label(), Sequence_TDF_Label()
+    shapes.GetFreeShapes(roots)
+    assert roots.Length() == 1
+    XCAFDoc_ShapeTool.GetComponents_s(roots.Value(1), labels)
+    assert labels.Length() == len(placements)
+    for label, placement in zip((labels.Value(k + 1) for k in range(len(placements))), placements):
+        given, found, colour = TDataStd_Name(), GProp_GProps(), Quantity_Color()
+        assert label.FindAttribute(TDataStd_Name.GetID_s(), given) and given.Get().ToExtString() == placement.name
+        solid = XCAFDoc_ShapeTool.GetShape_s(label)
+        BRepGProp.VolumeProperties_s(solid, found)
+        centre = found.CentreOfMass()
+        material = gk.making.material("steel-S235")
+        part = replace(placement.part, material=material)
+        expected = placement.origin + placement.direction * part.mass.centre
+        assert abs(complex(centre.X(), centre.Y()) - expected) < 0.01
+        assert centre.Z() == pytest.approx(placement.height + part.thickness / 2, abs=0.01)
+        whole = TDF_Label()
+        XCAFDoc_ShapeTool.GetReferredShape_s(label, whole)
+        assert colours.GetColor(XCAFDoc_ShapeTool.GetShape_s(whole), XCAFDoc_ColorSurf, colour)
+        # The kernel's colours are linear; those of the file are as on screens.
+        assert max(colour.Red(), colour.Green(), colour.Blue()) > 0
