@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from html import escape
-from types import MappingProxyType
 
 import numpy as np
 
@@ -12,7 +10,7 @@ from ..core.errors import harmless
 from ..core.units import MM, LengthUnit
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real, rounded
-from .cut import LAYERS
+from .cut import LAYERS, LayerStyles
 from .dimensioned import COLOURS, dimensioned_drawing
 from .job import Job
 from .layout import Sheet
@@ -26,8 +24,7 @@ HAIRLINE = 0.01
 
 def write_svg(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
-    given = {layer: _hexadecimal(rgb) for layer, rgb in job.layers.colours.items()}
-    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser, job.stamp, job.unit, given))
+    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser, job.stamp, job.unit, job.layers))
 
 
 def _hexadecimal(rgb: tuple[int, int, int]) -> str:
@@ -40,7 +37,7 @@ def svg(
     laser: bool = False,
     stamp: str = "",
     unit: LengthUnit = MM,
-    given: Mapping[str, str] = MappingProxyType({}),
+    styles: LayerStyles = LayerStyles(),
 ) -> bytes:
     """The sheet as an SVG file; y up becomes the format's y down.
 
@@ -48,9 +45,10 @@ def svg(
 
     The white background is a style of the page and no shape, since every shape is cut. With `laser` the file has the
     colours and strokes of laser cutting programs, and only shapes to cut or engrave.
-    `given` are colours of layers that replace these.
+    `styles` may give layers other colours.
     """
-    colours = {**(LASER if laser else {name: _hexadecimal(rgb) for name, (_, rgb) in LAYERS.items()}), **given}
+    colours = LASER if laser else {name: _hexadecimal(rgb) for name, (_, rgb) in LAYERS.items()}
+    colours = colours | {name: _hexadecimal(rgb) for name, rgb in styles.colours.items()}
     stroke = HAIRLINE if laser else STROKE
     size = f"{sheet.width:g}", f"{sheet.height:g}"
     lines = [

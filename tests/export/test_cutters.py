@@ -145,7 +145,7 @@ def test_layers_have_the_names_and_colours_of_the_recipe():
     assert [e.dxf.layer for e in document.modelspace()] == ["HOLE", "Outside 3 mm"]
     # Pure green is number 3 of the palette.
     assert document.layers.get("Outside 3 mm").color == 3
-    assert b'class="HOLE" stroke="#123456"' in svg(sheet, "a", laser=True, given={"HOLE": "#123456"})
+    assert b'class="HOLE" stroke="#123456"' in svg(sheet, "a", laser=True, styles=styles)
     for wrong in ({"name": "a|b"}, {"name": "x" * 32}, {"colour": "red"}):
         with pytest.raises(gk.DesignError):
             LayerStyle(**wrong)
