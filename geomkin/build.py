@@ -16,6 +16,7 @@ from .core.fields import to_digits
 from .core.names import PathName, file_name_flaw
 from .core.records import record
 from .core.units import START, UNITS, marked
+from .export.cut import LayerStyles
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, StaticSource
@@ -352,6 +353,13 @@ def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
     held = Job(name, results, files.tolerance, files.kerf, files.curves == "arcs", files.labels)
     laser, at = files.style == "laser", files.assembly_at
     job = dataclasses.replace(held, laser=laser, assembly_at=at, sheet=files.sheet, title=files.title)
+    job = dataclasses.replace(
+        job,
+        cutter=files.cutter,
+        tab_width=files.tab_width,
+        dxf_version=files.dxf_version,
+        layers=files.layers or LayerStyles(),
+    )
     if not isinstance(source, AbstractRecipe):
         return job
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import fields
+
 import numpy as np
 
-from ..core.errors import DesignError
-from ..core.fields import WIDEST, rounded_up
+from ..core.errors import DesignError, shown
+from ..core.fields import WIDEST, entry, rounded_up
+from ..core.names import folded_name
 from ..core.records import record
 from ..core.units import mm
 from ..model.part import Part
@@ -30,7 +34,74 @@ LAYERS: dict[str, tuple[int, tuple[int, int, int]]] = {
     "ENGRAVE": (3, (0, 158, 115)),
     "LABEL": (6, (204, 121, 167)),
     "REFERENCE": (8, (110, 110, 110)),
+    "TAB": (2, (230, 159, 0)),
 }
+# Characters that programs do not take in names of layers, and the longest name of the oldest format.
+FORBIDDEN, LONGEST_NAME = set('<>/\\":;?*=|,`'), 31
+COLOUR = re.compile("#[0-9a-fA-F]{6}")
+
+
+@record(checked=True)
+class LayerStyle:
+    """Name and colour of a layer in drawings to cut.
+
+    Parameters
+    ----------
+    name : str, optional
+        Name in DXF; by default that of the operation, such as CUT.
+    colour : str, optional
+        Colour as "#ff0000", in DXF the nearest one of its palette; by default that of the operation.
+    """
+
+    name: str = entry("name of the layer in DXF; by default that of the operation, such as CUT", default="")
+    colour: str = entry('colour of the layer, as "#ff0000"; by default that of the operation', default="")
+
+    def __post_init__(self) -> None:
+        name = self.name
+        if len(name) > LONGEST_NAME or name != name.strip() or not name.isprintable() or FORBIDDEN & set(name):
+            allowed = f"give at most {LONGEST_NAME} letters, without {' '.join(sorted(FORBIDDEN))}"
+            raise DesignError("name", f"found {shown(name)}", allowed, "out-of-range")
+        if self.colour and not COLOUR.fullmatch(self.colour):
+            raise DesignError("colour", f"found {shown(self.colour)}", 'give six digits, as "#ff0000"', "out-of-range")
+
+
+@record(checked=True)
+class LayerStyles:
+    """Names and colours of the layers of drawings to cut, by operation.
+
+    Parameters
+    ----------
+    cut, hole, engrave, label, tab : LayerStyle, optional
+        Of outlines, holes, engraved lines, engraved names and letters, and the tabs that hold a part in its sheet.
+    """
+
+    cut: LayerStyle | None = entry("layer of outlines", default=None)
+    hole: LayerStyle | None = entry("layer of holes", default=None)
+    engrave: LayerStyle | None = entry("layer of engraved lines", default=None)
+    label: LayerStyle | None = entry("layer of engraved names and letters", default=None)
+    tab: LayerStyle | None = entry("layer of the tabs that hold parts in their sheet", default=None)
+
+    def __post_init__(self) -> None:
+        names = [folded_name(name) for name in self.names.values()]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise DesignError("cut", f"two layers are named {shown(twice[0])}", "give each its own name", "conflict")
+
+    @property
+    def names(self) -> dict[str, str]:
+        """The name in files of each layer."""
+        return {layer: self.style(layer).name or layer for layer in LAYERS}
+
+    @property
+    def colours(self) -> dict[str, tuple[int, int, int]]:
+        """The RGB colour of each layer whose colour is given."""
+        given = {layer: self.style(layer).colour for layer in LAYERS}
+        return {layer: tuple(bytes.fromhex(colour[1:])) for layer, colour in given.items() if colour}  # type: ignore[misc]
+
+    def style(self, layer: str) -> LayerStyle:
+        """Name and colour given for a layer of the table above."""
+        known = layer.lower() in (field.name for field in fields(self))
+        style: LayerStyle | None = getattr(self, layer.lower()) if known else None
+        return style or LayerStyle()
 
 
 @record(eq=False)
@@ -67,7 +138,8 @@ class Cut:
     """A part ready for its files.
 
     `loops` are the cuts, outline first, then the holes. `marks` are the engraved lines, including the part's `label` if
-    it has one. `digits` is the number of decimals of mm; `tolerance` is that of flattening, mm.
+    it has one. `digits` is the number of decimals of mm; `tolerance` is that of flattening, mm. `tab` is the width of
+    the tabs that hold the part in its sheet, mm, 0 for none.
     """
 
     part: Part
@@ -76,6 +148,7 @@ class Cut:
     digits: int
     tolerance: float
     label: str = ""
+    tab: float = 0.0
 
     @property
     def area(self) -> float:

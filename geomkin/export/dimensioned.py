@@ -12,6 +12,7 @@ import numpy as np
 from ..core.errors import harmless
 from ..core.records import record
 from ..core.units import MM, LengthUnit
+from ..model.limits import FitLimits
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import box_of
@@ -254,10 +255,27 @@ def _size_of(fit: HoleFit | None, diameter: float | None, unit: LengthUnit) -> s
         sizes = [f"{FORMS[fit.flats]} {width}", f"{across} {length_text(fit.flat, unit)}"]
     if any(fit.keyway):
         sizes.append("keyway {} wide {} deep".format(*(length_text(size, unit) for size in fit.keyway)))
+    if (limits := fit.limits) is not None:
+        hole, _, shaft = fit.iso_fit.partition("/")
+        sizes[0] = sizes[0].replace(width, f"{length_text(fit.diameter, unit)} {hole} {_deviations(limits.hole, unit)}")
+        kinds = (f"shaft {shaft} {_deviations(limits.shaft, unit)}", _clearances(limits, unit)) if shaft else ()
+        return ", ".join([*sizes, *kinds])
     if not fit.play:
         return ", ".join(sizes)
     kind = "press" if fit.is_press or fit.play < 0 else "clearance"
     return f"{', '.join(sizes)} ({length_text(fit.diameter, unit)}, {kind} {unit.of(fit.play):+.5g})"
+
+
+def _deviations(deviations: tuple[float, float], unit: LengthUnit) -> str:
+    """Upper and lower deviation of a size, mm, in a unit, as usual in drawings."""
+    low, high = (f"{unit.of(value):+.4f}" if unit is MM else f"{unit.of(value):+.5f}" for value in deviations)
+    return "({}/{})".format(*("0" if float(text) == 0 else text.rstrip("0") for text in (high, low)))
+
+
+def _clearances(limits: FitLimits, unit: LengthUnit) -> str:
+    """The least and the largest clearance of a fit in words; negative ones are interferences."""
+    least, largest = (f"{unit.of(value):+.4g}" for value in (limits.least_clearance, limits.largest_clearance))
+    return f"clearance {least} to {largest}"
 
 
 def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import io
+import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from ezdxf import options, units  # type: ignore[attr-defined]  # documented, though not exported
+from ezdxf.colors import DXF_DEFAULT_COLORS, int2rgb
 from ezdxf.document import Drawing
 from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
@@ -22,26 +25,46 @@ from ..model.scene import Scene, SceneMark
 from ..plane.flatten import flatten
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, box_of, rounded
-from .cut import LAYERS, cut, decimals, shape_box
+from .cut import FORBIDDEN, LAYERS, LayerStyles, cut, decimals, shape_box
 from .dimensioned import COLOURS, dimensioned_drawing
 from .job import Job
 from .layout import Sheet
 from .still import LETTER, SCREEN, Name, Still, frame_at, place_labels, rgb
 from .text import Text
 
+# The number of the old version in files, and the versions that are written.
+R12 = "AC1009"
+DxfVersion = Literal["R2000", "R12"]
+
 
 def write_dxf(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
-    return job.sheet_files("dxf", lambda sheet: dxf(sheet, job.stamp, job.unit))
+    return job.sheet_files("dxf", lambda sheet: dxf(sheet, job.stamp, job.unit, job.layers, job.dxf_version))
 
 
-def dxf(sheet: Sheet, stamp: str = "", unit: LengthUnit = MM) -> bytes:
-    """The sheet as a DXF file, AC1015 (R2000): the first version with units, readable by every program.
+def dxf(
+    sheet: Sheet,
+    stamp: str = "",
+    unit: LengthUnit = MM,
+    styles: LayerStyles = LayerStyles(),
+    version: DxfVersion = "R2000",
+) -> bytes:
+    """The sheet as a DXF file: AC1015 (R2000), the first version with units, or AC1009 (R12) for older programs.
 
     The same sheet gives the same bytes.
     """
-    shapes = [(loop.layer, loop.shape) for placed in sheet.placed for loop in placed.loops]
-    return drawn(LAYERS, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)), stamp, unit)
+    names, colours = styles.names, styles.colours
+    shapes = [(names[loop.layer], loop.shape) for placed in sheet.placed for loop in placed.loops]
+    layers = {names[layer]: _with_index(colours[layer]) if layer in colours else LAYERS[layer] for layer in LAYERS}
+    if not any(layer == names["TAB"] for layer, _ in shapes):
+        del layers[names["TAB"]]
+    return drawn(layers, shapes, (), sheet.extents, (0j, complex(sheet.width, sheet.height)), stamp, unit, version)
+
+
+def _with_index(rgb: tuple[int, int, int]) -> tuple[int, tuple[int, int, int]]:
+    """A colour with its index, or that of the nearest one, in the palette of programs without RGB."""
+    palette = np.array([tuple(int2rgb(colour)) for colour in DXF_DEFAULT_COLORS[1:256]])
+    return 1 + int(np.argmin(((palette - np.array(rgb)) ** 2).sum(axis=1))), rgb
 
 
 def drawn(
@@ -52,6 +75,7 @@ def drawn(
     limits: tuple[complex, complex],
     stamp: str = "",
     unit: LengthUnit = MM,
+    version: DxfVersion = "R2000",
 ) -> bytes:
     """A DXF file of shapes and texts on their layers.
 
@@ -60,7 +84,7 @@ def drawn(
     """
     with _fixed_stamps():
         # The library's default is metres, and programs would read the file 1000 times too large.
-        document = new("R2000", units=units.MM if unit is MM else units.IN)
+        document = new(version, units=units.MM if unit is MM else units.IN)
         document.header["$MEASUREMENT"] = int(unit is MM)
         if stamp:
             document.ezdxf_metadata()["STAMP"] = stamp
@@ -100,11 +124,17 @@ def _add(space: Modelspace, layer: str, shape: Circle | Polyline) -> None:
         space.add_circle((shape.centre.real, shape.centre.imag), shape.radius, dxfattribs=attributes)
         return
     vertices = np.asarray(shape.vertices)
+    if space.doc is not None and space.doc.dxfversion == R12:
+        bulges = np.zeros(len(vertices)) if shape.bulges is None else np.append(shape.bulges, 0.0)[: len(vertices)]
+        points = list(zip(vertices.real.tolist(), vertices.imag.tolist(), bulges.tolist()))
+        space.add_polyline2d(points, format="xyb", close=shape.closed, dxfattribs=attributes)
+        return
     polyline = space.add_lwpolyline([], close=shape.closed, dxfattribs=attributes)
     rows = np.zeros((len(vertices), 5))  # x, y, start width, end width, bulge
     rows[:, 0], rows[:, 1] = vertices.real, vertices.imag
     if shape.bulges is not None:
-        rows[:, 4] = shape.bulges
+        # An open one has no bulge at its last vertex.
+        rows[: len(shape.bulges), 4] = shape.bulges
     # Appending points one by one takes quadratic time: 19 s for 1e5 points, against 0.9 s.
     polyline.lwpoints.values = rows
 
@@ -120,13 +150,16 @@ def _bytes(document: Drawing) -> bytes:
 
 @contextmanager
 def _fixed_stamps() -> Iterator[None]:
-    """Suppress time stamps and random identifiers, which differ between runs."""
-    before = options.write_fixed_meta_data_for_testing
+    """Suppress time stamps and random identifiers, which differ between runs, and a remark on units that R12 lacks."""
+    logger = logging.getLogger("ezdxf")
+    before = options.write_fixed_meta_data_for_testing, logger.level
     options.write_fixed_meta_data_for_testing = True
+    logger.setLevel(logging.ERROR)
     try:
         yield
     finally:
-        options.write_fixed_meta_data_for_testing = before
+        options.write_fixed_meta_data_for_testing = before[0]
+        logger.setLevel(before[1])
 
 
 def sheet(job: Job) -> bytes:
@@ -147,8 +180,6 @@ def _rounded(shape: Circle | Polyline, digits: int) -> Circle | Polyline:
 # Layers besides those of bodies, which start with BODY, and their colours in the palette.
 PINS, NAMES = "PINS", "NAMES"
 ASSEMBLY_COLOURS = {PINS: "line", NAMES: "ink", "TRACED": "traced", "WANTED": "wanted", "CONTACT": "acceleration"}
-# Characters not allowed in names of layers.
-FORBIDDEN = set('<>/\\":;?*=|,`')
 # Colour index for programs without RGB: black on white, white on black.
 EITHER = 7
 

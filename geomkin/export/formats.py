@@ -83,7 +83,8 @@ WRITERS: dict[str, Writer] = {
     "sheet-dxf": _one_file("parts", "dxf:sheet", "-sheet.dxf", ("shapely", "ezdxf")),
     "sheet-svg": _one_file("parts", "svg:sheet", "-sheet.svg", ("shapely",)),
     "3mf": _one_file("parts", "solids:threemf", ".3mf", ("shapely",)),
-    "step": Writer("parts", _in("solids:write_step"), ("shapely",), opt_in=True),
+    "step": Writer("parts", _in("step:write_step"), ("shapely",), opt_in=True),
+    "assembly-step": _one_file("scene", "step:assembly_step", "-assembly.step", ("shapely",)),
 }
 # Formats that are written if a recipe names none.
 DEFAULT_FORMATS = tuple(name for name, writer in WRITERS.items() if not writer.opt_in)

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Literal, Protocol
 
 from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.units import MM, LengthUnit
 from ..model.check import Check
+from ..model.corner_relief import relieved
 from ..model.part import Bought, Part
 from ..model.scene import Scene
 from ..model.table import Table
-from .cut import Cut, cut
+from .cut import Cut, LayerStyles, cut
 from .layout import Sheet, lay_out, lay_out_on
 from .mesh import is_solid_cut, solid_cut
 from .text import Title
@@ -96,6 +97,14 @@ class Job:
         States the recipe and the tolerance in files that have a place for it; empty if there is no recipe.
     unit : LengthUnit
         Unit of the lengths in files; that of the table, the checks and the texts of the source.
+    cutter : float
+        Diameter of the cutter for which drawings relieve the corners of bores, mm; 0 for none.
+    tab_width : float
+        Width of the tabs that hold parts in their sheet, mm; 0 for none.
+    dxf_version : {"R2000", "R12"}
+        Version of the drawings to cut.
+    layers : LayerStyles
+        Names and colours of their layers.
     """
 
     name: str
@@ -112,6 +121,10 @@ class Job:
     title: Title = field(default_factory=Title)
     stamp: str = ""
     unit: LengthUnit = MM
+    cutter: float = 0.0
+    tab_width: float = 0.0
+    dxf_version: Literal["R2000", "R12"] = "R2000"
+    layers: LayerStyles = field(default_factory=LayerStyles)
 
     @property
     def table(self) -> Table:
@@ -129,16 +142,19 @@ class Job:
 
     @cached_property
     def flats(self) -> Sequence[Cut]:
-        """The parts along the path of the beam, half a kerf off them."""
-        return [
-            cut(part, self.tolerance, self.kerf, self.arcs, number if self.labels else 0)
+        """The parts along the path of the beam, half a kerf off them, with relief for the cutter."""
+        cuts = [
+            cut(relieved(part, self.cutter), self.tolerance, self.kerf, self.arcs, number if self.labels else 0)
             for number, part in enumerate(self._parts, 1)
         ]
+        # A beam or cutter as wide takes half its width off both ends of a tab.
+        width = self.tab_width and self.tab_width + max(self.kerf, self.cutter)
+        return [replace(one, tab=width) for one in cuts] if width else cuts
 
     @cached_property
     def solids(self) -> Sequence[Cut]:
         """The parts at their true size."""
-        flats = self.flats if self.kerf == 0 else [None] * len(self._parts)
+        flats = self.flats if self.kerf == 0 and self.cutter == 0 else [None] * len(self._parts)
         return [
             flat if flat and is_solid_cut(flat) else solid_cut(part, self.tolerance)
             for part, flat in zip(self._parts, flats)

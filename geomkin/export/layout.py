@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..core.errors import DesignError
+from ..core.fields import rounded_down
 from ..core.records import record
 from ..core.units import bare_mm, mm
-from ..plane.primitives import Circle
+from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, Mask, Real, box_of, direction_deg, rounded
 from .cut import Cut, Loop, is_inside
 
@@ -258,8 +259,11 @@ class Placed:
         Holes come first, then marks, then the outline, since a part that is cut free drops or tilts.
         """
         outline, *holes = self.cut.loops
+        pieces = (
+            tabbed(outline, self.cut.tab, self.cut.digits) if self.cut.tab and outline.layer == "CUT" else [outline]
+        )
         inner = [holes[k] for k in nearest_next([hole.points[0] for hole in holes], outline.box[0])]
-        return tuple(loop.moved(self.shift, self.cut.digits, self.turn) for loop in (*inner, *self.cut.marks, outline))
+        return tuple(loop.moved(self.shift, self.cut.digits, self.turn) for loop in (*inner, *self.cut.marks, *pieces))
 
 
 @record(eq=False)
@@ -273,12 +277,68 @@ class Sheet:
     @property
     def extents(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of all cuts, mm."""
-        return box_of(np.array([copy.loops[-1].box for copy in self.placed]))
+        outlines = [copy.cut.loops[0].moved(copy.shift, copy.cut.digits, copy.turn) for copy in self.placed]
+        return box_of(np.array([outline.box for outline in outlines]))
 
     @property
     def filled(self) -> float:
         """Share of the sheet that becomes parts."""
         return sum(copy.cut.area for copy in self.placed) / (self.width * self.height)
+
+
+# Length of outline that one tab holds, mm, and the least number of tabs: a part on a single one turns.
+HELD, LEAST_TABS = 150.0, 2
+
+
+def tabbed(loop: Loop, width: float, digits: int) -> list[Loop]:
+    """The pieces of an outline in turn: those to cut, and on layer TAB those of tabs of a width, mm, that are left.
+
+    Tabs are evenly spaced, each moved to the middle of the longest edge nearby. DesignError if they are too wide.
+    """
+    shape = loop.shape
+    if isinstance(shape, Circle):
+        corners = shape.centre + shape.radius * np.array([1, 1j, -1, -1j])
+        shape = Polyline(corners, np.full(4, np.tan(np.pi / 8)))
+    sweeps = 4 * np.arctan(np.zeros(len(shape.vertices)) if shape.bulges is None else np.asarray(shape.bulges))
+    z = np.asarray(shape.vertices)
+    lengths = np.abs(np.roll(z, -1) - z) / np.sinc(sweeps / (2 * np.pi))
+    ends = np.append(0.0, np.cumsum(lengths))
+    whole = float(ends[-1])
+    count = max(LEAST_TABS, int(np.ceil(whole / HELD)))
+    if 2 * count * width > whole:
+        most = rounded_down(whole / (2 * count), 3)
+        problem = f"found {mm(width):g} for {count} tabs on an outline {mm(whole):.4g} long"
+        raise DesignError("tab_width", problem, f"give at most {mm(float(most)):g}", "out-of-range", float(most))
+    middles = (ends[:-1] + ends[1:]) / 2
+    spacing = whole / count
+    tabs = []
+    for wanted in middles[int(np.argmax(np.round(lengths, 6)))] + spacing * np.arange(count):
+        away = (middles - wanted + whole / 2) % whole - whole / 2
+        near = np.flatnonzero(np.abs(away) < spacing / 8)
+        tabs.append(float(middles[near[np.argmax(np.round(lengths[near], 6))]] if len(near) else wanted) % whole)
+    first = min(tabs) - width / 2
+    starts = np.sort((np.array(tabs) - width / 2 - first) % whole) + first
+    cuts = np.column_stack([starts, starts + width]).ravel()
+    pieces = [
+        _piece(shape, sweeps, ends, float(a), float(b), loop.layer if k % 2 else "TAB", digits)
+        for k, (a, b) in enumerate(zip(cuts, np.append(cuts[1:], cuts[0] + whole)))
+    ]
+    # Each piece ends exactly where the next one begins, whatever the rounding.
+    for piece, after in zip(pieces, [*pieces[1:], pieces[0]]):
+        piece.points[-1] = after.points[0]
+    return pieces
+
+
+def _piece(shape: Polyline, sweeps: Real, ends: Real, start: float, end: float, layer: str, digits: int) -> Loop:
+    """The piece of a closed shape between two positions along it, mm; `ends` are those of its vertices."""
+    twice = np.append(ends[:-1], ends + ends[-1])
+    margin = 10.0**-digits
+    at = np.concatenate([[start], twice[(twice > start + margin) & (twice < end - margin)], [end]])
+    edges = np.searchsorted(ends, (at[:-1] + at[1:]) / 2 % ends[-1], side="right") - 1
+    shares = np.diff(at) / np.diff(ends)[edges]
+    vertices = rounded(shape.point(np.interp(at % ends[-1], ends, np.arange(len(ends)))), digits)
+    bulges = None if shape.bulges is None else np.round(np.tan(shares * sweeps[edges] / 4), 12)
+    return Loop(Polyline(vertices, bulges, is_closed=False), vertices, layer)
 
 
 def nearest_next(places: Sequence[complex], start: complex) -> list[int]:

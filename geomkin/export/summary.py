@@ -72,14 +72,36 @@ def as_json(data: object) -> object:
 
 def _part(part: Part) -> dict[str, object]:
     exact = area(part.outline) - sum(area(hole) for hole in part.holes)
-    return {
-        "name": part.name,
-        "count": part.count,
-        "layer": part.layer,
-        "thickness_mm": part.thickness,
-        "area_mm2": to_digits(exact, 10),
-        "volume_mm3": to_digits(exact * part.thickness, 10),
-    } | ({} if part.mass is None else {"mass_kg": to_digits(float(part.mass.mass))})
+    return (
+        {
+            "name": part.name,
+            "count": part.count,
+            "layer": part.layer,
+            "thickness_mm": part.thickness,
+            "area_mm2": to_digits(exact, 10),
+            "volume_mm3": to_digits(exact * part.thickness, 10),
+        }
+        | _limits(part)
+        | ({} if part.mass is None else {"mass_kg": to_digits(float(part.mass.mass))})
+    )
+
+
+def _limits(part: Part) -> dict[str, object]:
+    """Limits of the holes with a fit by ISO 286, by the fit and diameter."""
+    fits = {(fit.iso_fit, fit.diameter): fit.limits for fit in part.fits if fit is not None and fit.iso_fit}
+    entries = [
+        {
+            "fit": name,
+            "diameter_mm": diameter,
+            "hole_deviations_mm": list(limits.hole),
+            "shaft_deviations_mm": list(limits.shaft),
+            "least_clearance_mm": limits.least_clearance,
+            "largest_clearance_mm": limits.largest_clearance,
+        }
+        for (name, diameter), limits in fits.items()
+        if limits is not None
+    ]
+    return {"fits": entries} if entries else {}
 
 
 def _wall(job: Job, part: Part) -> dict[str, object]:

@@ -10,7 +10,7 @@ from ..core.errors import harmless
 from ..core.units import MM, LengthUnit
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real, rounded
-from .cut import LAYERS
+from .cut import LAYERS, LayerStyles
 from .dimensioned import COLOURS, dimensioned_drawing
 from .job import Job
 from .layout import Sheet
@@ -18,24 +18,37 @@ from .layout import Sheet
 # Stroke width, mm: thin, as cutting programs expect, and visible on a screen.
 STROKE = 0.25
 # Colours and width by which laser cutting programs recognise cuts and engraved lines.
-LASER = {"CUT": "#ff0000", "HOLE": "#ff0000", "ENGRAVE": "#0000ff", "LABEL": "#0000ff"}
+LASER = {"CUT": "#ff0000", "HOLE": "#ff0000", "ENGRAVE": "#0000ff", "LABEL": "#0000ff", "TAB": "#00ff00"}
 HAIRLINE = 0.01
 
 
 def write_svg(job: Job) -> dict[str, bytes]:
     """All parts in one file, or one for each sheet."""
-    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser, job.stamp, job.unit))
+    return job.sheet_files("svg", lambda sheet: svg(sheet, job.name, job.laser, job.stamp, job.unit, job.layers))
 
 
-def svg(sheet: Sheet, title: str, laser: bool = False, stamp: str = "", unit: LengthUnit = MM) -> bytes:
+def _hexadecimal(rgb: tuple[int, int, int]) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*rgb)
+
+
+def svg(
+    sheet: Sheet,
+    title: str,
+    laser: bool = False,
+    stamp: str = "",
+    unit: LengthUnit = MM,
+    styles: LayerStyles = LayerStyles(),
+) -> bytes:
     """The sheet as an SVG file; y up becomes the format's y down.
 
     Width and height are in the given unit, and coordinates in mm.
 
     The white background is a style of the page and no shape, since every shape is cut. With `laser` the file has the
     colours and strokes of laser cutting programs, and only shapes to cut or engrave.
+    `styles` may give layers other colours.
     """
-    colours = LASER if laser else {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in LAYERS.items()}
+    colours = LASER if laser else {name: _hexadecimal(rgb) for name, (_, rgb) in LAYERS.items()}
+    colours = colours | {name: _hexadecimal(rgb) for name, rgb in styles.colours.items()}
     stroke = HAIRLINE if laser else STROKE
     size = f"{sheet.width:g}", f"{sheet.height:g}"
     lines = [
@@ -71,7 +84,8 @@ def shape_of(shape: Circle | Polyline, height: float, digits: int) -> str:
     bulges = shape.bulges
     if bulges is None:
         return f'<path d="M{" ".join(points)}{"Z" if shape.closed else ""}"'
-    return f'<path d="M{points[0]}{"".join(_arcs(shape, bulges, points[1:] + points[:1], digits))}Z"'
+    ends = points[1:] + points[:1] * shape.closed
+    return f'<path d="M{points[0]}{"".join(_arcs(shape, bulges, ends, digits))}{"Z" if shape.closed else ""}"'
 
 
 def _arcs(shape: Polyline, bulges: Real, ends: list[str], digits: int) -> list[str]:
@@ -104,7 +118,7 @@ CAPITAL = 0.72
 def sheet(job: Job) -> bytes:
     """The dimensioned drawing on paper; the title gives its scale."""
     page = dimensioned_drawing(job)
-    colours = {name: "#{:02x}{:02x}{:02x}".format(*rgb) for name, (_, rgb) in COLOURS.items()}
+    colours = {name: _hexadecimal(rgb) for name, (_, rgb) in COLOURS.items()}
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" {svg_size(page.width, page.height, job.unit)} '

@@ -18,8 +18,8 @@ from ..core.units import marked, mm
 from ..making.bores import (
     AbstractBored,
     BoreForm,
-    Fit,
     bore_form_entry,
+    bore_tolerance,
     clearance,
     fit_entry,
     fits_of,
@@ -29,6 +29,7 @@ from ..making.bores import (
     shaft,
 )
 from ..making.materials import MaterialKey, material_entry
+from ..model.limits import Fit, HoleTolerance
 from ..model.part import HoleFit, Part, Twist
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, rounded_hull
@@ -335,6 +336,7 @@ class AbstractMated(AbstractBored):
     mate_keyway_width: float = keyway_width("the mate's bore")
     mate_keyway_depth: float = keyway_depth("the mate's bore")
     mate_fit: Fit = fit_entry("the mate's bore")
+    mate_bore_tolerance: HoleTolerance = bore_tolerance("the mate's bore")
     rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
 
     def __post_init__(self) -> None:
@@ -353,6 +355,7 @@ class AbstractMated(AbstractBored):
             keyway_width=self.mate_keyway_width,
             keyway_depth=self.mate_keyway_depth,
             fit=self.mate_fit,
+            bore_tolerance=self.mate_bore_tolerance,
             interference=self.interference,
             clearance=self.clearance,
             material=self.material,
@@ -384,7 +387,7 @@ class PairStock(AbstractMated):
     ----------
     thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor, material : opt.
         As of `AbstractBored`: thickness of both sheets, and bore of the gear, mm.
-    mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit : optional
+    mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit, mate_bore_tolerance : optional
         Bore of the mate, mm.
     rim : float, optional
         Width outside the teeth of a ring, mm.
@@ -399,7 +402,7 @@ class LanternStock(AbstractMated):
     ----------
     thickness, bore, bore_form, flat, keyway_width, keyway_depth, fit, interference, clearance, motor, material : opt.
         As of `AbstractBored`: thickness of all sheets, and bore of the discs, mm.
-    mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit : optional
+    mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit, mate_bore_tolerance : optional
         Bore of the wheel, mm.
     rim : float, optional
         Width outside the teeth of a ring, mm.

@@ -400,7 +400,7 @@ def _add_carrier(builder: AssemblyBuilder, count: int, planet: GearStock, layer:
 
 def turns_with_shaft(stock: AbstractBored) -> bool:
     """Whether a wheel is fixed to its shaft, by a press fit, a flat or a key, so that the shaft turns with it."""
-    return stock.fit == "press" or stock.across_flat is not None or bool(stock.keyway[0])
+    return stock.is_pressed or stock.across_flat is not None or bool(stock.keyway[0])
 
 
 def _shafts(count: int, letter: str) -> str:

@@ -218,6 +218,8 @@ def shaft_bill(
         form = f"shaft {mm(stock.bore):g} with two flats {mm(across):g} apart"
     elif across is not None and stock.bore_form != "D":
         form = f"{stock.bore_form} shaft, {mm(across):.4g} between flats, {mm(stock.bore):g} over its corners"
+    if stock.iso_fit.count("/"):
+        form += f" {stock.iso_fit.rpartition('/')[2]}"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:
         motor = face_of(stock.motor)
@@ -468,13 +470,13 @@ class AssemblyBuilder:
 def seated(part: str, letter: str, stock: AbstractBored) -> str:
     """The step that puts a wheel or cam on its shaft; letter: "" if none is engraved."""
     shaft = letter or ("its motor's shaft" if stock.motor else "its shaft")
-    verb, (width, _) = ("press" if stock.fit == "press" else "lay"), stock.keyway
+    verb, (width, _) = ("press" if stock.is_pressed else "lay"), stock.keyway
     if not stock.bore:
         return f"lay {part}"
     if stock.across_flat is not None:
         return f"{verb} {part} on {shaft}, flat on flat"
     if width:
         return f"{verb} {part} on {shaft} with its key (the shaft needs a keyway {mm(width):g} wide)"
-    if stock.fit == "press":
+    if stock.is_pressed:
         return f"press {part} on {shaft}"
     return f"lay {part} on {shaft} (it turns on the shaft unless you glue it)"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from math import cos, pi
 from typing import Any, Literal
 
@@ -10,7 +11,8 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, to_digits
 from ..core.records import record
-from ..core.units import bare_mm, mm
+from ..core.units import INCH, bare_mm, mm
+from ..model.limits import Fit, FitLimits, HoleTolerance, fit_limits
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .materials import MaterialKey, material_entry
@@ -183,7 +185,8 @@ class ParallelKey:
 
     thickest: diameter of the largest shaft for it. width, height: size of its section; its keyways have the same width.
     shaft_depth: depth of the keyway in the shaft. hub_depth: depth of the keyway in the part, beyond the bore along the
-    centre line. lengths: shortest and longest standard length.
+    centre line. lengths: shortest and longest standard length; none if keys are cut from stock. name: of its section in
+    inches; "" of a metric one.
     """
 
     thickest: float
@@ -191,13 +194,16 @@ class ParallelKey:
     height: float
     shaft_depth: float
     hub_depth: float
-    lengths: tuple[float, float]
+    lengths: tuple[float, float] | None
+    name: str = ""
 
     def bill(self, room: float) -> str:
         """The longest standard key for a part of a thickness `room`, mm, or else a piece of key steel."""
+        if self.lengths is None:
+            return f"key steel ASME B17.1 {self.name} in square, cut to {mm(room):g}"
         section = f"{self.width:g} x {self.height:g}"
-        most = min(room, self.lengths[1])
-        fitting = [length for length in LENGTHS if self.lengths[0] <= length <= most]
+        least, most = self.lengths
+        fitting = [length for length in LENGTHS if least <= length <= min(room, most)]
         if not fitting:
             return f"key steel DIN 6880 {section}, cut to {mm(room):g}"
         return f"parallel key DIN 6885-1 A {section} x {fitting[-1]:g}"
@@ -241,11 +247,44 @@ LENGTHS = (
 )  # fmt: skip
 
 
+# Square keys of inch shafts: largest diameter of the shaft and width of the key, in.
+# Source: ASME B17.1-1967, tables 1 and 2; the square keys up to 6 1/2 in. With other numbers no stock fits the keyway.
+INCH_KEYS = (
+    ("7/16", "3/32"), ("9/16", "1/8"), ("7/8", "3/16"), ("5/4", "1/4"), ("11/8", "5/16"), ("7/4", "3/8"),
+    ("9/4", "1/2"), ("11/4", "5/8"), ("13/4", "3/4"), ("15/4", "7/8"), ("9/2", "1"), ("11/2", "1-1/4"),
+    ("13/2", "1-1/2"),
+)  # fmt: skip
+# The thinnest inch shaft with a key, exclusive, and the clearance above a key in the hub, in: of that standard.
+THINNEST_INCH, OVER_KEY = 0.3125, 0.005
+
+
+def _inch_key(shaft: float) -> ParallelKey | None:
+    """The key for a shaft of whole sixteenths of an inch, mm; None for others and for whole millimetres.
+
+    The depths are those of the standard: half of the key below the edges of the keyway in the shaft.
+    """
+    sixteenths = shaft / INCH * 16
+    is_inch = abs(sixteenths - round(sixteenths)) < 1e-6 and abs(shaft - round(shaft)) > 1e-6
+    if not is_inch or shaft <= THINNEST_INCH * INCH:
+        return None
+    for most, name in INCH_KEYS:
+        if shaft <= float(Fraction(most)) * INCH * (1 + 1e-9):
+            width = float(sum(map(Fraction, name.split("-")))) * INCH
+            edge = (shaft - float(np.sqrt(shaft**2 - width**2))) / 2
+            hub = to_digits(width / 2 - edge + OVER_KEY * INCH, 9)
+            thickest = float(Fraction(most)) * INCH
+            return ParallelKey(thickest, to_digits(width, 9), width, to_digits(edge + width / 2, 9), hub, None, name)
+    return None
+
+
 def key_of(shaft: float) -> ParallelKey | None:
     """The key for a shaft of a diameter, mm; None if the standard has none.
 
-    The upper end of a range belongs to it: a shaft of 10 mm has a key 3 mm wide.
+    A shaft of whole sixteenths of an inch, from 3/8 in on, has that of ASME B17.1. The upper end of a range belongs to
+    it: a shaft of 10 mm has a key 3 mm wide.
     """
+    if (inch_key := _inch_key(shaft)) is not None:
+        return inch_key
     if shaft < THINNEST:
         return None
     return next((key for key in PARALLEL_KEYS if shaft <= key.thickest), None)
@@ -261,16 +300,17 @@ MOTOR_FLATS = {3.0: 2.5, 4.0: 3.5, 5.0: 4.5, 6.0: 5.5, 8.0: 7.5}
 SAME_SHAFT = 0.002
 SHAFTS = ", ".join(f"{flat:g} for {shaft:g}" for shaft, flat in MOTOR_FLATS.items())
 BoreForm = Literal["round", "D", "double-D", "square", "hexagonal", "keyed"]
+# Fits by the clearance or the interference of a stock, not by ISO 286.
+FITS_BY_PLAY = ("running", "press")
 # Number of flats of forms with flats.
 FLATS: dict[str, Literal[1, 2, 4, 6]] = {"D": 1, "double-D": 2, "square": 4, "hexagonal": 6}
-Fit = Literal["running", "press"]
 
 
 def bore_form_entry(bore: str = "the bore") -> Any:
     """The field for the form of a bore; bore: its name in the meaning."""
     meaning = (
         f"form of {bore}: for a round shaft, a shaft with one or two flats, a square or hexagonal one, or with the "
-        "keyway of DIN 6885-1"
+        "keyway of DIN 6885-1 or, in a bore of whole sixteenths of an inch, of ASME B17.1"
     )
     return entry(meaning, default="round")
 
@@ -298,7 +338,17 @@ def keyway_depth(bore: str = "the bore") -> Any:
 
 def fit_entry(bore: str = "the bore") -> Any:
     """The field for the fit of a bore."""
-    return entry(f"{bore} runs on its shaft with the clearance, or is a press fit", default="running")
+    meaning = (
+        f"{bore} runs on its shaft with the clearance, is a press fit with the interference, or has a fit of ISO 286 "
+        'such as "H7/g6"; running, press or a fit'
+    )
+    return entry(meaning, default="running")
+
+
+def bore_tolerance(bore: str = "the bore") -> Any:
+    """The field for the tolerance class of a bore."""
+    meaning = f'tolerance class of {bore} by ISO 286, such as "H7", in place of the clearance'
+    return entry(meaning, default="")
 
 
 def interference() -> Any:
@@ -324,6 +374,7 @@ class AbstractBored:
     keyway_width: float = keyway_width()
     keyway_depth: float = keyway_depth()
     fit: Fit = fit_entry()
+    bore_tolerance: HoleTolerance = bore_tolerance()
     interference: float = interference()
     clearance: float = clearance(0.0)
     motor: MountedMotorKey | None = mounted_motor_entry(
@@ -342,7 +393,24 @@ class AbstractBored:
     @property
     def play(self) -> float:
         """How much wider the bore is drawn than its shaft, mm; usually negative for a press fit."""
+        if self.limits is not None:
+            return self.limits.middle
         return self.clearance if self.fit == "running" else -self.interference
+
+    @property
+    def iso_fit(self) -> str:
+        """Tolerance class of the bore by ISO 286, or those of bore and shaft; "" for none."""
+        return self.bore_tolerance or (self.fit if self.fit not in FITS_BY_PLAY else "")
+
+    @property
+    def limits(self) -> FitLimits | None:
+        """Limits of the bore and its shaft by ISO 286; None without such a fit or a bore."""
+        return fit_limits(self.iso_fit, self.bore) if self.iso_fit and self.bore else None
+
+    @property
+    def is_pressed(self) -> bool:
+        """Whether the bore is pressed on its shaft."""
+        return self.fit == "press" if self.limits is None else self.limits.is_press
 
     @property
     def hole_diameter(self) -> float:
@@ -361,7 +429,11 @@ class AbstractBored:
             return ()
         flat = 0.0 if self.across_flat is None else self.across_flat + self.play
         flats = FLATS.get(self.bore_form, 1)
-        return (HoleFit(self.bore, self.play, flat, self.keyway, flats=flats, is_press=self.fit == "press"),)
+        return (
+            HoleFit(
+                self.bore, self.play, flat, self.keyway, flats=flats, is_press=self.is_pressed, iso_fit=self.iso_fit
+            ),
+        )
 
     @property
     def hole_reach(self) -> float:
@@ -429,7 +501,11 @@ class AbstractBored:
             raise DesignError("bore", problem, remedy, value=inside(boss, 1))
         if self.bore_form in FLATS:
             self._check_flat()
-        if self.fit == "press":
+        if self.bore_tolerance and self.fit != "running":
+            problem = f"found {self.bore_tolerance}, and fit = {self.fit}"
+            raise DesignError("bore_tolerance", problem, "give one of both", "conflict")
+        # Raises DesignError for a size that the standard does not have.
+        if self.limits is None and self.fit == "press":
             self._check_interference()
         if self.bore_form == "keyed" and not self.keyway_width and not self.keyway_depth and not key_of(self.bore):
             thickest = PARALLEL_KEYS[-1].thickest

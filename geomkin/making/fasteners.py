@@ -86,6 +86,7 @@ INCH_LOCK, INCH_PLAIN = "lock nut ASME B18.16.6", "nut ASME B18.6.3"
 # Sizes by diameter, mm: the upper limits of the named standards. ISO 7380-1 and ISO 7040 begin at M3. Inch lock nuts
 # begin at #4; lengths of inch screws are those that shops sell, beyond the longest of ASME B18.3.
 SIZES: dict[float, Size] = {
+    1.6: Size("M1.6", METRIC, CAP, (3.0, 1.6), (3, 16), PLAIN, 3.41, 1.3, 0.35, (4.0, 0.3)),
     2.0: Size("M2", METRIC, CAP, (3.8, 2.0), (3, 20), PLAIN, 4.32, 1.6, 0.4, (5.0, 0.3)),
     2.5: Size("M2.5", METRIC, CAP, (4.5, 2.5), (4, 25), PLAIN, 5.45, 2.0, 0.45, (6.0, 0.5)),
     3.0: Size("M3", METRIC, BUTTON, (5.7, 1.65), (6, 30), LOCK, 6.01, 4.5, 0.5, (7.0, 0.5)),

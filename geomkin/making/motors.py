@@ -220,6 +220,7 @@ class MotorScrew:
 
 # Sources: ISO 273 and ISO 7046.
 MOTOR_SCREWS = {
+    1.6: MotorScrew(1.8, (1.0, 3, 16)),
     2.0: MotorScrew(2.4, (1.2, 3, 20)),
     2.5: MotorScrew(2.9, (1.5, 3, 25)),
     3.0: MotorScrew(3.4, (1.65, 4, 30)),

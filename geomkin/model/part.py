@@ -17,6 +17,7 @@ from ..core.units import as_sentences
 from ..plane.curve import AbstractCurve
 from ..plane.measure import AreaMoments, area_moments
 from ..plane.vec import Pose, dot
+from .limits import FitLimits, IsoFit, fit_limits
 from .material import Mass, Material
 
 
@@ -80,6 +81,8 @@ class HoleFit:
         Of a slot, the distance of the centres of its ends, mm; 0 for a hole.
     is_press : bool, optional
         Whether it is a press fit, as every one with a negative play.
+    iso_fit : str, optional
+        Tolerance class of the hole by ISO 286, such as "H7", or with that of its shaft, as "H7/g6"; "" for none.
     """
 
     diameter: PositiveFloat
@@ -89,6 +92,12 @@ class HoleFit:
     travel: Length = 0.0
     flats: Literal[1, 2, 4, 6] = 1
     is_press: bool = False
+    iso_fit: IsoFit = ""
+
+    @property
+    def limits(self) -> FitLimits | None:
+        """Limits of the hole and its shaft by ISO 286; None without such a fit."""
+        return fit_limits(self.iso_fit, self.diameter) if self.iso_fit else None
 
 
 @record(checked=True, eq=False)

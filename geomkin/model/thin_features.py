@@ -234,12 +234,12 @@ def beam_check(part: Part, kerf: float, tolerance: float) -> Check | None:
     left, allowed = max(found, key=lambda pair: (round((pair[0] - pair[1]) / error), pair))
     return Check(
         f"beam_{part.name}",
-        f"depth of a corner or gap of the {part.name} that the beam does not reach",
+        f"depth of a corner or gap of the {part.name} that the beam or cutter does not reach",
         round(left, 1 - int(np.floor(np.log10(tolerance)))),
         "at most",
         float(rounded_up(allowed, 3)),
         "mm",
-        "cut with a narrower kerf, or make gaps wider and inner corners rounder than half the kerf",
+        "cut with a narrower kerf or cutter, or make gaps wider and inner corners rounder than half of it",
     )
 
 

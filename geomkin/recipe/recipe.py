@@ -19,6 +19,7 @@ from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..core.units import Units, in_sentences
 from ..model.check import Check
+from ..model.corner_relief import relieved
 from ..model.material import Mass
 from ..model.motor import RotatingBody
 from ..model.part import Bought, Part
@@ -157,7 +158,9 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
         """Checks of the mechanism, of the walls of its parts, and of the corners that a cutting beam does not reach."""
         # Parts first, since they may raise an error.
         walls = wall_checks(self.parts, self.files.kerf, self.walls, self.wall_advice)
-        checks = (*self.design_checks, *walls, *beam_checks(self.parts, self.files.kerf, self.files.tolerance))
+        files = self.files
+        cut = [relieved(part, files.cutter) for part in self.parts]
+        checks = (*self.design_checks, *walls, *beam_checks(cut, max(files.kerf, files.cutter), files.tolerance))
         reasons = self.expected_failures
         return tuple(replace(check, expected=reasons.get(check.id, check.expected)) for check in checks)
 

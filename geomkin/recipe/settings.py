@@ -19,6 +19,7 @@ from ..core.fields import (
 )
 from ..core.records import record
 from ..core.units import bare_mm, mm
+from ..export.cut import LayerStyles
 from ..export.formats import DEFAULT_FORMATS, WRITERS
 from ..export.text import Title
 from ..model.check import Check, Suggestion
@@ -101,6 +102,26 @@ class Files:
     sheet: tuple[Side, Side] | None = entry(
         "[width, height] in mm of the sheets that parts are cut from", default=None, units=("mm", "mm")
     )
+    dxf_version: Literal["R2000", "R12"] = entry(
+        "version of the DXF files to cut: R12 has polylines and no unit, for programs that cannot read R2000",
+        default="R2000",
+    )
+    cutter: float = quantity(
+        "diameter of a milling cutter; drawings to cut then have dogbones or T-bones in the corners of bores with "
+        "flats or keyways; 0 for none",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=100,
+    )
+    tab_width: float = quantity(
+        "width of the tabs that hold parts in their sheet; these pieces of the outlines are on layer TAB; 0 for none",
+        "mm",
+        default=0.0,
+        at_least=0,
+        at_most=100,
+    )
+    layers: LayerStyles | None = entry("names and colours of the layers of drawings to cut", default=None)
     title: Title = entry("further entries in the title block of dimensioned drawings", default=Title())
     assembly_at: float | None = quantity(
         "position of the driver in pictures of the assembly: deg, or mm if it slides",

@@ -20,6 +20,7 @@ from ..core.names import PathName, file_name_flaw
 from ..core.progress import report
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, sentences
+from ..export.cut import LayerStyles
 from ..export.formats import format_of
 from ..export.summary import FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
 from ..model.part import Bought, Part
@@ -340,7 +341,7 @@ class Expected:
     def parts(self) -> tuple[ExactPart, ...]:
         """The parts with their exact curves."""
         files = self.recipe.files
-        return tuple(exact_part(part, files.kerf, files.tolerance) for part in self.recipe.parts)
+        return tuple(exact_part(part, files.kerf, files.tolerance, files.cutter) for part in self.recipe.parts)
 
     def named(self, name: str) -> ExactPart:
         """The part of this name, or of this name with the number of a copy."""
@@ -393,7 +394,9 @@ class Content:
 
 
 def _dxf(path: Path, expected: Expected) -> Content:
-    drawing = read_dxf(path, expected.tolerance * FINENESS / 2)
+    files, unit = expected.recipe.files, UNITS[expected.recipe.units]
+    layers = {name: layer for layer, name in (files.layers or LayerStyles()).names.items()}
+    drawing = read_dxf(path, expected.tolerance * FINENESS / 2, unit.mm).with_layers(layers)
     return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
 
 
@@ -432,7 +435,7 @@ def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content
 def _step(path: Path, expected: Expected) -> Content:
     plate = read_step(path, expected.tolerance * FINENESS / 2)
     exact = expected.named(path.stem)
-    found = measure_plate((plate.lower, plate.upper), plate.thickness, exact, expected.tolerance)
+    found = measure_plate((plate.lower, plate.upper), plate.thickness, plate.walls, exact, expected.tolerance)
     return Content([found], plate.stamp)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.records import record
 from ..core.units import mm
+from ..model.corner_relief import relieved
 from ..model.part import Part
 from ..model.thin_features import beam_checks
 from ..plane.region import Edges, containers, is_simple, offset
@@ -366,8 +367,11 @@ def refuse_more(found: int, expected: int, most: tuple[int, int], name: str) -> 
         raise UnreadableError(f"it has {found} {name}, and the recipe {expected}")
 
 
-def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
-    """The exact curves of a part as polygons whose error is a small share of the tolerance, mm."""
+def exact_part(part: Part, kerf: float, tolerance: float, cutter: float = 0.0) -> ExactPart:
+    """The exact curves of a part as polygons whose error is a small share of the tolerance, mm.
+
+    Those of drawings are half a kerf off, and have relief for a cutter of a diameter, mm.
+    """
     error = tolerance * FINENESS / 2
 
     def upright(curve: Outline) -> Outline:
@@ -376,14 +380,17 @@ def exact_part(part: Part, kerf: float, tolerance: float) -> ExactPart:
     outline = upright(outline_of(part.outline, error))
     holes = tuple(upright(outline_of(hole, error)) for hole in part.holes)
     solid = Shape(outline, holes, tuple(outline_of(mark, error) for mark in part.marks))
-    if kerf == 0:
+    if kerf == 0 and cutter == 0:
         return ExactPart(part, solid, solid)
+    cut = relieved(part, cutter)
+    holes = tuple(upright(outline_of(hole, error)) for hole in cut.holes)
     regions = offset([outline.points, *(hole.points[::-1] for hole in holes)], kerf / 2, error)
     grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
     drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), solid.marks) for loops in grown]
     left = "".join(
-        f"a beam {mm(kerf):g} wide leaves {mm(check.value):g} of a corner or gap, and {mm(check.limit):g} are allowed"
-        for check in beam_checks([part], kerf, tolerance)
+        f"a beam or cutter {mm(max(kerf, cutter)):g} wide leaves {mm(check.value):g} of a corner or gap, and "
+        f"{mm(check.limit):g} are allowed"
+        for check in beam_checks([cut], max(kerf, cutter), tolerance)
         if not check.passed
     )
     return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid, left)
@@ -478,12 +485,24 @@ def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution:
     return reduce(larger, distances)
 
 
-def measure_plate(lids: Sequence[Sequence[Outline]], thickness: float, exact: ExactPart, tolerance: float) -> Measured:
-    """A plate by the loops of its faces, as STEP has them, and its thickness, mm."""
+def measure_plate(
+    lids: Sequence[Sequence[Outline]], thickness: float, walls: Real, exact: ExactPart, tolerance: float
+) -> Measured:
+    """A plate by the loops of its faces, as STEP has them, its thickness, mm, and points (n, 3) of its walls, mm."""
     found: list[Measured] = []
-    for loops in lids:
+    for share, loops in enumerate(lids):
         order = sorted(loops, key=lambda loop: -abs(loop.area))
-        found.append(compared(Shape(order[0], tuple(order[1:])), _unmarked(exact.solid), exact.part.name, tolerance))
+        upright = [loop if (loop.area > 0) == (k == 0) else loop.reversed() for k, loop in enumerate(order)]
+        if (plate := as_plate(upright, exact.part, share)) is not None:
+            found.append(compared(plate, _unmarked(exact.solid), exact.part.name, tolerance))
+    if twist := exact.part.twist if len(walls) else None:
+        pose = twist.at(walls[:, 2] / exact.part.thickness)
+        local = (walls[:, 0] + 1j * walls[:, 1] - pose.origin) / pose.direction
+        loops = exact.solid.loops
+        edges = Edges(np.concatenate([loop.starts for loop in loops]), np.concatenate([loop.ends for loop in loops]))
+        distances = edges.nearest(local)[1]
+        worst = int(np.argmax(distances))
+        found.append(replace(found[0], deviation=float(distances[worst]), place=complex(local[worst])))
     return _with(worst_of(found), _thickness_problems(0.0, thickness, exact.part, EVEN))
 
 

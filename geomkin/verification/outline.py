@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -62,6 +63,10 @@ class Outline:
         """Centre of the area, mm."""
         a, b = self.starts - self.points[0], self.ends - self.points[0]
         return complex(self.points[0] + (cross(a, b) * (a + b)).sum() / (3 * cross(a, b).sum()))
+
+    def reversed(self) -> Outline:
+        """The polygon in the opposite direction."""
+        return Outline(self.points[::-1], self.error, self.closed)
 
     def placed(self, turn: complex, shift: complex) -> Outline:
         """The polygon rotated about the origin by a unit complex number, then shifted, mm."""
@@ -187,6 +192,8 @@ LARGEST, MOST_VERTICES = 50_000_000, 500_000
 TOO_MANY = f"it has more than {MOST_VERTICES:,} vertices, those of its arcs as chords included"
 # Largest distance from the origin, mm.
 FARTHEST = 1e9
+# Largest distance between ends of pieces that meet, mm.
+MEETING = 1e-6
 # Layers of lines that are engraved, not cut.
 MARKED = ("ENGRAVE", "LABEL")
 
@@ -211,15 +218,45 @@ class Drawing:
     stamp: str = ""
     problems: tuple[str, ...] = ()
 
-    @property
+    def with_layers(self, layers: Mapping[str, str]) -> Drawing:
+        """The drawing with the operations that names of layers stand for."""
+        lines = tuple(Line(line.outline, layers.get(line.layer, line.layer)) for line in self.lines)
+        return Drawing(lines, self.stamp, self.problems)
+
+    @cached_property
     def cuts(self) -> list[Line]:
-        """Lines that are cut."""
-        return [line for line in self.lines if line.layer not in MARKED]
+        """Lines that are cut, those with tabs whole."""
+        return _joined([line for line in self.lines if line.layer not in MARKED])
 
     @property
     def marks(self) -> list[Line]:
         """Engraved lines that belong to the parts, without the engraved names of parts."""
         return [line for line in self.lines if line.layer == "ENGRAVE"]
+
+
+def _joined(lines: Sequence[Line]) -> list[Line]:
+    """The lines with open ones, which tabs have, joined to closed ones if each begins where one ends."""
+    pieces = [line for line in lines if not line.outline.closed]
+    if not any(line.layer == "TAB" for line in pieces):
+        return list(lines)
+    left, starts = list(range(len(pieces))), np.array([line.outline.points[0] for line in pieces])
+    whole = [line for line in lines if line.outline.closed]
+    while left:
+        chain = [left.pop(0)]
+        is_closed = False
+        while not is_closed:
+            following = [chain[0], *left]
+            gaps = np.abs(starts[following] - pieces[chain[-1]].outline.points[-1])
+            nearest = int(np.argmin(gaps))
+            if gaps[nearest] > MEETING:
+                break
+            is_closed = nearest == 0
+            chain += [] if is_closed else [left.pop(nearest - 1)]
+        layers = {pieces[k].layer for k in chain} - {"TAB"}
+        points = np.concatenate([pieces[k].outline.points[: -1 if is_closed else None] for k in chain])
+        error = max(pieces[k].outline.error for k in chain)
+        whole.append(Line(Outline(points, error, is_closed), layers.pop() if len(layers) == 1 else "TAB"))
+    return whole
 
 
 def collected(lines: Iterable[Line]) -> tuple[Line, ...]:

@@ -21,10 +21,12 @@ from .outline import LARGEST, Drawing, Line, Outline, Pen, UnreadableError, circ
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
 DXF_UNITS = {1: 25.4, 4: 1.0}
+# Version without a unit.
+R12 = "AC1009"
 
 
-def read_dxf(path: Path, error: float) -> Drawing:
-    """The lines of a DXF file, arcs as chords within `error`, mm.
+def read_dxf(path: Path, error: float, unit: float = 1.0) -> Drawing:
+    """The lines of a DXF file, arcs as chords within `error`, mm. unit: of R12, which does not state its own, mm.
 
     UnreadableError if it is no DXF file, or has too many vertices.
     """
@@ -37,9 +39,10 @@ def read_dxf(path: Path, error: float) -> Drawing:
         # The library lets many kinds of error through when a file is damaged.
         raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
     problems: list[str] = []
-    if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
-        problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
-    unit = DXF_UNITS.get(units, 1.0)
+    if document.dxfversion != R12:
+        if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
+            problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
+        unit = DXF_UNITS.get(units, 1.0)
     lines = collected(_dxf_lines(entities, error, problems, unit))
     problems += _wrong_extents(document, lines, error, unit)
     return Drawing(lines, document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
@@ -51,6 +54,10 @@ def _dxf_lines(entities: list[Any], error: float, problems: list[str], unit: flo
         kind, layer = entity.dxftype(), entity.dxf.layer
         if kind == "CIRCLE":
             yield Line(circle(unit * _point(entity.dxf.center), unit * float(entity.dxf.radius), error), layer)
+        elif kind == "POLYLINE" and entity.is_2d_polyline:
+            places: Complex = np.array([_point(vertex.dxf.location) for vertex in entity.vertices], dtype=complex)
+            bulges = [float(vertex.dxf.bulge) for vertex in entity.vertices]
+            yield Line(polyline(unit * places, bulges, bool(entity.is_closed), error), layer)
         elif kind != "LWPOLYLINE":
             problems.append(f"it has {with_article(kind)} on layer {layer}, which is not a closed polyline or circle")
         elif len(entity) < 2:
@@ -82,7 +89,7 @@ TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+
 COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "a": 7, "c": 6, "z": 0}
 # Operations by stroke colour, as laser cutting programs have them, for lines without a class.
 COLOURS = {"#ff0000": "CUT", "#0000ff": "ENGRAVE"}
-LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH")
+LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH", "TAB")
 # Chords of a cubic curve, which editors write in place of arcs.
 CHORDS = np.arange(1, 257) / 256
 UNIT = re.compile(r"[\d.]+(?:mm|in)")
@@ -332,11 +339,15 @@ SAME = 1e-5
 
 @record(eq=False)
 class StepPlate:
-    """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm."""
+    """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm.
+
+    walls: points (n, 3) of the B-spline surfaces between them, mm.
+    """
 
     lower: tuple[Outline, ...]
     upper: tuple[Outline, ...]
     thickness: float
+    walls: Real
     stamp: str = ""
 
 
@@ -384,14 +395,19 @@ def _plate(file: _File, error: float) -> StepPlate:
     if len(units) != 1 or "SI_UNIT(.MILLI.,.METRE.)" not in units[0]:
         raise UnreadableError("its unit of length is not the millimetre")
     lids: list[tuple[float, tuple[Outline, ...]]] = []
+    walls: list[Real] = []
     shells = [text for kind, text in file.entities.values() if kind == "CLOSED_SHELL"]
     if len(shells) != 1:
         raise UnreadableError(f"it has {len(shells)} shells, not one")
     for face in REFERENCE.findall(shells[0]):
         *bounds, surface = file.of(face, "ADVANCED_FACE")[1]
-        kind, (place, *_), _ = file.of(surface, "PLANE", "CYLINDRICAL_SURFACE")
+        kind, (place, *_), _ = file.of(surface, *SURFACES)
+        if kind == "B_SPLINE_SURFACE_WITH_KNOTS":
+            walls.append(_surface_points(file, surface))
+        if kind != "PLANE":
+            continue
         _, height, axis = file.placement(place)
-        if kind == "PLANE" and abs(axis) > 0.5:
+        if abs(axis) > 0.5:
             lids.append((height, tuple(_loop(file, bound, height, error) for bound in bounds)))
     if len(lids) != 2:
         raise UnreadableError(f"it has {len(lids)} level faces, not two")
@@ -399,7 +415,8 @@ def _plate(file: _File, error: float) -> StepPlate:
     if abs(low) > SAME:
         raise UnreadableError(f"its lower face is at z = {low:g}, not 0")
     stamp = re.search(r"FILE_DESCRIPTION\(\('([^']*)'", file.header)
-    return StepPlate(lower, upper, high, stamp.group(1) if stamp else "")
+    points = np.concatenate([np.zeros((0, 3)), *walls])
+    return StepPlate(lower, upper, high, points, stamp.group(1) if stamp else "")
 
 
 def _loop(file: _File, bound: str, height: float, error: float) -> Outline:
@@ -414,16 +431,85 @@ def _loop(file: _File, bound: str, height: float, error: float) -> Outline:
         if any(abs(z - height) > SAME for _, z in ends):
             raise UnreadableError("an edge of a level face leaves its plane")
         (start, _), (end, _) = ends
-        bulge = _step_bulge(file, curve, start, end)
-        if not text.rstrip().endswith(".T."):
+        is_forward = text.rstrip().endswith(".T.")
+        spline = _curve_points(file, curve, error) if file.entities.get(curve, ("",))[0] == SPLINE else None
+        bulge = 0.0 if spline is not None else _step_bulge(file, curve, start, end)
+        if spline is not None and max(abs(spline[0] - start), abs(spline[-1] - end)) > SAME:
+            raise UnreadableError("a B-spline does not begin or end at its edge")
+        if not is_forward:
             start, end, bulge = end, start, -bulge
         if last is not None and abs(start - last) > SAME:
             raise UnreadableError("two edges that follow each other do not meet")
         first, last = start if first is None else first, end
-        pen.edge(start, end, bulge)
+        if spline is not None:
+            pen.add(spline[:-1] if is_forward else spline[:0:-1])
+        else:
+            pen.edge(start, end, bulge)
     if first is None or last is None or abs(first - last) > SAME:
         raise UnreadableError("a loop is not closed")
     return pen.outline(closed=True)
+
+
+SPLINE = "B_SPLINE_CURVE_WITH_KNOTS"
+SURFACES = ("PLANE", "CYLINDRICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION", "B_SPLINE_SURFACE_WITH_KNOTS")
+# Points between two knots of a surface.
+GRID = 5
+
+
+def _lists(text: str) -> list[str]:
+    """The lists of an entity that contain no other list, without their parentheses."""
+    return re.findall(r"\(([^()]*)\)", text)
+
+
+def _knot_row(counts: str, values: str) -> Real:
+    """Knots, each as often as its multiplicity."""
+    return np.repeat(_numbers(values), [int(count) for count in counts.split(",")])
+
+
+def _evaluated(knots: Real, controls: Any, t: Real) -> Any:
+    """Points of a cubic B-spline at parameters, along the first axis of its control points, by de Boor's algorithm."""
+    k = np.clip(np.searchsorted(knots, t, side="right") - 1, 3, len(controls) - 1)
+    corners = [controls[k - 3 + j] for j in range(4)]
+    for r in range(1, 4):
+        for j in range(3, r - 1, -1):
+            low, high = knots[k - 3 + j], knots[k + 1 + j - r]
+            share = ((t - low) / (high - low)).reshape(-1, *[1] * (controls.ndim - 1))
+            corners[j] = (1 - share) * corners[j - 1] + share * corners[j]
+    return corners[3]
+
+
+def _between(knots: Real, count: int) -> Real:
+    """Parameters in equal steps between the knots, so many from one to the next, with the last one."""
+    distinct = np.unique(knots)
+    inner = distinct[:-1, None] + np.diff(distinct)[:, None] * np.arange(count) / count
+    return np.append(inner.ravel(), distinct[-1])
+
+
+def _curve_points(file: _File, curve: str, error: float) -> Complex:
+    """Points of a cubic B-spline, its chords within `error`, mm."""
+    _, references, text = file.of(curve, SPLINE)
+    _, counts, values = _lists(text)
+    if text.partition(",")[2].partition(",")[0] != "3":
+        raise UnreadableError("a B-spline is not cubic")
+    knots, controls = _knot_row(counts, values), np.array([file.point(number)[0] for number in references])
+    for count in (2, 4, 8, 16, 32, 64, 128, 256, 512, 1024):
+        points: Complex = _evaluated(knots, controls, _between(knots, 2 * count))
+        chords = (points[:-2:2] + points[2::2]) / 2
+        if np.abs(points[1::2] - chords).max() < error:
+            break
+    return points
+
+
+def _surface_points(file: _File, surface: str) -> Real:
+    """Points of a bicubic B-spline surface, mm."""
+    _, references, text = file.of(surface, SURFACES[-1])
+    *rows, first_counts, second_counts, first, second = _lists(text)
+    points = [file.point(number) for number in references]
+    net = np.array([(z.real, z.imag, height) for z, height in points]).reshape(len(rows), -1, 3)
+    along, up = (_knot_row(*pair) for pair in ((first_counts, first), (second_counts, second)))
+    lines = _evaluated(along, net, _between(along, GRID)).swapaxes(0, 1)
+    found: Real = _evaluated(up, lines, _between(up, GRID)).reshape(-1, 3)
+    return found
 
 
 def _step_bulge(file: _File, curve: str, start: complex, end: complex) -> float:

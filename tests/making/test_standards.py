@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.making.bores import LENGTHS as KEY_LENGTHS
-from geomkin.making.bores import PARALLEL_KEYS
+from geomkin.making.bores import PARALLEL_KEYS, key_of
 from geomkin.making.fasteners import LENGTHS, SIZES
 from geomkin.recipe.load import to_toml
 
@@ -37,6 +37,7 @@ KEYS = """
 # Thread, its pitch, the head's diameter and height (ISO 7380-1, below M3 ISO 4762), lengths from and to, the nut's
 # corners and height (ISO 7040, below M3 ISO 4032), the washer's outer diameter and thickness (ISO 7089).
 SCREWS = """
+1.6 0.35  3.0 1.60  3 16  3.41 1.3  4 0.3
 2.0 0.40  3.8 2.00  3 20  4.32 1.6  5 0.3
 2.5 0.45  4.5 2.50  4 25  5.45 2.0  6 0.5
 3.0 0.50  5.7 1.65  6 30  6.01 4.5  7 0.5
@@ -60,6 +61,40 @@ def test_keys_are_those_of_the_standard():
     ]  # fmt: skip
     assert found == rows(KEYS)
     assert [list(KEY_LENGTHS)] == rows(OF_KEYS.replace("\n", " "))
+
+
+# ASME B17.1, table 2: shaft, width of the square key, and the distances S and T from the bottom of the keyway in shaft and
+# hub to the opposite side, in.
+INCH_KEYS = """
+0.5    0.125   0.430 0.560
+0.625  0.1875  0.517 0.709
+0.75   0.1875  0.644 0.837
+1.0    0.25    0.859 1.114
+1.25   0.25    1.112 1.367
+1.5    0.375   1.289 1.669
+2.0    0.5     1.718 2.223
+2.5    0.625   2.148 2.778
+3.0    0.75    2.577 3.332
+4.0    1.0     3.437 4.442
+"""
+
+
+def test_keys_of_inch_shafts_are_those_of_the_standard():
+    for shaft, width, across_shaft, across_hub in rows(INCH_KEYS):
+        key = key_of(25.4 * shaft)
+        assert key.width == pytest.approx(25.4 * width) and key.height == pytest.approx(key.width)
+        assert shaft - key.shaft_depth / 25.4 == pytest.approx(across_shaft, abs=6e-4)
+        assert shaft + key.hub_depth / 25.4 == pytest.approx(across_hub, abs=6e-4)
+    # Metric shafts, and inch shafts below the range, have metric keys.
+    assert [key_of(shaft).width for shaft in (12.0, 127.0, 7.9375)] == [4, 32, 2]
+
+
+def test_inch_gear_is_keyed_and_billed_by_the_inch_standard():
+    gear = {"kind": "spur-gear", "units": "in", "gear": {"teeth": 24, "module": 0.1}}
+    recipe = gk.load({**gear, "stock": {"bore": 0.5, "bore_form": "keyed", "thickness": 0.25}})
+    assert recipe.stock.keyway == pytest.approx((3.175, 25.4 * (0.560 - 0.5)), abs=0.02)
+    (key,) = (item.name for item in recipe.bought if "B17.1" in item.name)
+    assert "1/8 in" in key and gk.load(to_toml(recipe)).stock == recipe.stock
 
 
 def test_screws_nuts_and_washers_are_those_of_the_standards():

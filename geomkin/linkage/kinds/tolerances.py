@@ -60,7 +60,7 @@ class TolerancesTable:
         "tolerances of single lengths in place of that, such as crank = 0.05", default_factory=dict, units=("mm",)
     )
     clearance: float | None = quantity(
-        "by how much the holes are wider than their pins; by default the clearance of the stock",
+        "by how much the holes are wider than their pins; by default the stock's clearance, or the largest by pin_fit",
         "mm",
         default=None,
         at_least=0,
@@ -112,12 +112,12 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
 
     def check(self) -> None:
         made = self.mechanism
-        self.given.analysis(made.moved(made.input_range.frames[:1]), made.stock.clearance)
+        self.given.analysis(made.moved(made.input_range.frames[:1]), made.stock.largest_clearance)
 
     @cached_property
     def analysis(self) -> ToleranceAnalysis:
         """The analysis of the motion."""
-        return self.given.analysis(self.mechanism.motion, self.mechanism.stock.clearance)
+        return self.given.analysis(self.mechanism.motion, self.mechanism.stock.largest_clearance)
 
     @cached_property
     def unit(self) -> str:

@@ -254,7 +254,8 @@ class LinkPlate:
             else:
                 holes.append(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius))
                 hole_letters.append(letter)
-                fits.append(HoleFit(stock.pin_diameter, stock.clearance, travel=abs(ends[-1] - ends[0])))
+                travel = abs(ends[-1] - ends[0])
+                fits.append(HoleFit(stock.pin_diameter, stock.clearance, travel=travel, iso_fit=stock.pin_fit))
         outline, hole_names = (
             rounded_hull(self.centres, stock.bar_width / 2),
             tuple(hole_letters) if any(hole_letters) else (),

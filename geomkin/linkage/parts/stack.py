@@ -511,7 +511,7 @@ def _motor_bill(stock: LinkStock, length: float, is_open: bool) -> Bill:
     """The motor, with its shaft through plates of a total length, mm; cut to length if anything passes over it."""
     assert stock.shaft is not None
     packing = stock.motor_plates * stock.thickness
-    glue = () if stock.shaft.fit == "press" else glue_bill(1)
+    glue = () if stock.shaft.is_pressed else glue_bill(1)
     return *shaft_bill(stock.shaft, length + packing, base=stock.thickness + packing, is_cut=not is_open), *glue
 
 

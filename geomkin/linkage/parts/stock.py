@@ -7,14 +7,15 @@ from math import ceil
 from typing import Literal
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, check_sizes, entry, quantity
 from ...core.records import record
 from ...core.units import mm
-from ...making.bores import AbstractBored, Fit, fit_entry, interference
+from ...making.bores import AbstractBored, fit_entry, interference
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
 from ...making.materials import MaterialKey, material_entry
 from ...making.motors import MountedMotorKey, face_of, mounted_motor_entry
+from ...model.limits import Fit, IsoFit, fit_limits
 
 # Largest number of plates between a motor and the ground. More would use up the length of most shafts.
 MOST_MOTOR_PLATES = 3
@@ -36,6 +37,10 @@ class LinkStock:
         'diameter of the pins, or their thread, as "#6-32"', "mm", default=4.0, at_least=1e-12, at_most=FARTHEST
     )
     clearance: float = wider(0.2)
+    pin_fit: IsoFit = entry(
+        'fit of the pins in their holes by ISO 286, such as "H7/g6", in place of the clearance',
+        default="",
+    )
     fastener: Literal["screw", "rod"] | None = entry(
         "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter",
         default=None,
@@ -53,6 +58,12 @@ class LinkStock:
     material: MaterialKey | None = material_entry("the sheet")
 
     def __post_init__(self) -> None:
+        if self.pin_fit:
+            try:
+                object.__setattr__(self, "clearance", fit_limits(self.pin_fit, self.pin_diameter).middle)
+            except DesignError as error:
+                raise error.named("pin_fit") from None
+            check_sizes(self)
         # Raises DesignError if no such screw exists.
         _ = self.fastener_used
         self._check_motor()
@@ -72,6 +83,11 @@ class LinkStock:
     def hole_diameter(self) -> float:
         """Diameter of a pin hole, mm."""
         return self.pin_diameter + self.clearance
+
+    @property
+    def largest_clearance(self) -> float:
+        """Largest clearance of a pin in its hole, mm: by the limits of its fit, or the clearance."""
+        return fit_limits(self.pin_fit, self.pin_diameter).largest_clearance if self.pin_fit else self.clearance
 
     @property
     def shaft(self) -> AbstractBored | None:
