@@ -132,9 +132,11 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
         if as_json:
             print_json(certificate.to_dict())
             continue
-        measured = [file for file in certificate.files if file.measured]
+        measured = sum(file.proof == "measured" for file in certificate.files)
+        again = sum(file.proof == "made again" for file in certificate.files)
+        proofs = f"{again} files made again" + f", {measured} measured" * (measured > 0)
         verdict = "as designed" if certificate.passed else "NOT as designed"
-        click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
+        click.echo(f"{printable(certificate.folder)}: {proofs}, {verdict}")
         problems = [f"{file.file}: {problem}" for file in certificate.files for problem in file.problems]
         for problem in [*certificate.problems, *problems]:
             click.secho(f"  {harmless(certificate.unit.text(problem))}", fg="yellow")

@@ -217,8 +217,8 @@ class Drawing:
 
     @property
     def marks(self) -> list[Line]:
-        """Engraved lines that belong to the parts, without the engraved names of parts."""
-        return [line for line in self.lines if line.layer == "ENGRAVE"]
+        """Engraved lines, the names of parts among them."""
+        return [line for line in self.lines if line.layer in MARKED]
 
 
 def collected(lines: Iterable[Line]) -> tuple[Line, ...]:

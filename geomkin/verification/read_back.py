@@ -1,9 +1,8 @@
-"""Files read back: DXF by ezdxf, STL and GLB by trimesh, SVG, 3MF and the plates of STEP by the standard library."""
+"""Files read back: DXF by ezdxf, STL by trimesh, SVG, 3MF and the plates of STEP by the standard library."""
 
 from __future__ import annotations
 
 import re
-import zipfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,11 +11,12 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ..core.errors import DesignError, with_article
+from ..core.errors import DesignError, printable, with_article
 from ..core.records import record
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex
 from ..synthesis.path.svg_drawings import AffineMap, tag_of, transform_of, tree_of, view_of
 from .comparison import Mesh, merged
+from .made_again import members, repacked
 from .outline import LARGEST, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
@@ -52,7 +52,7 @@ def _dxf_lines(entities: list[Any], error: float, problems: list[str], unit: flo
         if kind == "CIRCLE":
             yield Line(circle(unit * _point(entity.dxf.center), unit * float(entity.dxf.radius), error), layer)
         elif kind != "LWPOLYLINE":
-            problems.append(f"it has {with_article(kind)} on layer {layer}, which is not a closed polyline or circle")
+            problems.append(f"it has {with_article(kind)} on layer {layer}, which geomkin does not write")
         elif len(entity) < 2:
             problems.append(f"a polyline on layer {layer} has fewer than two vertices")
         else:
@@ -104,8 +104,20 @@ def read_svg(path: Path, error: float) -> Drawing:
         for name in ("width", "height")
         if not UNIT.fullmatch(root.get(name, ""))
     ]
+    if outside := sum(_is_outside(line.outline.points, root, view) for line in lines):
+        problems.append(f"{outside} lines are not on the sheet")
     stamps = [element.text or "" for element in root if tag_of(element) == "desc"]
     return Drawing(lines, stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"]))
+
+
+def _is_outside(points: Complex, root: Element, view: AffineMap) -> bool:
+    """Whether points, mm, y up, are outside the view box of a drawing that has one."""
+    if "viewBox" not in root.attrib:
+        return False
+    x, y, wide, high = map(float, root.get("viewBox", "").replace(",", " ").split())
+    low, high_end = np.conj(view.place(np.array([complex(x, y), complex(x + wide, y + high)])))
+    across, up = (points.real, low.real, high_end.real), (points.imag, high_end.imag, low.imag)
+    return any(bool((values < least).any() or (values > most).any()) for values, least, most in (across, up))
 
 
 def _svg_lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
@@ -228,8 +240,8 @@ def _svg_bulge(here: complex, end: complex, radius: float, large: bool, sweep: b
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MODEL = "3D/3dmodel.model"
-# Largest relative distortion of the edges of a mesh by its transform in an assembly.
-RIGID = 1e-6
+# Largest relative distortion of the edges of a mesh by its transform, and the transform of an item that has none.
+RIGID, UNMOVED = 1e-6, "1 0 0 0 1 0 0 0 1 0 0 0"
 # Lengths of the units of 3MF that are written, mm.
 PACKAGE_UNITS = {"millimeter": 1.0, "inch": 25.4}
 
@@ -249,19 +261,6 @@ def read_stl(path: Path) -> tuple[list[Mesh], list[str], str]:
     return [Mesh(path.stem, corners, faces)], problems, stamp
 
 
-def read_glb(path: Path) -> tuple[list[Mesh], list[str], str]:
-    """The meshes of a GLB file in their own frames, problems of the file, and its stamp."""
-    scene: Any = _loaded(path)
-    meshes, problems = [], []
-    for node in scene.graph.nodes_geometry:
-        placed, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        corners, faces = merged(np.asarray(mesh.vertices, dtype=float)[np.asarray(mesh.faces)])
-        meshes.append(Mesh(str(name), corners, faces))
-        problems += _not_rigid(1e3 * np.asarray(placed, dtype=float)[:3, :3], str(node))
-    return meshes, problems, str((scene.metadata or {}).get("stamp", ""))
-
-
 def _loaded(path: Path) -> Any:
     import trimesh
 
@@ -276,40 +275,39 @@ def _loaded(path: Path) -> Any:
     return loaded
 
 
-def _not_rigid(matrix: Real, name: str) -> list[str]:
-    turned = np.abs(matrix @ matrix.T - np.eye(3)).max() < RIGID and np.linalg.det(matrix) > 0
-    return [] if turned else [f"{name} is distorted or mirrored by its transform"]
+def read_3mf(path: Path) -> tuple[dict[str, Mesh], list[tuple[str, tuple[complex, complex]]], list[str], str]:
+    """The meshes of a 3MF package by number, the numbers and places of those built, problems, and the stamp.
 
-
-def read_3mf(path: Path) -> tuple[list[Mesh], dict[str, int], list[str], str]:
-    """The meshes of a 3MF package, how many times each is built, problems of the file, and its stamp."""
+    A place is a rotation, unit complex, and a shift, mm.
+    """
+    content = _content(path)
+    text = dict(members(content)).get(MODEL, "")
+    problems = [] if repacked(content) == content else ["its package is not as geomkin writes it"]
+    if "<!" in text:
+        raise UnreadableError("its model has a declaration")
     try:
-        with zipfile.ZipFile(path) as package:
-            inside = package.getinfo(MODEL)
-            # Before it is unpacked: a small package may hold a very large text.
-            if inside.file_size > LARGEST:
-                raise UnreadableError(f"its model has more than {LARGEST:,} bytes")
-            text = package.read(MODEL)
-        if b"<!" in text:
-            raise UnreadableError("its model has a declaration")
         root = ElementTree.fromstring(text)
         unit = root.get("unit", "millimeter")
         length = PACKAGE_UNITS.get(unit, 1.0)
         meshes = {item.get("id", ""): mesh for item in root.iter(f"{CORE}object") if (mesh := _mesh(item, length))}
-    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile, ElementTree.ParseError) as fault:
+        items = [item for item in root.iter(f"{CORE}item") if item.get("objectid") in meshes]
+        moves = [[float(number) for number in item.get("transform", UNMOVED).split()] for item in items]
+        matrices = [np.array(numbers).reshape(4, 3) for numbers in moves]
+    except (ValueError, TypeError, ElementTree.ParseError) as fault:
         raise UnreadableError(f"it is not a 3MF package ({type(fault).__name__})") from None
-    problems = [] if unit in PACKAGE_UNITS else [f"its unit is {unit}, not {' or '.join(PACKAGE_UNITS)}"]
-    counts: dict[str, int] = {}
-    placed = [*root.iter(f"{CORE}component"), *root.iter(f"{CORE}item")]
-    for item in (item for item in placed if item.get("objectid") in meshes):
-        name = meshes[item.get("objectid", "")].name
-        counts[name] = counts.get(name, 0) + 1
-        numbers = [float(number) for number in item.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
-        if len(numbers) != 12:
-            raise UnreadableError("a transform has not 12 numbers")
-        problems += _not_rigid(np.array(numbers).reshape(4, 3)[:3], name)
+    if unit not in PACKAGE_UNITS:
+        problems.append(f"its unit is {unit}, not {' or '.join(PACKAGE_UNITS)}")
+    places: list[tuple[str, tuple[complex, complex]]] = []
+    for item, matrix in zip(items, matrices):
+        number = item.get("objectid", "")
+        turn, shift = complex(*matrix[0, :2]), length * complex(*matrix[3, :2])
+        flat = np.array([[turn.real, turn.imag, 0], [-turn.imag, turn.real, 0], [0, 0, 1]])
+        is_flat = np.abs(matrix[:3] - flat).max() < RIGID and abs(abs(turn) - 1) < RIGID and abs(matrix[3, 2]) < RIGID
+        if not (is_flat and np.isfinite(matrix).all()):
+            problems.append(f"{printable(meshes[number].name, 60)} is distorted, mirrored or off the bed")
+        places.append((number, (turn, shift)))
     stamps = [item.text or "" for item in root.iter(f"{CORE}metadata") if item.get("name") == "Description"]
-    return list(meshes.values()), counts, problems, stamps[0] if stamps else ""
+    return meshes, places, problems, stamps[0] if stamps else ""
 
 
 def _mesh(item: ElementTree.Element, unit: float) -> Mesh | None:
