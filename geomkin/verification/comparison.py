@@ -9,6 +9,7 @@ from math import nan
 
 import numpy as np
 
+from ..core.errors import printable
 from ..core.records import record
 from ..export.lettering import lettered
 from ..model.part import Part
@@ -422,7 +423,10 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
             measured.append(Measured("", place=complex(outlines[0].points[0]), problems=("a line encloses no area",)))
             continue
         plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
-        result = _best_part(plate, parts, tolerance)
+        name = cuts[loops[0]].group.rpartition("-")[0]
+        result = _best_part(plate, parts, tolerance, name)
+        if name != result.part and name in (part.part.name for part in parts):
+            problems.append(f"it is in the group of {printable(name, 60)}")
         exact = next(exact for exact in parts if exact.part.name == result.part)
         layers = {cuts[loops[0]].layer} - {exact.part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
         problems += [f"it is on layer {layer}" for layer in sorted(layers)]
@@ -430,10 +434,14 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
     return measured
 
 
-def _best_part(plate: Shape, parts: Sequence[ExactPart], tolerance: float) -> Measured:
-    """A plate of a drawing compared with the first part that it fits, or with the one that it fits best."""
+def _best_part(plate: Shape, parts: Sequence[ExactPart], tolerance: float, name: str) -> Measured:
+    """A plate of a drawing compared with the first part that it fits, or with the one that it fits best.
+
+    name: of the part that is tried first, if one of this name could be it.
+    """
     tried: list[Measured] = []
-    for k in candidates(plate, [part.drawn for part in parts], tolerance):
+    order = candidates(plate, [part.drawn for part in parts], tolerance)
+    for k in sorted(order, key=lambda k: parts[k].part.name != name):
         tried.append(_measured(plate, parts[k].drawn, parts[k].part.name, tolerance))
         if not tried[-1].problems and tried[-1].deviation <= tolerance:
             break

@@ -196,10 +196,11 @@ class UnreadableError(Exception):
 
 @record(eq=False)
 class Line:
-    """A line of a drawing as a polygon, mm, with the operation that its layer stands for."""
+    """A line of a drawing as a polygon, mm, with the operation that its layer stands for, and the name of its group."""
 
     outline: Outline
     layer: str
+    group: str = ""
 
 
 @record(eq=False)

@@ -30,18 +30,20 @@ def read_dxf(path: Path, error: float) -> Drawing:
     """
     from ezdxf.filemanagement import readfile
 
+    problems: list[str] = []
     try:
         document = readfile(path)
         entities: list[Any] = list(document.modelspace())
+        if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
+            problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
+        unit = DXF_UNITS.get(units, 1.0)
+        lines = collected(_dxf_lines(entities, error, problems, unit))
+        problems += _wrong_extents(document, lines, error, unit)
+    except UnreadableError:
+        raise
     except Exception as fault:
         # The library lets many kinds of error through when a file is damaged.
         raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
-    problems: list[str] = []
-    if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
-        problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
-    unit = DXF_UNITS.get(units, 1.0)
-    lines = collected(_dxf_lines(entities, error, problems, unit))
-    problems += _wrong_extents(document, lines, error, unit)
     return Drawing(lines, document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
 
 
@@ -94,7 +96,7 @@ def read_svg(path: Path, error: float) -> Drawing:
     try:
         root = tree_of(content.decode("utf-8"))
         view = view_of(root)
-        lines = collected(_svg_lines(root, view, "", error, 0))
+        lines = collected(_svg_lines(root, view, ("", ""), error, 0))
     except UnicodeDecodeError:
         raise UnreadableError("it is not UTF-8 text") from None
     except DesignError as refusal:
@@ -120,22 +122,22 @@ def _is_outside(points: Complex, root: Element, view: AffineMap) -> bool:
     return any(bool((values < least).any() or (values > most).any()) for values, least, most in (across, up))
 
 
-def _svg_lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
-    """The lines of an element and of those inside it."""
+def _svg_lines(element: Element, view: AffineMap, above: tuple[str, str], error: float, depth: int) -> Iterator[Line]:
+    """The lines of an element and of those inside it; above: layer and name of the group that it is in."""
     if depth > 100:
         raise UnreadableError("its elements are nested more than 100 deep")
     if "transform" in element.attrib:
         view = view.after(transform_of(element.get("transform", "")))
-    layer = _layer(element) or layer
     tag = tag_of(element)
+    layer, group = _layer(element) or above[0], element.get("id", "") if tag == "g" else above[1]
     if tag == "path":
         for outline in subpaths(element.get("d", ""), error):
-            yield Line(_placed(outline, view), layer or "CUT")
+            yield Line(_placed(outline, view), layer or "CUT", group)
     elif tag == "circle":
         centre = complex(_number(element, "cx"), _number(element, "cy"))
-        yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT")
+        yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT", group)
     for child in element:
-        yield from _svg_lines(child, view, layer, error, depth + 1)
+        yield from _svg_lines(child, view, (layer, group), error, depth + 1)
 
 
 def _layer(element: Element) -> str:
