@@ -54,7 +54,7 @@ def _formats(context: click.Context, parameter: click.Parameter, value: str | No
     "--verify",
     "verified",
     is_flag=True,
-    help="Afterwards read the files back and measure them, as `geomkin verify` does.",
+    help="Afterwards compare the files with those made again, as `geomkin verify` does.",
 )
 @strict_option
 @json_option
@@ -100,11 +100,11 @@ def _refuse_twins(files: list[Path]) -> None:
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @json_option
 def verify_command(folders: tuple[Path, ...], as_json: bool) -> None:
-    """Measure the files in FOLDERS against their recipes.
+    """Certify the files in FOLDERS.
 
-    Reads every file back and compares it with the exact curves of its recipe. A folder is that of one recipe, or
-    contains such folders. Writes verify.json and verify.html into the folder of each recipe. The exit status is 1 if a
-    file is not as designed.
+    Makes each recipe again, compares its files with the result, and measures those that differ against the exact
+    curves. A folder is that of one recipe, or contains such folders. Writes verify.json and verify.html into the
+    folder of each recipe. The exit status is 1 if a file is not as designed.
     """
     if not all(_verified(folders, as_json)):
         sys.exit(1)

@@ -229,7 +229,7 @@ def _certificate(folder: Path) -> Certificate:
     try:
         recipe = _recipe(folder, summary, data)
         formats = {format_of("x" + file.removeprefix(name)) for file in listed if not file.endswith(FOUND)}
-        expected = Expected(recipe, computed(recipe, sorted(formats) or None)[1], hashed)  # type: ignore[arg-type]
+        expected = Expected(recipe, computed(recipe, sorted(formats) or None)[1], hashed)
     except GeomkinError as error:
         problem = f"the recipe in {NAME} cannot be made again: {harmless(error)}"
         return Certificate(folder, harmless(name), harmless(kind), hashed, nan, nan, (), (problem,))

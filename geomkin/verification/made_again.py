@@ -59,11 +59,11 @@ def difference(found: bytes, expected: bytes, kind: str, measured: bool = False)
         return Difference()
     if kind in ("csv", "bom"):
         return _cells_apart(read_cells(found), read_cells(expected))
-    texts, arrays = zip(*(_content(content, kind) for content in (found, expected)))
+    (here, numbers), (there, wanted) = _content(found, kind), _content(expected, kind)
     if measured:
-        return _texts_apart(*(without_geometry(text, kind) for text in texts), kind)
-    apart = _texts_apart(*texts, kind)
-    if not apart.problems and not _close_arrays(*arrays, kind):
+        return _texts_apart(without_geometry(here, kind), without_geometry(there, kind), kind)
+    apart = _texts_apart(here, there, kind)
+    if not apart.problems and not _close_arrays(numbers, wanted, kind):
         return Difference(0, ("its corners or triangles are not those that the recipe makes",))
     return apart
 

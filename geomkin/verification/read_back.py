@@ -14,10 +14,10 @@ import numpy as np
 from ..core.errors import DesignError, printable, with_article
 from ..core.records import record
 from ..plane.vec import Complex
-from ..synthesis.path.svg_drawings import AffineMap, tag_of, transform_of, tree_of, view_of
+from ..synthesis.path.svg_drawings import AffineMap, subpaths, tag_of, transform_of, tree_of, view_of
 from .comparison import Mesh, merged
 from .made_again import members, repacked
-from .outline import LARGEST, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
+from .outline import LARGEST, MOST_VERTICES, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
 DXF_UNITS = {1: 25.4, 4: 1.0}
@@ -79,14 +79,9 @@ def _point(place: Any) -> complex:
     return complex(float(place[0]), float(place[1]))
 
 
-TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([\s,]+)")
-# Numbers that each command takes.
-COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "a": 7, "c": 6, "z": 0}
 # Operations by stroke colour, as laser cutting programs have them, for lines without a class.
 COLOURS = {"#ff0000": "CUT", "#0000ff": "ENGRAVE"}
 LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH")
-# Chords of a cubic curve, which editors write in place of arcs.
-CHORDS = np.arange(1, 257) / 256
 UNIT = re.compile(r"[\d.]+(?:mm|in)")
 
 
@@ -100,7 +95,8 @@ def read_svg(path: Path, error: float) -> Drawing:
     except UnicodeDecodeError:
         raise UnreadableError("it is not UTF-8 text") from None
     except DesignError as refusal:
-        raise UnreadableError(refusal.problem) from None
+        named = "a path " if refusal.field == "path" else ""
+        raise UnreadableError(f"{named}{refusal.problem}") from None
     problems = [
         f"its {name} is not stated in mm or in"
         for name in ("width", "height")
@@ -131,8 +127,11 @@ def _svg_lines(element: Element, view: AffineMap, above: tuple[str, str], error:
     tag = tag_of(element)
     layer, group = _layer(element) or above[0], element.get("id", "") if tag == "g" else above[1]
     if tag == "path":
-        for outline in subpaths(element.get("d", ""), error):
-            yield Line(_placed(outline, view), layer or "CUT", group)
+        for points, closed in subpaths(element.get("d", ""), error, MOST_VERTICES):
+            is_distinct = np.append(True, points[1:] != points[:-1])
+            is_distinct[-1] &= not (closed and points[-1] == points[0])
+            if is_distinct.sum() > 1:
+                yield Line(_placed(Outline(points[is_distinct], error, closed), view), layer or "CUT", group)
     elif tag == "circle":
         centre = complex(_number(element, "cx"), _number(element, "cy"))
         yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT", group)
@@ -155,89 +154,6 @@ def _number(element: Element, key: str) -> float:
 def _placed(outline: Outline, view: AffineMap) -> Outline:
     """The outline in mm, y up, about an arbitrary origin, which does not matter for the fit of a part."""
     return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
-
-
-def subpaths(text: str, error: float) -> Iterator[Outline]:
-    """The subpaths of the attribute `d`, made of straight edges, circular arcs and cubic curves."""
-    tokens = _tokens(text)
-    pen, here, start, command, k = Pen(error), 0j, 0j, "", 0
-    while k < len(tokens):
-        if tokens[k].isalpha():
-            command, k = tokens[k], k + 1
-        count = COUNTS.get(command.lower(), -1)
-        try:
-            values = [float(token) for token in tokens[k : k + count]]
-        except ValueError:
-            values = []
-        if count < 0 or len(values) != count:
-            raise UnreadableError(f"a path lacks numbers after {command or 'its start'}")
-        k += count
-        base = 0j if command.isupper() else here
-        if command in "Zz":
-            if here != start:
-                pen.edge(here, start)
-            yield pen.outline(closed=True)
-            pen, here = Pen(error), start
-            if k < len(tokens) and not tokens[k].isalpha():
-                raise UnreadableError("a path has numbers after its end")
-        elif command in "Mm":
-            if pen.points:
-                yield pen.outline(closed=False, end=here)
-                pen = Pen(error)
-            here = start = base + complex(*values)
-            # Further pairs of numbers are straight edges.
-            command = "L" if command == "M" else "l"
-        else:
-            end = _end(command, values, here, base)
-            _step(pen, command, values, here, end, base)
-            here = end
-    if pen.points:
-        yield pen.outline(closed=False, end=here)
-
-
-def _tokens(text: str) -> list[str]:
-    tokens, at = [], 0
-    while at < len(text):
-        if not (match := TOKEN.match(text, at)):
-            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
-        if not match.group(3):
-            tokens.append(match.group())
-        at = match.end()
-    return tokens
-
-
-def _end(command: str, values: list[float], here: complex, base: complex) -> complex:
-    kind = command.lower()
-    if kind == "h":
-        return complex(base.real + values[0], here.imag)
-    if kind == "v":
-        return complex(here.real, base.imag + values[0])
-    return base + complex(*values[-2:])
-
-
-def _step(pen: Pen, command: str, values: list[float], here: complex, end: complex, base: complex) -> None:
-    kind = command.lower()
-    if kind == "a":
-        across, up, _, large, sweep = values[:5]
-        if abs(across - up) > 1e-9 * abs(across):
-            raise UnreadableError("a path has an arc of an ellipse")
-        pen.edge(here, end, _svg_bulge(here, end, across, bool(large), bool(sweep)))
-    elif kind == "c":
-        one, two = base + complex(*values[:2]), base + complex(*values[2:4])
-        t = np.append(0.0, CHORDS[:-1])
-        points: Complex = here * (1 - t) ** 3 + 3 * one * t * (1 - t) ** 2 + 3 * two * t**2 * (1 - t) + end * t**3
-        pen.add(points)
-    else:
-        pen.edge(here, end)
-
-
-def _svg_bulge(here: complex, end: complex, radius: float, large: bool, sweep: bool) -> float:
-    """Tangent of a quarter of an arc's sweep, in the file's own coordinates."""
-    if here == end or radius == 0:
-        return 0.0
-    half = float(np.arcsin(min(abs(end - here) / (2 * abs(radius)), 1.0)))
-    quarter = (np.pi - half if large else half) / 2
-    return float(np.tan(quarter)) * (1 if sweep else -1)
 
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
