@@ -389,8 +389,8 @@ def _report(path: Path, expected: Expected) -> FileReport:
             content = opened.read(most)
         left = expected.left if kind in CUT else ()
         apart = difference(content, wanted, kind)
-        if not apart.problems:
-            return file(proof="made again", note=harmless(apart.note), problems=left)
+        if apart is None or not apart.problems:
+            return file(proof="made again", note=harmless(apart.note) if apart else "", problems=left)
         if kind not in READERS:
             return file(note=harmless(apart.note), problems=tuple(map(harmless, apart.problems)))
         return _measured_report(path, expected, file, apart, difference(content, wanted, kind, measured=True))
@@ -404,13 +404,13 @@ def _format(name: str, expected: Expected) -> str:
 
 
 def _measured_report(
-    path: Path, expected: Expected, file: Callable[..., FileReport], apart: Difference, rest: Difference
+    path: Path, expected: Expected, file: Callable[..., FileReport], apart: Difference, rest: Difference | None
 ) -> FileReport:
     """The report on a file that is not the one made again; rest: its differences apart from the geometry."""
     kind = format_of(path.name)
     content = READERS[kind](path, expected)
     stamps = _stamp_problems(content.stamp, expected)
-    outside = [f"not measured: {problem}" if stamps else problem for problem in rest.problems]
+    outside = [f"not measured: {problem}" if stamps else problem for problem in (rest.problems if rest else ())]
     problems = [*content.problems, *stamps, *outside]
     for part in content.measured:
         named = printable(part.part, 60) or "the drawing"

@@ -9,7 +9,7 @@ import struct
 import zipfile
 import zlib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import takewhile
 
 import numpy as np
@@ -30,8 +30,6 @@ LAST, DIGITS = 1e-6, 4
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 # The pieces of a file that are compared: tags and the text between them, pairs of a group code and its value, lines.
 TAGS, PAIRS, LINES = (re.compile(piece) for piece in (r"<[^>]*>?|[^<]+", r"[^\n]*\n[^\n]*\n?", r"[^\n]*\n|[^\n]+"))
-# The version of the program that wrote a file, which is stated but not compared.
-VERSION = {"step": re.compile(r"'geomkin [^'\n]*'"), NAME: re.compile(r'": "[^"\n]*"(?=[^{]*\Z)')}
 # Members of a package that are read.
 MEMBERS = 10
 
@@ -40,23 +38,28 @@ MEMBERS = 10
 class Difference:
     """The differences of a file from the one made again.
 
-    digits: number of pieces that differ only in the last digits of their numbers; problems: a sentence for any other.
+    problems: a sentence for each difference that is not one of last digits; digits: number of pieces with such a one.
     """
 
-    digits: int = 0
     problems: tuple[str, ...] = ()
+    digits: int = 0
 
     @property
     def note(self) -> str:
-        """One sentence on the first difference; empty if there is none."""
-        only_digits = f"{self.digits} numbers or lines differ in their last digits" if self.digits else ""
-        return self.problems[0] if self.problems else only_digits
+        """One sentence on the first difference of the bytes."""
+        if self.problems:
+            return self.problems[0]
+        in_digits = f"{self.digits} numbers or lines differ in their last digits"
+        return in_digits if self.digits else "its bytes differ, but neither its numbers nor its texts"
 
 
-def difference(found: bytes, expected: bytes, kind: str, measured: bool = False) -> Difference:
-    """The differences of a file of a format; measured: without the geometry, which is measured in its place."""
+def difference(found: bytes, expected: bytes, kind: str, measured: bool = False) -> Difference | None:
+    """The differences of a file of a format; None if its bytes are equal.
+
+    measured: without the geometry, which is measured in its place.
+    """
     if found == expected:
-        return Difference()
+        return None
     if kind in ("csv", "bom"):
         return _cells_apart(read_cells(found), read_cells(expected))
     (here, numbers), (there, wanted) = _content(found, kind), _content(expected, kind)
@@ -64,7 +67,7 @@ def difference(found: bytes, expected: bytes, kind: str, measured: bool = False)
         return _texts_apart(without_geometry(here, kind), without_geometry(there, kind), kind)
     apart = _texts_apart(here, there, kind)
     if not apart.problems and not _close_arrays(numbers, wanted, kind):
-        return Difference(0, ("its corners or triangles are not those that the recipe makes",))
+        return Difference(("its corners or triangles are not those that the recipe makes",))
     return apart
 
 
@@ -73,18 +76,27 @@ def _content(content: bytes, kind: str) -> tuple[str, bytes]:
     if kind == "stl":
         rest = np.frombuffer(content[84 : 84 + (len(content) - 84) // 50 * 50], np.uint8).reshape(-1, 50)
         odd = rest[:, 48:].tobytes().strip(b"\0") + content[84 + rest.size :]
-        return f"{content[:80].decode('latin-1')}\n{odd.hex()}", np.ascontiguousarray(rest[:, :48]).tobytes()
+        count = b"" if content[80:84] == struct.pack("<I", len(rest)) else content[80:84]
+        head = (content[:80] + count).decode("latin-1")
+        return f"{head}\n{odd.hex()}", np.ascontiguousarray(rest[:, :48]).tobytes()
     if kind == "glb":
         if len(content) < 28:
             raise UnreadableError("it is truncated")
         end = 20 + struct.unpack_from("<I", content, 12)[0]
-        head, tail = content[:8] + content[12:20], content[end : end + 8]
         data = content[20:end].decode("utf-8", "backslashreplace").replace(",", ",\n")
-        return f"{head.hex()}\n{data}\n{tail.hex()}", content[end + 8 :]
+        return f"{content[:20].hex()}\n{data}\n{content[end : end + 8].hex()}", content[end + 8 :]
     if kind in ("3mf", "assembly-3mf"):
-        return "".join(f"\n<!-- {name} -->\n{text}" for name, text in members(content)), b""
+        inside = list(members(content))
+        around = "" if _packed(inside) == content else "packed in another way"
+        return around + "".join(f"\n<!-- {name} -->\n{text}" for name, text in inside), b""
     text = content.decode("utf-8", "backslashreplace")
-    return VERSION[kind].sub("", text) if kind in VERSION else text, b""
+    # The version of the program that wrote a file is stated, but not compared.
+    if kind == "step":
+        return re.sub(r"'geomkin [^'\n]*'", "", text, count=1), b""
+    if kind == NAME:
+        before, mark, after = text.rpartition('"versions": {')
+        return before + mark + re.sub(r'": "[^"\n]*"', "", after), b""
+    return text, b""
 
 
 def members(content: bytes) -> Iterator[tuple[str, str]]:
@@ -94,21 +106,22 @@ def members(content: bytes) -> Iterator[tuple[str, str]]:
             inside = package.infolist()
             if len(inside) > MEMBERS or any(one.compress_type not in (0, zipfile.ZIP_DEFLATED) for one in inside):
                 raise UnreadableError(f"it has more than {MEMBERS} members, or one that is packed in a rare way")
+            left = LARGEST
             for one in inside:
                 with package.open(one) as file:
-                    text = file.read(LARGEST + 1)
-                if len(text) > LARGEST:
-                    raise UnreadableError(f"its model has more than {LARGEST:,} bytes")
+                    text = file.read(left + 1)
+                if (left := left - len(text)) < 0:
+                    raise UnreadableError(f"it unpacks to more than {LARGEST:,} bytes")
                 yield one.filename, text.decode("utf-8", "backslashreplace")
     except (OSError, ValueError, RuntimeError, EOFError, zipfile.BadZipFile, zlib.error) as fault:
         raise UnreadableError(f"it is not a 3MF package ({type(fault).__name__})") from None
 
 
-def repacked(content: bytes) -> bytes:
-    """The package that the writer makes of the members of one, which shows anything that is between or after them."""
+def _packed(inside: Iterable[tuple[str, str]]) -> bytes:
+    """The package that the writer makes of members; another one may hide something between or after them."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as package:
-        for name, text in members(content):
+        for name, text in inside:
             package.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), text)
     return stream.getvalue()
 
@@ -136,7 +149,8 @@ def _groups(text: str) -> Iterator[str]:
         if inside and entity == "LWPOLYLINE" and key in ("10", "20", "42"):
             continue
         if inside and entity == "LWPOLYLINE" and key == "90":
-            codes = Counter(one.strip() for one, _ in takewhile(lambda pair: pair[0].strip() != "0", pairs[k + 1 :]))
+            following = (pairs[j][0].strip() for j in range(k + 1, len(pairs)))
+            codes = Counter(takewhile(lambda code: code != "0", following))
             value = "" if value.strip() == str(codes["10"]) == str(codes["20"]) else value
         yield f"{code}\n{'' if inside and entity == 'CIRCLE' and key in ('10', '20', '40') else value}\n"
 
@@ -152,7 +166,7 @@ def _texts_apart(found: str, expected: str, kind: str) -> Difference:
     last = _alike(here[first:][::-1], there[first:][::-1], is_picture)
     rest, wanted = here[first : len(here) - last], there[first : len(there) - last]
     if not rest and not wanted:
-        return Difference(sum(a != b for a, b in zip(here, there)))
+        return Difference((), sum(a != b for a, b in zip(here, there)))
     further, missing = (
         [piece for piece in (Counter(one) - Counter(other)).elements() if piece.strip()]
         for one, other in ((rest, wanted), (wanted, rest))
@@ -167,7 +181,7 @@ def _texts_apart(found: str, expected: str, kind: str) -> Difference:
         problem = f"it lacks {len(missing)} elements, the first {place}: {_piece(missing[0])}"
     else:
         problem = f"its elements are in another order, or spaced in another way, from line {place[8:]} on"
-    return Difference(0, (problem,))
+    return Difference((problem,))
 
 
 def _piece(text: str) -> str:
@@ -201,7 +215,8 @@ def _close_numbers(found: str, expected: str, is_picture: bool) -> bool:
 def _last_decimal(number: str) -> float:
     """The unit of the last decimal of a number."""
     mantissa, _, exponent = number.lower().partition("e")
-    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+    power = float(exponent or 0) - len(mantissa.partition(".")[2])
+    return float(10.0 ** min(max(power, -300), 300))
 
 
 def _close_arrays(found: bytes, expected: bytes, kind: str) -> bool:
@@ -232,14 +247,15 @@ def read_cells(content: bytes) -> list[list[str]]:
 def _cells_apart(found: list[list[str]], expected: list[list[str]]) -> Difference:
     """The differences of two tables, column by column."""
     if found[0] != expected[0]:
-        return Difference(0, ("its columns are not those of the recipe",))
+        return Difference(("its columns are not those of the recipe",))
     if len(found) != len(expected):
-        return Difference(0, (f"it has {len(found) - 1} rows, and the recipe {len(expected) - 1}",))
+        return Difference((f"it has {len(found) - 1} rows, and the recipe {len(expected) - 1}",))
     problems, digits = [], 0
     for name, cells, wanted in zip(expected[0], zip(*found[1:]), zip(*expected[1:])):
         numbers, known = _as_numbers(cells), _as_numbers(wanted)
         size = np.abs(known[np.isfinite(known)]).max(initial=0.0)
-        near = np.abs(numbers - known) <= CLOSE * np.abs(known) + NOISE * size + ZERO
+        with np.errstate(invalid="ignore"):
+            near = np.abs(numbers - known) <= CLOSE * np.abs(known) + NOISE * size + ZERO
         whole = np.array([not {".", "e"} & {*a, *b} for a, b in zip(cells, wanted)], dtype=bool)
         different = np.array([a != b for a, b in zip(cells, wanted)], dtype=bool)
         wrong = np.flatnonzero(different & (~near | whole))
@@ -250,7 +266,7 @@ def _cells_apart(found: list[list[str]], expected: list[list[str]]) -> Differenc
                 f"row {k + 2} of {printable(name, 60)} has {printable(cells[k], 40) or 'nothing'}, and the recipe "
                 f"{printable(wanted[k], 40) or 'nothing'} ({len(wrong)} such rows)"
             )
-    return Difference(digits, tuple(problems))
+    return Difference(tuple(problems), digits)
 
 
 def _as_numbers(cells: Sequence[str]) -> Real:

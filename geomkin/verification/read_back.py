@@ -16,7 +16,7 @@ from ..core.records import record
 from ..plane.vec import Complex
 from ..synthesis.path.svg_drawings import AffineMap, subpaths, tag_of, transform_of, tree_of, view_of
 from .comparison import Mesh, merged
-from .made_again import members, repacked
+from .made_again import members
 from .outline import LARGEST, MOST_VERTICES, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
@@ -198,9 +198,7 @@ def read_3mf(path: Path) -> tuple[dict[str, Mesh], list[tuple[str, tuple[complex
 
     A place is a rotation, unit complex, and a shift, mm.
     """
-    content = _content(path)
-    text = dict(members(content)).get(MODEL, "")
-    problems = [] if repacked(content) == content else ["its package is not as geomkin writes it"]
+    text, problems = dict(members(_content(path))).get(MODEL, ""), list[str]()
     if "<!" in text:
         raise UnreadableError("its model has a declaration")
     try:
