@@ -160,6 +160,8 @@ CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MODEL = "3D/3dmodel.model"
 # Largest relative distortion of the edges of a mesh by its transform, and the transform of an item that has none.
 RIGID, UNMOVED = 1e-6, "1 0 0 0 1 0 0 0 1 0 0 0"
+# Largest difference of a coordinate of a normal of unit length. Those of thin triangles have few digits.
+NORMAL = 0.05
 # Lengths of the units of 3MF that are written, mm.
 PACKAGE_UNITS = {"millimeter": 1.0, "inch": 25.4}
 
@@ -168,15 +170,17 @@ def read_stl(path: Path) -> tuple[list[Mesh], list[str], str]:
     """The mesh of an STL file, problems of the file, and its stamp."""
     mesh: Any = _loaded(path)
     triangles = np.asarray(mesh.triangles, dtype=float)
-    stated = np.asarray(mesh.face_normals, dtype=float)
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    turned = len(stated) == len(normals) and (np.vecdot(stated, normals) < 0).any()
-    with path.open("rb") as file:
-        header = file.read(80)
-    stamp = header.rstrip(b"\0").decode("ascii", "replace")
+    content = _content(path)
+    # The library replaces normals that are wrong.
+    rows = np.frombuffer(content[84:], np.uint8)
+    rows = rows.reshape(-1, 50) if len(rows) == 50 * len(normals) else np.zeros((len(normals), 50), np.uint8)
+    stated = np.ascontiguousarray(rows[:, :12]).view("<f4").astype(float)
+    sizes = np.sqrt(np.vecdot(normals, normals))
+    wrong = int((np.abs(stated * sizes[:, None] - normals) > NORMAL * sizes[:, None]).any(axis=1).sum())
+    problems = [f"{wrong} normals are not those of their triangles"] if wrong else []
     corners, faces = merged(triangles)
-    problems = ["a triangle's normal points to the inside"] if turned else []
-    return [Mesh(path.stem, corners, faces)], problems, stamp
+    return [Mesh(path.stem, corners, faces)], problems, content[:80].rstrip(b"\0").decode("ascii", "replace")
 
 
 def _loaded(path: Path) -> Any:

@@ -8,7 +8,6 @@ import struct
 import zipfile
 
 import geomkin as gk
-from geomkin.build import computed
 from geomkin.export.formats import WRITERS
 
 TOLERANCE = 0.005
@@ -69,20 +68,17 @@ def wrong(folder):
     return {file.file: file for file in certificate.files if not file.passed}
 
 
-def every_format(recipe):
-    """A recipe in every format that its kind has."""
-    table = {**recipe, "files": {**recipe.get("files", {}), "write": list(WRITERS)}}
-    for dropped in ("", "step", "page", "plots", "assembly-3mf"):
-        table["files"]["write"] = [name for name in table["files"]["write"] if name != dropped]
-        scene = [name for name in table["files"]["write"] if WRITERS[name].needs != "scene"]
-        for write in (table["files"]["write"], scene):
-            try:
-                made = gk.load({**table, "files": {**table["files"], "write": write}})
-                computed(made)
-            except gk.GeomkinError:
-                continue
-            return made
-    raise AssertionError("no format can be written")
+def made_in_every_format(recipe, name, out):
+    """Make a recipe in every format that its kind has; its folder."""
+    scene = [name for name in WRITERS if WRITERS[name].needs == "scene"]
+    for dropped in ([], ["step"], scene, [*scene, "step"], [*scene, "step", "csv"]):
+        write = [name for name in WRITERS if name not in dropped]
+        try:
+            gk.make(gk.load({**recipe, "files": {**recipe.get("files", {}), "write": write}}).with_name(name), out)
+        except gk.GeomkinError:
+            continue
+        return out / name
+    raise AssertionError(f"{name} is made in no format")
 
 
 def number(text, rng):

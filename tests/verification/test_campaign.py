@@ -3,6 +3,7 @@
 import json
 import os
 import random
+import re
 import shutil
 
 import pytest
@@ -12,7 +13,7 @@ from geomkin import build
 from geomkin.verification import certificate
 from tests.gallery import FIRST_OF_KIND, RECIPES
 from tests.hostile.mutations import good_recipes, varied
-from tests.verification.damage import damage_folder, every_format
+from tests.verification.damage import damage_folder, made_in_every_format
 
 DAMAGES, DAMAGED_RECIPES, GOOD = 500, 30, 1000
 # A smaller campaign: a share of the damages and good folders.
@@ -24,16 +25,20 @@ def _folders(tmp_path):
     made, names = [], sorted(FIRST_OF_KIND.values())
     random.Random(1).shuffle(names)
     recipes = dict(good_recipes())
-    for name in names:
-        try:
-            recipe = every_format(recipes[f"gallery {name}"])
-        except (gk.GeomkinError, AssertionError):
-            continue
-        gk.make(recipe.with_name(name), tmp_path)
-        made.append(tmp_path / name)
-        if len(made) == DAMAGED_RECIPES:
-            break
+    for name in names[:DAMAGED_RECIPES]:
+        made.append(made_in_every_format(recipes[f"gallery {name}"], name, tmp_path))
     return made
+
+
+def harmless(order, notes):
+    """Why a damage that is not found changes nothing that is made; "" if it does."""
+    if len(notes) != 1:
+        return ""
+    if "another order" in notes[0] and ".svg: swap <" in order:
+        return "the same lines are cut or engraved in another order"
+    if re.search(r"\.stl: swap \d", order):
+        return "the same triangles in another order"
+    return ""
 
 
 @pytest.fixture
@@ -66,13 +71,14 @@ def test_every_damage_is_found(tmp_path, monkeypatch, made_once):
             shutil.rmtree(folder)
             continue
         if result.passed:
-            missed.append(f"{folder.name}/{order}: {[file.note for file in result.files if file.note]}")
-            print(k, missed[-1], flush=True)
+            notes = [file.note for file in result.files if file.note]
+            missed.append((harmless(order, notes), f"{folder.name}/{order}: {notes}"))
+            print(k, *missed[-1], flush=True)
         shutil.rmtree(folder)
         if k % 50 == 49:
             print(f"{k + 1 - len(missed)} of {k + 1} found", flush=True)
     print(f"{count - len(missed)} of {count} damages found")
-    assert not missed
+    assert all(reason for reason, _ in missed), [order for reason, order in missed if not reason]
 
 
 @pytest.mark.campaign
