@@ -16,7 +16,6 @@ import numpy as np
 
 from ..core.errors import printable
 from ..core.records import record
-from ..export.formats import WRITERS
 from ..export.summary import NAME
 from ..plane.vec import Real
 from .outline import LARGEST, UnreadableError
@@ -27,6 +26,7 @@ CLOSE, NOISE, SINGLE, ZERO = 2e-9, 1e-10, 2.0**-22, 1e-12
 # Largest unit of the last decimal by which a number of a file may differ, and least number of digits of a number of a
 # page or picture of which the last one may differ.
 LAST, DIGITS = 1e-6, 4
+PICTURES = ("page", "assembly-svg", "assembly-dxf", "steps", "animation", "plots")
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 # The pieces of a file that are compared: tags and the text between them, pairs of a group code and its value, lines.
 TAGS, PAIRS, LINES = (re.compile(piece) for piece in (r"<[^>]*>?|[^<]+", r"[^\n]*\n[^\n]*\n?", r"[^\n]*\n|[^\n]+"))
@@ -160,7 +160,7 @@ def _texts_apart(found: str, expected: str, kind: str) -> Difference:
     if found == expected:
         return Difference()
     splitter = PAIRS if kind.endswith("dxf") else TAGS if expected.lstrip()[:1] == "<" else LINES
-    is_picture = kind not in MEASURED
+    is_picture = kind in PICTURES
     here, there = splitter.findall(found), splitter.findall(expected)
     first = _alike(here, there, is_picture)
     last = _alike(here[first:][::-1], there[first:][::-1], is_picture)
@@ -271,8 +271,3 @@ def _cells_apart(found: list[list[str]], expected: list[list[str]]) -> Differenc
 
 def _as_numbers(cells: Sequence[str]) -> Real:
     return np.array([float(cell) if NUMBER.fullmatch(cell) else np.nan for cell in cells])
-
-
-# Formats whose geometry is measured where a file is not the one made again.
-MEASURED = ("dxf", "svg", "stl", "3mf", "step")
-assert set(MEASURED) <= set(WRITERS)
