@@ -176,9 +176,9 @@ def _texts_apart(found: str, expected: str, kind: str) -> Difference:
         more = f" ({max(len(further), len(missing))} such differences)" if len(further) + len(missing) > 2 else ""
         problem = f"{place} it has {_piece(further[0])}, and the recipe makes {_piece(missing[0])}{more}"
     elif further:
-        problem = f"it has {len(further)} elements that geomkin does not write, the first {place}: {_piece(further[0])}"
+        problem = f"{place} it has {_piece(further[0])}, which geomkin does not write (of {len(further)} in all)"
     elif missing:
-        problem = f"it lacks {len(missing)} elements, the first {place}: {_piece(missing[0])}"
+        problem = f"{place} it lacks {_piece(missing[0])} (of {len(missing)} in all)"
     else:
         problem = f"its elements are in another order, or spaced in another way, from line {place[8:]} on"
     return Difference((problem,))
