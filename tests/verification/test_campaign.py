@@ -36,7 +36,7 @@ def harmless(order, notes):
         return ""
     if "another order" in notes[0] and ".svg: swap <" in order:
         return "the same lines are cut or engraved in another order"
-    if re.search(r"\.stl: swap \d", order):
+    if re.search(r"\.(stl: swap \d|3mf: swap <triangle)", order):
         return "the same triangles in another order"
     return ""
 
