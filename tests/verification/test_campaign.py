@@ -21,7 +21,7 @@ SHARE = float(os.environ.get("GEOMKIN_CAMPAIGN_SHARE", "1"))
 
 
 def _folders(tmp_path):
-    """Folders of recipes of different kinds in all formats, some of them in inches."""
+    """Folders of recipes of different kinds, each in all formats that it has."""
     made, names = [], sorted(FIRST_OF_KIND.values())
     random.Random(1).shuffle(names)
     recipes = dict(good_recipes())
@@ -85,7 +85,7 @@ def test_every_damage_is_found(tmp_path, monkeypatch, made_once):
 
 @pytest.mark.campaign
 def test_good_folders_pass(tmp_path, monkeypatch):
-    """Recipes of all kinds with some numbers changed, of sizes from 1 mm to 20 m, in mm and inches, in all formats."""
+    """Recipes of all kinds with some numbers changed, many at another scale, in one of three sets of formats."""
     monkeypatch.chdir(RECIPES)
     rng, recipes, wanted = random.Random(4), good_recipes(), int(SHARE * GOOD)
     passed, tried, faults = 0, 0, []
