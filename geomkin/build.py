@@ -159,7 +159,7 @@ def make(
     FailedChecksError
         If `strict` and a check failed.
     """
-    made, contents = _computed(recipe, only)
+    made, contents = computed(recipe, only)
     folder = Path(out) / made.name
     before = listed_files(folder) if only is None else set()
     write_whole(folder, contents)
@@ -190,13 +190,13 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
     RecipeError, FileError
         As for `make`.
     """
-    return _computed(recipe)[0]
+    return computed(recipe)[0]
 
 
-def _computed(
+def computed(
     recipe: AbstractRecipe | Readable, only: Sequence[Format] | None = None
 ) -> tuple[Made, Mapping[str, bytes]]:
-    """The results of a recipe, and the contents of its files by name."""
+    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names."""
     file, recipe = _with_file(recipe)
     offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
     wanted = [name for name in offered if only is None or name in only]

@@ -204,14 +204,12 @@ def test_a_certificate_holds_until_the_recipe_is_run_again(command, tmp_path):
     words = ("run", "in/a.toml", "in/b.toml", "--only", "svg")
     certificate = tmp_path / "out/a/verify.json"
     code, printed, _ = command(*words, "--verify")
-    assert code == 0 and "out/b: 1 files measured, as designed" in printed and certificate.exists()
+    assert code == 0 and "out/b: 2 files made again, as designed" in printed and certificate.exists()
     first = certificate.read_bytes()
     assert command("verify", "out")[0] == 0 and certificate.read_bytes() == first
     drawing = tmp_path / "out/a/a.svg"
     drawing.write_text(drawing.read_text().replace('class="CUT"', 'class="HOLE"'))
     code, printed, _ = command("verify", "out")
-    assert (
-        code == 1 and "out/a: 1 files measured, NOT as designed" in printed and "out/b: 1 files measured, as" in printed
-    )
+    assert code == 1 and "out/a: 1 files made again, NOT" in printed and "out/b: 2 files made again, as" in printed
     assert certificate.read_bytes() != first
     assert command(*words)[0] == 0 and not certificate.exists()

@@ -55,7 +55,7 @@ def _formats(context: click.Context, parameter: click.Parameter, value: str | No
     "--verify",
     "verified",
     is_flag=True,
-    help="Afterwards read the files back and measure them, as `geomkin verify` does.",
+    help="Afterwards compare the files with those made again, as `geomkin verify` does.",
 )
 @strict_option
 @json_option
@@ -101,11 +101,11 @@ def _refuse_twins(files: list[Path]) -> None:
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @json_option
 def verify_command(folders: tuple[Path, ...], as_json: bool) -> None:
-    """Measure the files in FOLDERS against their recipes.
+    """Certify the files in FOLDERS.
 
-    Reads every file back and compares it with the exact curves of its recipe. A folder is that of one recipe, or
-    contains such folders. Writes verify.json and verify.html into the folder of each recipe. The exit status is 1 if a
-    file is not as designed.
+    Makes each recipe again, compares its files with the result, and measures those that differ against the exact
+    curves. A folder is that of one recipe, or contains such folders. Writes verify.json and verify.html into the
+    folder of each recipe. The exit status is 1 if a file is not as designed.
     """
     if not all(_verified(folders, as_json)):
         sys.exit(1)
@@ -133,9 +133,11 @@ def _verified(folders: Iterable[Path], as_json: bool) -> list[bool]:
         if as_json:
             print_json(certificate.to_dict())
             continue
-        measured = [file for file in certificate.files if file.measured]
+        measured = sum(file.proof == "measured" for file in certificate.files)
+        again = sum(file.proof == "made again" for file in certificate.files)
+        proofs = f"{again} files made again" + f", {measured} measured" * (measured > 0)
         verdict = "as designed" if certificate.passed else "NOT as designed"
-        click.echo(f"{printable(certificate.folder)}: {len(measured)} files measured, {verdict}")
+        click.echo(f"{printable(certificate.folder)}: {proofs}, {verdict}")
         problems = [f"{file.file}: {marked(problem)}" for file in certificate.files for problem in file.problems]
         for problem in [*certificate.problems, *problems]:
             click.secho(f"  {harmless(certificate.unit.text(problem))}", fg="yellow")

@@ -1,18 +1,14 @@
-"""Certificates: every file of a folder measured against the exact curves of its recipe."""
+"""Certificates: every file of a folder compared with that made again, or measured against the exact curves."""
 
 from __future__ import annotations
 
-import csv
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property, partial
 from math import isfinite, nan
 from pathlib import Path
 
-import numpy as np
-
-from ..build import errors_named_by_key
+from ..build import computed
 from ..core.arguments import checked
 from ..core.errors import FileError, GeomkinError, harmless, printable
 from ..core.fields import to_digits
@@ -22,12 +18,11 @@ from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, sentences
 from ..export.cut import LayerStyles
 from ..export.formats import format_of
-from ..export.summary import FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
-from ..model.part import Bought, Part
-from ..model.table import Table
-from ..recipe.load import from_table, parse
+from ..export.summary import CERTIFICATE, FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
+from ..model.corner_relief import relieved
+from ..model.thin_features import beam_checks
+from ..recipe.load import from_table
 from ..recipe.recipe import AbstractRecipe
-from ..recipe.shown import ShownRecipe
 from .comparison import (
     FINENESS,
     MOST_PLATES,
@@ -37,85 +32,13 @@ from .comparison import (
     measure_drawing,
     measure_mesh,
     measure_plate,
+    meeting,
     refuse_more,
     worst_of,
 )  # fmt: skip
+from .made_again import Difference, difference
 from .outline import LARGEST, UnreadableError
-from .read_back import read_3mf, read_dxf, read_glb, read_step, read_stl, read_svg
-
-# Relative difference of numbers that were written with ten digits, and absolute one as a share of the column's size.
-CLOSE, NOISE = 2e-9, 1e-10
-
-
-def read_cells(path: Path) -> list[list[str]]:
-    """The cells of a CSV file, line by line; UnreadableError if it is not CSV."""
-    with path.open("rb") as file:
-        content = file.read(LARGEST + 1)
-    if len(content) > LARGEST:
-        raise UnreadableError(f"it has more than {LARGEST:,} bytes")
-    try:
-        rows = list(csv.reader(content.decode("utf-8").splitlines()))
-    except (UnicodeDecodeError, csv.Error) as fault:
-        raise UnreadableError(f"it is not CSV ({type(fault).__name__})") from None
-    if not rows or any(len(row) != len(rows[0]) for row in rows):
-        raise UnreadableError("its rows have different numbers of cells")
-    return rows
-
-
-def motion_problems(path: Path, table: Table) -> list[str]:
-    """Differences between a CSV file and the table of its recipe, a sentence each."""
-    header, *rows = read_cells(path)
-    expected = {column.header: column.written for column in table.columns}
-    if header != list(expected):
-        return ["its columns are not those of the recipe"]
-    problems = []
-    for k, (name, values) in enumerate(expected.items()):
-        cells = [row[k] for row in rows]
-        if len(cells) != len(values):
-            return [f"it has {len(cells)} rows, but the recipe's table has {len(values)}"]
-        if np.asarray(values).dtype.kind not in "fiub":
-            wrong = [j for j, (cell, value) in enumerate(zip(cells, values)) if cell.lstrip("'") != str(value)]
-        else:
-            wrong = _wrong_numbers(cells, np.asarray(values, dtype=float))
-        if wrong:
-            problems.append(f"row {wrong[0] + 2} of {name} is not that of the recipe ({len(wrong)} such rows)")
-    return problems
-
-
-def _wrong_numbers(cells: Sequence[str], values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[int]:
-    try:
-        found = np.array([float(cell) if cell else np.nan for cell in cells])
-    except ValueError:
-        return [next(k for k, cell in enumerate(cells) if cell and not _is_number(cell))]
-    known = np.isfinite(values)
-    size = np.abs(values[known]).max(initial=0.0)
-    same = np.where(known, np.abs(found - values) <= CLOSE * np.abs(values) + NOISE * size + NOISE, np.isnan(found))
-    return [int(k) for k in np.flatnonzero(~same)]
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def bill_problems(path: Path, parts: Sequence[Part], bought: Sequence[Bought]) -> list[str]:
-    """Differences between a bill of materials and the parts and bought items, a sentence each."""
-    header, *rows = read_cells(path)
-    try:
-        item, count = header.index("item"), header.index("count")
-        listed = [(row[item].lstrip("'"), int(row[count])) for row in rows]
-    except ValueError:
-        return ["it has no columns of items and counts"]
-    expected = [(part.name, part.count) for part in parts] + [(item.name, item.count) for item in bought]
-    missing = [line for line in expected if line not in listed]
-    further = [line for line in listed if line not in expected]
-    return [f"it lacks {count} x {name}" for name, count in missing] + [
-        f"it has {count} x {name}, which the recipe does not have" for name, count in further
-    ]
-
+from .read_back import read_3mf, read_dxf, read_step, read_stl, read_svg
 
 # Share of the tolerance by which a deviation may exceed it: the error of the measurement itself.
 MEASURED = 2 * FINENESS
@@ -125,18 +48,21 @@ MOST_FILES = 10_000
 
 @record(eq=False)
 class FileReport:
-    """The result of measuring one file.
+    """The result of verifying one file.
 
     Parameters
     ----------
     file : str
         Name of the file.
     format : str
-        Its format, as `files.write` names it.
-    measured : bool
-        Whether its contents were compared with the recipe; pictures and pages are not.
+        Its format, as `files.write` names it; that of other files is "recipe" or "summary".
+    proof : {"made again", "measured", ""}
+        What proves the file: it is the one that its recipe makes again, or its geometry was measured and everything
+        else in it is as geomkin writes it; empty if neither does.
+    note : str
+        How the file differs from the one made again; empty if its bytes are equal.
     deviation : float
-        Largest distance between the file and the exact curves, either way, mm; nan if it has none.
+        Largest distance between the file and the exact curves, either way, mm; nan if it was not measured.
     allowed : float
         The tolerance, mm.
     place : complex
@@ -144,7 +70,7 @@ class FileReport:
     part : str
         Name of that part.
     parts, holes : int
-        Numbers of parts and of their holes in the file.
+        Numbers of measured parts and of their holes in the file.
     problems : tuple of str
         Problems of the file, a sentence each.
     worst : Measured, optional
@@ -153,7 +79,8 @@ class FileReport:
 
     file: str
     format: str
-    measured: bool = True
+    proof: str = ""
+    note: str = ""
     deviation: float = nan
     allowed: float = nan
     place: complex = 0j
@@ -173,7 +100,8 @@ class FileReport:
 
     def to_dict(self) -> dict[str, object]:
         """As JSON files state it."""
-        entries: dict[str, object] = {"file": self.file, "format": self.format, "measured": self.measured}
+        entries: dict[str, object] = {"file": self.file, "format": self.format, "proved_by": self.proof}
+        entries |= {"difference": self.note} if self.note else {}
         if isfinite(self.deviation):
             entries |= {
                 "deviation_mm": to_digits(self.deviation, 3),
@@ -245,7 +173,7 @@ class Certificate:
 
 @checked
 def verify(folder: PathName) -> list[Certificate]:
-    """Read the files of recipes back and measure them against the exact curves.
+    """Compare the files of recipes with those made again, and measure those that differ against the exact curves.
 
     Parameters
     ----------
@@ -264,10 +192,12 @@ def verify(folder: PathName) -> list[Certificate]:
 
     Notes
     -----
-    DXF is read by ezdxf, STL and GLB by trimesh, SVG, 3MF and CSV by the standard library, STEP by a reader of its own;
-    none shares code with a writer. Deviations are bounded, not sampled: along an edge the distance to another edge is
-    convex, and a piece of a curve of length L between two points at the distance c lies in the ellipse about them whose
-    axis is L.
+    A file that is the same as the one made again, but for the last digits of its numbers, needs no other proof. The
+    lines or solids of a DXF, SVG, STL or 3MF file that differs are measured, and whatever else is in the file must be
+    as geomkin writes it. DXF is read by ezdxf, STL by trimesh, SVG, 3MF and CSV by the standard library, STEP by a
+    reader of its own; none shares code with a writer. Deviations are bounded, not sampled: along an edge the distance
+    to another edge is convex, and a piece of a curve of length L between two points at the distance c lies in the
+    ellipse about them whose axis is L.
 
     Examples
     --------
@@ -303,32 +233,49 @@ def _certificate(folder: Path) -> Certificate:
         problem = f"{NAME} cannot be read, or has no recipe"
         return Certificate(folder, harmless(name), "", "", nan, nan, (), (problem,))
     kind, hashed = str(data.get("kind", "")), recipe_hash(data)
+    listed = {str(name) for name in names[:MOST_FILES] if not file_name_flaw(str(name))}
     try:
-        sources = summary.get("sources")
-        recipe = from_table(data, NAME, str(folder) if not isinstance(sources, dict) else sources)
-        expected = Expected(recipe)
-        with errors_named_by_key(NAME, recipe):
-            _ = expected.parts
+        recipe = _recipe(folder, summary, data)
+        formats = {format_of("x" + file.removeprefix(name)) for file in listed if not file.endswith(FOUND)}
+        expected = Expected(recipe, computed(recipe, sorted(formats) or None)[1], hashed)
     except GeomkinError as error:
         problem = f"the recipe in {NAME} cannot be made again: {harmless(error)}"
         return Certificate(folder, harmless(name), harmless(kind), hashed, nan, nan, (), (problem,))
-    wanted = [str(name) for name in names[:MOST_FILES] if not file_name_flaw(str(name))]
+    present = {path.name for path in folder.iterdir() if format_of(path.name) or path.name.endswith(FOUND)}
+    wanted = sorted(listed | expected.contents.keys() | present - {*CERTIFICATE})
     reports = []
-    for k, file in enumerate(wanted):
+    for k, file in enumerate(wanted[:MOST_FILES]):
         report(k / len(wanted), f"{name}: {file}")
-        reports.append(_report(folder / file, expected, hashed))
+        reports.append(_report(folder / file, expected))
     report(1.0, name)
-    files = tuple(_with_counts(reports, expected))
+    files, unit = recipe.files, UNITS[recipe.units]
     return Certificate(
-        folder,
-        harmless(name),
-        harmless(kind),
-        hashed,
-        recipe.files.tolerance,
-        recipe.files.kerf,
-        files,
-        unit=UNITS[recipe.units],
+        folder, harmless(name), harmless(kind), hashed, files.tolerance, files.kerf, tuple(reports), unit=unit
     )
+
+
+def _recipe(folder: Path, summary: Mapping[str, object], data: Mapping[str, object]) -> AbstractRecipe:
+    """The recipe of a summary, under its name, with the fits that nobody stated and the workshop file that did."""
+    sources, name = summary.get("sources"), str(summary.get("name", folder.name))
+    recipe = from_table(data, NAME, str(folder) if not isinstance(sources, dict) else sources).with_name(name)
+    assumed = [entry for key, entry in summary.items() if key.startswith("assumed_") and isinstance(entry, dict)]
+    for key in (key for entry in assumed for key in entry):
+        _leave_out(recipe, key)
+    if "workshop" in summary:
+        object.__setattr__(recipe, "loaded_table", {**(recipe.loaded_table or {}), "workshop": summary["workshop"]})
+    return recipe
+
+
+def _leave_out(recipe: AbstractRecipe, key: str) -> None:
+    """Let a recipe, or that of a mechanism of a machine, be one whose table does not state a fit, by its dotted key."""
+    for name, mechanism in getattr(recipe, "mechanisms", {}).items():
+        if key.startswith(prefix := f"mechanisms.{name}.recipe."):
+            _leave_out(mechanism.recipe, key.removeprefix(prefix))
+    table, _, fit = key.partition(".")
+    stated = (recipe.loaded_table or {}).get(table)
+    if isinstance(stated, Mapping):
+        left = {name: value for name, value in stated.items() if name != fit}
+        object.__setattr__(recipe, "loaded_table", {**(recipe.loaded_table or {}), table: left})
 
 
 @dataclass
@@ -336,42 +283,37 @@ class Expected:
     """The contents that the files of a recipe should have."""
 
     recipe: AbstractRecipe
+    contents: Mapping[str, bytes]
+    hashed: str
 
     @cached_property
     def parts(self) -> tuple[ExactPart, ...]:
         """The parts with their exact curves."""
-        files = self.recipe.files
-        return tuple(exact_part(part, files.kerf, files.tolerance, files.cutter) for part in self.recipe.parts)
+        files, parts = self.recipe.files, self.recipe.parts
+        numbers = range(1, len(parts) + 1) if files.labels else [0] * len(parts)
+        return tuple(
+            exact_part(part, files.kerf, files.tolerance, files.cutter, number) for part, number in zip(parts, numbers)
+        )
 
     def named(self, name: str) -> ExactPart:
-        """The part of this name, or of this name with the number of a copy."""
+        """The part of this name."""
         for part in self.parts:
-            if part.part.name in (name, name.rpartition(" ")[0]):
+            if part.part.name == name:
                 return part
         raise UnreadableError(f"the recipe has no part {printable(name, 60)}")
 
     @cached_property
-    def assembled(self) -> dict[str, ExactPart]:
-        """The parts in the assembly, where a repeated name is numbered; those of mirrored copies are turned over."""
-        files, counts, named = self.recipe.files, Counter[str](), dict[str, ExactPart]()
-        known = {id(exact.part): exact for exact in self.parts}
-        bodies = self.recipe.scene.bodies if self.recipe.scene else ()
-        for part in (part for body in bodies for part in body.parts):
-            counts[part.name] += 1
-            name = f"{part.name} {counts[part.name]}" if counts[part.name] > 1 else part.name
-            named[name] = known.get(id(part)) or exact_part(part, files.kerf, files.tolerance)
-        return named
-
-    def in_assembly(self, name: str) -> ExactPart:
-        """The part of this name in the assembly."""
-        if name not in self.assembled:
-            raise UnreadableError(f"the assembly has no part {printable(name, 60)}")
-        return self.assembled[name]
-
-    def missing_problems(self, names: Iterable[str]) -> list[str]:
-        """A sentence for each part of the assembly that is not among the names."""
-        present = set(names)
-        return [f"{printable(name, 60)} is missing" for name in self.assembled if name not in present]
+    def left(self) -> tuple[str, ...]:
+        """A sentence for each part of which the beam leaves a corner or gap."""
+        files = self.recipe.files
+        wide = max(files.kerf, files.cutter)
+        checks = beam_checks([relieved(part, files.cutter) for part in self.recipe.parts], wide, files.tolerance)
+        return sentences(
+            f"a beam or cutter {mm(wide):g} wide leaves {mm(check.value):g} of a corner or gap, and "
+            f"{mm(check.limit):g} are allowed"
+            for check in checks
+            if not check.passed
+        )
 
     @property
     def count(self) -> int:
@@ -411,25 +353,15 @@ def _stl(path: Path, expected: Expected) -> Content:
     return Content([measure_mesh(mesh, exact, expected.tolerance) for mesh in meshes], stamp, tuple(problems))
 
 
-def _glb(path: Path, expected: Expected) -> Content:
-    meshes, problems, stamp = read_glb(path)
-    refuse_more(len(meshes), len(expected.assembled), MOST_PLATES, "solids")
-    measured = [measure_mesh(mesh, expected.in_assembly(mesh.name), expected.tolerance) for mesh in meshes]
-    return Content(measured, stamp, (*problems, *expected.missing_problems(mesh.name for mesh in meshes)))
-
-
-def _threemf(path: Path, expected: Expected, assembled: bool = False) -> Content:
-    meshes, counts, problems, stamp = read_3mf(path)
-    named = expected.in_assembly if assembled else expected.named
-    count = len(expected.assembled) if assembled else expected.count
-    if assembled:
-        problems += expected.missing_problems(counts)
-    refuse_more(max(len(meshes), sum(counts.values())), count, MOST_PLATES, "solids")
-    measured: list[Measured] = []
-    for mesh in meshes:
-        found = measure_mesh(mesh, named(mesh.name), expected.tolerance)
-        measured += [found] * counts.get(mesh.name, 0)
-    return Content(measured, stamp, tuple(problems))
+def _threemf(path: Path, expected: Expected) -> Content:
+    meshes, places, problems, stamp = read_3mf(path)
+    refuse_more(max(len(meshes), len(places)), expected.count, MOST_PLATES, "solids")
+    exact = {number: expected.named(mesh.name) for number, mesh in meshes.items()}
+    measured = {number: measure_mesh(mesh, exact[number], expected.tolerance) for number, mesh in meshes.items()}
+    outlines = [exact[number].solid.outline.points * turn + shift for number, (turn, shift) in places]
+    if pairs := meeting(outlines):
+        problems.append(f"{len(pairs)} of its solids meet others")
+    return Content([measured[number] for number, _ in places], stamp, tuple(problems))
 
 
 def _step(path: Path, expected: Expected) -> Content:
@@ -439,50 +371,60 @@ def _step(path: Path, expected: Expected) -> Content:
     return Content([found], plate.stamp)
 
 
-def _csv(path: Path, expected: Expected) -> Content:
-
-    return Content([], problems=tuple(motion_problems(path, ShownRecipe(expected.recipe).table)))
-
-
-def _bom(path: Path, expected: Expected) -> Content:
-
-    return Content([], problems=tuple(bill_problems(path, expected.recipe.parts, ShownRecipe(expected.recipe).bought)))
-
-
-# Readers by format; other formats are pictures and pages.
+# Readers by format; files of other formats must be those made again.
 READERS: Mapping[str, Callable[[Path, Expected], Content]] = {
     "dxf": _dxf,
     "svg": _svg,
     "stl": _stl,
-    "glb": _glb,
     "3mf": _threemf,
-    "assembly-3mf": partial(_threemf, assembled=True),
     "step": _step,
-    "csv": _csv,
-    "bom": _bom,
 }
-# Formats whose files together contain every copy of every part.
-ALL_COPIES = ("dxf", "svg", "3mf")
-# Formats whose files have a place for a stamp.
-STAMPED = ("dxf", "svg", "stl", "glb", "3mf", "assembly-3mf", "step")
+# Formats that a beam cuts.
+CUT = ("dxf", "svg")
+# Largest size of a file in sizes of the one made again, and the bytes that are added to it: more would take minutes.
+MOST_BYTES = (4, 500_000)
 
 
-def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
-    if path.name.endswith(FOUND):
-        return FileReport(path.name, "recipe", measured=False, problems=_found_problems(path))
-    kind = format_of(path.name)
-    file = partial(FileReport, path.name, kind, allowed=expected.tolerance)
+def _report(path: Path, expected: Expected) -> FileReport:
+    name = path.name
+    kind = NAME if name == NAME else "recipe" if name.endswith(FOUND) else _format(name, expected)
+    file = partial(FileReport, name, "summary" if kind == NAME else kind)
+    wanted = expected.contents.get(name)
     try:
         if path.is_symlink() or not path.is_file():
             return file(problems=("it is missing",))
-        if path.stat().st_size > LARGEST:
-            return file(problems=(f"it has more than {LARGEST:,} bytes",))
+        if wanted is None:
+            return file(problems=("the recipe does not make it",))
+        most = min(LARGEST, MOST_BYTES[0] * len(wanted) + MOST_BYTES[1])
+        if path.stat().st_size > most:
+            return file(problems=(f"it has more than {most:,} bytes, and the one made again has {len(wanted):,}",))
+        with path.open("rb") as opened:
+            content = opened.read(most)
+        left = expected.left if kind in CUT else ()
+        apart = difference(content, wanted, kind)
+        if apart is None or not apart.problems:
+            return file(proof="made again", note=harmless(apart.note) if apart else "", problems=left)
         if kind not in READERS:
-            return FileReport(path.name, kind, measured=False)
-        content = READERS[kind](path, expected)
+            return file(note=harmless(apart.note), problems=tuple(map(harmless, apart.problems)))
+        return _measured_report(path, expected, file, apart, difference(content, wanted, kind, measured=True))
     except (UnreadableError, OSError, GeomkinError) as error:
         return file(problems=(Sentence(str(error), harmless),))
-    problems = [*content.problems, *(_stamp_problems(content.stamp, expected, hashed) if kind in STAMPED else [])]
+
+
+def _format(name: str, expected: Expected) -> str:
+    stem = expected.recipe.name
+    return format_of("x" + name.removeprefix(stem) if stem else name)
+
+
+def _measured_report(
+    path: Path, expected: Expected, file: Callable[..., FileReport], apart: Difference, rest: Difference | None
+) -> FileReport:
+    """The report on a file that is not the one made again; rest: its differences apart from the geometry."""
+    kind = format_of(path.name)
+    content = READERS[kind](path, expected)
+    stamps = _stamp_problems(content.stamp, expected)
+    outside = [f"not measured: {problem}" if stamps else problem for problem in (rest.problems if rest else ())]
+    problems = [*content.problems, *stamps, *outside]
     for part in content.measured:
         named = printable(part.part, 60) or "the drawing"
         problems += [f"{named}: {marked(problem)}" for problem in part.problems]
@@ -492,9 +434,14 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
                 f"({bare_mm(part.place.real, part.place.imag):.3f}), "
                 f"and {mm(expected.tolerance):g} are allowed"
             )
+    if kind in CUT:
+        problems += expected.left
     worst = worst_of(content.measured)
     return file(
+        proof="" if problems else "measured",
+        note=harmless(apart.note),
         deviation=worst.deviation,
+        allowed=expected.tolerance,
         place=worst.place,
         part=worst.part,
         parts=len(content.measured),
@@ -504,37 +451,12 @@ def _report(path: Path, expected: Expected, hashed: str) -> FileReport:
     )
 
 
-def _stamp_problems(text: str, expected: Expected, hashed: str) -> list[str]:
+def _stamp_problems(text: str, expected: Expected) -> list[str]:
     stamp = Stamp.read(text)
     if stamp is None:
         return ["it has no stamp: another program wrote it"]
     if stamp.layout != LAYOUT:
         return [f"its stamp has layout {stamp.layout}, but this version reads layout {LAYOUT}"]
-    if not hashed.startswith(stamp.recipe) or stamp.tolerance != expected.tolerance:
+    if not expected.hashed.startswith(stamp.recipe) or stamp.tolerance != expected.tolerance:
         return ["its stamp is that of another recipe or tolerance"]
     return []
-
-
-def _found_problems(path: Path) -> tuple[str, ...]:
-    """A sentence if the recipe that a goal found cannot be read; otherwise empty."""
-    try:
-        with path.open("rb") as file:
-            parse(file.read(LARGEST).decode("utf-8"), path.name)
-    except (GeomkinError, OSError, UnicodeDecodeError) as error:
-        return (f"it cannot be read as a recipe: {harmless(error)}",)
-    return ()
-
-
-def _with_counts(reports: Iterable[FileReport], expected: Expected) -> Iterable[FileReport]:
-    """The reports. If a format does not have all copies of all parts, its first file gets a problem that states so."""
-    reports = list(reports)
-    copies = Counter({part.part.name: part.part.count for part in expected.parts})
-    for kind in ALL_COPIES:
-        indices = [k for k, report in enumerate(reports) if report.format == kind]
-        if indices and all(isfinite(reports[k].deviation) for k in indices):
-            total = sum(reports[k].parts for k in indices)
-            if total != sum(copies.values()):
-                first = reports[indices[0]]
-                problem = f"{total} parts are drawn, but the recipe has {sum(copies.values())}"
-                reports[indices[0]] = replace(first, problems=(*first.problems, problem))
-    return reports

@@ -58,13 +58,14 @@ def certificate_page(certificate: Certificate) -> bytes:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
         f"<style>{STYLE}</style></head>\n<body><h1>{name}: certificate</h1>\n<p>{verdict}</p>{problems}"
-        f"<p>Each file was read back and compared with the exact curves of the recipe, both ways. The tolerance is "
+        "<p>The recipe was made again and each file compared with the result. Lines and solids of files that differ "
+        "were measured against the exact curves of the recipe, both ways. The tolerance is "
         f"{unit.of(certificate.tolerance):.6g} {unit.name}, the kerf {unit.of(certificate.kerf):.6g} {unit.name}. "
         f"Recipe: SHA-256 "
         f"<code>{text(certificate.recipe_hash)}</code>.</p>\n"
         '<div class="files" role="region" aria-label="files" tabindex="0">'
         f"<table><thead><tr><th>file</th><th>largest deviation, {unit.name}</th><th>at</th><th>parts</th><th>holes</th>"
-        f"<th>result</th></tr></thead><tbody>{rows}</tbody></table></div>\n{figures}</body></html>\n"
+        f"<th>proved by</th></tr></thead><tbody>{rows}</tbody></table></div>\n{figures}</body></html>\n"
     ).encode("utf-8", "replace")
 
 
@@ -72,7 +73,7 @@ def _row(file: FileReport, unit: LengthUnit) -> str:
     measured = isfinite(file.deviation)
     at, decimals = unit.of(file.place), 3 if unit is MM else 4
     place = f"{text(file.part)} ({at.real:.{decimals}f}, {at.imag:.{decimals}f})" if measured else ""
-    result = "not measured" if not file.measured else "passed" if file.passed else ""
+    result = text(" ".join(filter(None, (file.proof, file.note and f"({file.note})")))) if file.passed else ""
     wrong = "".join(f'<div class="bad">{text(unit.text(problem))}</div>' for problem in file.problems)
     numbers = f"<td>{file.parts or ''}</td><td>{file.holes if file.parts else ''}</td>"
     deviation = f"{unit.of(file.deviation):.{decimals + 1}f}" if measured else ""

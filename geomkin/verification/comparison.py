@@ -9,12 +9,13 @@ from math import nan
 
 import numpy as np
 
+from ..core.errors import printable
 from ..core.records import record
 from ..core.units import mm
+from ..export.lettering import lettered
 from ..model.corner_relief import relieved
 from ..model.part import Part
-from ..model.thin_features import beam_checks
-from ..plane.region import Edges, containers, is_simple, offset
+from ..plane.region import Edges, containers, gap, is_simple, offset, overlapping
 from ..plane.vec import Complex, Real, Whole, dot
 from .outline import EVEN, NODES, WEIGHTS, Drawing, Outline, UnreadableError, deviation, farthest, larger, outline_of
 
@@ -102,7 +103,7 @@ def likely_positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[t
     samples = _samples(found)
     # If the outline is symmetric, the marks decide.
     lines = (*exact.loops, *exact.marks)
-    edges = Edges(np.concatenate([line.starts for line in lines]), np.concatenate([line.ends for line in lines]))
+    edges = _edges_of(lines)
 
     def misfit(turn: complex) -> float:
         return float(edges.nearest((samples - here) / turn + there)[1].mean())
@@ -120,6 +121,10 @@ def likely_positions(found: Shape, exact: Shape, tolerance: float) -> Iterator[t
     if rounded := _whole(turn, shift, there, exact.size, tolerance):
         yield rounded
     yield turn, shift
+
+
+def _edges_of(lines: Sequence[Outline]) -> Edges:
+    return Edges(np.concatenate([line.starts for line in lines]), np.concatenate([line.ends for line in lines]))
 
 
 def _whole(
@@ -320,15 +325,11 @@ MOST_LINES, MOST_PLATES = (10, 1000), (2, 20)
 
 @record(eq=False)
 class ExactPart:
-    """A part with its exact curves as polygons: those of the solid, and those of a drawing, half a kerf off them.
-
-    left: a sentence on the corner or gap that the beam does not reach; "" if it cuts the part as designed.
-    """
+    """A part with its exact curves as polygons: those of the solid, and those of a drawing, half a kerf off them."""
 
     part: Part
     solid: Shape
     drawn: Shape
-    left: str = ""
 
 
 @record(eq=False)
@@ -367,10 +368,11 @@ def refuse_more(found: int, expected: int, most: tuple[int, int], name: str) -> 
         raise UnreadableError(f"it has {found} {name}, and the recipe {expected}")
 
 
-def exact_part(part: Part, kerf: float, tolerance: float, cutter: float = 0.0) -> ExactPart:
+def exact_part(part: Part, kerf: float, tolerance: float, cutter: float = 0.0, number: int = 0) -> ExactPart:
     """The exact curves of a part as polygons whose error is a small share of the tolerance, mm.
 
     Those of drawings are half a kerf off, and have relief for a cutter of a diameter, mm.
+    number: that by which drawings label the part; 0 if they do not.
     """
     error = tolerance * FINENESS / 2
 
@@ -380,20 +382,21 @@ def exact_part(part: Part, kerf: float, tolerance: float, cutter: float = 0.0) -
     outline = upright(outline_of(part.outline, error))
     holes = tuple(upright(outline_of(hole, error)) for hole in part.holes)
     solid = Shape(outline, holes, tuple(outline_of(mark, error) for mark in part.marks))
+    strokes = lettered(part, number)[1] if number else ()
+    marks = (*solid.marks, *(Outline(stroke, closed=False) for stroke in strokes))
     if kerf == 0 and cutter == 0:
-        return ExactPart(part, solid, solid)
-    cut = relieved(part, cutter)
-    holes = tuple(upright(outline_of(hole, error)) for hole in cut.holes)
+        return ExactPart(part, solid, replace(solid, marks=marks))
+    holes = tuple(upright(outline_of(hole, error)) for hole in relieved(part, cutter).holes)
     regions = offset([outline.points, *(hole.points[::-1] for hole in holes)], kerf / 2, error)
     grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
-    drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), solid.marks) for loops in grown]
-    left = "".join(
-        f"a beam or cutter {mm(max(kerf, cutter)):g} wide leaves {mm(check.value):g} of a corner or gap, and "
-        f"{mm(check.limit):g} are allowed"
-        for check in beam_checks([cut], max(kerf, cutter), tolerance)
-        if not check.passed
-    )
-    return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid, left)
+    drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), marks) for loops in grown]
+    return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid)
+
+
+def meeting(loops: Sequence[Complex]) -> list[tuple[int, int]]:
+    """Pairs of closed lines that cross or touch each other along a line, or coincide."""
+    pairs = overlapping(loops).tolist() if len(loops) > 1 else []
+    return [(a, b) for a, b in pairs if gap(loops[a], loops[b]) == 0]
 
 
 def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: float) -> list[Measured]:
@@ -408,6 +411,10 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
     lines = [part.part.count * (len(part.drawn.loops) + len(part.drawn.marks)) for part in parts]
     refuse_more(len(cuts) + len(marks), sum(lines), MOST_LINES, "lines to cut or engrave")
     plates = nested([cut.outline for cut in cuts], [mark.outline for mark in marks])
+    sound = [cut.outline.points for cut in cuts if is_simple(cut.outline.points)]
+    if pairs := meeting(sound):
+        place = complex(sound[pairs[0][1]][0])
+        measured.append(Measured("", place=place, problems=(f"{len(pairs)} pairs of lines to cut meet",)))
     refuse_more(len(plates), sum(part.part.count for part in parts), MOST_PLATES, "parts")
     for loops, engraved in plates:
         outlines = [cuts[k].outline for k in loops]
@@ -420,18 +427,25 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
             measured.append(Measured("", place=complex(outlines[0].points[0]), problems=("a line encloses no area",)))
             continue
         plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
-        result = _best_part(plate, parts, tolerance)
+        name = cuts[loops[0]].group.rpartition("-")[0]
+        result = _best_part(plate, parts, tolerance, name)
+        if name != result.part and name in (part.part.name for part in parts):
+            problems.append(f"it is in the group of {printable(name, 60)}")
         exact = next(exact for exact in parts if exact.part.name == result.part)
         layers = {cuts[loops[0]].layer} - {exact.part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
-        problems += [*[f"it is on layer {layer}" for layer in sorted(layers)], *[exact.left] * bool(exact.left)]
+        problems += [f"it is on layer {layer}" for layer in sorted(layers)]
         measured.append(_with(result, problems))
     return measured
 
 
-def _best_part(plate: Shape, parts: Sequence[ExactPart], tolerance: float) -> Measured:
-    """A plate of a drawing compared with the first part that it fits, or with the one that it fits best."""
+def _best_part(plate: Shape, parts: Sequence[ExactPart], tolerance: float, name: str) -> Measured:
+    """A plate of a drawing compared with the first part that it fits, or with the one that it fits best.
+
+    name: of the part that is tried first, if one of this name could be it.
+    """
     tried: list[Measured] = []
-    for k in candidates(plate, [part.drawn for part in parts], tolerance):
+    order = candidates(plate, [part.drawn for part in parts], tolerance)
+    for k in sorted(order, key=lambda k: parts[k].part.name != name):
         tried.append(_measured(plate, parts[k].drawn, parts[k].part.name, tolerance))
         if not tried[-1].problems and tried[-1].deviation <= tolerance:
             break
@@ -476,10 +490,7 @@ def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution:
     """The largest distance of each set of marks from the other one, mm, and its place."""
     if not found or not exact:
         return 0.0, 0j
-    sets = [
-        Edges(np.concatenate([mark.starts for mark in marks]), np.concatenate([mark.ends for mark in marks]))
-        for marks in (found, exact)
-    ]
+    sets = [_edges_of(marks) for marks in (found, exact)]
     distances = [farthest(mark, sets[1], resolution) for mark in found]
     distances += [farthest(mark, sets[0], resolution) for mark in exact]
     return reduce(larger, distances)
@@ -532,6 +543,8 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
         )
     if not part.twist and (np.minimum(abs(z), abs(z - part.thickness)) > 4 * mesh.rounding).any():
         problems.append("it has corners between its two faces")
+    if part.twist and (off := _corners_apart(mesh, exact)) > tolerance * (1 + FINENESS) + mesh.rounding:
+        problems.append(f"a corner is {mm(off):.4g} off the curves of the part")
     worst = Measured(name, 0.0)
     for height in section_heights(mesh, part):
         loops = cross_section(mesh, height)
@@ -544,3 +557,18 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
         if found.problems:
             break
     return _with(worst, problems)
+
+
+def _corners_apart(mesh: Mesh, exact: ExactPart) -> float:
+    """The largest distance of the corners of a twisted part from its curves, with the twist undone or as they are."""
+    twist, points = exact.part.twist, np.ascontiguousarray(mesh.corners[:, :2]).view(complex)[:, 0]
+    assert twist is not None
+    pose = twist.at(mesh.corners[:, 2] / exact.part.thickness)
+    outline, holes = [exact.solid.outline], list(exact.solid.holes)
+    moving, fixed = (outline, holes) if twist.moves == "outline" else (holes, outline)
+    distances = [
+        _edges_of(loops).nearest(z)[1]
+        for loops, z in ((moving, (points - pose.origin) / pose.direction), (fixed, points))
+        if loops
+    ]
+    return float(np.min(distances, axis=0).max())

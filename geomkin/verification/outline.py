@@ -204,10 +204,11 @@ class UnreadableError(Exception):
 
 @record(eq=False)
 class Line:
-    """A line of a drawing as a polygon, mm, with the operation that its layer stands for."""
+    """A line of a drawing as a polygon, mm, with the operation that its layer stands for, and the name of its group."""
 
     outline: Outline
     layer: str
+    group: str = ""
 
 
 @record(eq=False)
@@ -230,8 +231,8 @@ class Drawing:
 
     @property
     def marks(self) -> list[Line]:
-        """Engraved lines that belong to the parts, without the engraved names of parts."""
-        return [line for line in self.lines if line.layer == "ENGRAVE"]
+        """Engraved lines, the names of parts among them."""
+        return [line for line in self.lines if line.layer in MARKED]
 
 
 def _joined(lines: Sequence[Line]) -> list[Line]:

@@ -1,9 +1,8 @@
-"""Files read back: DXF by ezdxf, STL and GLB by trimesh, SVG, 3MF and the plates of STEP by the standard library."""
+"""Files read back: DXF by ezdxf, STL by trimesh, SVG, 3MF and the plates of STEP by the standard library."""
 
 from __future__ import annotations
 
 import re
-import zipfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,12 +11,13 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ..core.errors import DesignError, with_article
+from ..core.errors import DesignError, printable, with_article
 from ..core.records import record
 from ..plane.vec import Complex, Real
-from ..synthesis.path.svg_drawings import AffineMap, tag_of, transform_of, tree_of, view_of
+from ..synthesis.path.svg_drawings import AffineMap, subpaths, tag_of, transform_of, tree_of, view_of
 from .comparison import Mesh, merged
-from .outline import LARGEST, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
+from .made_again import members
+from .outline import LARGEST, MOST_VERTICES, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
 DXF_UNITS = {1: 25.4, 4: 1.0}
@@ -32,19 +32,21 @@ def read_dxf(path: Path, error: float, unit: float = 1.0) -> Drawing:
     """
     from ezdxf.filemanagement import readfile
 
+    problems: list[str] = []
     try:
         document = readfile(path)
         entities: list[Any] = list(document.modelspace())
+        if document.dxfversion != R12:
+            if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
+                problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
+            unit = DXF_UNITS.get(units, 1.0)
+        lines = collected(_dxf_lines(entities, error, problems, unit))
+        problems += _wrong_extents(document, lines, error, unit)
+    except UnreadableError:
+        raise
     except Exception as fault:
         # The library lets many kinds of error through when a file is damaged.
         raise UnreadableError(f"ezdxf cannot read it ({type(fault).__name__})") from fault
-    problems: list[str] = []
-    if document.dxfversion != R12:
-        if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
-            problems.append(f"its $INSUNITS is {units}, not 4 for mm or 1 for inches")
-        unit = DXF_UNITS.get(units, 1.0)
-    lines = collected(_dxf_lines(entities, error, problems, unit))
-    problems += _wrong_extents(document, lines, error, unit)
     return Drawing(lines, document.ezdxf_metadata().get("STAMP", ""), tuple(problems))
 
 
@@ -59,7 +61,7 @@ def _dxf_lines(entities: list[Any], error: float, problems: list[str], unit: flo
             bulges = [float(vertex.dxf.bulge) for vertex in entity.vertices]
             yield Line(polyline(unit * places, bulges, bool(entity.is_closed), error), layer)
         elif kind != "LWPOLYLINE":
-            problems.append(f"it has {with_article(kind)} on layer {layer}, which is not a closed polyline or circle")
+            problems.append(f"it has {with_article(kind)} on layer {layer}, which geomkin does not write")
         elif len(entity) < 2:
             problems.append(f"a polyline on layer {layer} has fewer than two vertices")
         else:
@@ -84,14 +86,9 @@ def _point(place: Any) -> complex:
     return complex(float(place[0]), float(place[1]))
 
 
-TOKEN = re.compile(r"([MmLlHhVvAaCcZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([\s,]+)")
-# Numbers that each command takes.
-COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "a": 7, "c": 6, "z": 0}
 # Operations by stroke colour, as laser cutting programs have them, for lines without a class.
 COLOURS = {"#ff0000": "CUT", "#0000ff": "ENGRAVE"}
 LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH", "TAB")
-# Chords of a cubic curve, which editors write in place of arcs.
-CHORDS = np.arange(1, 257) / 256
 UNIT = re.compile(r"[\d.]+(?:mm|in)")
 
 
@@ -101,36 +98,52 @@ def read_svg(path: Path, error: float) -> Drawing:
     try:
         root = tree_of(content.decode("utf-8"))
         view = view_of(root)
-        lines = collected(_svg_lines(root, view, "", error, 0))
+        lines = collected(_svg_lines(root, view, ("", ""), error, 0))
     except UnicodeDecodeError:
         raise UnreadableError("it is not UTF-8 text") from None
     except DesignError as refusal:
-        raise UnreadableError(refusal.problem) from None
+        named = "a path " if refusal.field == "path" else ""
+        raise UnreadableError(f"{named}{refusal.problem}") from None
     problems = [
         f"its {name} is not stated in mm or in"
         for name in ("width", "height")
         if not UNIT.fullmatch(root.get(name, ""))
     ]
+    if outside := sum(_is_outside(line.outline.points, root, view) for line in lines):
+        problems.append(f"{outside} lines are not on the sheet")
     stamps = [element.text or "" for element in root if tag_of(element) == "desc"]
     return Drawing(lines, stamps[0] if stamps else "", tuple(problems if lines else [*problems, "it has no lines"]))
 
 
-def _svg_lines(element: Element, view: AffineMap, layer: str, error: float, depth: int) -> Iterator[Line]:
-    """The lines of an element and of those inside it."""
+def _is_outside(points: Complex, root: Element, view: AffineMap) -> bool:
+    """Whether points, mm, y up, are outside the view box of a drawing that has one."""
+    if "viewBox" not in root.attrib:
+        return False
+    x, y, wide, high = map(float, root.get("viewBox", "").replace(",", " ").split())
+    low, high_end = np.conj(view.place(np.array([complex(x, y), complex(x + wide, y + high)])))
+    across, up = (points.real, low.real, high_end.real), (points.imag, high_end.imag, low.imag)
+    return any(bool((values < least).any() or (values > most).any()) for values, least, most in (across, up))
+
+
+def _svg_lines(element: Element, view: AffineMap, above: tuple[str, str], error: float, depth: int) -> Iterator[Line]:
+    """The lines of an element and of those inside it; above: layer and name of the group that it is in."""
     if depth > 100:
         raise UnreadableError("its elements are nested more than 100 deep")
     if "transform" in element.attrib:
         view = view.after(transform_of(element.get("transform", "")))
-    layer = _layer(element) or layer
     tag = tag_of(element)
+    layer, group = _layer(element) or above[0], element.get("id", "") if tag == "g" else above[1]
     if tag == "path":
-        for outline in subpaths(element.get("d", ""), error):
-            yield Line(_placed(outline, view), layer or "CUT")
+        for points, closed in subpaths(element.get("d", ""), error, MOST_VERTICES):
+            is_distinct = np.append(True, points[1:] != points[:-1])
+            is_distinct[-1] &= not (closed and points[-1] == points[0])
+            if is_distinct.sum() > 1:
+                yield Line(_placed(Outline(points[is_distinct], error, closed), view), layer or "CUT", group)
     elif tag == "circle":
         centre = complex(_number(element, "cx"), _number(element, "cy"))
-        yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT")
+        yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT", group)
     for child in element:
-        yield from _svg_lines(child, view, layer, error, depth + 1)
+        yield from _svg_lines(child, view, (layer, group), error, depth + 1)
 
 
 def _layer(element: Element) -> str:
@@ -150,93 +163,12 @@ def _placed(outline: Outline, view: AffineMap) -> Outline:
     return Outline(np.conj(view.place(outline.points)), outline.error, outline.closed)
 
 
-def subpaths(text: str, error: float) -> Iterator[Outline]:
-    """The subpaths of the attribute `d`, made of straight edges, circular arcs and cubic curves."""
-    tokens = _tokens(text)
-    pen, here, start, command, k = Pen(error), 0j, 0j, "", 0
-    while k < len(tokens):
-        if tokens[k].isalpha():
-            command, k = tokens[k], k + 1
-        count = COUNTS.get(command.lower(), -1)
-        try:
-            values = [float(token) for token in tokens[k : k + count]]
-        except ValueError:
-            values = []
-        if count < 0 or len(values) != count:
-            raise UnreadableError(f"a path lacks numbers after {command or 'its start'}")
-        k += count
-        base = 0j if command.isupper() else here
-        if command in "Zz":
-            if here != start:
-                pen.edge(here, start)
-            yield pen.outline(closed=True)
-            pen, here = Pen(error), start
-            if k < len(tokens) and not tokens[k].isalpha():
-                raise UnreadableError("a path has numbers after its end")
-        elif command in "Mm":
-            if pen.points:
-                yield pen.outline(closed=False, end=here)
-                pen = Pen(error)
-            here = start = base + complex(*values)
-            # Further pairs of numbers are straight edges.
-            command = "L" if command == "M" else "l"
-        else:
-            end = _end(command, values, here, base)
-            _step(pen, command, values, here, end, base)
-            here = end
-    if pen.points:
-        yield pen.outline(closed=False, end=here)
-
-
-def _tokens(text: str) -> list[str]:
-    tokens, at = [], 0
-    while at < len(text):
-        if not (match := TOKEN.match(text, at)):
-            raise UnreadableError(f"a path holds {text[at : at + 10]!r}")
-        if not match.group(3):
-            tokens.append(match.group())
-        at = match.end()
-    return tokens
-
-
-def _end(command: str, values: list[float], here: complex, base: complex) -> complex:
-    kind = command.lower()
-    if kind == "h":
-        return complex(base.real + values[0], here.imag)
-    if kind == "v":
-        return complex(here.real, base.imag + values[0])
-    return base + complex(*values[-2:])
-
-
-def _step(pen: Pen, command: str, values: list[float], here: complex, end: complex, base: complex) -> None:
-    kind = command.lower()
-    if kind == "a":
-        across, up, _, large, sweep = values[:5]
-        if abs(across - up) > 1e-9 * abs(across):
-            raise UnreadableError("a path has an arc of an ellipse")
-        pen.edge(here, end, _svg_bulge(here, end, across, bool(large), bool(sweep)))
-    elif kind == "c":
-        one, two = base + complex(*values[:2]), base + complex(*values[2:4])
-        t = np.append(0.0, CHORDS[:-1])
-        points: Complex = here * (1 - t) ** 3 + 3 * one * t * (1 - t) ** 2 + 3 * two * t**2 * (1 - t) + end * t**3
-        pen.add(points)
-    else:
-        pen.edge(here, end)
-
-
-def _svg_bulge(here: complex, end: complex, radius: float, large: bool, sweep: bool) -> float:
-    """Tangent of a quarter of an arc's sweep, in the file's own coordinates."""
-    if here == end or radius == 0:
-        return 0.0
-    half = float(np.arcsin(min(abs(end - here) / (2 * abs(radius)), 1.0)))
-    quarter = (np.pi - half if large else half) / 2
-    return float(np.tan(quarter)) * (1 if sweep else -1)
-
-
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MODEL = "3D/3dmodel.model"
-# Largest relative distortion of the edges of a mesh by its transform in an assembly.
-RIGID = 1e-6
+# Largest relative distortion of the edges of a mesh by its transform, and the transform of an item that has none.
+RIGID, UNMOVED = 1e-6, "1 0 0 0 1 0 0 0 1 0 0 0"
+# Largest difference of a coordinate of a normal of unit length. Those of thin triangles have few digits.
+NORMAL = 0.05
 # Lengths of the units of 3MF that are written, mm.
 PACKAGE_UNITS = {"millimeter": 1.0, "inch": 25.4}
 
@@ -245,28 +177,17 @@ def read_stl(path: Path) -> tuple[list[Mesh], list[str], str]:
     """The mesh of an STL file, problems of the file, and its stamp."""
     mesh: Any = _loaded(path)
     triangles = np.asarray(mesh.triangles, dtype=float)
-    stated = np.asarray(mesh.face_normals, dtype=float)
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    turned = len(stated) == len(normals) and (np.vecdot(stated, normals) < 0).any()
-    with path.open("rb") as file:
-        header = file.read(80)
-    stamp = header.rstrip(b"\0").decode("ascii", "replace")
+    content = _content(path)
+    # The library replaces normals that are wrong.
+    rows = np.frombuffer(content[84:], np.uint8)
+    rows = rows.reshape(-1, 50) if len(rows) == 50 * len(normals) else np.zeros((len(normals), 50), np.uint8)
+    stated = np.ascontiguousarray(rows[:, :12]).view("<f4").astype(float)
+    sizes = np.sqrt(np.vecdot(normals, normals))
+    wrong = int((np.abs(stated * sizes[:, None] - normals) > NORMAL * sizes[:, None]).any(axis=1).sum())
+    problems = [f"{wrong} normals are not those of their triangles"] if wrong else []
     corners, faces = merged(triangles)
-    problems = ["a triangle's normal points to the inside"] if turned else []
-    return [Mesh(path.stem, corners, faces)], problems, stamp
-
-
-def read_glb(path: Path) -> tuple[list[Mesh], list[str], str]:
-    """The meshes of a GLB file in their own frames, problems of the file, and its stamp."""
-    scene: Any = _loaded(path)
-    meshes, problems = [], []
-    for node in scene.graph.nodes_geometry:
-        placed, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        corners, faces = merged(np.asarray(mesh.vertices, dtype=float)[np.asarray(mesh.faces)])
-        meshes.append(Mesh(str(name), corners, faces))
-        problems += _not_rigid(1e3 * np.asarray(placed, dtype=float)[:3, :3], str(node))
-    return meshes, problems, str((scene.metadata or {}).get("stamp", ""))
+    return [Mesh(path.stem, corners, faces)], problems, content[:80].rstrip(b"\0").decode("ascii", "replace")
 
 
 def _loaded(path: Path) -> Any:
@@ -283,40 +204,37 @@ def _loaded(path: Path) -> Any:
     return loaded
 
 
-def _not_rigid(matrix: Real, name: str) -> list[str]:
-    turned = np.abs(matrix @ matrix.T - np.eye(3)).max() < RIGID and np.linalg.det(matrix) > 0
-    return [] if turned else [f"{name} is distorted or mirrored by its transform"]
+def read_3mf(path: Path) -> tuple[dict[str, Mesh], list[tuple[str, tuple[complex, complex]]], list[str], str]:
+    """The meshes of a 3MF package by number, the numbers and places of those built, problems, and the stamp.
 
-
-def read_3mf(path: Path) -> tuple[list[Mesh], dict[str, int], list[str], str]:
-    """The meshes of a 3MF package, how many times each is built, problems of the file, and its stamp."""
+    A place is a rotation, unit complex, and a shift, mm.
+    """
+    text, problems = dict(members(_content(path))).get(MODEL, ""), list[str]()
+    if "<!" in text:
+        raise UnreadableError("its model has a declaration")
     try:
-        with zipfile.ZipFile(path) as package:
-            inside = package.getinfo(MODEL)
-            # Before it is unpacked: a small package may hold a very large text.
-            if inside.file_size > LARGEST:
-                raise UnreadableError(f"its model has more than {LARGEST:,} bytes")
-            text = package.read(MODEL)
-        if b"<!" in text:
-            raise UnreadableError("its model has a declaration")
         root = ElementTree.fromstring(text)
         unit = root.get("unit", "millimeter")
         length = PACKAGE_UNITS.get(unit, 1.0)
         meshes = {item.get("id", ""): mesh for item in root.iter(f"{CORE}object") if (mesh := _mesh(item, length))}
-    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile, ElementTree.ParseError) as fault:
+        items = [item for item in root.iter(f"{CORE}item") if item.get("objectid") in meshes]
+        moves = [[float(number) for number in item.get("transform", UNMOVED).split()] for item in items]
+        matrices = [np.array(numbers).reshape(4, 3) for numbers in moves]
+    except (ValueError, TypeError, ElementTree.ParseError) as fault:
         raise UnreadableError(f"it is not a 3MF package ({type(fault).__name__})") from None
-    problems = [] if unit in PACKAGE_UNITS else [f"its unit is {unit}, not {' or '.join(PACKAGE_UNITS)}"]
-    counts: dict[str, int] = {}
-    placed = [*root.iter(f"{CORE}component"), *root.iter(f"{CORE}item")]
-    for item in (item for item in placed if item.get("objectid") in meshes):
-        name = meshes[item.get("objectid", "")].name
-        counts[name] = counts.get(name, 0) + 1
-        numbers = [float(number) for number in item.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
-        if len(numbers) != 12:
-            raise UnreadableError("a transform has not 12 numbers")
-        problems += _not_rigid(np.array(numbers).reshape(4, 3)[:3], name)
+    if unit not in PACKAGE_UNITS:
+        problems.append(f"its unit is {unit}, not {' or '.join(PACKAGE_UNITS)}")
+    places: list[tuple[str, tuple[complex, complex]]] = []
+    for item, matrix in zip(items, matrices):
+        number = item.get("objectid", "")
+        turn, shift = complex(*matrix[0, :2]), length * complex(*matrix[3, :2])
+        flat = np.array([[turn.real, turn.imag, 0], [-turn.imag, turn.real, 0], [0, 0, 1]])
+        is_flat = np.abs(matrix[:3] - flat).max() < RIGID and abs(abs(turn) - 1) < RIGID and abs(matrix[3, 2]) < RIGID
+        if not (is_flat and np.isfinite(matrix).all()):
+            problems.append(f"{printable(meshes[number].name, 60)} is distorted, mirrored or off the bed")
+        places.append((number, (turn, shift)))
     stamps = [item.text or "" for item in root.iter(f"{CORE}metadata") if item.get("name") == "Description"]
-    return list(meshes.values()), counts, problems, stamps[0] if stamps else ""
+    return meshes, places, problems, stamps[0] if stamps else ""
 
 
 def _mesh(item: ElementTree.Element, unit: float) -> Mesh | None:

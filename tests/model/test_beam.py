@@ -75,4 +75,4 @@ def test_certificate_agrees_with_the_check(tmp_path):
     recipe = gk.load(CASE)
     gk.make(replace(recipe, files=replace(recipe.files, write=("svg",))), tmp_path, ["svg"])
     (certificate,) = gk.verify(tmp_path)
-    assert not certificate.passed and certificate.files[0].deviation < TOLERANCE
+    assert [file.format for file in certificate.files if not file.passed] == ["svg"]

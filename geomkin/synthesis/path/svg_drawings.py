@@ -7,7 +7,8 @@ Scalable Vector Graphics 2, chapters 5, 7 and 8.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from math import inf
 from typing import Annotated, NamedTuple
 from xml.etree import ElementTree
 
@@ -25,6 +26,8 @@ MOST_CHARACTERS = 1_000_000
 MOST_COMMANDS = 5_000
 # Parameters on each curve from which its length is measured; fewer space the points unevenly.
 PARAMETERS = np.arange(1, 65) / 64
+# Parameters on each curve, and largest number of chords of an arc, of a drawing that is measured.
+FINE_PARAMETERS, MOST_CHORDS = np.arange(1, 257) / 256, 100_000
 # Number of arguments of each command.
 ARGUMENT_COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "c": 6, "s": 4, "q": 4, "t": 2, "a": 7, "z": 0}
 PATH_NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
@@ -116,9 +119,17 @@ class _Reader:
 
 def first_subpath(path: str) -> tuple[Complex, bool]:
     """The first subpath as a polyline in SVG coordinates, and whether it is closed."""
-    if len(path) > MOST_CHARACTERS:
-        raise DesignError("path", f"has {len(path):,} characters", f"give at most {MOST_CHARACTERS:,}", "too-much-work")
-    reader, points, commands = _Reader(path), [], 0
+    return next(subpaths(path))
+
+
+def subpaths(path: str, error: float = inf, most: int = MOST_COMMANDS) -> Iterator[tuple[Complex, bool]]:
+    """The subpaths as polylines in SVG coordinates, and whether each is closed.
+
+    The chords of an arc are within `error` of it, or a fixed number; most: number of commands of a subpath.
+    """
+    if len(path) > (longest := most * (MOST_CHARACTERS // MOST_COMMANDS)):
+        raise DesignError("path", f"has {len(path):,} characters", f"give at most {longest:,}", "too-much-work")
+    reader, commands = _Reader(path), 0
     first = reader.take(COMMAND)
     if first is None or first.lower() != "m":
         raise DesignError(
@@ -129,28 +140,39 @@ def first_subpath(path: str) -> tuple[Complex, bool]:
         )
     here = start = complex(*reader.numbers("m"))
     command, handle, previous = ("L" if first == "M" else "l"), here, ""
-    points.append(here)
+    points = [start]
     while True:
         letter = reader.take(COMMAND)
         if letter is None and not reader.text[reader.at :].strip(" ,\t\r\n"):
             break
         command = letter or command
         kind = command.lower()
-        if kind not in ARGUMENT_COUNTS:
-            found = printable(repr(reader.text[reader.at - 1 : reader.at + 10]))
+        if kind not in ARGUMENT_COUNTS or (letter is None and kind == "z"):
+            found = printable(repr(reader.text[max(reader.at - 1, 0) : reader.at + 10]))
             raise DesignError(
                 "path", f"at character {reader.at} holds {found}", "give the commands of SVG paths", "wrong-type"
             )
         if kind == "z":
-            return _within_range([*points, start]), True
-        if kind == "m":
-            break
+            yield _within_range([*points, start]), True
+        elif kind == "m" and previous != "z":
+            yield _open(points)
+        if kind in "zm":
+            here = start = start if kind == "z" else complex(*reader.numbers("m")) + (0 if command == "M" else here)
+            command = {"M": "L", "m": "l"}.get(command, command)
+            points, handle, previous, commands = [start], here, kind, 0
+            continue
         commands += 1
-        if commands > MOST_COMMANDS:
-            raise DesignError("path", f"has more than {MOST_COMMANDS:,} commands", "simplify it", "too-much-work")
-        piece, handle = _piece(kind, reader.numbers(kind), here, 0 if command.isupper() else here, handle, previous)
+        if commands > most:
+            raise DesignError("path", f"has more than {most:,} commands", "simplify it", "too-much-work")
+        base = 0 if command.isupper() else here
+        piece, handle = _piece(kind, reader.numbers(kind), here, base, handle, previous, error)
         points.extend(piece)
         here, previous = points[-1], kind
+    if previous != "z":
+        yield _open(points)
+
+
+def _open(points: list[complex]) -> tuple[Complex, bool]:
     polyline = _within_range(points)
     size = float(np.abs(polyline - polyline[0]).max())
     return polyline, bool(len(polyline) > 3 and abs(polyline[-1] - polyline[0]) <= 1e-6 * size)
@@ -164,16 +186,16 @@ def _within_range(line: list[complex]) -> Complex:
 
 
 def _piece(
-    kind: str, values: list[float], here: complex, base: complex, handle: complex, previous: str
+    kind: str, values: list[float], here: complex, base: complex, handle: complex, previous: str, error: float
 ) -> tuple[list[complex], complex]:
     """Points of one command after its start, and the control point that a following smooth command reflects."""
-    t = PARAMETERS
+    t = PARAMETERS if error == inf else FINE_PARAMETERS
     if kind in "hv":
         across = complex(values[0] + base.real, here.imag) if kind == "h" else complex(here.real, values[0] + base.imag)
         return [across], across
     if kind == "a":
         end = complex(values[5], values[6]) + base
-        return _arc(here, end, values), end
+        return _arc(here, end, values, error), end
     controls = [complex(x, y) + base for x, y in zip(values[::2], values[1::2])]
     if kind == "l":
         return controls, controls[0]
@@ -188,7 +210,7 @@ def _piece(
     return ((1 - t) ** 2 * here + 2 * t * (1 - t) * control_1 + t**2 * end).tolist(), control_1
 
 
-def _arc(start: complex, end: complex, values: list[float]) -> list[complex]:
+def _arc(start: complex, end: complex, values: list[float], error: float) -> list[complex]:
     """Elliptic arc between its ends, computed from the middle of its chord so that huge radii lose no digits."""
     wide, high, turn = abs(values[0]), abs(values[1]), complex(np.exp(1j * np.radians(values[2])))
     radius = max(wide, high)
@@ -205,8 +227,14 @@ def _arc(start: complex, end: complex, values: list[float]) -> list[complex]:
     half_turn = float(np.arcsin(min(1.0, abs(chord) / radius)))
     if values[3]:
         half_turn = np.pi - half_turn
-    along = radius * np.sin(half_turn * (2 * PARAMETERS - 1))
-    aside = 2 * radius * np.sin(half_turn * PARAMETERS) * np.sin(half_turn * (1 - PARAMETERS))
+    t = PARAMETERS
+    if error < radius:
+        count = int(np.ceil(half_turn / np.arccos(1 - error / radius)))
+        if count > MOST_CHORDS:
+            raise DesignError("path", f"has an arc of {count:,} chords", "give a smaller arc", "too-much-work")
+        t = np.arange(1, count + 1) / count
+    along = radius * np.sin(half_turn * (2 * t - 1))
+    aside = 2 * radius * np.sin(half_turn * t) * np.sin(half_turn * (1 - t))
     on = chord / abs(chord) * (along + (-1j if values[4] else 1j) * aside)
     points: list[complex] = ((start + end) / 2 + turn * (wide * on.real + 1j * high * on.imag)).tolist()
     return [*points[:-1], end]
