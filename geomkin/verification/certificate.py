@@ -31,14 +31,13 @@ from .comparison import (
     exact_part,
     measure_drawing,
     measure_mesh,
-    measure_plate,
     meeting,
     refuse_more,
     worst_of,
 )  # fmt: skip
 from .made_again import Difference, difference
 from .outline import LARGEST, UnreadableError
-from .read_back import read_3mf, read_dxf, read_step, read_stl, read_svg
+from .read_back import read_3mf, read_dxf, read_stl, read_svg
 
 # Share of the tolerance by which a deviation may exceed it: the error of the measurement itself.
 MEASURED = 2 * FINENESS
@@ -364,20 +363,12 @@ def _threemf(path: Path, expected: Expected) -> Content:
     return Content([measured[number] for number, _ in places], stamp, tuple(problems))
 
 
-def _step(path: Path, expected: Expected) -> Content:
-    plate = read_step(path, expected.tolerance * FINENESS / 2)
-    exact = expected.named(path.stem)
-    found = measure_plate((plate.lower, plate.upper), plate.thickness, plate.walls, exact, expected.tolerance)
-    return Content([found], plate.stamp)
-
-
 # Readers by format; files of other formats must be those made again.
 READERS: Mapping[str, Callable[[Path, Expected], Content]] = {
     "dxf": _dxf,
     "svg": _svg,
     "stl": _stl,
     "3mf": _threemf,
-    "step": _step,
 }
 # Formats that a beam cuts.
 CUT = ("dxf", "svg")

@@ -496,27 +496,6 @@ def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution:
     return reduce(larger, distances)
 
 
-def measure_plate(
-    lids: Sequence[Sequence[Outline]], thickness: float, walls: Real, exact: ExactPart, tolerance: float
-) -> Measured:
-    """A plate by the loops of its faces, as STEP has them, its thickness, mm, and points (n, 3) of its walls, mm."""
-    found: list[Measured] = []
-    for share, loops in enumerate(lids):
-        order = sorted(loops, key=lambda loop: -abs(loop.area))
-        upright = [loop if (loop.area > 0) == (k == 0) else loop.reversed() for k, loop in enumerate(order)]
-        if (plate := as_plate(upright, exact.part, share)) is not None:
-            found.append(compared(plate, _unmarked(exact.solid), exact.part.name, tolerance))
-    if twist := exact.part.twist if len(walls) else None:
-        pose = twist.at(walls[:, 2] / exact.part.thickness)
-        local = (walls[:, 0] + 1j * walls[:, 1] - pose.origin) / pose.direction
-        loops = exact.solid.loops
-        edges = Edges(np.concatenate([loop.starts for loop in loops]), np.concatenate([loop.ends for loop in loops]))
-        distances = edges.nearest(local)[1]
-        worst = int(np.argmax(distances))
-        found.append(replace(found[0], deviation=float(distances[worst]), place=complex(local[worst])))
-    return _with(worst_of(found), _thickness_problems(0.0, thickness, exact.part, EVEN))
-
-
 def _unmarked(shape: Shape) -> Shape:
     """Solids have no engraving."""
     return Shape(shape.outline, shape.holes)

@@ -91,7 +91,7 @@ def _content(content: bytes, kind: str) -> tuple[str, bytes]:
         return around + "".join(f"\n<!-- {name} -->\n{text}" for name, text in inside), b""
     text = content.decode("utf-8", "backslashreplace")
     # The version of the program that wrote a file is stated, but not compared.
-    if kind == "step":
+    if kind in ("step", "assembly-step"):
         return re.sub(r"'geomkin [^'\n]*'", "", text, count=1), b""
     if kind == NAME:
         before, mark, after = text.rpartition('"versions": {')

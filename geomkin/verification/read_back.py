@@ -1,4 +1,4 @@
-"""Files read back: DXF by ezdxf, STL by trimesh, SVG, 3MF and the plates of STEP by the standard library."""
+"""Files read back: DXF by ezdxf, STL by trimesh, SVG and 3MF by the standard library."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ..core.errors import DesignError, printable, with_article
-from ..core.records import record
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex
 from ..synthesis.path.svg_drawings import AffineMap, subpaths, tag_of, transform_of, tree_of, view_of
 from .comparison import Mesh, merged
 from .made_again import members
-from .outline import LARGEST, MOST_VERTICES, Drawing, Line, Outline, Pen, UnreadableError, circle, collected, polyline
+from .outline import LARGEST, MOST_VERTICES, Drawing, Line, Outline, UnreadableError, circle, collected, polyline
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
 DXF_UNITS = {1: 25.4, 4: 1.0}
@@ -246,207 +245,6 @@ def _mesh(item: ElementTree.Element, unit: float) -> Mesh | None:
     if not np.isfinite(points).all() or triangles.min() < 0 or triangles.max() >= len(points):
         raise ValueError("not a mesh")
     return Mesh(item.get("name", ""), *merged(points[triangles]))
-
-
-ENTITY = re.compile(r"#(\d+)\s*=\s*([A-Z0-9_]*)\s*\((.*)\)\s*", re.DOTALL)
-REFERENCE = re.compile(r"#(\d+)")
-STRING = re.compile(r"'(?:[^']|'')*'")
-# Largest distance between two ends that count as meeting, and from a plane in which a point counts as lying, mm.
-SAME = 1e-5
-
-
-@record(eq=False)
-class StepPlate:
-    """The loops of the lower and of the upper face of a plate, mm, and the height of the upper face, mm.
-
-    walls: points (n, 3) of the B-spline surfaces between them, mm.
-    """
-
-    lower: tuple[Outline, ...]
-    upper: tuple[Outline, ...]
-    thickness: float
-    walls: Real
-    stamp: str = ""
-
-
-class _File:
-    """The entities of a file by number."""
-
-    def __init__(self, text: str):
-        header, _, data = text.partition("DATA;")
-        self.header = header
-        self.entities: dict[str, tuple[str, str]] = {}
-        # Texts, which are not needed, may contain semicolons and numbers.
-        for line in STRING.sub("''", data).split(";"):
-            if found := ENTITY.fullmatch(line.strip()):
-                self.entities[found.group(1)] = (found.group(2), found.group(3))
-
-    def of(self, number: str, *kinds: str) -> tuple[str, list[str], str]:
-        """Kind, references and text of an entity, which must be of one of these kinds."""
-        kind, text = self.entities.get(number, ("nothing", ""))
-        if kind not in kinds:
-            raise UnreadableError(f"entity #{number} is {kind or 'a list'}, not {' or '.join(kinds)}")
-        return kind, REFERENCE.findall(text), text
-
-    def point(self, number: str) -> tuple[complex, float]:
-        """Position in the plane and height of a point."""
-        x, y, z = _numbers(self.of(number, "CARTESIAN_POINT")[2])
-        return complex(x, y), z
-
-    def placement(self, number: str) -> tuple[complex, float, float]:
-        """Origin in the plane, height and z component of the axis of a placement."""
-        centre, axis, _ = self.of(number, "AXIS2_PLACEMENT_3D")[1]
-        return *self.point(centre), _numbers(self.of(axis, "DIRECTION")[2])[2]
-
-
-def read_step(path: Path, error: float) -> StepPlate:
-    """The plate in a STEP file, arcs as chords within `error`, mm. UnreadableError if it holds anything else."""
-    content = _content(path)
-    try:
-        return _plate(_File(content.decode("ascii")), error)
-    except (UnicodeDecodeError, ValueError, IndexError, RecursionError) as fault:
-        raise UnreadableError(f"it is not a STEP file of a plate ({type(fault).__name__})") from None
-
-
-def _plate(file: _File, error: float) -> StepPlate:
-    units = [text for kind, text in file.entities.values() if not kind and "LENGTH_UNIT" in text]
-    if len(units) != 1 or "SI_UNIT(.MILLI.,.METRE.)" not in units[0]:
-        raise UnreadableError("its unit of length is not the millimetre")
-    lids: list[tuple[float, tuple[Outline, ...]]] = []
-    walls: list[Real] = []
-    shells = [text for kind, text in file.entities.values() if kind == "CLOSED_SHELL"]
-    if len(shells) != 1:
-        raise UnreadableError(f"it has {len(shells)} shells, not one")
-    for face in REFERENCE.findall(shells[0]):
-        *bounds, surface = file.of(face, "ADVANCED_FACE")[1]
-        kind, (place, *_), _ = file.of(surface, *SURFACES)
-        if kind == "B_SPLINE_SURFACE_WITH_KNOTS":
-            walls.append(_surface_points(file, surface))
-        if kind != "PLANE":
-            continue
-        _, height, axis = file.placement(place)
-        if abs(axis) > 0.5:
-            lids.append((height, tuple(_loop(file, bound, height, error) for bound in bounds)))
-    if len(lids) != 2:
-        raise UnreadableError(f"it has {len(lids)} level faces, not two")
-    (low, lower), (high, upper) = sorted(lids, key=lambda lid: lid[0])
-    if abs(low) > SAME:
-        raise UnreadableError(f"its lower face is at z = {low:g}, not 0")
-    stamp = re.search(r"FILE_DESCRIPTION\(\('([^']*)'", file.header)
-    points = np.concatenate([np.zeros((0, 3)), *walls])
-    return StepPlate(lower, upper, high, points, stamp.group(1) if stamp else "")
-
-
-def _loop(file: _File, bound: str, height: float, error: float) -> Outline:
-    (ring,) = file.of(bound, "FACE_BOUND", "FACE_OUTER_BOUND")[1]
-    pen = Pen(error)
-    last: complex | None = None
-    first: complex | None = None
-    for oriented in file.of(ring, "EDGE_LOOP")[1]:
-        _, (edge,), text = file.of(oriented, "ORIENTED_EDGE")
-        _, (start_number, end_number, curve), _ = file.of(edge, "EDGE_CURVE")
-        ends = [file.point(file.of(number, "VERTEX_POINT")[1][0]) for number in (start_number, end_number)]
-        if any(abs(z - height) > SAME for _, z in ends):
-            raise UnreadableError("an edge of a level face leaves its plane")
-        (start, _), (end, _) = ends
-        is_forward = text.rstrip().endswith(".T.")
-        spline = _curve_points(file, curve, error) if file.entities.get(curve, ("",))[0] == SPLINE else None
-        bulge = 0.0 if spline is not None else _step_bulge(file, curve, start, end)
-        if spline is not None and max(abs(spline[0] - start), abs(spline[-1] - end)) > SAME:
-            raise UnreadableError("a B-spline does not begin or end at its edge")
-        if not is_forward:
-            start, end, bulge = end, start, -bulge
-        if last is not None and abs(start - last) > SAME:
-            raise UnreadableError("two edges that follow each other do not meet")
-        first, last = start if first is None else first, end
-        if spline is not None:
-            pen.add(spline[:-1] if is_forward else spline[:0:-1])
-        else:
-            pen.edge(start, end, bulge)
-    if first is None or last is None or abs(first - last) > SAME:
-        raise UnreadableError("a loop is not closed")
-    return pen.outline(closed=True)
-
-
-SPLINE = "B_SPLINE_CURVE_WITH_KNOTS"
-SURFACES = ("PLANE", "CYLINDRICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION", "B_SPLINE_SURFACE_WITH_KNOTS")
-# Points between two knots of a surface.
-GRID = 5
-
-
-def _lists(text: str) -> list[str]:
-    """The lists of an entity that contain no other list, without their parentheses."""
-    return re.findall(r"\(([^()]*)\)", text)
-
-
-def _knot_row(counts: str, values: str) -> Real:
-    """Knots, each as often as its multiplicity."""
-    return np.repeat(_numbers(values), [int(count) for count in counts.split(",")])
-
-
-def _evaluated(knots: Real, controls: Any, t: Real) -> Any:
-    """Points of a cubic B-spline at parameters, along the first axis of its control points, by de Boor's algorithm."""
-    k = np.clip(np.searchsorted(knots, t, side="right") - 1, 3, len(controls) - 1)
-    corners = [controls[k - 3 + j] for j in range(4)]
-    for r in range(1, 4):
-        for j in range(3, r - 1, -1):
-            low, high = knots[k - 3 + j], knots[k + 1 + j - r]
-            share = ((t - low) / (high - low)).reshape(-1, *[1] * (controls.ndim - 1))
-            corners[j] = (1 - share) * corners[j - 1] + share * corners[j]
-    return corners[3]
-
-
-def _between(knots: Real, count: int) -> Real:
-    """Parameters in equal steps between the knots, so many from one to the next, with the last one."""
-    distinct = np.unique(knots)
-    inner = distinct[:-1, None] + np.diff(distinct)[:, None] * np.arange(count) / count
-    return np.append(inner.ravel(), distinct[-1])
-
-
-def _curve_points(file: _File, curve: str, error: float) -> Complex:
-    """Points of a cubic B-spline, its chords within `error`, mm."""
-    _, references, text = file.of(curve, SPLINE)
-    _, counts, values = _lists(text)
-    if text.partition(",")[2].partition(",")[0] != "3":
-        raise UnreadableError("a B-spline is not cubic")
-    knots, controls = _knot_row(counts, values), np.array([file.point(number)[0] for number in references])
-    for count in (2, 4, 8, 16, 32, 64, 128, 256, 512, 1024):
-        points: Complex = _evaluated(knots, controls, _between(knots, 2 * count))
-        chords = (points[:-2:2] + points[2::2]) / 2
-        if np.abs(points[1::2] - chords).max() < error:
-            break
-    return points
-
-
-def _surface_points(file: _File, surface: str) -> Real:
-    """Points of a bicubic B-spline surface, mm."""
-    _, references, text = file.of(surface, SURFACES[-1])
-    *rows, first_counts, second_counts, first, second = _lists(text)
-    points = [file.point(number) for number in references]
-    net = np.array([(z.real, z.imag, height) for z, height in points]).reshape(len(rows), -1, 3)
-    along, up = (_knot_row(*pair) for pair in ((first_counts, first), (second_counts, second)))
-    lines = _evaluated(along, net, _between(along, GRID)).swapaxes(0, 1)
-    found: Real = _evaluated(up, lines, _between(up, GRID)).reshape(-1, 3)
-    return found
-
-
-def _step_bulge(file: _File, curve: str, start: complex, end: complex) -> float:
-    """Tangent of a quarter of the sweep of an edge; 0 if it is straight."""
-    kind, (place, *_), text = file.of(curve, "LINE", "CIRCLE")
-    if kind == "LINE":
-        return 0.0
-    centre, _, axis = file.placement(place)
-    radius = _numbers(text.rpartition(",")[2])[0]
-    if max(abs(abs(z - centre) - radius) for z in (start, end)) > SAME:
-        raise UnreadableError("an arc does not begin or end on its circle")
-    # Counterclockwise about the axis of the circle.
-    sweep = float(np.angle((end - centre) / (start - centre)))
-    sweep = sweep % (2 * np.pi) if axis > 0 else -((-sweep) % (2 * np.pi))
-    return float(np.tan(sweep / 4))
-
-
-def _numbers(text: str) -> list[float]:
-    return [float(number) for number in re.findall(r"[-+]?\d+\.?\d*(?:E[-+]?\d+)?", text)]
 
 
 def _content(path: Path) -> bytes:
