@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, Self
@@ -251,6 +251,16 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
         tables: kind of each of these tables, by dotted key.
         """
         return {}
+
+    @property
+    def known_names(self) -> Mapping[str, Sequence[Any]]:
+        """Names in this recipe by the keys that state them in an added table, such as `body`, the most likely first."""
+        return {}
+
+    def additions(self, key: str) -> Iterator[Mapping[str, Any]]:
+        """Values by dotted key that add the table `key`, if the examples of its fields do not."""
+        del key
+        return iter(())
 
     def at_scale(self, scale: float) -> Self:
         """The same recipe with every length multiplied, except in `UNSCALED` tables; see `gk.scaled`."""

@@ -20,12 +20,13 @@ from ..model.check import Check
 from ..model.scene import SceneHandle
 from ..page.page import scene_data
 from ..plane.vec import Array, Real
-from ..recipe.keys import edited_text, with_values
+from ..recipe.keys import edited_text, with_added, with_values
 from ..recipe.lengths import shown_numbers
 from ..recipe.load import from_table, whole_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.toml import parsed
+from .additions import addition
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
 MOST_TRIALS = 40
@@ -283,7 +284,7 @@ def answer(
     files : mapping of str to str
         Texts of the files that it names.
     request : mapping
-        `set`, values by dotted key, None to remove one; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
+        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -318,11 +319,13 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     text, name = draft.text, draft.name
     reply: Answer = {
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
-        "limit": None, "quantities": [], "checks": None, "candidates": None, "parts": None,
+        "limit": None, "search": False, "quantities": [], "checks": None, "candidates": None, "parts": None,
     }  # fmt: skip
     try:
         if changes := request.get("set"):
             draft.text = reply["text"] = edited_text(text, _with_whole_lists(draft, changes))
+        if key := request.get("add"):
+            _add(draft, key, reply)
         if request.get("drag"):
             _drag(draft, request["drag"], request.get("locks") or (), reply)
             draft.text = reply["text"]
@@ -330,6 +333,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         kind = table.get("kind")
         reply["kind"] = kind if isinstance(kind, str) else ""
         recipe = opened(draft) if opened else draft.opened(table)
+        reply["search"] = isinstance(recipe, AbstractGoal)
         reply["values"] = _values(draft.as_written(table, recipe))
         with errors_named_by_key("recipe", recipe):
             (_checks if request.get("lane") == "checks" else _scene)(recipe, request.get("locks") or (), reply)
@@ -345,6 +349,22 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     if reply["problems"]:
         reply["scene"] = None
     return reply
+
+
+def _add(draft: Draft, key: Any, reply: Answer) -> None:
+    """Change the text so that the recipe has another table or item of a list; if it can have none, report why."""
+    if not isinstance(key, str):
+        raise DesignError("add", f"found {shown(key)}", "give a key", "wrong-type")
+    table = draft.table()
+    recipe = draft.as_written(table, draft.opened(table))
+    try:
+        with errors_named_by_key("recipe", recipe):
+            changes = addition(recipe, key, lambda changes: draft.opened(with_added(table, changes)))
+    except RecipeError as error:
+        problem = error.problems[0]
+        reply["limit"] = {"keys": [problem.key], "reason": harmless(f"{problem.problem}; {problem.remedy}")}
+        return
+    draft.text = reply["text"] = edited_text(draft.text, changes)
 
 
 def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply: Answer) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
+from hashlib import sha256
 from hmac import compare_digest
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -37,6 +39,8 @@ from .workspace import BackgroundJob, ConflictError, Jobs, Workspace, join_all
 HOST = "127.0.0.1"
 # The first port that is tried, and how many after it.
 PORT, MOST_PORTS = 8017, 50
+# Bytes of the secret in the address.
+TOKEN = 24
 # Largest body of a request, bytes: a recipe is at most half of it.
 LARGEST_BODY = 1_000_000
 # Requests in any one second, and at the same time: a drag sends fewer than 60 a second.
@@ -47,6 +51,8 @@ IDLE = 60
 AT_ONCE = 0.4
 # Seconds for which a request for changes of a file waits, and between two looks at it.
 LONGEST_WAIT, LOOK = 25.0, 0.3
+# Types of the optional parts of a request for an answer.
+REQUEST: dict[str, type] = {"set": dict, "drag": dict, "add": str, "locks": list, "lane": str}
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors "
@@ -102,7 +108,7 @@ class Studio:
         match name:
             case "start":
                 first, text = (self.kept.name, self.kept.text) if self.kept else (self.first, "")
-                return {"first": first, "text": text, "recipes": self.workspace.recipes}
+                return {"first": first, "text": text, "folder": str(self.workspace.folder)}
             case "gallery":
                 kinds = [
                     {"kind": kind, "group": row.group, "about": recipe_class(kind).about()}
@@ -124,7 +130,12 @@ class Studio:
                 return self._answer(body)
             case "form":
                 values = body.get("values")
-                return self._known_kind(body, partial(recipe_form, values=values if isinstance(values, dict) else {}))
+                known = {
+                    key: value
+                    for key, value in (values.items() if isinstance(values, dict) else ())
+                    if isinstance(value, str) or not (key == "units" or key.endswith(".kind"))
+                }
+                return self._known_kind(body, partial(recipe_form, values=known))
             case "open":
                 opened = self.workspace.open(_text(body, "recipe"))
                 return {"recipe": body["recipe"], "text": opened.text, "base": opened.base}
@@ -132,7 +143,9 @@ class Studio:
                 name = _text(body, "recipe")
                 return {"recipe": name, "base": self.workspace.save(name, _text(body, "text"), _text(body, "base"))}
             case "new":
-                options = [str(option) for option in body.get("options") or ()]
+                options = body.get("options") or []
+                if not isinstance(options, list) or not all(isinstance(option, str) for option in options):
+                    raise _RefusedError(HTTPStatus.BAD_REQUEST, "options has the wrong form", "give a list of texts")
                 return {"text": self._known_kind(body, lambda kind: template(recipe_class(kind), options))}
             case "make":
                 id, _ = self.jobs.start(partial(self._made, _text(body, "text"), _text(body, "recipe")))
@@ -149,7 +162,12 @@ class Studio:
 
     def _answer(self, body: Mapping[str, Any]) -> Any:
         """An answer at once, or the job of a search that takes longer; a new request ends the search before it."""
-        text, name = _text(body, "text"), str(body.get("recipe") or "")
+        text, name = _text(body, "text"), _text({"recipe": "", **body}, "recipe")
+        for key, form in REQUEST.items():
+            if not isinstance(body.get(key) or form(), form):
+                raise _RefusedError(HTTPStatus.BAD_REQUEST, f"{key} has the wrong form", "give what the docs state")
+        if not all(isinstance(key, str) for key in body.get("locks") or ()):
+            raise _RefusedError(HTTPStatus.BAD_REQUEST, "locks has the wrong form", "give keys")
         work = partial(self._answered, text, self.workspace.files_of(text), dict(body), name)
         if not _is_search(text):
             return work()
@@ -199,9 +217,11 @@ class Studio:
         if file_name_flaw(folder) or file_name_flaw(name) or not path.resolve().is_relative_to(home):
             raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file")
         try:
-            return path.read_bytes()
+            if path.is_file():
+                return path.read_bytes()
         except OSError:
-            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file") from None
+            pass
+        raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file")
 
     def _picture(self, query: Mapping[str, str]) -> bytes:
         """A small picture of a recipe of the folder, or of a kind; empty if it takes a search or is wrong."""
@@ -257,9 +277,14 @@ def _is_search(text: str) -> bool:
 
 def _text(body: Mapping[str, Any], name: str) -> str:
     value = body.get(name)
-    if not isinstance(value, str):
+    if not isinstance(value, str) or not _is_unicode(value):
         raise _RefusedError(HTTPStatus.BAD_REQUEST, f"{name} is missing", "give a text")
     return value
+
+
+def _is_unicode(text: str) -> bool:
+    """Whether a text can be written as UTF-8, which has no halves of pairs."""
+    return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
 def _problems(error: GeomkinError) -> list[dict[str, str | float]]:
@@ -286,13 +311,16 @@ class StudioServer(ThreadingHTTPServer):
         The first port that is tried; if it is taken, the next ones. 0 for any free one.
     framed_by : str
         Sources of pages that may show the studio in a frame, as in a content security policy.
+    token : str
+        The secret in its address; by default a new one.
     """
 
-    # On some systems a second server could otherwise take over the port of a running one.
-    allow_reuse_address = False
+    # On Windows a second server could otherwise take over the port of a running one; elsewhere a server that is started
+    # again gets its port back.
+    allow_reuse_address = os.name != "nt"
 
-    def __init__(self, studio: Studio, port: int = PORT, framed_by: str = NOBODY):
-        self.studio, self.token, self.policy = studio, token_urlsafe(24), POLICY + framed_by
+    def __init__(self, studio: Studio, port: int = PORT, framed_by: str = NOBODY, token: str = ""):
+        self.studio, self.token, self.policy = studio, token or token_urlsafe(TOKEN), POLICY + framed_by
         # Connections that are open, by their threads.
         self._connections: dict[Thread, socket] = {}
         self._slots, self._times, self._lock = (
@@ -364,11 +392,14 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _answer(self, work: Callable[[str, dict[str, str]], tuple[bytes, str, str]]) -> None:
         status, policy = HTTPStatus.OK, self.server.policy
-        admitted = self.server.admit()
+        admitted = False
         try:
+            # Only requests of the studio's own page are counted.
+            checked = self._checked()
+            admitted = self.server.admit()
             if not admitted:
                 raise _RefusedError(HTTPStatus.TOO_MANY_REQUESTS, "too many requests", "wait")
-            content, kind, policy = work(*self._checked())
+            content, kind, policy = work(*checked)
         except _RefusedError as error:
             status = error.status
             entry = {"key": "", "problem": harmless(error.problem), "remedy": error.remedy, "id": ""}
@@ -409,8 +440,11 @@ class _Handler(BaseHTTPRequestHandler):
         origin = self.headers.get("Origin")
         if origin is not None and origin not in {f"http://{host}" for host in hosts}:
             raise _RefusedError(HTTPStatus.FORBIDDEN, "the request comes from another page")
-        parts = urlsplit(self.path)
-        _, token, *rest = unquote(parts.path).split("/", 2)
+        try:
+            parts = urlsplit(self.path)
+        except ValueError:
+            raise _RefusedError(HTTPStatus.BAD_REQUEST, "the address is wrong") from None
+        token, *rest = unquote(parts.path).removeprefix("/").split("/", 1)
         if not rest or not compare_digest(token.encode(), self.server.token.encode()):
             raise _RefusedError(
                 HTTPStatus.NOT_FOUND, "the address is not that of the studio", "open the one in the terminal"
@@ -464,6 +498,24 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header("Connection", "close")
         self.end_headers()
         self.wfile.write(content)
+
+
+def kept_token(folder: Path) -> str:
+    """The token of the last studio in a folder, with which a page that is still open goes on; a new one at first.
+
+    It is in a file of the user's own folder for states, which nobody else can read.
+    """
+    home = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or str(Path.home() / ".local" / "state")
+    file = Path(home, "geomkin", "studio", sha256(str(folder.resolve()).encode()).hexdigest())
+    with suppress(OSError, ValueError):
+        if len(token := file.read_text("ascii").strip()) >= TOKEN:
+            return token
+    token = token_urlsafe(TOKEN)
+    with suppress(OSError):
+        file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with open(file, "w", encoding="ascii", opener=partial(os.open, mode=0o600)) as state:
+            state.write(token)
+    return token
 
 
 def _json(data: Any) -> tuple[bytes, str]:

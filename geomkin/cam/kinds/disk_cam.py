@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import cached_property
@@ -254,6 +254,15 @@ class DiskCamRecipe(AbstractComposedRecipe):
             "worst_at_deg": to_digits(np.degrees(at), 5),  # the angle of a flat peak has no more certain digits
             "spans_deg": [[to_digits(np.degrees(a)) for a in span] for span in self.made.cut.spans],
         }
+
+    def additions(self, key: str) -> Iterator[Mapping[str, Any]]:
+        segments = self.cam.program.segments
+        if key == "cam.program" and segments[-1].end_deg is not None:
+            # The last segment gets shorter, and a dwell fills its end.
+            *_, start, end = self.cam.program.breaks
+            middle = to_digits(np.degrees(start + end) / 2)
+            dwell = {"kind": "dwell", "end_deg": segments[-1].end_deg}
+            yield {f"{key}[{len(segments) - 1}].end_deg": middle, f"{key}[{len(segments)}]": dwell}
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, partial
-from typing import ClassVar
+from typing import Any, ClassVar
+
+import numpy as np
 
 from ...core.fields import entry
 from ...core.records import record
@@ -40,6 +42,7 @@ from .moved import (
     AbstractMovedRecipe,
     Branches,
     SideOrFollow,
+    added_slides,
     both_modes_entry,
     branch_entry,
     branch_of,
@@ -159,6 +162,34 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         copies = {"copies": (Copy(180.0),)} if "copies" in tables else {}
         return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in tables else {})}
+
+    @property
+    def known_names(self) -> Mapping[str, Sequence[Any]]:
+        linkage = self.linkage.linkage
+        moving = [*linkage.bodies][:0:-1]
+        points = list(dict.fromkeys(point for body in moving for point in linkage.bodies[body]))
+        pivoted = [body for body in moving if {*linkage.bodies[body]} & {*linkage.bodies[linkage.ground]}]
+        return {
+            "body": moving,
+            "point": points,
+            "to_body": [linkage.ground],
+            "pin": list(linkage.pins),
+            "slide": [slider.name for slider in linkage.sliders],
+            "bodies": [[body] for body in pivoted],
+            "base": [[*linkage.bodies[body]][:2] for body in moving if len(linkage.bodies[body]) > 1],
+            "loads.masses": moving,
+        }
+
+    def additions(self, key: str) -> Iterator[Mapping[str, Any]]:
+        linkage = self.linkage.linkage
+        if key == "linkage.sliders":
+            yield from added_slides(linkage)
+        for slider in linkage.sliders if key == "stroke" and linkage.driven_slider is None else ():
+            # The middle of the displacements of a slide while the driver turns.
+            places = self.motion.slide(slider.name).displacement
+            start, end = (float(f"{place:.4g}") for place in np.nanquantile(places, [0.4, 0.6]))
+            for driver in ("slider", slider.name, slider.body):
+                yield {"linkage.driver": driver, "stroke": {"start": start, "end": end}}
 
     @property
     def turning(self) -> Mapping[str, object]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..scene_handles import handle_position, linkage_handles
 from ..scene_instants import polygons_scene
-from .moved import WITH_SLIDER, BodyList, Branches, Side, branch_of, branches_entry, components_entry
+from .moved import WITH_SLIDER, BodyList, Branches, Side, added_slides, branch_of, branches_entry, components_entry
 
 # Distance from the linkage's middle, in sizes of it, beyond which instant centres are listed but not drawn.
 REACH = 2.0
@@ -207,6 +207,9 @@ class PolygonsRecipe(AbstractRecipe):
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         return {"linkage": WITH_SLIDER} if tables else {}
+
+    def additions(self, key: str) -> Iterator[Mapping[str, Any]]:
+        return added_slides(self.linkage.linkage) if key == "linkage.sliders" else super().additions(key)
 
 
 def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:

@@ -1,6 +1,6 @@
 // Dialogs of the editor: the gallery of recipes and kinds, and the name under which a recipe is saved.
 import { make } from "../player/shapes.js";
-import { get } from "./server.js";
+import { get, post } from "./server.js";
 
 const at = (id) => document.getElementById(id);
 
@@ -41,6 +41,19 @@ export async function showGallery(editor) {
   };
   at("folder").replaceChildren();
   at("kinds").replaceChildren();
+  const drafts = draftsOf(editor.folder);
+  at("drafts-title").hidden = !drafts.length;
+  at("drafts").replaceChildren();
+  for (const draft of drafts) {
+    const item = make(at("drafts"), "li"), name = draft.recipe || `new ${draft.kind}`;
+    const act = (label, does) => make(item, "button", { type: "button" }, label).addEventListener("click", does);
+    act(`${name}, ${new Date(+draft.id).toLocaleString()}`, async () => {
+      dialog.close();
+      if (draft.recipe) { const { text, base } = await post("open", { recipe: draft.recipe }); editor.load(text, draft.recipe, base); }
+      editor.restore(draft);
+    });
+    act("Discard", () => { forget(draft.id); item.remove(); });
+  }
   at("folder-title").hidden = !recipes.length;
   for (const recipe of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(recipe)}`, recipe, "", () => editor.open(recipe));
   for (const group of new Set(kinds.map((kind) => kind.group))) {
@@ -52,6 +65,26 @@ export async function showGallery(editor) {
   }
   dialog.showModal();
 }
+
+// --- texts that were not saved: the browser keeps the last ones, also those of pages that were closed -----------------
+
+const DRAFTS = "geomkin-drafts", MOST_DRAFTS = 12;
+
+function changeDrafts(change) {
+  try {
+    localStorage.setItem(DRAFTS, JSON.stringify(change(JSON.parse(localStorage.getItem(DRAFTS) ?? "[]")).slice(0, MOST_DRAFTS)));
+  } catch { /* A browser may keep nothing, for example in a private window. */ }
+}
+
+// The drafts of a folder, the newest first: { id, folder, recipe, kind, text, base }.
+export function draftsOf(folder) {
+  let drafts = [];
+  changeDrafts((all) => { drafts = all.filter((draft) => draft.folder === folder); return all; });
+  return drafts;
+}
+
+export const forget = (id) => changeDrafts((all) => all.filter((draft) => draft.id !== id));
+export const keep = (draft) => changeDrafts((all) => [draft, ...all.filter(({ id }) => id !== draft.id)]);
 
 // Asks for a name and resolves to it, without `.toml`; to "" if the user cancels.
 export function chooseName(name) {

@@ -4,6 +4,10 @@ import { measured, unitOf } from "../player/plots.js";
 
 const LOCK = "M4 8V5.5a3 3 0 0 1 6 0V8M2.5 8h9v6h-9z", OPEN = "M4 8V5.5a3 3 0 0 1 5.6-1.5M2.5 8h9v6h-9z";
 const RESET = "M3 5a5 5 0 1 1-.6 4.500M3 1.500V5h3.500";
+// The value of the choice with which a table of values replaces a name.
+const OWN = "own";
+// Characters of the longest number that is shown with all of them.
+const LONG = 9;
 let ids = 0;
 
 export class Form {
@@ -23,7 +27,7 @@ export class Form {
   // Shows values by key. `saved` holds the saved recipe's values for comparison; `text` is the recipe's text.
   show(values, saved, text) {
     Object.assign(this, { values, saved, text });
-    const shape = JSON.stringify(Object.entries(values).map(([key, value]) => [key, shapeOf(value)]));
+    const shape = JSON.stringify(Object.entries(values).map(([key, value]) => [key, key.endsWith("motor") ? value : shapeOf(value)]));
     if (shape !== this.shape) this.build(shape);
     else for (const field of this.fields.values()) this.refresh(field);
   }
@@ -56,14 +60,16 @@ export class Form {
     const isNew = group.rows && path === group.key.slice(0, -2);
     const exists = path === "" || this.below(path).length > 0;
     if (group.within && this.values[`${path.replace(/\[\d+\]$/, "").split(".").slice(0, -1).join(".")}.kind`] !== group.within) return;
-    if (isNew || !exists) {
+    if (isNew || !exists || group.named) {
+      // A table that a name may replace is added by its field, and one inside a table after that.
+      if (group.by_name || (around(path) && !this.below(around(path)).length)) return;
       // The button for a table inside another one is at its end.
-      const around = group.rows ? "" : path.slice(0, Math.max(0, path.lastIndexOf(".")));
-      const place = (around && [...this.root.children].find(({ dataset }) => dataset.key === around)) || this.root;
-      const add = make(place, "button", { type: "button", class: "add" }, `Add ${group.title}`);
-      add.addEventListener("click", () => { this.editor.set({ [isNew ? `${path}[${index}]` : path]: this.example(group, index) }, path); this.editor.close(); });
+      const place = (around(path) && [...this.root.children].find(({ dataset }) => dataset.key === around(path))) || this.root;
+      const add = make(place, "button", { type: "button", class: "add", "data-add": path }, `Add ${group.title}`);
+      add.addEventListener("click", () => this.editor.add(path));
       return;
     }
+    if (group.named) return;
     const part = make(this.root, "details", { "data-key": path });
     part.open = closed.get(path) ?? !/^$|^files|\.recipe\./.test(path);
     const head = make(part, "summary", {}, group.rows ? `${group.title} ${index + 1}` : group.title);
@@ -81,17 +87,6 @@ export class Form {
     make(part, "p", { class: "problem", "data-of": path, role: "alert" });
   }
 
-  // Values of a table that is added: those of the row before it, or else only those that the table must have.
-  example(group, index) {
-    if (group.rows && index > 0) {
-      const last = `${group.key.slice(0, -2)}[${index - 1}]`;
-      return nested(this.below(last).map((key) => [key.slice(last.length + 1), this.values[key]]));
-    }
-    const [kind, fields] = group.kinds ? Object.entries(group.kinds)[0] : ["", group.fields];
-    const wanted = fields.filter(({ optional }) => !optional).map((field) => [field.key.slice(group.key.length + 1), blank(field)]);
-    return { ...(kind ? { kind } : {}), ...Object.fromEntries(wanted) };
-  }
-
   addField(part, field) {
     const { key, help } = field, entry = { ...field, inputs: [], id: `f${ids++}` };
     const keys = field.type === "table" ? this.below(key) : [];
@@ -103,7 +98,7 @@ export class Form {
       }
       return;
     }
-    if (field.type === "table") return;
+    if (field.type === "table" || (field.type === "named" && this.below(key).length)) return;
     entry.row = make(part, "div", { class: "field" });
     const name = field.label ?? key.split(".").at(-1);
     make(entry.row, "label", { for: entry.id }, name.replaceAll("_", " ").replace(/ (deg|rpm|rad per s2?)$/, ""));
@@ -113,6 +108,7 @@ export class Form {
     entry.lock = this.icon(entry.row, "lock", OPEN, () => this.toggleLock(entry));
     entry.lock.hidden = !["number", "integer", "point"].includes(field.type) && !entry.inputs.some(({ type }) => type === "number");
     entry.undo = this.icon(entry.row, "reset", RESET, () => this.editor.reset(key, field));
+    if (entry.faces?.[this.values[key]]) drawFace(entry.row, entry.faces[this.values[key]]);
     make(entry.row, "p", { class: "help", id: `${entry.id}h` }, help);
     entry.problem = make(entry.row, "p", { class: "problem", id: `${entry.id}p`, "data-of": key, role: "alert" });
     this.fields.set(key, entry);
@@ -146,10 +142,11 @@ export class Form {
   }
 
   makeInput(parent, { type, choices, least, most, optional }, held) {
-    if (type === "choice" || (choices?.length && typeof held !== "number" && type !== "list")) {
+    if (["choice", "named"].includes(type) || (choices?.length && typeof held !== "number" && type !== "list")) {
       const select = make(parent, "select");
       if (held === null || held === undefined || optional) make(select, "option", { value: "null" }, "–");
       for (const choice of choices) make(select, "option", { value: JSON.stringify(choice) }, String(choice));
+      if (type === "named") make(select, "option", { value: OWN }, "own values");
       return select;
     }
     if (type === "boolean") return make(parent, "input", { type: "checkbox" });
@@ -175,8 +172,8 @@ export class Form {
       if (input === document.activeElement && this.editor.typing === input.name) return;
       if (input.type === "checkbox") input.checked = held === true;
       else if (input.tagName === "SELECT") input.value = JSON.stringify(held);
-      else if (input.type !== "number" || held === null || +input.value !== held || !input.value) {
-        input.value = held === null ? "" : typeof held === "object" ? JSON.stringify(held) : held;
+      else if (input.type !== "number" || held === null || valueOf(input) !== held || !input.value) {
+        input.value = held === null ? "" : typeof held === "object" ? JSON.stringify(held) : written(input, held);
       }
     });
     const locked = this.editor.locks.has(key), changed = JSON.stringify(value) !== JSON.stringify(this.saved[key]);
@@ -202,6 +199,7 @@ export class Form {
     if (!input.name) return;
     const entry = [...this.fields.values()].find(({ inputs }) => inputs.includes(input));
     if (!entry) return;
+    if (input.value === OWN) { this.editor.add(entry.key); return; }
     const value = valueOf(input);
     if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5" }]); return; }
     if (value === null && !entry.optional) { this.showProblems([{ key: entry.key, problem: "a value is needed", remedy: entry.help }]); return; }
@@ -234,30 +232,33 @@ export class Form {
   }
 }
 
+// The face of a motor: shaft, boss and screws, each [x, y, radius].
+function drawFace(parent, circles) {
+  const size = Math.max(...circles.map(([x, y, r]) => Math.hypot(x, y) + r)) + 1;
+  const svg = make(parent, "svg", { class: "face", viewBox: `${-size} ${-size} ${2 * size} ${2 * size}`, "aria-hidden": true });
+  for (const [cx, y, r] of circles) make(svg, "circle", { cx, cy: -y, r });
+}
+
 // The value of an input: null if it is empty, undefined if it should be a number and is not.
 function valueOf(input) {
   if (input.type === "checkbox") return input.checked;
   if (input.tagName === "SELECT") return JSON.parse(input.value);
   if (input.type !== "number") return input.value;
   if (input.validity.badInput) return undefined;
+  if (input.value === input.dataset.short) return Number(input.dataset.exact);
   return input.value === "" ? null : Number(input.value);
+}
+
+// A number as it is shown: a long one is rounded, and its exact value stays with the input until another one is typed.
+function written(input, held) {
+  const short = typeof held === "number" && String(held).length > LONG ? String(+held.toPrecision(LONG - 2)) : held;
+  Object.assign(input.dataset, { short, exact: held });
+  return short;
 }
 
 const stepOf = (value) => (value ? niceLength(Math.abs(value) / 20) : 1);
 const isPair = (value) => value.length === 2 && value.every((item) => typeof item === "number");
 const typeOf = (value) => (Array.isArray(value) ? (isPair(value) ? "point" : "list") : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
-const blank = ({ type, least, default: usual, choices }) =>
-  usual ?? choices?.[0] ?? ({ number: Math.max(least ?? 0, 10), integer: Math.max(least ?? 0, 10), boolean: false, point: [0, 0], list: [] }[type] ?? "");
+// The key of the table around one.
+const around = (path) => path.slice(0, Math.max(0, path.lastIndexOf(".")));
 const shapeOf = (value) => (Array.isArray(value) ? value.map(shapeOf) : value === null ? null : 0);
-
-// Nested tables from [dotted key, value] pairs; null values are left out.
-function nested(entries) {
-  const table = {};
-  for (const [key, value] of entries) {
-    const path = key.split("."), last = path.pop();
-    let at = table;
-    for (const name of path) at = at[name] ??= {};
-    if (value !== null) at[last] = value;
-  }
-  return table;
-}

@@ -57,7 +57,7 @@ class Player {
     this.clock = this.time[this.frame];
     this.plots.load(data);
     this.fillTable();
-    if (drawings === this.drawings.length) for (const drawing of this.drawings) drawing.look(drawing.by, drawing.at);
+    if (drawings === this.drawings.length) for (const drawing of this.shownDrawings) drawing.look(drawing.by, drawing.at);
     else this.fit(true);
     this.show(true);
   }
@@ -161,7 +161,7 @@ class Player {
       act(box.checked);
     };
     for (const { id, label, shown } of roles) add(label, id, shown, (on) => { for (const drawing of drawings) drawing.toggle(id, on); });
-    if (drawings.length > 1) add("other assembly mode", "others", true, (on) => this.stages.classList.toggle("alone", !on));
+    if (drawings.length > 1) add("other assembly mode", "others", false, (on) => this.stages.classList.toggle("alone", !on));
   }
 
   // The content of the plots as a table: the current, least and largest value of each quantity, and their positions.
@@ -247,7 +247,7 @@ class Player {
   }
 
   zoom(times) {
-    for (const drawing of this.drawings) drawing.zoom(times);
+    for (const drawing of this.shownDrawings) drawing.zoom(times);
     this.announceZoom(this.drawings[0]);
   }
 

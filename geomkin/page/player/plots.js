@@ -143,6 +143,8 @@ export class Plots {
     card.plot = new uPlot({
       ...this.sizeOf(card),
       padding: [10, 18, 0, 0],
+      // Curves of whole pixels would have steps.
+      pxAlign: 0,
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 } },
       scales: { x: { time: false }, y: { range: (_, low, high) => this.range(card, low, high) } },
