@@ -78,6 +78,18 @@ class _Applied:
     )
 
 
+class Additions:
+    """How tables are added to recipes of a kind, besides by the examples of their fields."""
+
+    def names(self, recipe: Any) -> Mapping[str, Sequence[Any]]:
+        """Names in a recipe by the keys that state them in an added table, such as `body`, the most likely first."""
+        return {}
+
+    def changes(self, recipe: Any, key: str) -> Iterator[Mapping[str, Any]]:
+        """Values by dotted key that add the table `key`, those to be tried first."""
+        return iter(())
+
+
 class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
 
@@ -99,6 +111,7 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     takes_workshop: ClassVar[bool] = True
     # A sentence that a template adds to the description of the kind.
     advice: ClassVar[str] = ""
+    additions: ClassVar[Additions] = Additions()
     # Every subclass is a dataclass, which a type checker cannot know.
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
@@ -251,16 +264,6 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
         tables: kind of each of these tables, by dotted key.
         """
         return {}
-
-    @property
-    def known_names(self) -> Mapping[str, Sequence[Any]]:
-        """Names in this recipe by the keys that state them in an added table, such as `body`, the most likely first."""
-        return {}
-
-    def additions(self, key: str) -> Iterator[Mapping[str, Any]]:
-        """Values by dotted key that add the table `key`, if the examples of its fields do not."""
-        del key
-        return iter(())
 
     def at_scale(self, scale: float) -> Self:
         """The same recipe with every length multiplied, except in `UNSCALED` tables; see `gk.scaled`."""

@@ -8,7 +8,7 @@ from itertools import islice, product
 from typing import Any
 
 from ..core.dotted_keys import key_parts
-from ..core.errors import DesignError, GeomkinError, shown
+from ..core.errors import DesignError, GeomkinError, RecipeError, shown
 from ..core.field_visitor import ROWS, DeclaredField, fields_of
 from ..core.units import MM, UNITS
 from ..recipe.lengths import from_mm, shown_numbers
@@ -64,9 +64,13 @@ def addition(
 
 def _corrected(changes: Mapping[str, Any], error: GeomkinError) -> Mapping[str, Any]:
     """The values with the number that a refusal proposes."""
-    problem = error.as_problem if isinstance(error, DesignError) else next(iter(getattr(error, "problems", ())), None)
+    problem = error.as_problem if isinstance(error, DesignError) else None
+    if isinstance(error, RecipeError):
+        problem = error.problems[0]
+    if problem is None or problem.value is None:
+        return changes
     for place, values in changes.items():
-        name = problem.key.removeprefix(f"{place}.") if problem and problem.value is not None else ""
+        name = problem.key.removeprefix(f"{place}.")
         if isinstance(values, dict) and name in values:
             return {**changes, place: values | {name: float(f"{0.7 * problem.value:.2g}")}}
     return changes
@@ -80,7 +84,9 @@ def _use(recipe: AbstractRecipe) -> None:
 
 def _candidates(recipe: AbstractRecipe, key: str) -> Iterator[Mapping[str, Any]]:
     inner, inside, prefix = _innermost(recipe, key)
-    yield from ({prefix + name: value for name, value in changes.items()} for changes in inner.additions(inside))
+    yield from (
+        {prefix + name: value for name, value in changes.items()} for changes in inner.additions.changes(inner, inside)
+    )
     declared, held = _declared(inner, inside)
     index = f"[{len(_rows(held))}]" if declared.is_rows else ""
     given = inner.example_values({inside: ""})
@@ -89,7 +95,7 @@ def _candidates(recipe: AbstractRecipe, key: str) -> Iterator[Mapping[str, Any]]
         for name, value in given.items()
         if not name.startswith(inside) and _declared(inner, name)[0].default == _held(inner, name)
     }
-    known = {**_formulas(inner), **inner.known_names}
+    known = {**_formulas(inner), **inner.additions.names(inner)}
     for table in declared.tables:
         values = given.get(inside)
         whole = _plain(values if isinstance(values, table) else example(table), inner)

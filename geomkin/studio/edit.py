@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -32,6 +33,8 @@ from .additions import addition
 MOST_TRIALS = 40
 # Distance from the pointer, in pixels, at which a handle is under it; rounding of the values adds up to one more.
 UNDER_POINTER = 0.05
+# Pixels by which the pointer is beyond a change point before a handle crosses it.
+DETENT = 25.0
 # Movement, in pixels, below which a step of the search is not tried.
 NOTHING = 0.05
 # Change for a derivative, as a share of the largest value of the keys.
@@ -72,8 +75,8 @@ def drag(
     """Solve for the unlocked keys of a handle so that it follows the pointer, starting at their values.
 
     A damped least-squares iteration (Levenberg and Marquardt) on the recipe's own motion at one frame. Values that the
-    recipe refuses, or with which the mechanism cannot be at frames where it could be before, are not taken, so the
-    handle stops at a limit.
+    recipe refuses are not taken, so the handle stops at a limit. It also stops where the mechanism could no longer be
+    assembled at other frames, until the pointer is `DETENT` pixels beyond: then a four-bar gets another Grashof type.
 
     Parameters
     ----------
@@ -108,7 +111,7 @@ def drag(
     whole = np.array([isinstance(group[0].value, int) for group in groups])
     known = np.isfinite(handle.at)
 
-    def tried(values: Array) -> _Outcome:
+    def tried(values: Array, is_strict: bool = True) -> _Outcome:
         nothing = np.full(1, np.inf)
         try:
             changed = opened(_as_changes(groups, values))
@@ -119,8 +122,10 @@ def drag(
             return _Outcome(nothing, f"{error.problems[0].key}: {error.problems[0].problem}")
         except GeomkinError as error:
             return _Outcome(nothing, str(error))
-        if len(moved) == len(known) and not np.isfinite(moved[known]).all():
-            return _Outcome(nothing, "with more the mechanism could not be assembled in all its positions")
+        if not np.isfinite(moved[min(frame, len(moved) - 1)]):
+            return _Outcome(nothing, "with more the mechanism could not be assembled in this position")
+        if is_strict and len(moved) == len(known) and not np.isfinite(moved[known]).all():
+            return _Outcome(nothing, "with more it cannot be assembled in all its positions; drag on to cross")
         away = complex(moved[min(frame, len(moved) - 1)]) - to
         if handle.shape == "circle":
             return _Outcome(np.array([(abs(away) - radius) / step[0]]), "")
@@ -128,8 +133,12 @@ def drag(
 
     if not known[min(frame, len(known) - 1)]:
         return Dragged({}, "the mechanism cannot be assembled in this position")
-    best, residual, reason, slopes = _solved(tried, start, whole)
-    values = _rounded(tried, start, best, residual, whole, slopes, snap)
+    accepted: Callable[[Array], _Outcome] = tried
+    best, residual, reason, slopes = _solved(accepted, start, whole)
+    if reason and np.linalg.norm(residual) > DETENT:
+        accepted = partial(tried, is_strict=False)
+        best, residual, reason, slopes = _solved(accepted, start, whole)
+    values = _rounded(accepted, start, best, residual, whole, slopes, snap)
     changes = _as_changes([group for group, v, old in zip(groups, values, start) if v != old], values[values != start])
     return Dragged(changes, reason)
 
@@ -284,7 +293,8 @@ def answer(
     files : mapping of str to str
         Texts of the files that it names.
     request : mapping
-        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
+        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `drag`, with
+        `handle`, `to`, `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.

@@ -14,12 +14,15 @@ from hmac import compare_digest
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
+from io import BytesIO
+from itertools import takewhile
 from pathlib import Path
 from secrets import token_urlsafe
 from socket import SHUT_RD, socket
 from threading import BoundedSemaphore, Event, Lock, Thread
 from typing import Any
 from urllib.parse import parse_qsl, unquote, urlsplit
+from zipfile import ZIP_DEFLATED, ZipFile
 
 from .. import page
 from ..build import make
@@ -41,6 +44,8 @@ HOST = "127.0.0.1"
 PORT, MOST_PORTS = 8017, 50
 # Bytes of the secret in the address.
 TOKEN = 24
+# Characters of the description of a recipe in the gallery.
+LONGEST_TITLE = 240
 # Largest body of a request, bytes: a recipe is at most half of it.
 LARGEST_BODY = 1_000_000
 # Requests in any one second, and at the same time: a drag sends fewer than 60 a second.
@@ -71,6 +76,7 @@ TYPES = {
     ".css": "text/css; charset=utf-8",
     ".svg": "image/svg+xml",
     ".json": "application/json",
+    ".zip": "application/zip",
 }
 
 
@@ -114,7 +120,7 @@ class Studio:
                     {"kind": kind, "group": row.group, "about": recipe_class(kind).about()}
                     for kind, row in all_kinds().items()
                 ]
-                return {"kinds": kinds, "recipes": self.workspace.recipes}
+                return {"kinds": kinds, "recipes": [self._listed(name) for name in self.workspace.recipes]}
             case "picture":
                 return self._picture(query)
             case "job":
@@ -210,6 +216,34 @@ class Studio:
         ]
         return {"problems": [], "files": files, "remarks": list(made.remarks)}
 
+    def _listed(self, name: str) -> dict[str, str]:
+        """A recipe of the folder with the words by which it is found: kind, and first comment or what the kind is."""
+        text = ""
+        with suppress(GeomkinError):
+            text = self.workspace.open(name).text
+        lines = [line.strip() for line in text.splitlines()]
+        kind = next((found for line in lines if (found := _kind_in(line))), "")
+        comments = list(
+            takewhile(lambda line: line[0] == "#", (line for line in lines if line and not line.startswith("#:")))
+        )
+        about = recipe_class(kind).about() if kind in all_kinds() else ""
+        return {
+            "name": name,
+            "kind": kind,
+            "title": " ".join(line.lstrip("# ") for line in comments)[:LONGEST_TITLE] or about,
+        }
+
+    def archive(self, folder: str) -> bytes:
+        """All files of a recipe that was made, in one zip."""
+        home, buffer = self.workspace.folder / "out" / folder, BytesIO()
+        if file_name_flaw(folder) or not home.resolve().is_relative_to(self.workspace.folder):
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such folder")
+        with ZipFile(buffer, "w", ZIP_DEFLATED) as archive:
+            for path in sorted(home.glob("*")):
+                if path.is_file():
+                    archive.writestr(path.name, self.made_file(folder, path.name))
+        return buffer.getvalue()
+
     def made_file(self, folder: str, name: str) -> bytes:
         """The content of a file that was made."""
         home = self.workspace.folder / "out" / folder
@@ -267,12 +301,14 @@ class Studio:
 
 def _is_search(text: str) -> bool:
     """Whether a recipe's kind finds its mechanism by a search."""
-    for line in text.splitlines():
-        name, equals, value = line.partition("=")
-        if equals and name.strip() == "kind":
-            kind = value.partition("#")[0].strip().strip("\"'")
-            return kind in KINDS and issubclass(recipe_class(kind), AbstractGoal)
-    return False
+    kind = next((kind for line in text.splitlines() if (kind := _kind_in(line))), "")
+    return kind in KINDS and issubclass(recipe_class(kind), AbstractGoal)
+
+
+def _kind_in(line: str) -> str:
+    """The kind that a line of a recipe states; "" if it is another line."""
+    name, equals, value = line.partition("=")
+    return value.partition("#")[0].strip().strip("\"'") if equals and name.strip() == "kind" else ""
 
 
 def _text(body: Mapping[str, Any], name: str) -> str:
@@ -452,6 +488,8 @@ class _Handler(BaseHTTPRequestHandler):
         return rest[0], dict(parse_qsl(parts.query))
 
     def _get(self, name: str, query: dict[str, str]) -> tuple[bytes, str, str]:
+        if name.startswith("zip/"):
+            return self.server.studio.archive(name.removeprefix("zip/")), TYPES[".zip"], FILE_POLICY
         if name.startswith("out/"):
             _, folder, file = f"{name}//".split("/")[:3]
             kind = TYPES.get(Path(file).suffix, "application/octet-stream")

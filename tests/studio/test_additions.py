@@ -27,20 +27,17 @@ def addable():
         text = template(recipe_class(kind))
         values = _values(gk.load(text))
         for group in recipe_form(kind, values)["groups"]:
-            key, around = group["key"], group["key"].rpartition(".")[0]
+            key, within = group["key"], group["within"]
             is_there = any(other.startswith(f"{key}.") for other in values)
-            if (
-                key
-                and not is_there
-                and values.get(f"{around}.kind", group["within"])
-                == (group["within"] or values.get(f"{around}.kind", ""))
-            ):
-                if group["rows"] or group["optional"]:
-                    yield kind, key
+            is_of_kind = not within or values.get(f"{key.rpartition('.')[0]}.kind") == within
+            if key and not is_there and is_of_kind and (group["rows"] or group["optional"]):
+                yield kind, key
 
 
 def is_impossible(kind, key, recipe):
-    return (kind, key) in IMPOSSIBLE or (kind != "machine" and ".slide_" in key and not recipe.known_names.get("slide"))
+    return (kind, key) in IMPOSSIBLE or (
+        kind != "machine" and ".slide_" in key and not recipe.additions.names(recipe).get("slide")
+    )
 
 
 ADDABLE = list(addable())

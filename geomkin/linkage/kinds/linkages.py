@@ -20,7 +20,7 @@ from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
-from ...recipe.recipe import mass_summary
+from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..linkage import AbstractLinkage
@@ -54,6 +54,37 @@ from .stance import StandingAspect
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
 
 
+class LinkageAdditions(Additions):
+    """Names of bodies, points and slides, and the stroke of a slide that the driver moves."""
+
+    def names(self, recipe: AbstractLinkageRecipe) -> Mapping[str, Sequence[Any]]:
+        linkage = recipe.linkage.linkage
+        moving = [*linkage.bodies][:0:-1]
+        points = list(dict.fromkeys(point for body in moving for point in linkage.bodies[body]))
+        pivoted = [body for body in moving if {*linkage.bodies[body]} & {*linkage.bodies[linkage.ground]}]
+        return {
+            "body": moving,
+            "point": points,
+            "to_body": [linkage.ground],
+            "pin": list(linkage.pins),
+            "slide": [slider.name for slider in linkage.sliders],
+            "bodies": [[body] for body in pivoted],
+            "base": [[*linkage.bodies[body]][:2] for body in moving if len(linkage.bodies[body]) > 1],
+            "loads.masses": moving,
+        }
+
+    def changes(self, recipe: AbstractLinkageRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+        linkage = recipe.linkage.linkage
+        if key == "linkage.sliders":
+            yield from added_slides(linkage)
+        for slider in linkage.sliders if key == "stroke" and linkage.driven_slider is None else ():
+            # The middle of the displacements of a slide while the driver turns.
+            places = recipe.motion.slide(slider.name).displacement
+            start, end = (float(f"{place:.4g}") for place in np.nanquantile(places, [0.4, 0.6]))
+            for driver in ("slider", slider.name, slider.body):
+                yield {"linkage.driver": driver, "stroke": {"start": start, "end": end}}
+
+
 class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     """Base class of recipes whose linkage is moved, checked, stacked and cut."""
 
@@ -66,6 +97,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         StandingAspect,
         CopiesAspect,
     )
+    additions: ClassVar[Additions] = LinkageAdditions()
     stock: LinkStock
 
     def __post_init__(self) -> None:
@@ -162,34 +194,6 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         copies = {"copies": (Copy(180.0),)} if "copies" in tables else {}
         return {**copies, **({"stock.material": MATERIALS["steel-S235"]} if "loads" in tables else {})}
-
-    @property
-    def known_names(self) -> Mapping[str, Sequence[Any]]:
-        linkage = self.linkage.linkage
-        moving = [*linkage.bodies][:0:-1]
-        points = list(dict.fromkeys(point for body in moving for point in linkage.bodies[body]))
-        pivoted = [body for body in moving if {*linkage.bodies[body]} & {*linkage.bodies[linkage.ground]}]
-        return {
-            "body": moving,
-            "point": points,
-            "to_body": [linkage.ground],
-            "pin": list(linkage.pins),
-            "slide": [slider.name for slider in linkage.sliders],
-            "bodies": [[body] for body in pivoted],
-            "base": [[*linkage.bodies[body]][:2] for body in moving if len(linkage.bodies[body]) > 1],
-            "loads.masses": moving,
-        }
-
-    def additions(self, key: str) -> Iterator[Mapping[str, Any]]:
-        linkage = self.linkage.linkage
-        if key == "linkage.sliders":
-            yield from added_slides(linkage)
-        for slider in linkage.sliders if key == "stroke" and linkage.driven_slider is None else ():
-            # The middle of the displacements of a slide while the driver turns.
-            places = self.motion.slide(slider.name).displacement
-            start, end = (float(f"{place:.4g}") for place in np.nanquantile(places, [0.4, 0.6]))
-            for driver in ("slider", slider.name, slider.body):
-                yield {"linkage.driver": driver, "stroke": {"start": start, "end": end}}
 
     @property
     def turning(self) -> Mapping[str, object]:

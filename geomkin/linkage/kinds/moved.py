@@ -286,7 +286,7 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
 
 # Example of templates with sliders.
 def added_slides(linkage: Linkage) -> Iterator[Mapping[str, Any]]:
-    """Values by dotted key that add a rod at a point of the last body, and at its end a block that slides on the ground.
+    """Values that add a rod at a point of the last body, and a block at its end that slides on the ground.
 
     The rod is long enough for any position.
     """

@@ -18,7 +18,7 @@ from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, rounded
-from ...recipe.recipe import AbstractRecipe
+from ...recipe.recipe import AbstractRecipe, Additions
 from ...recipe.settings import Files
 from ..assembly_failures import assembly_failure
 from ..body_motion import Body
@@ -39,6 +39,13 @@ REACH = 2.0
 STEP_DEG = 2
 
 
+class SlideAdditions(Additions):
+    """Slides on the ground."""
+
+    def changes(self, recipe: PolygonsRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+        return added_slides(recipe.linkage.linkage) if key == "linkage.sliders" else super().changes(recipe, key)
+
+
 @record(checked=True, kw_only=True)
 class PolygonsRecipe(AbstractRecipe):
     """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres.
@@ -50,6 +57,7 @@ class PolygonsRecipe(AbstractRecipe):
     """
 
     can_be_scaled: ClassVar[bool] = True
+    additions: ClassVar[Additions] = SlideAdditions()
     kind: Literal["polygons"] = "polygons"
     linkage: BodyList
     position: float = quantity(
@@ -207,9 +215,6 @@ class PolygonsRecipe(AbstractRecipe):
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         return {"linkage": WITH_SLIDER} if tables else {}
-
-    def additions(self, key: str) -> Iterator[Mapping[str, Any]]:
-        return added_slides(self.linkage.linkage) if key == "linkage.sliders" else super().additions(key)
 
 
 def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:

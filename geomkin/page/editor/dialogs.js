@@ -32,15 +32,19 @@ function loader(root) {
 // Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind)`.
 export async function showGallery(editor) {
   const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
-  const card = (list, picture, name, about, act) => {
+  const card = (list, picture, name, about, words, act) => {
     const button = make(make(list, "li"), "button", { type: "button", class: "card" });
     load(make(button, "img", { alt: "", "data-address": picture }));
     make(button, "b", {}, name);
     if (about) make(button, "span", {}, about);
+    button.dataset.words = `${name} ${words} ${about}`.toLowerCase();
     button.addEventListener("click", () => { dialog.close(); act().catch((error) => editor.announce(error.message)); });
   };
   at("folder").replaceChildren();
   at("kinds").replaceChildren();
+  const search = at("search");
+  search.value = "";
+  search.oninput = () => narrow(dialog, search.value);
   const drafts = draftsOf(editor.folder);
   at("drafts-title").hidden = !drafts.length;
   at("drafts").replaceChildren();
@@ -55,15 +59,28 @@ export async function showGallery(editor) {
     act("Discard", () => { forget(draft.id); item.remove(); });
   }
   at("folder-title").hidden = !recipes.length;
-  for (const recipe of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(recipe)}`, recipe, "", () => editor.open(recipe));
+  for (const { name, kind, title } of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, kind, () => editor.open(name));
   for (const group of new Set(kinds.map((kind) => kind.group))) {
     make(at("kinds"), "h4", {}, group);
     const list = make(at("kinds"), "ul", { class: "cards" });
     for (const { kind, about } of kinds.filter((other) => other.group === group)) {
-      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, () => editor.startNew(kind));
+      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, group, () => editor.startNew(kind));
     }
   }
+  narrow(dialog, "");
   dialog.showModal();
+}
+
+// Shows the cards that have all words, and the headings of lists that are not empty.
+function narrow(dialog, text) {
+  const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
+  let count = 0;
+  for (const card of dialog.querySelectorAll(".card")) {
+    card.parentNode.hidden = !wanted.every((word) => card.dataset.words.includes(word));
+    count += !card.parentNode.hidden;
+  }
+  for (const list of dialog.querySelectorAll(".cards")) list.previousElementSibling.hidden = !list.querySelector("li:not([hidden])");
+  at("no-match").hidden = count > 0;
 }
 
 // --- texts that were not saved: the browser keeps the last ones, also those of pages that were closed -----------------

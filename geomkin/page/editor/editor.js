@@ -29,8 +29,15 @@ class Editor {
     const acts = {
       gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
+      "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
+    for (const button of document.querySelectorAll("[data-panel]")) button.addEventListener("click", () => this.fold(button.dataset.panel));
+    at("badge").addEventListener("click", () => {
+      this.fold("form", false);
+      at("quantities-part").open = true;
+      at("quantities-part").scrollIntoView({ block: "nearest" });
+    });
     document.addEventListener("keydown", (event) => this.key(event));
     addEventListener("beforeunload", (event) => { if (this.isDirty && !this.isKept) event.preventDefault(); });
   }
@@ -50,6 +57,13 @@ class Editor {
     }
     this.whenIdle(() => this.announce(""));
     this.watch();
+  }
+
+  // Folds a panel away, or shows it again; the drawing takes its room.
+  fold(panel, isFolded = !document.body.classList.contains(`no-${panel}`)) {
+    document.body.classList.toggle(`no-${panel}`, isFolded);
+    document.querySelector(`[data-panel="${panel}"]`).setAttribute("aria-pressed", !isFolded);
+    this.player?.fit(true);
   }
 
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
@@ -280,6 +294,7 @@ class Editor {
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
+      this.player.right.append(this.player.root.querySelector(".values"));
       this.handles = new Handles(this.player, this);
       this.ghost = new Ghost(this.player.drawings[0]);
     } else {
@@ -358,6 +373,7 @@ class Editor {
     const expected = checks.filter(({ state }) => state === "expected").length;
     const passed = `${checks.length - failed - expected} of ${checks.length} checks pass`;
     at("checks-title").textContent = !checks.length ? "No checks" : [passed, failed && `${failed} fail`, expected && `${expected} fail as expected`].filter(Boolean).join(", ");
+    Object.assign(at("badge"), { hidden: !checks.length, textContent: failed ? `${failed} ${failed > 1 ? "checks fail" : "check fails"}` : "Checks pass", className: failed ? "fail" : "pass" });
     this.showQuantities(this.reply.quantities);
     this.showCandidates(candidates);
     document.body.dataset.checked = this.player?.scenes ?? 0;
@@ -491,7 +507,21 @@ class Editor {
       for (const remark of result.remarks ?? []) make(at("files"), "li", {}, String(remark));
       this.announce(`${result.files.length} files made`);
       at("files-part").scrollIntoView({ block: "nearest" });
+      return result.files;
     } catch (error) { this.fail(error); }
+  }
+
+  // Makes the files and saves them as one zip.
+  async zip() {
+    const files = await this.make();
+    if (!files?.length) return;
+    const name = files[0].url.split("/").at(-2);
+    make(document.body, "a", { href: `zip/${name}`, download: `${decodeURIComponent(name)}.zip`, hidden: "" }).click();
+  }
+
+  async copy(text, said) {
+    try { await navigator.clipboard.writeText(text); this.announce(said); } catch { this.announce("The browser does not let this page copy"); }
+    at("share").open = false;
   }
 
   // Shows the progress of a job until it ends. The job is stopped as soon as `isObsolete()` is true.
@@ -519,6 +549,15 @@ class Editor {
     act();
   }
 }
+
+// A script that loads the recipe and makes its files.
+const python = (text) => `import geomkin as gk
+
+recipe = gk.load(
+    ${text.trimEnd().split("\n").map((line) => JSON.stringify(`${line}\n`)).join("\n    ")}
+)
+gk.make(recipe, "out")
+`;
 
 const editor = new Editor();
 editor.start().catch((error) => editor.announce(error.message));

@@ -15,7 +15,13 @@ export class Form {
   constructor(root, editor) {
     Object.assign(this, { root, editor, values: {}, saved: {}, fields: new Map(), problems: [] });
     root.addEventListener("input", (event) => this.input(event.target));
-    root.addEventListener("change", () => this.editor.close());
+    root.addEventListener("change", ({ target }) => {
+      const value = valueOf(target);
+      // What was typed is shown as the number that it states.
+      if (isNumeric(target) && typeof value === "number") target.value = written(target, value);
+      this.editor.close();
+    });
+    root.addEventListener("keydown", (event) => this.step(event));
   }
 
   // Takes the groups of fields of a kind, as the server's `form` returns them.
@@ -106,7 +112,7 @@ export class Form {
     this.addInputs(entry);
     make(entry.row, "span", { class: "unit" }, unitOf(field.unit ?? ""));
     entry.lock = this.icon(entry.row, "lock", OPEN, () => this.toggleLock(entry));
-    entry.lock.hidden = !["number", "integer", "point"].includes(field.type) && !entry.inputs.some(({ type }) => type === "number");
+    entry.lock.hidden = !["number", "integer", "point"].includes(field.type) && !entry.inputs.some(isNumeric);
     entry.undo = this.icon(entry.row, "reset", RESET, () => this.editor.reset(key, field));
     if (entry.faces?.[this.values[key]]) drawFace(entry.row, entry.faces[this.values[key]]);
     make(entry.row, "p", { class: "help", id: `${entry.id}h` }, help);
@@ -141,7 +147,7 @@ export class Form {
     button.addEventListener("click", () => { this.editor.set({ [key]: value }, key); this.editor.close(); });
   }
 
-  makeInput(parent, { type, choices, least, most, optional }, held) {
+  makeInput(parent, { type, choices, least, most, optional, unit }, held) {
     if (["choice", "named"].includes(type) || (choices?.length && typeof held !== "number" && type !== "list")) {
       const select = make(parent, "select");
       if (held === null || held === undefined || optional) make(select, "option", { value: "null" }, "–");
@@ -152,8 +158,8 @@ export class Form {
     if (type === "boolean") return make(parent, "input", { type: "checkbox" });
     // A point given as the name of another point is a text.
     const numeric = typeof held !== "string" && (["number", "integer", "point"].includes(type) || typeof held === "number");
-    const limits = { ...(typeof least === "number" ? { min: least } : {}), ...(typeof most === "number" ? { max: most } : {}) };
-    return make(parent, "input", numeric ? { type: "number", inputmode: "decimal", ...limits } : { type: "text", spellcheck: "false" });
+    const limits = { ...(typeof least === "number" ? { "data-least": least } : {}), ...(typeof most === "number" ? { "data-most": most } : {}) };
+    return make(parent, "input", { type: "text", spellcheck: "false", ...(numeric ? { class: "numeric", inputmode: "decimal", "data-unit": unit ?? "", ...limits } : {}) });
   }
 
   icon(parent, look, d, act) {
@@ -168,11 +174,11 @@ export class Form {
     const { key, inputs, type } = entry, value = this.values[key], flat = Array.isArray(value) ? value.flat() : [value];
     inputs.forEach((input, k) => {
       const held = flat[k] ?? null;
-      if (input.type === "number") input.step = type === "integer" ? 1 : stepOf(held);
+      if (isNumeric(input)) input.dataset.step = type === "integer" ? 1 : stepOf(held);
       if (input === document.activeElement && this.editor.typing === input.name) return;
       if (input.type === "checkbox") input.checked = held === true;
       else if (input.tagName === "SELECT") input.value = JSON.stringify(held);
-      else if (input.type !== "number" || held === null || valueOf(input) !== held || !input.value) {
+      else if (!isNumeric(input) || held === null || valueOf(input) !== held || !input.value) {
         input.value = held === null ? "" : typeof held === "object" ? JSON.stringify(held) : written(input, held);
       }
     });
@@ -195,15 +201,25 @@ export class Form {
     this.editor.relock();
   }
 
+  // The arrow keys change a number by a step.
+  step(event) {
+    const { target: input, key } = event, sign = { ArrowUp: 1, ArrowDown: -1 }[key], value = sign && input.name && isNumeric(input) ? valueOf(input) : null;
+    if (typeof value !== "number") return;
+    event.preventDefault();
+    const { step, least = -Infinity, most = Infinity } = input.dataset, next = value + sign * step;
+    input.value = +Math.min(Math.max(next, least), most).toPrecision(12);
+    this.input(input);
+  }
+
   input(input) {
     if (!input.name) return;
     const entry = [...this.fields.values()].find(({ inputs }) => inputs.includes(input));
     if (!entry) return;
     if (input.value === OWN) { this.editor.add(entry.key); return; }
     const value = valueOf(input);
-    if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5" }]); return; }
+    if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5, 2*15 or 1/4 in" }]); return; }
     if (value === null && !entry.optional) { this.showProblems([{ key: entry.key, problem: "a value is needed", remedy: entry.help }]); return; }
-    const point = entry.type === "point" && input.type === "number" && !Array.isArray(this.values[entry.key]);
+    const point = entry.type === "point" && isNumeric(input) && !Array.isArray(this.values[entry.key]);
     const changes = point ? { [entry.key]: entry.inputs.map((other) => valueOf(other) ?? 0) } : { [input.name]: value };
     this.editor.set(changes, input.name);
   }
@@ -243,10 +259,41 @@ function drawFace(parent, circles) {
 function valueOf(input) {
   if (input.type === "checkbox") return input.checked;
   if (input.tagName === "SELECT") return JSON.parse(input.value);
-  if (input.type !== "number") return input.value;
-  if (input.validity.badInput) return undefined;
+  if (!isNumeric(input)) return input.value;
   if (input.value === input.dataset.short) return Number(input.dataset.exact);
-  return input.value === "" ? null : Number(input.value);
+  return input.value.trim() === "" ? null : amount(input.value, input.dataset.unit);
+}
+
+const isNumeric = (input) => input.classList.contains("numeric");
+
+// Units that may be typed after a number, in mm or deg.
+const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, "\"": 25.4, ft: 304.8, deg: 1, "°": 1, rad: 180 / Math.PI };
+
+// The number that a text such as `2*15`, `1/4 in` or `(3 + 5)/2` states, in the unit of its field; undefined if none.
+export function amount(text, unit = "") {
+  const tokens = text.replaceAll(",", ".").replaceAll("−", "-").match(/(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[a-z°"]+|\S/gi) ?? [];
+  const take = (wanted) => (wanted.includes(tokens[0]) ? tokens.shift() : "");
+  const part = () => {
+    if (take("-")) return -part();
+    if (take("+")) return part();
+    if (take("(")) { const value = sum(); return take(")") ? value : NaN; }
+    return Number(tokens.shift() ?? NaN);
+  };
+  const product = () => {
+    let value = part();
+    for (let sign; (sign = take(["*", "/"]) || (tokens[0] in UNITS && "unit"));) {
+      if (sign === "unit") value *= UNITS[tokens.shift()] / (UNITS[unit] ?? NaN);
+      else value = sign === "*" ? value * part() : value / part();
+    }
+    return value;
+  };
+  const sum = () => {
+    let value = product();
+    for (let sign; (sign = take(["+", "-"]));) value += sign === "+" ? product() : -product();
+    return value;
+  };
+  const value = sum();
+  return tokens.length || !isFinite(value) ? undefined : +value.toPrecision(12);
 }
 
 // A number as it is shown: a long one is rounded, and its exact value stays with the input until another one is typed.

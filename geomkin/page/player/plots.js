@@ -4,6 +4,8 @@ import { inPrint, offer, plotFile } from "./pictures.js";
 import { abs, make, max, min, round, spaced, unpack } from "./shapes.js";
 
 export const MOST_PLOTS = 4;
+// Height of a docked plot, px.
+const DOCKED = 150;
 // Dashes of the curves of one plot: colour alone never distinguishes them.
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
 const STROKES = ["wanted", "traced", "velocity", "acceleration", "s4", "s5"];
@@ -228,7 +230,8 @@ export class Plots {
 
   sizeOf(card) {
     const width = max(200, card.chart.clientWidth);
-    return { width, height: round(min(260, max(180, 0.5 * width))) };
+    // Docked below a stage of a given height they are low.
+    return { width, height: card.root.closest(".filled") ? DOCKED : round(min(260, max(180, 0.5 * width))) };
   }
 
   resize(card) {
