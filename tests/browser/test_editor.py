@@ -3,6 +3,7 @@
 import threading
 from pathlib import Path
 from types import SimpleNamespace
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -47,7 +48,7 @@ def studio(chromium, tmp_path):
         )
         page.goto(server.url)
         page.wait_for_selector("body[data-checked]" if text else "dialog[open] .card")
-        return SimpleNamespace(page=page, answers=answers, file=file)
+        return SimpleNamespace(page=page, answers=answers, file=file, server=server)
 
     yield start
     for end in ended:
@@ -417,3 +418,41 @@ def test_a_drag_crosses_a_change_point(studio):
     # Longer than Grashof's condition allows for a crank that turns fully.
     assert crank > 60 and page.locator(".drive .limited").count() == 1
     assert "crank-rocker" not in page.inner_text("#quantities tr >> nth=0")
+
+
+def test_an_open_page_goes_on_after_a_restart_of_the_server(studio, tmp_path):
+    editor = studio(FOUR_BAR)
+    page, old = editor.page, editor.server
+    fill(page, "linkage.crank", "33")
+    old.shutdown()
+    old.server_close()
+    new = StudioServer(Studio(Workspace(tmp_path), "it"), old.server_port, token=old.token)
+    thread = threading.Thread(target=new.serve_forever, args=(0.01,), daemon=True)
+    thread.start()
+    assert new.url == old.url
+    page.wait_for_timeout(200)
+    fill(page, "linkage.crank", "34")
+    page.keyboard.press("Control+s")
+    page.wait_for_selector("#dirty", state="hidden")
+    assert "crank = 34" in editor.file.read_text()
+    page.context.close()
+    new.shutdown()
+    new.server_close()
+
+
+def test_a_recipe_is_taken_away_as_python_and_as_zip(studio):
+    editor = studio(FOUR_BAR + '# "quoted", a \\\\ and ü\n', accept_downloads=True)
+    page = editor.page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.click("#share summary")
+    page.click("#share-python")
+    page.wait_for_selector('#status:has-text("copied")')
+    script = page.evaluate("navigator.clipboard.readText()").replace('gk.make(recipe, "out")', "")
+    names = {}
+    exec(script, names)
+    assert names["recipe"].linkage == gk.load(editor.file).linkage
+    page.click("#share summary")
+    with page.expect_download() as download:
+        page.click("#share-zip")
+    with ZipFile(download.value.path()) as archive:
+        assert {"it.svg", "it.html", "summary.json"} & set(archive.namelist()) and archive.testzip() is None
