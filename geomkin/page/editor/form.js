@@ -80,8 +80,8 @@ export class Form {
     part.open = closed.get(path) ?? !/^$|^files|\.recipe\./.test(path);
     const head = make(part, "summary", {}, group.rows ? `${group.title} ${index + 1}` : group.title);
     if (group.rows || (group.optional && new RegExp(`^\\s*\\[+\\s*${CSS.escape(path)}\\s*[\\].]`, "m").test(this.text))) {
-      const remove = make(head, "button", { type: "button", class: "remove", "aria-label": `Remove ${head.textContent}` }, "Remove");
-      remove.addEventListener("click", (event) => { event.preventDefault(); this.editor.set({ [path]: null }, path); this.editor.close(); });
+      const remove = make(part, "button", { type: "button", class: "remove", "aria-label": `Remove ${head.textContent}` }, "Remove");
+      remove.addEventListener("click", () => { this.editor.set({ [path]: null }, path); this.editor.close(); });
     }
     if (group.help) make(part, "p", { class: "about" }, group.help);
     const kind = this.values[`${path}.kind`];

@@ -75,9 +75,13 @@ export class Handles {
   plotSurface(id) {
     const card = this.player.plots.cards.find(({ columns, plot }) => plot && columns.some((column) => column.id === id));
     if (!card) return undefined;
-    const { plot } = card, { over } = plot;
+    const { plot } = card, { over } = plot, wrap = over.parentNode;
+    // Above the plot, not in it: that is a slider, which may contain no buttons.
+    const root = wrap.querySelector(".handles") ?? make(wrap, "svg", { class: "handles" });
+    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = over;
+    Object.assign(root.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
     return {
-      root: over.querySelector(".handles") ?? make(over, "svg", { class: "handles" }),
+      root,
       screen: (x, y) => [plot.valToPos(x, "x"), plot.valToPos(y, "y")],
       plane: (event) => {
         const { left, top } = over.getBoundingClientRect();

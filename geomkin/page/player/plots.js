@@ -82,7 +82,7 @@ export class Plots {
   add() {
     const taken = new Set(this.cards.map((card) => card.chosen));
     const free = this.data.plots.findIndex((_, k) => !taken.has(k));
-    const card = { chosen: max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": "Plot" }) };
+    const card = { chosen: max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": `Plot ${this.cards.length + 1}` }) };
     const head = make(card.root, "div", { class: "head" });
     card.select = make(head, "select", { "aria-label": "What is plotted" });
     this.offerPlots(card);
