@@ -61,3 +61,13 @@ def test_every_table_can_be_added(kind, key):
     before, after = (_values(gk.load(recipe)) for recipe in (text, reply["text"]))
     new = {name for name in after if name not in before or before[name] in (None, {}, [])}
     assert any(name.startswith(key.removesuffix("[]")) for name in new)
+
+
+def test_an_added_table_of_a_recipe_in_inches_has_the_same_sizes():
+    text = 'kind = "four-bar"\n{}[linkage]\nground = {}\ncrank = {}\ncoupler = {}\nrocker = {}\n'
+    sizes = (100, 30, 90, 70)
+    inches = text.format('units = "in"\n', *(size / 25.4 for size in sizes))
+    recipes = (text.format("", *sizes), inches)
+    (spring,), (other,) = (gk.load(answer(r, {}, {"add": "loads.springs"})["text"]).loads.springs for r in recipes)
+    assert (spring.body, spring.point) == (other.body, other.point)
+    assert other.free_length == pytest.approx(spring.free_length)
