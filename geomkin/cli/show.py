@@ -171,7 +171,7 @@ def studio(recipe: Path | None, port: int, no_browser: bool) -> None:
     import webbrowser
     from contextlib import suppress
 
-    from ..studio.server import Studio, StudioServer
+    from ..studio.server import NOBODY, Studio, StudioServer, kept_token
     from ..studio.workspace import Workspace
 
     # A server runs for long: it must handle Ctrl-C itself and free its memory.
@@ -179,7 +179,8 @@ def studio(recipe: Path | None, port: int, no_browser: bool) -> None:
     gc.set_threshold(700, 10, 10)
     place = recipe or Path()
     folder, first = (place, "") if place.is_dir() else (place.parent, place.stem)
-    with StudioServer(Studio(Workspace(folder), first), port) as server, suppress(KeyboardInterrupt):
+    served = StudioServer(Studio(Workspace(folder), first), port, NOBODY, kept_token(folder))
+    with served as server, suppress(KeyboardInterrupt):
         click.echo(server.url)
         if not no_browser:
             webbrowser.open(server.url)

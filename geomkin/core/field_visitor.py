@@ -26,6 +26,11 @@ class WrittenForm:
         """The only texts that are allowed; empty if there are others."""
         return []
 
+    @property
+    def names(self) -> list[str]:
+        """Names that a recipe may state in place of a table of values."""
+        return []
+
     def read(self, given: Any, folder: Any) -> Any:
         """What is read as a value of the type, or the value itself. folder: holds the files that a recipe names."""
         return given

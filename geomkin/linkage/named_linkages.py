@@ -481,6 +481,7 @@ class FourBar(AbstractLinkage):
     coupler_point: ComplexOrArray = entry(
         "point traced by the coupler, from its crank pin, x towards the rocker pin, [x, y] in mm",
         default=0j,
+        example=40 + 25j,
     )
     driver: Literal["crank", "coupler", "rocker"] = entry("link whose angle is driven", default="crank")
     origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)

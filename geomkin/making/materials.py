@@ -28,6 +28,10 @@ class NamedIn(WrittenForm):
     def __init__(self, entries: Mapping[str, Any], key: str, keeps_name: bool = False) -> None:
         self.entries, self.key, self.keeps_name = entries, key, keeps_name
 
+    @property
+    def names(self) -> list[str]:
+        return list(self.entries)
+
     def find(self, name: object, key: str = "name") -> Any:
         """The entry of a name; DesignError with the key if there is none."""
         if not isinstance(name, str) or name not in self.entries:

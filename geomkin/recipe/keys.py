@@ -25,6 +25,15 @@ def with_values(recipe: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[s
     return changed
 
 
+def with_added(recipe: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The same, also if a key names the row after the last one of a list."""
+    changed: dict[str, Any] = copy.deepcopy(dict(recipe))
+    for key, value in changes.items():
+        _make_room(changed, key, copy.deepcopy(value))
+        _set(changed, key, copy.deepcopy(value))
+    return changed
+
+
 def edited_text(text: str, changes: Mapping[str, Any]) -> str:
     """A recipe's text with other values under dotted keys; None removes a key or row.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, Self
@@ -86,6 +86,18 @@ def _in_sentences(texts: property) -> property:
     return property(lambda recipe: in_sentences(texts.__get__(recipe)), doc=texts.__doc__)
 
 
+class Additions:
+    """How tables are added to recipes of a kind, besides by the examples of their fields."""
+
+    def names(self, recipe: Any) -> Mapping[str, Sequence[Any]]:
+        """Names in a recipe by the keys that state them in an added table, such as `body`, the most likely first."""
+        return {}
+
+    def changes(self, recipe: Any, key: str) -> Iterator[Mapping[str, Any]]:
+        """Values by dotted key that add the table `key`, those to be tried first."""
+        return iter(())
+
+
 class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
 
@@ -107,6 +119,7 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     takes_workshop: ClassVar[bool] = True
     # A sentence that a template adds to the description of the kind.
     advice: ClassVar[str] = ""
+    additions: ClassVar[Additions] = Additions()
     # Every subclass is a dataclass, which a type checker cannot know.
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -20,17 +21,20 @@ from ..model.check import Check
 from ..model.scene import SceneHandle
 from ..page.page import scene_data
 from ..plane.vec import Array, Real
-from ..recipe.keys import edited_text, with_values
+from ..recipe.keys import edited_text, with_added, with_values
 from ..recipe.lengths import shown_numbers
 from ..recipe.load import from_table, whole_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.toml import parsed
+from .additions import addition
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
 MOST_TRIALS = 40
 # Distance from the pointer, in pixels, at which a handle is under it; rounding of the values adds up to one more.
 UNDER_POINTER = 0.05
+# Pixels by which the pointer is beyond a change point before a handle crosses it.
+DETENT = 25.0
 # Movement, in pixels, below which a step of the search is not tried.
 NOTHING = 0.05
 # Change for a derivative, as a share of the largest value of the keys.
@@ -71,8 +75,8 @@ def drag(
     """Solve for the unlocked keys of a handle so that it follows the pointer, starting at their values.
 
     A damped least-squares iteration (Levenberg and Marquardt) on the recipe's own motion at one frame. Values that the
-    recipe refuses, or with which the mechanism cannot be at frames where it could be before, are not taken, so the
-    handle stops at a limit.
+    recipe refuses are not taken, so the handle stops at a limit. It also stops where the mechanism could no longer be
+    assembled at other frames, until the pointer is `DETENT` pixels beyond: then a four-bar gets another Grashof type.
 
     Parameters
     ----------
@@ -107,7 +111,7 @@ def drag(
     whole = np.array([isinstance(group[0].value, int) for group in groups])
     known = np.isfinite(handle.at)
 
-    def tried(values: Array) -> _Outcome:
+    def tried(values: Array, is_strict: bool = True) -> _Outcome:
         nothing = np.full(1, np.inf)
         try:
             changed = opened(_as_changes(groups, values))
@@ -118,8 +122,10 @@ def drag(
             return _Outcome(nothing, f"{error.problems[0].key}: {error.problems[0].problem}")
         except GeomkinError as error:
             return _Outcome(nothing, str(error))
-        if len(moved) == len(known) and not np.isfinite(moved[known]).all():
-            return _Outcome(nothing, "with more the mechanism could not be assembled in all its positions")
+        if not np.isfinite(moved[min(frame, len(moved) - 1)]):
+            return _Outcome(nothing, "with more the mechanism could not be assembled in this position")
+        if is_strict and len(moved) == len(known) and not np.isfinite(moved[known]).all():
+            return _Outcome(nothing, "with more it cannot be assembled in all its positions; drag on to cross")
         away = complex(moved[min(frame, len(moved) - 1)]) - to
         if handle.shape == "circle":
             return _Outcome(np.array([(abs(away) - radius) / step[0]]), "")
@@ -127,8 +133,12 @@ def drag(
 
     if not known[min(frame, len(known) - 1)]:
         return Dragged({}, "the mechanism cannot be assembled in this position")
-    best, residual, reason, slopes = _solved(tried, start, whole)
-    values = _rounded(tried, start, best, residual, whole, slopes, snap)
+    accepted: Callable[[Array], _Outcome] = tried
+    best, residual, reason, slopes = _solved(accepted, start, whole)
+    if reason and np.linalg.norm(residual) > DETENT:
+        accepted = partial(tried, is_strict=False)
+        best, residual, reason, slopes = _solved(accepted, start, whole)
+    values = _rounded(accepted, start, best, residual, whole, slopes, snap)
     changes = _as_changes([group for group, v, old in zip(groups, values, start) if v != old], values[values != start])
     return Dragged(changes, reason)
 
@@ -283,7 +293,8 @@ def answer(
     files : mapping of str to str
         Texts of the files that it names.
     request : mapping
-        `set`, values by dotted key, None to remove one; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
+        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `drag`, with
+        `handle`, `to`, `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -318,11 +329,13 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     text, name = draft.text, draft.name
     reply: Answer = {
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
-        "limit": None, "quantities": [], "checks": None, "candidates": None, "parts": None,
+        "limit": None, "search": False, "quantities": [], "checks": None, "candidates": None, "parts": None,
     }  # fmt: skip
     try:
         if changes := request.get("set"):
             draft.text = reply["text"] = edited_text(text, _with_whole_lists(draft, changes))
+        if key := request.get("add"):
+            _add(draft, key, reply)
         if request.get("drag"):
             _drag(draft, request["drag"], request.get("locks") or (), reply)
             draft.text = reply["text"]
@@ -330,6 +343,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         kind = table.get("kind")
         reply["kind"] = kind if isinstance(kind, str) else ""
         recipe = opened(draft) if opened else draft.opened(table)
+        reply["search"] = isinstance(recipe, AbstractGoal)
         reply["values"] = _values(draft.as_written(table, recipe))
         with errors_named_by_key("recipe", recipe):
             (_checks if request.get("lane") == "checks" else _scene)(recipe, request.get("locks") or (), reply)
@@ -345,6 +359,22 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     if reply["problems"]:
         reply["scene"] = None
     return reply
+
+
+def _add(draft: Draft, key: Any, reply: Answer) -> None:
+    """Change the text so that the recipe has another table or item of a list; if it can have none, report why."""
+    if not isinstance(key, str):
+        raise DesignError("add", f"found {shown(key)}", "give a key", "wrong-type")
+    table = draft.table()
+    recipe = draft.as_written(table, draft.opened(table))
+    try:
+        with errors_named_by_key("recipe", recipe):
+            changes = addition(recipe, key, lambda changes: draft.opened(with_added(table, changes)))
+    except RecipeError as error:
+        problem = error.problems[0]
+        reply["limit"] = {"keys": [problem.key], "reason": harmless(f"{problem.problem}; {problem.remedy}")}
+        return
+    draft.text = reply["text"] = edited_text(draft.text, changes)
 
 
 def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply: Answer) -> None:

@@ -72,7 +72,7 @@ def _groups(
     table: type, path: str, about: Mapping[str, Any], values: Mapping[str, Any], tables: list[type] | None = None
 ) -> Iterator[dict[str, Any]]:
     """The group of a table and those of the tables inside it."""
-    group = {"key": path, "title": path.replace("[]", ""), "help": "", "optional": False, "rows": False, "within": ""}
+    group = {"key": path, "title": _title(path), "help": "", "optional": False, "rows": False, "within": ""}
     group |= about
     kinds = {kind_of(one): list(_fields(one, path, values)) for one in tables or () if kind_of(one)}
     yield group | ({"fields": [], "kinds": kinds} if len(kinds) > 1 else {"fields": list(_fields(table, path, values))})
@@ -86,12 +86,16 @@ def _groups(
                 for name in _names(key, values):
                     about = {"help": _file_note(inner[0], f"{key}.{name}", values), "optional": True}
                     yield from _groups(inner[0], f"{key}.{name}", about, values)
+                if not any(field.shape.is_recipe for field in fields_of(inner[0]).values()):
+                    # Only the button that adds one.
+                    yield {**group, "key": key, "title": _title(key), "optional": True, "fields": [], "named": True}
             elif inner:
                 about = {
                     "help": declared.about.get("description", ""),
                     "optional": not declared.is_required,
                     "rows": declared.is_rows,
                     "within": kind_of(one) or "" if kinds else "",
+                    "by_name": bool(_known_names(declared)),
                 }
                 yield from _groups(inner[0], f"{key}[]" if declared.is_rows else key, about, values, inner)
 
@@ -100,7 +104,7 @@ def _inner_recipe(key: str, values: Mapping[str, Any]) -> Iterator[dict[str, Any
     """The groups of a recipe inside another, which does not use its files."""
     kind = values[f"{key}.kind"]
     recipe = recipe_class(kind)
-    for group in _groups(recipe, key, {"title": f"{key}: {kind}", "help": recipe.about()}, values):
+    for group in _groups(recipe, key, {"title": f"{_title(key)}: {kind}", "help": recipe.about()}, values):
         if not group["key"].startswith((f"{key}.files", f"{key}.optimise")):
             yield group
 
@@ -122,8 +126,33 @@ def _fields(table: type, path: str, values: Mapping[str, Any]) -> Iterator[dict[
     for name, declared in fields_of(table).items():
         key = f"{path}.{name}" if path else name
         is_kind = name == "kind" and issubclass(table, AbstractRecipe)
-        if not (declared.tables or f"{key}.kind" in values or is_kind):
+        if _known_names(declared):
+            faces = {"faces": _faces(declared.tables[0], declared.shape.form)}
+            yield _described(key, declared) | {"type": "named", "choices": _known_names(declared)} | faces
+        elif not (declared.tables or f"{key}.kind" in values or is_kind):
             yield _described(key, declared)
+
+
+def _known_names(declared: DeclaredField) -> list[str]:
+    return declared.shape.form.names if declared.shape.form else []
+
+
+def _faces(table: type, form: Any) -> dict[str, list[list[float]]]:
+    """Circles of the faces of motors by name, each [x, y, radius] in mm, with the shaft first."""
+    if "screws" not in fields_of(table):
+        return {}
+    return {
+        name: [[0, 0, face.shaft / 2], [0, 0, face.boss_diameter / 2]]
+        + [[screw.real, screw.imag, face.thread / 2] for screw in face.screws]
+        for name, face in form.entries.items()
+    }
+
+
+def _title(path: str) -> str:
+    """A key in words: the names in it, without those of the tables that hold whole mechanisms."""
+    names = [name for name in path.replace("[]", "").split(".") if name not in ("mechanisms", "recipe")]
+    names = [re.sub(r"^(first|second|last)_stock$", r"\1 gear, stock", name) for name in names]
+    return ", ".join(re.sub(r"^(.+)_stock$", r"\1, stock", name).replace("_", " ") for name in names)
 
 
 def _described(key: str, declared: DeclaredField) -> dict[str, Any]:

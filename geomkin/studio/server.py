@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
+from hashlib import sha256
 from hmac import compare_digest
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
+from io import BytesIO
+from itertools import takewhile
 from pathlib import Path
 from secrets import token_urlsafe
 from socket import SHUT_RD, socket
 from threading import BoundedSemaphore, Event, Lock, Thread
 from typing import Any
 from urllib.parse import parse_qsl, unquote, urlsplit
+from zipfile import ZIP_DEFLATED, ZipFile
 
 from .. import page
 from ..build import make
@@ -37,6 +42,10 @@ from .workspace import BackgroundJob, ConflictError, Jobs, Workspace, join_all
 HOST = "127.0.0.1"
 # The first port that is tried, and how many after it.
 PORT, MOST_PORTS = 8017, 50
+# Bytes of the secret in the address.
+TOKEN = 24
+# Characters of the description of a recipe in the gallery.
+LONGEST_TITLE = 240
 # Largest body of a request, bytes: a recipe is at most half of it.
 LARGEST_BODY = 1_000_000
 # Requests in any one second, and at the same time: a drag sends fewer than 60 a second.
@@ -47,6 +56,8 @@ IDLE = 60
 AT_ONCE = 0.4
 # Seconds for which a request for changes of a file waits, and between two looks at it.
 LONGEST_WAIT, LOOK = 25.0, 0.3
+# Types of the optional parts of a request for an answer.
+REQUEST: dict[str, type] = {"set": dict, "drag": dict, "add": str, "locks": list, "lane": str}
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors "
@@ -65,6 +76,7 @@ TYPES = {
     ".css": "text/css; charset=utf-8",
     ".svg": "image/svg+xml",
     ".json": "application/json",
+    ".zip": "application/zip",
 }
 
 
@@ -102,13 +114,13 @@ class Studio:
         match name:
             case "start":
                 first, text = (self.kept.name, self.kept.text) if self.kept else (self.first, "")
-                return {"first": first, "text": text, "recipes": self.workspace.recipes}
+                return {"first": first, "text": text, "folder": str(self.workspace.folder)}
             case "gallery":
                 kinds = [
                     {"kind": kind, "group": row.group, "about": recipe_class(kind).about()}
                     for kind, row in all_kinds().items()
                 ]
-                return {"kinds": kinds, "recipes": self.workspace.recipes}
+                return {"kinds": kinds, "recipes": [self._listed(name) for name in self.workspace.recipes]}
             case "picture":
                 return self._picture(query)
             case "job":
@@ -124,7 +136,12 @@ class Studio:
                 return self._answer(body)
             case "form":
                 values = body.get("values")
-                return self._known_kind(body, partial(recipe_form, values=values if isinstance(values, dict) else {}))
+                known = {
+                    key: value
+                    for key, value in (values.items() if isinstance(values, dict) else ())
+                    if isinstance(value, str) or not (key == "units" or key.endswith(".kind"))
+                }
+                return self._known_kind(body, partial(recipe_form, values=known))
             case "open":
                 opened = self.workspace.open(_text(body, "recipe"))
                 return {"recipe": body["recipe"], "text": opened.text, "base": opened.base}
@@ -132,7 +149,9 @@ class Studio:
                 name = _text(body, "recipe")
                 return {"recipe": name, "base": self.workspace.save(name, _text(body, "text"), _text(body, "base"))}
             case "new":
-                options = [str(option) for option in body.get("options") or ()]
+                options = body.get("options") or []
+                if not isinstance(options, list) or not all(isinstance(option, str) for option in options):
+                    raise _RefusedError(HTTPStatus.BAD_REQUEST, "options has the wrong form", "give a list of texts")
                 return {"text": self._known_kind(body, lambda kind: template(recipe_class(kind), options))}
             case "make":
                 id, _ = self.jobs.start(partial(self._made, _text(body, "text"), _text(body, "recipe")))
@@ -149,7 +168,12 @@ class Studio:
 
     def _answer(self, body: Mapping[str, Any]) -> Any:
         """An answer at once, or the job of a search that takes longer; a new request ends the search before it."""
-        text, name = _text(body, "text"), str(body.get("recipe") or "")
+        text, name = _text(body, "text"), _text({"recipe": "", **body}, "recipe")
+        for key, form in REQUEST.items():
+            if not isinstance(body.get(key) or form(), form):
+                raise _RefusedError(HTTPStatus.BAD_REQUEST, f"{key} has the wrong form", "give what the docs state")
+        if not all(isinstance(key, str) for key in body.get("locks") or ()):
+            raise _RefusedError(HTTPStatus.BAD_REQUEST, "locks has the wrong form", "give keys")
         work = partial(self._answered, text, self.workspace.files_of(text), dict(body), name)
         if not _is_search(text):
             return work()
@@ -192,6 +216,34 @@ class Studio:
         ]
         return {"problems": [], "files": files, "remarks": list(made.remarks)}
 
+    def _listed(self, name: str) -> dict[str, str]:
+        """A recipe of the folder with the words by which it is found: kind, and first comment or what the kind is."""
+        text = ""
+        with suppress(GeomkinError):
+            text = self.workspace.open(name).text
+        lines = [line.strip() for line in text.splitlines()]
+        kind = next((found for line in lines if (found := _kind_in(line))), "")
+        comments = list(
+            takewhile(lambda line: line[0] == "#", (line for line in lines if line and not line.startswith("#:")))
+        )
+        about = recipe_class(kind).about() if kind in all_kinds() else ""
+        return {
+            "name": name,
+            "kind": kind,
+            "title": " ".join(line.lstrip("# ") for line in comments)[:LONGEST_TITLE] or about,
+        }
+
+    def archive(self, folder: str) -> bytes:
+        """All files of a recipe that was made, in one zip."""
+        home, buffer = self.workspace.folder / "out" / folder, BytesIO()
+        if file_name_flaw(folder) or not home.resolve().is_relative_to(self.workspace.folder):
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such folder")
+        with ZipFile(buffer, "w", ZIP_DEFLATED) as archive:
+            for path in sorted(home.glob("*")):
+                if path.is_file():
+                    archive.writestr(path.name, self.made_file(folder, path.name))
+        return buffer.getvalue()
+
     def made_file(self, folder: str, name: str) -> bytes:
         """The content of a file that was made."""
         home = self.workspace.folder / "out" / folder
@@ -199,9 +251,11 @@ class Studio:
         if file_name_flaw(folder) or file_name_flaw(name) or not path.resolve().is_relative_to(home):
             raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file")
         try:
-            return path.read_bytes()
+            if path.is_file():
+                return path.read_bytes()
         except OSError:
-            raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file") from None
+            pass
+        raise _RefusedError(HTTPStatus.NOT_FOUND, "there is no such file")
 
     def _picture(self, query: Mapping[str, str]) -> bytes:
         """A small picture of a recipe of the folder, or of a kind; empty if it takes a search or is wrong."""
@@ -247,19 +301,26 @@ class Studio:
 
 def _is_search(text: str) -> bool:
     """Whether a recipe's kind finds its mechanism by a search."""
-    for line in text.splitlines():
-        name, equals, value = line.partition("=")
-        if equals and name.strip() == "kind":
-            kind = value.partition("#")[0].strip().strip("\"'")
-            return kind in KINDS and issubclass(recipe_class(kind), AbstractGoal)
-    return False
+    kind = next((kind for line in text.splitlines() if (kind := _kind_in(line))), "")
+    return kind in KINDS and issubclass(recipe_class(kind), AbstractGoal)
+
+
+def _kind_in(line: str) -> str:
+    """The kind that a line of a recipe states; "" if it is another line."""
+    name, equals, value = line.partition("=")
+    return value.partition("#")[0].strip().strip("\"'") if equals and name.strip() == "kind" else ""
 
 
 def _text(body: Mapping[str, Any], name: str) -> str:
     value = body.get(name)
-    if not isinstance(value, str):
+    if not isinstance(value, str) or not _is_unicode(value):
         raise _RefusedError(HTTPStatus.BAD_REQUEST, f"{name} is missing", "give a text")
     return value
+
+
+def _is_unicode(text: str) -> bool:
+    """Whether a text can be written as UTF-8, which has no halves of pairs."""
+    return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
 def _problems(error: GeomkinError) -> list[dict[str, str | float]]:
@@ -286,13 +347,16 @@ class StudioServer(ThreadingHTTPServer):
         The first port that is tried; if it is taken, the next ones. 0 for any free one.
     framed_by : str
         Sources of pages that may show the studio in a frame, as in a content security policy.
+    token : str
+        The secret in its address; by default a new one.
     """
 
-    # On some systems a second server could otherwise take over the port of a running one.
-    allow_reuse_address = False
+    # On Windows a second server could otherwise take over the port of a running one; elsewhere a server that is started
+    # again gets its port back.
+    allow_reuse_address = os.name != "nt"
 
-    def __init__(self, studio: Studio, port: int = PORT, framed_by: str = NOBODY):
-        self.studio, self.token, self.policy = studio, token_urlsafe(24), POLICY + framed_by
+    def __init__(self, studio: Studio, port: int = PORT, framed_by: str = NOBODY, token: str = ""):
+        self.studio, self.token, self.policy = studio, token or token_urlsafe(TOKEN), POLICY + framed_by
         # Connections that are open, by their threads.
         self._connections: dict[Thread, socket] = {}
         self._slots, self._times, self._lock = (
@@ -364,11 +428,14 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _answer(self, work: Callable[[str, dict[str, str]], tuple[bytes, str, str]]) -> None:
         status, policy = HTTPStatus.OK, self.server.policy
-        admitted = self.server.admit()
+        admitted = False
         try:
+            # Only requests of the studio's own page are counted.
+            checked = self._checked()
+            admitted = self.server.admit()
             if not admitted:
                 raise _RefusedError(HTTPStatus.TOO_MANY_REQUESTS, "too many requests", "wait")
-            content, kind, policy = work(*self._checked())
+            content, kind, policy = work(*checked)
         except _RefusedError as error:
             status = error.status
             entry = {"key": "", "problem": harmless(error.problem), "remedy": error.remedy, "id": ""}
@@ -409,8 +476,11 @@ class _Handler(BaseHTTPRequestHandler):
         origin = self.headers.get("Origin")
         if origin is not None and origin not in {f"http://{host}" for host in hosts}:
             raise _RefusedError(HTTPStatus.FORBIDDEN, "the request comes from another page")
-        parts = urlsplit(self.path)
-        _, token, *rest = unquote(parts.path).split("/", 2)
+        try:
+            parts = urlsplit(self.path)
+        except ValueError:
+            raise _RefusedError(HTTPStatus.BAD_REQUEST, "the address is wrong") from None
+        token, *rest = unquote(parts.path).removeprefix("/").split("/", 1)
         if not rest or not compare_digest(token.encode(), self.server.token.encode()):
             raise _RefusedError(
                 HTTPStatus.NOT_FOUND, "the address is not that of the studio", "open the one in the terminal"
@@ -418,6 +488,8 @@ class _Handler(BaseHTTPRequestHandler):
         return rest[0], dict(parse_qsl(parts.query))
 
     def _get(self, name: str, query: dict[str, str]) -> tuple[bytes, str, str]:
+        if name.startswith("zip/"):
+            return self.server.studio.archive(name.removeprefix("zip/")), TYPES[".zip"], FILE_POLICY
         if name.startswith("out/"):
             _, folder, file = f"{name}//".split("/")[:3]
             kind = TYPES.get(Path(file).suffix, "application/octet-stream")
@@ -464,6 +536,24 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header("Connection", "close")
         self.end_headers()
         self.wfile.write(content)
+
+
+def kept_token(folder: Path) -> str:
+    """The token of the last studio in a folder, with which a page that is still open goes on; a new one at first.
+
+    It is in a file of the user's own folder for states, which nobody else can read.
+    """
+    home = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or str(Path.home() / ".local" / "state")
+    file = Path(home, "geomkin", "studio", sha256(str(folder.resolve()).encode()).hexdigest())
+    with suppress(OSError, ValueError):
+        if len(token := file.read_text("ascii").strip()) >= TOKEN:
+            return token
+    token = token_urlsafe(TOKEN)
+    with suppress(OSError):
+        file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with open(file, "w", encoding="ascii", opener=partial(os.open, mode=0o600)) as state:
+            state.write(token)
+    return token
 
 
 def _json(data: Any) -> tuple[bytes, str]:

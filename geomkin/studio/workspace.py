@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
+from stat import S_ISREG
 from threading import Event, Lock, Thread
 from typing import Any, NamedTuple
 
@@ -18,6 +20,14 @@ from ..recipe.toml import LARGEST, parsed
 
 # Texts of a recipe that may be names of files; a longer one is no name.
 LONGEST_NAME = 255
+# Files that a recipe and those that it names may name; more would take long to read.
+MOST_FILES = 100
+
+
+try:
+    import fcntl
+except ImportError:  # pragma: no cover
+    fcntl = None  # type: ignore[assignment]
 
 
 class ConflictError(GeomkinError):
@@ -41,7 +51,7 @@ class Workspace:
     """
 
     def __init__(self, folder: Path):
-        self.folder = folder.resolve()
+        self.folder, self._saving = folder.resolve(), Lock()
 
     @property
     def recipes(self) -> list[str]:
@@ -63,10 +73,12 @@ class Workspace:
         one by now, and FileError if it cannot be written.
         """
         path = self._path(name)
-        if path.exists() and mark_of(self._content(name)) != base:
-            raise ConflictError(f"{name}.toml was changed since it was opened")
         content = text.encode()
-        write_whole(self.folder, {path.name: content})
+        # Of several saves of one base, by this server or another one, the first wins.
+        with self._saving, _locked(self.folder):
+            if path.exists() and mark_of(self._content(name)) != base:
+                raise ConflictError(f"{name}.toml was changed since it was opened")
+            write_whole(self.folder, {path.name: content})
         return mark_of(content)
 
     def mark(self, name: str) -> str:
@@ -83,7 +95,7 @@ class Workspace:
         """
         texts: dict[str, str] = {}
         pending = [text]
-        while pending:
+        while pending and len(texts) < MOST_FILES:
             try:
                 table = parsed(pending.pop())
             except GeomkinError:
@@ -101,7 +113,10 @@ class Workspace:
     def _content(self, name: str) -> bytes:
         path = self._path(name)
         try:
-            with path.open("rb") as file:
+            # A pipe or a device could block or never end.
+            with open(path, "rb", opener=_open_at_once) as file:
+                if not S_ISREG(os.fstat(file.fileno()).st_mode):
+                    raise OSError(0, "it is not a file")
                 content = file.read(LARGEST + 1)
         except OSError as error:
             problem = f"cannot be read ({error.strerror})"
@@ -117,6 +132,24 @@ class Workspace:
         if flaw or path.parent != self.folder or not path.resolve().is_relative_to(self.folder):
             raise FileError(printable(shown(name)), "is no name of a recipe", "give a plain name", "file-unreadable")
         return path
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Hold the lock of a folder, by which other processes wait, on systems that have one."""
+    if fcntl is None:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def mark_of(content: bytes) -> str:

@@ -72,11 +72,17 @@ def test_a_drag_changes_only_unlocked_keys_of_its_handle():
 
 
 def test_a_drag_stops_where_the_linkage_could_no_longer_turn():
-    reply, _ = dragged(FOUR_BAR, "point:crank_pin", (60, 60))
+    x, y = handle_at(answer(FOUR_BAR, {}, {}), "point:crank_pin", 40) / 30
+    # Grashof: crank + ground <= coupler + rocker, so 60 mm is the most for a full turn.
+    reply, _ = dragged(FOUR_BAR, "point:crank_pin", (35 * x, 35 * y))
     crank = tomllib.loads(reply["text"])["linkage"]["crank"]
-    # Grashof: crank + ground <= coupler + rocker, so 60 mm is the most.
     assert 59 < crank <= 60 and reply["limit"]["reason"] and not reply["problems"]
     assert gk.load(reply["text"]).motion.assembled.all()
+    # Further on it crosses the change point, and no link turns fully.
+    reply, _ = dragged(FOUR_BAR, "point:crank_pin", (40 * x, 40 * y))
+    crank, motion = tomllib.loads(reply["text"])["linkage"]["crank"], gk.load(reply["text"]).motion
+    assert crank == pytest.approx(70, abs=0.3) and not reply["problems"] and reply["limit"] is None
+    assert motion.assembled[40] and not motion.assembled.all()
 
 
 @pytest.mark.parametrize("step", [0.25, 0.004, 3.0])

@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -14,9 +15,15 @@ import pytest
 
 from geomkin.studio import server as module
 from geomkin.studio.server import HOST, LARGEST_BODY, MOST_A_SECOND, Studio, StudioServer
-from geomkin.studio.workspace import Workspace
+from geomkin.studio.workspace import ConflictError, Workspace
 
 FOUR_BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
+
+
+@pytest.fixture(autouse=True)
+def state(tmp_path_factory, monkeypatch):
+    """The user's folder for states, in which tokens are kept."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
 
 
 @pytest.fixture
@@ -268,3 +275,68 @@ def test_a_server_killed_while_saving_leaves_a_whole_file(tmp_path, wait):
                 base = json.loads(connection.getresponse().read())["base"]
                 saves += 1
     assert file.read_text() in texts and saves > 0
+
+
+def test_requests_without_the_token_do_not_block_the_page(running):
+    for _ in range(20):
+        assert ask(running, "start", path="/wrong/start")[0] == 404
+    assert not running._times
+
+
+def test_a_pipe_in_the_folder_is_not_opened(running, tmp_path):
+    os.mkfifo(tmp_path / "work" / "pipe.toml")
+    (tmp_path / "work" / "zero.toml").symlink_to("/dev/zero")
+    begun = time.monotonic()
+    assert ask(running, "open", {"recipe": "pipe"})[0] == 422 and ask(running, "open", {"recipe": "zero"})[0] == 422
+    assert ask(running, "save", {"recipe": "pipe", "text": "x", "base": ""})[0] in (409, 422)
+    assert running.studio.workspace.mark("pipe") == "" and time.monotonic() - begun < 5
+
+
+@pytest.mark.parametrize(
+    ("name", "body"),
+    [
+        *(("answer", {"text": FOUR_BAR, key: wrong}) for key in ("set", "drag", "locks") for wrong in ("x", 7, [[1]])),
+        *(("answer", {"text": FOUR_BAR, key: wrong}) for key in ("add", "lane", "recipe") for wrong in (7, ["x"], {"a": 1})),
+        ("answer", {"text": "\ud800"}),
+        ("save", {"recipe": "new", "text": "\ud800", "base": ""}),
+        ("new", {"kind": "four-bar", "options": 5}),
+        ("new", {"kind": "four-bar", "options": [[]]}),
+    ],
+)  # fmt: skip
+def test_a_request_of_a_wrong_form_is_refused(running, name, body):
+    assert ask(running, name, body)[0] == 400
+
+
+def test_odd_addresses_and_values_are_no_internal_error(running):
+    for path in ("//[", "x", "*", "/%00/%ff"):
+        assert ask(running, "", path=path)[0] in (400, 404), path
+    for values in ({"units": []}, {"a.kind": 5}, {"a.kind": []}, 3, []):
+        assert ask(running, "form", {"kind": "four-bar", "values": values})[0] == 200
+
+
+def test_of_simultaneous_saves_of_one_base_one_wins(tmp_path):
+    (tmp_path / "bar.toml").write_text(FOUR_BAR)
+    # Two servers on one folder have a workspace each.
+    workspaces = [Workspace(tmp_path), Workspace(tmp_path)]
+    for _ in range(10):
+        base, start, won = workspaces[0].mark("bar"), threading.Barrier(6), []
+
+        def save(k, base=base, start=start, won=won):
+            start.wait()
+            with suppress(ConflictError):
+                won.append((k, workspaces[k % 2].save("bar", f"{FOUR_BAR}# {k} {base}\n", base)))
+
+        threads = [threading.Thread(target=save, args=(k,)) for k in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(20)
+        assert len(won) == 1 and won[0][1] == workspaces[0].mark("bar")
+
+
+def test_a_folder_keeps_its_token_privately(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    token = module.kept_token(tmp_path)
+    assert module.kept_token(tmp_path) == token != module.kept_token(tmp_path / "other") and len(token) >= 32
+    (file, _) = sorted((tmp_path / "state").rglob("*"), key=lambda path: not path.is_file())[:2]
+    assert file.stat().st_mode & 0o077 == 0

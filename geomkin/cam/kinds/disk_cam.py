@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import cached_property
@@ -24,7 +24,7 @@ from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
-from ...recipe.recipe import assembly_summary
+from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import BodyMass, Drive, Files
 from ...recipe.template import example
 from ..base_circle import least_base_circle
@@ -64,12 +64,26 @@ LIFTS: dict[str, Segment] = {
 }  # fmt: skip
 
 
+class CamAdditions(Additions):
+    """A further segment of the programme."""
+
+    def changes(self, recipe: DiskCamRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+        segments = recipe.cam.program.segments
+        if key == "cam.program" and (whole := getattr(segments[-1], "end_deg", None)) is not None:
+            # The last segment gets shorter, and a dwell fills its end.
+            *_, start, end = recipe.cam.program.breaks
+            middle = to_digits(np.degrees(start + end) / 2)
+            dwell = {"kind": "dwell", "end_deg": whole}
+            yield {f"{key}[{len(segments) - 1}].end_deg": middle, f"{key}[{len(segments)}]": dwell}
+
+
 @record(kw_only=True)
 class DiskCamRecipe(AbstractComposedRecipe):
     """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
 
     can_be_scaled: ClassVar[bool] = True
     aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)
+    additions: ClassVar[Additions] = CamAdditions()
     kind: Literal["disk-cam"] = "disk-cam"
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())

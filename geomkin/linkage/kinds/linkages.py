@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import ClassVar
+from typing import Any, ClassVar
+
+import numpy as np
 
 from ...core.fields import entry
 from ...core.records import record
@@ -19,7 +21,7 @@ from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
-from ...recipe.recipe import mass_summary
+from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..linkage import AbstractLinkage
@@ -41,6 +43,7 @@ from .moved import (
     AbstractMovedRecipe,
     Branches,
     SideOrFollow,
+    added_slides,
     both_modes_entry,
     branch_entry,
     branch_of,
@@ -50,6 +53,37 @@ from .moved import (
 )
 from .stance import StandingAspect
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
+
+
+class LinkageAdditions(Additions):
+    """Names of bodies, points and slides, and the stroke of a slide that the driver moves."""
+
+    def names(self, recipe: AbstractLinkageRecipe) -> Mapping[str, Sequence[Any]]:
+        linkage = recipe.linkage.linkage
+        moving = [*linkage.bodies][:0:-1]
+        points = list(dict.fromkeys(point for body in moving for point in linkage.bodies[body]))
+        pivoted = [body for body in moving if {*linkage.bodies[body]} & {*linkage.bodies[linkage.ground]}]
+        return {
+            "body": moving,
+            "point": points,
+            "to_body": [linkage.ground],
+            "pin": list(linkage.pins),
+            "slide": [slider.name for slider in linkage.sliders],
+            "bodies": [[body] for body in pivoted],
+            "base": [[*linkage.bodies[body]][:2] for body in moving if len(linkage.bodies[body]) > 1],
+            "loads.masses": moving,
+        }
+
+    def changes(self, recipe: AbstractLinkageRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+        linkage = recipe.linkage.linkage
+        if key == "linkage.sliders":
+            yield from added_slides(linkage)
+        for slider in linkage.sliders if key == "stroke" and linkage.driven_slider is None else ():
+            # The middle of the displacements of a slide while the driver turns.
+            places = recipe.motion.slide(slider.name).displacement
+            start, end = (float(f"{place:.4g}") for place in np.nanquantile(places, [0.4, 0.6]))
+            for driver in ("slider", slider.name, slider.body):
+                yield {"linkage.driver": driver, "stroke": {"start": start, "end": end}}
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
@@ -64,6 +98,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         StandingAspect,
         CopiesAspect,
     )
+    additions: ClassVar[Additions] = LinkageAdditions()
     stock: LinkStock
 
     def __post_init__(self) -> None:

@@ -272,6 +272,22 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
 
 
 # Example of templates with sliders.
+def added_slides(linkage: Linkage) -> Iterator[Mapping[str, Any]]:
+    """Values that add a rod at a point of the last body, and a block at its end that slides on the ground.
+
+    The rod is long enough for any position.
+    """
+    body, count = [*linkage.bodies][-1], len(linkage.sliders) + 1
+    rod, block, pin = f"rod_{count}", f"block_{count}", f"slide_pin_{count}"
+    length = float(f"{3 * float(linkage.size):.2g}")
+    for point in [*linkage.bodies[body]][::-1]:
+        yield {
+            f"linkage.bodies.{rod}": {point: [0, 0], pin: [length, 0]},
+            f"linkage.bodies.{block}": {pin: [0, 0]},
+            f"linkage.sliders[{count - 1}]": {"name": f"slide_{count}", "body": block, "along": linkage.ground},
+        }
+
+
 WITH_SLIDER = BodyList(
     bodies={"ground": {"O": 0j}, "crank": {"O": 0j, "A": 30 + 0j}, "rod": {"A": 0j, "B": 90 + 0j}, "block": {"B": 0j}},
     driver="crank",

@@ -1,6 +1,6 @@
 // Dialogs of the editor: the gallery of recipes and kinds, and the name under which a recipe is saved.
 import { make } from "../player/shapes.js";
-import { get } from "./server.js";
+import { get, post } from "./server.js";
 
 const at = (id) => document.getElementById(id);
 
@@ -32,26 +32,76 @@ function loader(root) {
 // Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind)`.
 export async function showGallery(editor) {
   const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
-  const card = (list, picture, name, about, act) => {
+  const card = (list, picture, name, about, words, act) => {
     const button = make(make(list, "li"), "button", { type: "button", class: "card" });
     load(make(button, "img", { alt: "", "data-address": picture }));
     make(button, "b", {}, name);
     if (about) make(button, "span", {}, about);
+    button.dataset.words = `${name} ${words} ${about}`.toLowerCase();
     button.addEventListener("click", () => { dialog.close(); act().catch((error) => editor.announce(error.message)); });
   };
   at("folder").replaceChildren();
   at("kinds").replaceChildren();
+  const search = at("search");
+  search.value = "";
+  search.oninput = () => narrow(dialog, search.value);
+  const drafts = draftsOf(editor.folder);
+  at("drafts-title").hidden = !drafts.length;
+  at("drafts").replaceChildren();
+  for (const draft of drafts) {
+    const item = make(at("drafts"), "li"), name = draft.recipe || `new ${draft.kind}`;
+    const act = (label, does) => make(item, "button", { type: "button" }, label).addEventListener("click", does);
+    act(`${name}, ${new Date(+draft.id).toLocaleString()}`, async () => {
+      dialog.close();
+      if (draft.recipe) { const { text, base } = await post("open", { recipe: draft.recipe }); editor.load(text, draft.recipe, base); }
+      editor.restore(draft);
+    });
+    act("Discard", () => { forget(draft.id); item.remove(); });
+  }
   at("folder-title").hidden = !recipes.length;
-  for (const recipe of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(recipe)}`, recipe, "", () => editor.open(recipe));
+  for (const { name, kind, title } of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, kind, () => editor.open(name));
   for (const group of new Set(kinds.map((kind) => kind.group))) {
     make(at("kinds"), "h4", {}, group);
     const list = make(at("kinds"), "ul", { class: "cards" });
     for (const { kind, about } of kinds.filter((other) => other.group === group)) {
-      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, () => editor.startNew(kind));
+      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, group, () => editor.startNew(kind));
     }
   }
+  narrow(dialog, "");
   dialog.showModal();
 }
+
+// Shows the cards that have all words, and the headings of lists that are not empty.
+function narrow(dialog, text) {
+  const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
+  let count = 0;
+  for (const card of dialog.querySelectorAll(".card")) {
+    card.parentNode.hidden = !wanted.every((word) => card.dataset.words.includes(word));
+    count += !card.parentNode.hidden;
+  }
+  for (const list of dialog.querySelectorAll(".cards")) list.previousElementSibling.hidden = !list.querySelector("li:not([hidden])");
+  at("no-match").hidden = count > 0;
+}
+
+// --- texts that were not saved: the browser keeps the last ones, also those of pages that were closed -----------------
+
+const DRAFTS = "geomkin-drafts", MOST_DRAFTS = 12;
+
+function changeDrafts(change) {
+  try {
+    localStorage.setItem(DRAFTS, JSON.stringify(change(JSON.parse(localStorage.getItem(DRAFTS) ?? "[]")).slice(0, MOST_DRAFTS)));
+  } catch { /* A browser may keep nothing, for example in a private window. */ }
+}
+
+// The drafts of a folder, the newest first: { id, folder, recipe, kind, text, base }.
+export function draftsOf(folder) {
+  let drafts = [];
+  changeDrafts((all) => { drafts = all.filter((draft) => draft.folder === folder); return all; });
+  return drafts;
+}
+
+export const forget = (id) => changeDrafts((all) => all.filter((draft) => draft.id !== id));
+export const keep = (draft) => changeDrafts((all) => [draft, ...all.filter(({ id }) => id !== draft.id)]);
 
 // Asks for a name and resolves to it, without `.toml`; to "" if the user cancels.
 export function chooseName(name) {

@@ -3,7 +3,7 @@ import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
-import { chooseName, showGallery } from "./dialogs.js";
+import { chooseName, draftsOf, forget, keep, showGallery } from "./dialogs.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
 import { Handles } from "./handles.js";
@@ -12,6 +12,8 @@ import { finished, get, post } from "./server.js";
 
 // Time without input after which checks are requested, ms.
 const PAUSE = 150;
+// Time for which the pointer rests before a search starts, ms.
+const REST = 200;
 // Largest time between presses of arrow keys on one handle that form one step of undo, ms.
 const ONE_STEP = 1000;
 const at = (id) => document.getElementById(id);
@@ -27,8 +29,15 @@ class Editor {
     const acts = {
       gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
+      "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
+    for (const button of document.querySelectorAll("[data-panel]")) button.addEventListener("click", () => this.fold(button.dataset.panel));
+    at("badge").addEventListener("click", () => {
+      this.fold("form", false);
+      at("quantities-part").open = true;
+      at("quantities-part").scrollIntoView({ block: "nearest" });
+    });
     document.addEventListener("keydown", (event) => this.key(event));
     addEventListener("beforeunload", (event) => { if (this.isDirty && !this.isKept) event.preventDefault(); });
   }
@@ -36,7 +45,8 @@ class Editor {
   get isDirty() { return this.text !== this.savedText; }
 
   async start() {
-    const { first, text } = await get("start");
+    const { first, text, folder } = await get("start");
+    this.folder = folder;
     // A notebook keeps the edited text, and a page that is loaded again continues with it.
     this.isKept = text !== "";
     if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
@@ -49,11 +59,35 @@ class Editor {
     this.watch();
   }
 
+  // Folds a panel away, or shows it again; the drawing takes its room.
+  fold(panel, isFolded = !document.body.classList.contains(`no-${panel}`)) {
+    document.body.classList.toggle(`no-${panel}`, isFolded);
+    document.querySelector(`[data-panel="${panel}"]`).setAttribute("aria-pressed", !isFolded);
+    this.player?.fit(true);
+  }
+
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
 
   async open(recipe) {
     const { text, base } = await post("open", { recipe });
     this.load(text, recipe, base);
+    const [draft] = draftsOf(this.folder).filter((other) => other.recipe === recipe);
+    if (!draft) return;
+    this.choose(`Changes of ${recipe} that were not saved are kept.`, {
+      "Continue with them": () => this.restore(draft),
+      "Discard them": () => forget(draft.id),
+    });
+  }
+
+  // Continues with a text that was not saved; undo restores that of the file.
+  restore({ id, text, recipe, base }) {
+    if (!recipe) { this.load(text, "", ""); forget(id); return; }
+    this.whenIdle(() => {
+      this.history.begin(this.text);
+      this.base = base;
+      this.ask({}, text);
+      this.whenIdle(() => { this.history.end(this.text); forget(id); });
+    });
   }
 
   async startNew(kind) {
@@ -64,7 +98,9 @@ class Editor {
   // Loads another text. It counts as saved if it has the name of a file.
   load(text, recipe, base, keepHistory = false) {
     if (!keepHistory) this.history.clear();
-    Object.assign(this, { text, recipe, base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
+    Object.assign(this, { text, recipe, base, seen: base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
+    // A template is not worth keeping before it is changed.
+    Object.assign(this, { draft: `${Date.now()}`, firstText: text });
     this.locks.clear();
     for (const id of ["conflict", "candidates"]) at(id).hidden = true;
     this.ask({});
@@ -75,6 +111,14 @@ class Editor {
     if (this.typing !== name) { this.close(); this.history.begin(this.text); }
     this.typing = name;
     this.ask({ set: changes });
+  }
+
+  // Adds a table or the next item of a list; the server chooses values with which the recipe is valid.
+  add(key) {
+    this.close();
+    this.history.begin(this.text);
+    this.ask({ add: key });
+    this.whenIdle(() => { this.history.end(this.text); document.querySelector(`#form details[data-key^="${CSS.escape(key)}"]`)?.scrollIntoView({ block: "nearest" }); });
   }
 
   close() {
@@ -98,15 +142,37 @@ class Editor {
     this.history.begin(this.text);
   }
 
-  drag({ id }, change) { this.ask({ drag: { handle: id, ...change } }, this.textBeforeDrag); }
+  drag({ id }, change) {
+    const act = () => this.ask({ drag: { handle: id, ...change } }, this.textBeforeDrag);
+    if (!this.isSearch) { act(); return; }
+    // A search starts when the pointer rests.
+    clearTimeout(this.resting);
+    this.pendingDrag = () => { this.pendingDrag = null; clearTimeout(this.resting); act(); };
+    this.resting = setTimeout(() => this.pendingDrag?.(), REST);
+  }
+
+  get isSearch() { return this.reply?.search; }
+
+  cancelDrag() {
+    this.pendingDrag = this.queued = null;
+    clearTimeout(this.resting);
+    this.ask({}, this.textBeforeDrag);
+    this.whenIdle(() => {
+      this.history.end(this.text);
+      this.textBeforeDrag = null;
+      if (this.wasPlaying) this.player.play(true);
+    });
+    this.announce("The drag was cancelled");
+  }
 
   endDrag({ label }) {
+    this.pendingDrag?.();
     this.whenIdle(() => {
       if (this.problems.length) { this.ask({}, this.textBeforeDrag); }
       this.whenIdle(() => {
         if (this.history.end(this.text)) this.announceChange(label);
         this.textBeforeDrag = null;
-        if (!this.player.drawings.every((drawing) => drawing.isFitting)) this.player.fit(true);
+        if (!this.player.shownDrawings.every((drawing) => drawing.isFitting)) this.player.fit(true);
         if (this.wasPlaying) this.player.play(true);
       });
     });
@@ -228,6 +294,7 @@ class Editor {
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
+      this.player.right.append(this.player.root.querySelector(".values"));
       this.handles = new Handles(this.player, this);
       this.ghost = new Ghost(this.player.drawings[0]);
     } else {
@@ -257,11 +324,11 @@ class Editor {
     if (!choice) return;
     at("choice-help").hidden = !choice.key;
     if (this.family) showRows(this.family, read(choice));
-    else this.family = mountRows(root, read(choice), (row, data) => this.choose(row, data));
+    else this.family = mountRows(root, read(choice), (row, data) => this.chooseRow(row, data));
   }
 
   // Chooses a solution: writes the value in its row, rounded to the fewest decimals that distinguish neighbouring rows.
-  choose(row, { key, instead_of, chosen, columns: [{ row: values }] }) {
+  chooseRow(row, { key, instead_of, chosen, columns: [{ row: values }] }) {
     if (!key || row === chosen) return;
     const [first, last] = [values[0], values[values.length - 1]];
     const digits = Math.max(0, Math.ceil(-Math.log10((last - first) / values.length)));
@@ -306,6 +373,7 @@ class Editor {
     const expected = checks.filter(({ state }) => state === "expected").length;
     const passed = `${checks.length - failed - expected} of ${checks.length} checks pass`;
     at("checks-title").textContent = !checks.length ? "No checks" : [passed, failed && `${failed} fail`, expected && `${expected} fail as expected`].filter(Boolean).join(", ");
+    Object.assign(at("badge"), { hidden: !checks.length, textContent: failed ? `${failed} ${failed > 1 ? "checks fail" : "check fails"}` : "Checks pass", className: failed ? "fail" : "pass" });
     this.showQuantities(this.reply.quantities);
     this.showCandidates(candidates);
     document.body.dataset.checked = this.player?.scenes ?? 0;
@@ -331,6 +399,8 @@ class Editor {
   showState() {
     at("name").textContent = this.recipe || `new ${this.kind}`;
     at("dirty").hidden = !this.isDirty;
+    if (this.isDirty && this.text !== this.firstText) keep({ id: this.draft, folder: this.folder, recipe: this.recipe, kind: this.kind, text: this.text, base: this.base });
+    else forget(this.draft);
     document.title = `${this.isDirty ? "• " : ""}${this.recipe || this.kind || "geomkin"} – studio`;
   }
 
@@ -352,7 +422,7 @@ class Editor {
     const { text } = this;
     try {
       const saved = await post("save", { recipe: name, text, base });
-      Object.assign(this, { recipe: name, base: saved.base, savedText: text });
+      Object.assign(this, { recipe: name, base: saved.base, seen: saved.base, savedText: text });
       at("conflict").hidden = true;
       if (this.text === text) { this.saved = this.values; this.ask({}); }
       this.showState();
@@ -370,14 +440,22 @@ class Editor {
 
   // Asks the user which version of a file to keep.
   showConflict(reason, name) {
+    this.choose(reason, {
+      "Overwrite the file": async () => { const { base } = await post("open", { recipe: name }); await this.save(name, base); },
+      "Load the file": () => this.loadFile(name),
+      "Save under another name": () => this.saveAs(),
+    });
+  }
+
+  // Shows a question with its answers, each a function by its label.
+  choose(question, answers) {
     const root = at("conflict");
     root.replaceChildren();
     root.hidden = false;
-    make(root, "p", {}, reason);
-    const choice = (label, act) => make(root, "button", { type: "button" }, label).addEventListener("click", () => { root.hidden = true; act(); });
-    choice("Overwrite the file", async () => { const { base } = await post("open", { recipe: name }); await this.save(name, base); });
-    choice("Load the file", () => this.loadFile(name));
-    choice("Save under another name", () => this.saveAs());
+    make(root, "p", {}, question);
+    for (const [label, act] of Object.entries(answers)) {
+      make(root, "button", { type: "button" }, label).addEventListener("click", () => { root.hidden = true; act(); });
+    }
     root.querySelector("button").focus();
   }
 
@@ -385,7 +463,7 @@ class Editor {
   async loadFile(name) {
     const { text, base } = await post("open", { recipe: name }), before = this.text;
     this.history.begin(before);
-    Object.assign(this, { recipe: name, base, text, savedText: text });
+    Object.assign(this, { recipe: name, base, seen: base, text, savedText: text });
     this.history.end(text);
     this.ask({});
   }
@@ -393,18 +471,21 @@ class Editor {
   // Loads the file whenever another program changes it. If there are unsaved changes, it asks the user first.
   async watch() {
     for (;;) {
-      const { recipe, base } = this;
+      // seen: the last mark of the file. The base of unsaved changes stays, so that Save asks.
+      const { recipe, seen } = this;
       if (!recipe) { await new Promise((resolve) => { setTimeout(resolve, 500); }); continue; }
       try {
-        const { base: now } = await get("changed", { recipe, base });
-        if (recipe !== this.recipe || base !== this.base || now === base) continue;
-        this.base = now;
+        const { base: now } = await get("changed", { recipe, base: seen });
+        if (this.isGone) { this.isGone = false; this.ask({}); }
+        if (recipe !== this.recipe || seen !== this.seen || now === seen) continue;
+        this.seen = now;
         if (!now) { this.announce(`${recipe}.toml was deleted; Save writes it again`); this.savedText = ""; this.showState(); continue; }
         if (this.isDirty) this.showConflict(`${recipe}.toml was changed by another program.`, recipe);
         else { await this.loadFile(recipe); this.announce(`${recipe}.toml was changed by another program and is shown anew`); }
       } catch (error) {
         if (!error.problems) throw error;
-        await new Promise((resolve) => { setTimeout(resolve, 2000); });
+        this.isGone = error.status === 0;
+        await new Promise((resolve) => { setTimeout(resolve, 1000); });
       }
     }
   }
@@ -426,7 +507,21 @@ class Editor {
       for (const remark of result.remarks ?? []) make(at("files"), "li", {}, String(remark));
       this.announce(`${result.files.length} files made`);
       at("files-part").scrollIntoView({ block: "nearest" });
+      return result.files;
     } catch (error) { this.fail(error); }
+  }
+
+  // Makes the files and saves them as one zip.
+  async zip() {
+    const files = await this.make();
+    if (!files?.length) return;
+    const name = files[0].url.split("/").at(-2);
+    make(document.body, "a", { href: `zip/${name}`, download: `${decodeURIComponent(name)}.zip`, hidden: "" }).click();
+  }
+
+  async copy(text, said) {
+    try { await navigator.clipboard.writeText(text); this.announce(said); } catch { this.announce("The browser does not let this page copy"); }
+    at("share").open = false;
   }
 
   // Shows the progress of a job until it ends. The job is stopped as soon as `isObsolete()` is true.
@@ -446,6 +541,7 @@ class Editor {
   stop() { if (this.job) post("stop", { id: this.job }).catch(() => {}); }
 
   key(event) {
+    if (event.key === "Escape" && this.handles?.held) { this.handles.cancel(); return; }
     if (!(event.ctrlKey || event.metaKey) || event.altKey || document.querySelector("dialog[open]")) return;
     const act = { s: () => this.save(), z: () => this.travel(event.shiftKey ? "redo" : "undo"), y: () => this.travel("redo") }[event.key.toLowerCase()];
     if (!act) return;
@@ -453,6 +549,15 @@ class Editor {
     act();
   }
 }
+
+// A script that loads the recipe and makes its files.
+const python = (text) => `import geomkin as gk
+
+recipe = gk.load(
+    ${text.trimEnd().split("\n").map((line) => JSON.stringify(`${line}\n`)).join("\n    ")}
+)
+gk.make(recipe, "out")
+`;
 
 const editor = new Editor();
 editor.start().catch((error) => editor.announce(error.message));

@@ -4,6 +4,10 @@ import { measured, unitOf } from "../player/plots.js";
 
 const LOCK = "M4 8V5.5a3 3 0 0 1 6 0V8M2.5 8h9v6h-9z", OPEN = "M4 8V5.5a3 3 0 0 1 5.6-1.5M2.5 8h9v6h-9z";
 const RESET = "M3 5a5 5 0 1 1-.6 4.500M3 1.500V5h3.500";
+// The value of the choice with which a table of values replaces a name.
+const OWN = "own";
+// Characters of the longest number that is shown with all of them.
+const LONG = 9;
 let ids = 0;
 
 export class Form {
@@ -11,7 +15,13 @@ export class Form {
   constructor(root, editor) {
     Object.assign(this, { root, editor, values: {}, saved: {}, fields: new Map(), problems: [] });
     root.addEventListener("input", (event) => this.input(event.target));
-    root.addEventListener("change", () => this.editor.close());
+    root.addEventListener("change", ({ target }) => {
+      const value = valueOf(target);
+      // What was typed is shown as the number that it states.
+      if (isNumeric(target) && typeof value === "number") target.value = written(target, value);
+      this.editor.close();
+    });
+    root.addEventListener("keydown", (event) => this.step(event));
   }
 
   // Takes the groups of fields of a kind, as the server's `form` returns them.
@@ -23,7 +33,7 @@ export class Form {
   // Shows values by key. `saved` holds the saved recipe's values for comparison; `text` is the recipe's text.
   show(values, saved, text) {
     Object.assign(this, { values, saved, text });
-    const shape = JSON.stringify(Object.entries(values).map(([key, value]) => [key, shapeOf(value)]));
+    const shape = JSON.stringify(Object.entries(values).map(([key, value]) => [key, key.endsWith("motor") ? value : shapeOf(value)]));
     if (shape !== this.shape) this.build(shape);
     else for (const field of this.fields.values()) this.refresh(field);
   }
@@ -56,20 +66,22 @@ export class Form {
     const isNew = group.rows && path === group.key.slice(0, -2);
     const exists = path === "" || this.below(path).length > 0;
     if (group.within && this.values[`${path.replace(/\[\d+\]$/, "").split(".").slice(0, -1).join(".")}.kind`] !== group.within) return;
-    if (isNew || !exists) {
+    if (isNew || !exists || group.named) {
+      // A table that a name may replace is added by its field, and one inside a table after that.
+      if (group.by_name || (around(path) && !this.below(around(path)).length)) return;
       // The button for a table inside another one is at its end.
-      const around = group.rows ? "" : path.slice(0, Math.max(0, path.lastIndexOf(".")));
-      const place = (around && [...this.root.children].find(({ dataset }) => dataset.key === around)) || this.root;
-      const add = make(place, "button", { type: "button", class: "add" }, `Add ${group.title}`);
-      add.addEventListener("click", () => { this.editor.set({ [isNew ? `${path}[${index}]` : path]: this.example(group, index) }, path); this.editor.close(); });
+      const place = (around(path) && [...this.root.children].find(({ dataset }) => dataset.key === around(path))) || this.root;
+      const add = make(place, "button", { type: "button", class: "add", "data-add": path }, `Add ${group.title}`);
+      add.addEventListener("click", () => this.editor.add(path));
       return;
     }
+    if (group.named) return;
     const part = make(this.root, "details", { "data-key": path });
     part.open = closed.get(path) ?? !/^$|^files|\.recipe\./.test(path);
     const head = make(part, "summary", {}, group.rows ? `${group.title} ${index + 1}` : group.title);
     if (group.rows || (group.optional && new RegExp(`^\\s*\\[+\\s*${CSS.escape(path)}\\s*[\\].]`, "m").test(this.text))) {
-      const remove = make(head, "button", { type: "button", class: "remove", "aria-label": `Remove ${head.textContent}` }, "Remove");
-      remove.addEventListener("click", (event) => { event.preventDefault(); this.editor.set({ [path]: null }, path); this.editor.close(); });
+      const remove = make(part, "button", { type: "button", class: "remove", "aria-label": `Remove ${head.textContent}` }, "Remove");
+      remove.addEventListener("click", () => { this.editor.set({ [path]: null }, path); this.editor.close(); });
     }
     if (group.help) make(part, "p", { class: "about" }, group.help);
     const kind = this.values[`${path}.kind`];
@@ -79,17 +91,6 @@ export class Form {
     }
     for (const field of fields) this.addField(part, { ...field, key: path ? path + field.key.slice(group.key.length) : field.key });
     make(part, "p", { class: "problem", "data-of": path, role: "alert" });
-  }
-
-  // Values of a table that is added: those of the row before it, or else only those that the table must have.
-  example(group, index) {
-    if (group.rows && index > 0) {
-      const last = `${group.key.slice(0, -2)}[${index - 1}]`;
-      return nested(this.below(last).map((key) => [key.slice(last.length + 1), this.values[key]]));
-    }
-    const [kind, fields] = group.kinds ? Object.entries(group.kinds)[0] : ["", group.fields];
-    const wanted = fields.filter(({ optional }) => !optional).map((field) => [field.key.slice(group.key.length + 1), blank(field)]);
-    return { ...(kind ? { kind } : {}), ...Object.fromEntries(wanted) };
   }
 
   addField(part, field) {
@@ -103,7 +104,7 @@ export class Form {
       }
       return;
     }
-    if (field.type === "table") return;
+    if (field.type === "table" || (field.type === "named" && this.below(key).length)) return;
     entry.row = make(part, "div", { class: "field" });
     const name = field.label ?? key.split(".").at(-1);
     make(entry.row, "label", { for: entry.id }, name.replaceAll("_", " ").replace(/ (deg|rpm|rad per s2?)$/, ""));
@@ -111,8 +112,9 @@ export class Form {
     this.addInputs(entry);
     make(entry.row, "span", { class: "unit" }, unitOf(field.unit ?? ""));
     entry.lock = this.icon(entry.row, "lock", OPEN, () => this.toggleLock(entry));
-    entry.lock.hidden = !["number", "integer", "point"].includes(field.type) && !entry.inputs.some(({ type }) => type === "number");
+    entry.lock.hidden = !["number", "integer", "point"].includes(field.type) && !entry.inputs.some(isNumeric);
     entry.undo = this.icon(entry.row, "reset", RESET, () => this.editor.reset(key, field));
+    if (entry.faces?.[this.values[key]]) drawFace(entry.row, entry.faces[this.values[key]]);
     make(entry.row, "p", { class: "help", id: `${entry.id}h` }, help);
     entry.problem = make(entry.row, "p", { class: "problem", id: `${entry.id}p`, "data-of": key, role: "alert" });
     this.fields.set(key, entry);
@@ -145,18 +147,19 @@ export class Form {
     button.addEventListener("click", () => { this.editor.set({ [key]: value }, key); this.editor.close(); });
   }
 
-  makeInput(parent, { type, choices, least, most, optional }, held) {
-    if (type === "choice" || (choices?.length && typeof held !== "number" && type !== "list")) {
+  makeInput(parent, { type, choices, least, most, optional, unit }, held) {
+    if (["choice", "named"].includes(type) || (choices?.length && typeof held !== "number" && type !== "list")) {
       const select = make(parent, "select");
       if (held === null || held === undefined || optional) make(select, "option", { value: "null" }, "–");
       for (const choice of choices) make(select, "option", { value: JSON.stringify(choice) }, String(choice));
+      if (type === "named") make(select, "option", { value: OWN }, "own values");
       return select;
     }
     if (type === "boolean") return make(parent, "input", { type: "checkbox" });
     // A point given as the name of another point is a text.
     const numeric = typeof held !== "string" && (["number", "integer", "point"].includes(type) || typeof held === "number");
-    const limits = { ...(typeof least === "number" ? { min: least } : {}), ...(typeof most === "number" ? { max: most } : {}) };
-    return make(parent, "input", numeric ? { type: "number", inputmode: "decimal", ...limits } : { type: "text", spellcheck: "false" });
+    const limits = { ...(typeof least === "number" ? { "data-least": least } : {}), ...(typeof most === "number" ? { "data-most": most } : {}) };
+    return make(parent, "input", { type: "text", spellcheck: "false", ...(numeric ? { class: "numeric", inputmode: "decimal", "data-unit": unit ?? "", ...limits } : {}) });
   }
 
   icon(parent, look, d, act) {
@@ -171,12 +174,12 @@ export class Form {
     const { key, inputs, type } = entry, value = this.values[key], flat = Array.isArray(value) ? value.flat() : [value];
     inputs.forEach((input, k) => {
       const held = flat[k] ?? null;
-      if (input.type === "number") input.step = type === "integer" ? 1 : stepOf(held);
+      if (isNumeric(input)) input.dataset.step = type === "integer" ? 1 : stepOf(held);
       if (input === document.activeElement && this.editor.typing === input.name) return;
       if (input.type === "checkbox") input.checked = held === true;
       else if (input.tagName === "SELECT") input.value = JSON.stringify(held);
-      else if (input.type !== "number" || held === null || +input.value !== held || !input.value) {
-        input.value = held === null ? "" : typeof held === "object" ? JSON.stringify(held) : held;
+      else if (!isNumeric(input) || held === null || valueOf(input) !== held || !input.value) {
+        input.value = held === null ? "" : typeof held === "object" ? JSON.stringify(held) : written(input, held);
       }
     });
     const locked = this.editor.locks.has(key), changed = JSON.stringify(value) !== JSON.stringify(this.saved[key]);
@@ -198,14 +201,25 @@ export class Form {
     this.editor.relock();
   }
 
+  // The arrow keys change a number by a step.
+  step(event) {
+    const { target: input, key } = event, sign = { ArrowUp: 1, ArrowDown: -1 }[key], value = sign && input.name && isNumeric(input) ? valueOf(input) : null;
+    if (typeof value !== "number") return;
+    event.preventDefault();
+    const { step, least = -Infinity, most = Infinity } = input.dataset, next = value + sign * step;
+    input.value = +Math.min(Math.max(next, least), most).toPrecision(12);
+    this.input(input);
+  }
+
   input(input) {
     if (!input.name) return;
     const entry = [...this.fields.values()].find(({ inputs }) => inputs.includes(input));
     if (!entry) return;
+    if (input.value === OWN) { this.editor.add(entry.key); return; }
     const value = valueOf(input);
-    if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5" }]); return; }
+    if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5, 2*15 or 1/4 in" }]); return; }
     if (value === null && !entry.optional) { this.showProblems([{ key: entry.key, problem: "a value is needed", remedy: entry.help }]); return; }
-    const point = entry.type === "point" && input.type === "number" && !Array.isArray(this.values[entry.key]);
+    const point = entry.type === "point" && isNumeric(input) && !Array.isArray(this.values[entry.key]);
     const changes = point ? { [entry.key]: entry.inputs.map((other) => valueOf(other) ?? 0) } : { [input.name]: value };
     this.editor.set(changes, input.name);
   }
@@ -234,30 +248,64 @@ export class Form {
   }
 }
 
+// The face of a motor: shaft, boss and screws, each [x, y, radius].
+function drawFace(parent, circles) {
+  const size = Math.max(...circles.map(([x, y, r]) => Math.hypot(x, y) + r)) + 1;
+  const svg = make(parent, "svg", { class: "face", viewBox: `${-size} ${-size} ${2 * size} ${2 * size}`, "aria-hidden": true });
+  for (const [cx, y, r] of circles) make(svg, "circle", { cx, cy: -y, r });
+}
+
 // The value of an input: null if it is empty, undefined if it should be a number and is not.
 function valueOf(input) {
   if (input.type === "checkbox") return input.checked;
   if (input.tagName === "SELECT") return JSON.parse(input.value);
-  if (input.type !== "number") return input.value;
-  if (input.validity.badInput) return undefined;
-  return input.value === "" ? null : Number(input.value);
+  if (!isNumeric(input)) return input.value;
+  if (input.value === input.dataset.short) return Number(input.dataset.exact);
+  return input.value.trim() === "" ? null : amount(input.value, input.dataset.unit);
+}
+
+const isNumeric = (input) => input.classList.contains("numeric");
+
+// Units that may be typed after a number, in mm or deg.
+const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, "\"": 25.4, ft: 304.8, deg: 1, "°": 1, rad: 180 / Math.PI };
+
+// The number that a text such as `2*15`, `1/4 in` or `(3 + 5)/2` states, in the unit of its field; undefined if none.
+export function amount(text, unit = "") {
+  const tokens = text.replaceAll(",", ".").replaceAll("−", "-").match(/(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[a-z°"]+|\S/gi) ?? [];
+  const take = (wanted) => (wanted.includes(tokens[0]) ? tokens.shift() : "");
+  const part = () => {
+    if (take("-")) return -part();
+    if (take("+")) return part();
+    if (take("(")) { const value = sum(); return take(")") ? value : NaN; }
+    return Number(tokens.shift() ?? NaN);
+  };
+  const product = () => {
+    let value = part();
+    for (let sign; (sign = take(["*", "/"]) || (tokens[0] in UNITS && "unit"));) {
+      if (sign === "unit") value *= UNITS[tokens.shift()] / (UNITS[unit] ?? NaN);
+      else value = sign === "*" ? value * part() : value / part();
+    }
+    return value;
+  };
+  const sum = () => {
+    let value = product();
+    for (let sign; (sign = take(["+", "-"]));) value += sign === "+" ? product() : -product();
+    return value;
+  };
+  const value = sum();
+  return tokens.length || !isFinite(value) ? undefined : +value.toPrecision(12);
+}
+
+// A number as it is shown: a long one is rounded, and its exact value stays with the input until another one is typed.
+function written(input, held) {
+  const short = typeof held === "number" && String(held).length > LONG ? String(+held.toPrecision(LONG - 2)) : held;
+  Object.assign(input.dataset, { short, exact: held });
+  return short;
 }
 
 const stepOf = (value) => (value ? niceLength(Math.abs(value) / 20) : 1);
 const isPair = (value) => value.length === 2 && value.every((item) => typeof item === "number");
 const typeOf = (value) => (Array.isArray(value) ? (isPair(value) ? "point" : "list") : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
-const blank = ({ type, least, default: usual, choices }) =>
-  usual ?? choices?.[0] ?? ({ number: Math.max(least ?? 0, 10), integer: Math.max(least ?? 0, 10), boolean: false, point: [0, 0], list: [] }[type] ?? "");
+// The key of the table around one.
+const around = (path) => path.slice(0, Math.max(0, path.lastIndexOf(".")));
 const shapeOf = (value) => (Array.isArray(value) ? value.map(shapeOf) : value === null ? null : 0);
-
-// Nested tables from [dotted key, value] pairs; null values are left out.
-function nested(entries) {
-  const table = {};
-  for (const [key, value] of entries) {
-    const path = key.split("."), last = path.pop();
-    let at = table;
-    for (const name of path) at = at[name] ??= {};
-    if (value !== null) at[last] = value;
-  }
-  return table;
-}

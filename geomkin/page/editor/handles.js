@@ -25,6 +25,7 @@ export class Handles {
   // Shows these handles in place of the previous ones. An element whose id remains keeps its focus and its pointer.
   load(handles) {
     this.list = handles;
+    for (const element of this.elements.values()) if (element !== this.held) element.pointer = null;
     const ids = new Set(handles.map(({ id }) => id));
     for (const [id, element] of this.elements) {
       if (ids.has(id)) continue;
@@ -32,6 +33,14 @@ export class Handles {
       this.elements.delete(id);
     }
     this.show(this.player.frame);
+  }
+
+  // Gives up the drag.
+  cancel() {
+    const { root } = this.held;
+    this.held = null;
+    root.classList.remove("held");
+    this.editor.cancelDrag();
   }
 
   show(frame) {
@@ -42,7 +51,7 @@ export class Handles {
       Object.assign(element, { handle, surface });
       if (element.root.parentNode !== surface.root) surface.root.append(element.root);
       this.describe(element);
-      const [x, y] = surface.screen(...placeOf(handle, frame)), isKnown = isFinite(x + y);
+      const [x, y] = surface.screen(...element.pointer ?? placeOf(handle, frame)), isKnown = isFinite(x + y);
       see(element.root, isKnown);
       if (!isKnown) continue;
       element.root.setAttribute("transform", `translate(${px(x)} ${px(y)})`);
@@ -66,9 +75,13 @@ export class Handles {
   plotSurface(id) {
     const card = this.player.plots.cards.find(({ columns, plot }) => plot && columns.some((column) => column.id === id));
     if (!card) return undefined;
-    const { plot } = card, { over } = plot;
+    const { plot } = card, { over } = plot, wrap = over.parentNode;
+    // Above the plot, not in it: that is a slider, which may contain no buttons.
+    const root = wrap.querySelector(".handles") ?? make(wrap, "svg", { class: "handles" });
+    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = over;
+    Object.assign(root.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
     return {
-      root: over.querySelector(".handles") ?? make(over, "svg", { class: "handles" }),
+      root,
       screen: (x, y) => [plot.valToPos(x, "x"), plot.valToPos(y, "y")],
       plane: (event) => {
         const { left, top } = over.getBoundingClientRect();
@@ -111,8 +124,10 @@ export class Handles {
     root.addEventListener("pointerdown", (event) => this.grab(this.nearest(element, event), event));
     root.addEventListener("pointermove", (event) => {
       if (this.held !== element) return;
-      const [x, y] = element.surface.plane(event);
-      this.editor.drag(element.handle, this.change(element, [x + this.offset[0], y + this.offset[1]], event.shiftKey));
+      const to = element.surface.plane(event).map((at, k) => at + this.offset[k]);
+      // A search answers late: until then its handle is at the pointer.
+      if (this.editor.isSearch && element.handle.shape !== "circle") { element.pointer = to; this.show(this.player.frame); }
+      this.editor.drag(element.handle, this.change(element, to, event.shiftKey));
     });
     for (const end of ["pointerup", "pointercancel"]) {
       root.addEventListener(end, () => {

@@ -57,7 +57,7 @@ class Player {
     this.clock = this.time[this.frame];
     this.plots.load(data);
     this.fillTable();
-    if (drawings === this.drawings.length) for (const drawing of this.drawings) drawing.look(drawing.by, drawing.at);
+    if (drawings === this.drawings.length) for (const drawing of this.shownDrawings) drawing.look(drawing.by, drawing.at);
     else this.fit(true);
     this.show(true);
   }
@@ -79,10 +79,22 @@ class Player {
     this.hint.textContent = data.frames > 1 ? DRAG + HINT : HINT;
     this.label.textContent = drive.name;
     this.slider.max = data.frames - 1;
+    this.shade();
     this.contact.hidden = !this.drawings[0].contacts.length;
     if (!this.speed.value) this.speed.value = this.firstSpeed();
     this.switches();
     this.root.dataset.scenes = this.scenes += 1;
+  }
+
+  // Shades the range of the driver in which the mechanism cannot be assembled.
+  shade() {
+    const { bodies, marks, frames } = this.drawings[0], moving = [...bodies.filter(({ fixed }) => !fixed), ...marks.filter(({ always }) => always)];
+    const open = Array.from({ length: frames }, (_, k) => moving.some(({ x }) => !isFinite(x[k])));
+    const edges = [...open.keys()].filter((k) => k && open[k] !== open[k - 1]), stops = [], part = (k) => `${100 * k / max(frames - 1, 1)}%`;
+    [0, ...edges].forEach((from, k) => stops.push(`${open[from] ? "var(--bad)" : "transparent"} ${part(from)} ${part(edges[k] ?? frames - 1)}`));
+    const isWhole = !open.includes(true);
+    this.slider.classList.toggle("limited", !isWhole);
+    this.slider.style.setProperty("--reach", isWhole ? "none" : `linear-gradient(to right, ${stops.join(", ")})`);
   }
 
   addDrawing() {
@@ -161,7 +173,7 @@ class Player {
       act(box.checked);
     };
     for (const { id, label, shown } of roles) add(label, id, shown, (on) => { for (const drawing of drawings) drawing.toggle(id, on); });
-    if (drawings.length > 1) add("other assembly mode", "others", true, (on) => this.stages.classList.toggle("alone", !on));
+    if (drawings.length > 1) add("other assembly mode", "others", false, (on) => this.stages.classList.toggle("alone", !on));
   }
 
   // The content of the plots as a table: the current, least and largest value of each quantity, and their positions.
@@ -194,7 +206,8 @@ class Player {
 
   wire() {
     document.addEventListener("keydown", (event) => this.key(event));
-    new ResizeObserver(() => this.fit()).observe(this.left);
+    const resized = new ResizeObserver(() => this.fit());
+    for (const element of [this.left, this.stages]) resized.observe(element);
     const rebuild = () => this.plots.rebuild();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", rebuild);
     addEventListener("beforeprint", () => { this.play(false); document.documentElement.classList.add("print"); rebuild(); });
@@ -229,25 +242,28 @@ class Player {
 
   get shownDrawings() { return this.stages.classList.contains("alone") ? [this.drawings[0]] : this.drawings; }
 
+  get isFilled() { return this.root.classList.contains("filled") && matchMedia("(min-width: 901px)").matches; }
+
   // Sizes the drawings to fill the page, all at the same scale.
   fit(changed) {
-    const room = this.stages.clientWidth;
-    if (room < 50 || (room === this.room && !changed)) return;
-    this.room = room;
+    // On a stage of a given height the drawings fill it.
+    const room = this.stages.clientWidth, height = this.isFilled ? this.stages.clientHeight : 0;
+    if (room < 50 || (room === this.room && height === this.height && !changed)) return;
+    Object.assign(this, { room, height });
     const drawings = this.shownDrawings;
-    const columns = room > 620 ? min(2, drawings.length) : 1;
+    const columns = room > 620 || height ? min(2, drawings.length) : 1;
     const sizes = drawings.map((drawing) => drawing.size()), widest = max(...sizes.map(([across]) => across));
     // Two side by side share the width in proportion to their needs; any other number have equal widths.
     const needs = sizes.map(([across]) => (columns === drawings.length ? max(across, widest / 4) : widest));
     const sum = columns === drawings.length ? needs.reduce((a, b) => a + b) : columns * widest;
     const free = room - GAP * (columns - 1) - 2 * MARGIN * columns, foot = 2 * MARGIN + FOOT;
-    const tallest = max(...sizes.map(([, up]) => up)), most = max(260, 0.62 * innerHeight) - foot;
-    const scale = min(free / sum, most / tallest), tall = (up) => max(150, scale * up + foot);
+    const tallest = max(...sizes.map(([, up]) => up)), most = (height || max(260, 0.62 * innerHeight)) - foot;
+    const scale = min(free / sum, most / tallest), tall = (up) => height || max(150, scale * up + foot);
     drawings.forEach((drawing, k) => drawing.fit(floor(2 * MARGIN + free * needs[k] / sum), tall(columns > 1 ? tallest : sizes[k][1]), scale));
   }
 
   zoom(times) {
-    for (const drawing of this.drawings) drawing.zoom(times);
+    for (const drawing of this.shownDrawings) drawing.zoom(times);
     this.announceZoom(this.drawings[0]);
   }
 

@@ -4,6 +4,8 @@ import { inPrint, offer, plotFile } from "./pictures.js";
 import { abs, make, max, min, round, spaced, unpack } from "./shapes.js";
 
 export const MOST_PLOTS = 4;
+// Height of a docked plot, px.
+const DOCKED = 150;
 // Dashes of the curves of one plot: colour alone never distinguishes them.
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
 const STROKES = ["wanted", "traced", "velocity", "acceleration", "s4", "s5"];
@@ -80,7 +82,7 @@ export class Plots {
   add() {
     const taken = new Set(this.cards.map((card) => card.chosen));
     const free = this.data.plots.findIndex((_, k) => !taken.has(k));
-    const card = { chosen: max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": "Plot" }) };
+    const card = { chosen: max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": `Plot ${this.cards.length + 1}` }) };
     const head = make(card.root, "div", { class: "head" });
     card.select = make(head, "select", { "aria-label": "What is plotted" });
     this.offerPlots(card);
@@ -143,6 +145,8 @@ export class Plots {
     card.plot = new uPlot({
       ...this.sizeOf(card),
       padding: [10, 18, 0, 0],
+      // Curves of whole pixels would have steps.
+      pxAlign: 0,
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 } },
       scales: { x: { time: false }, y: { range: (_, low, high) => this.range(card, low, high) } },
@@ -226,7 +230,8 @@ export class Plots {
 
   sizeOf(card) {
     const width = max(200, card.chart.clientWidth);
-    return { width, height: round(min(260, max(180, 0.5 * width))) };
+    // Docked below a stage of a given height they are low.
+    return { width, height: card.root.closest(".filled") ? DOCKED : round(min(260, max(180, 0.5 * width))) };
   }
 
   resize(card) {

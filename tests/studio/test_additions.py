@@ -1,0 +1,73 @@
+"""Tables and items of lists that the form adds: each gives a valid recipe, or is refused and changes nothing."""
+
+import pytest
+
+import geomkin as gk
+from geomkin.recipe.kinds import kind_names, recipe_class
+from geomkin.recipe.template import template
+from geomkin.studio.edit import _values, answer
+from geomkin.studio.form import recipe_form
+from tests.campaign import by_default
+
+# Tables that the mechanism of a template cannot have: a motor of a driven gear or of a rod on no pivot, a slide that is
+# not there, a speed that the machine sets.
+IMPOSSIBLE = {
+    *((kind, "stroke") for kind in ("linkage", "inflection-circle", "centrodes")),
+    *(("elliptic-trammel", key) for key in ("loads.motor", "loads.counterweights", "loads.run", "stock.motor")),
+    ("cognates", "stock.motor"), ("shaking-force", "stock.motor"), ("gear-pair", "second_stock.motor"),
+    ("planetary", "planet_stock.motor"), ("gear-train", "stock.motor"), ("gear-train", "last_stock.motor"),
+    ("machine", "mechanisms.pair.recipe.second_stock.motor"),
+    *(("machine", f"mechanisms.pump.recipe.{key}") for key in ("stroke", "loads.run", "stock.motor")),
+}  # fmt: skip
+
+
+def addable():
+    """Kinds with each table and list of their forms, of which a template has none or a list."""
+    for kind in kind_names():
+        text = template(recipe_class(kind))
+        values = _values(gk.load(text))
+        for group in recipe_form(kind, values)["groups"]:
+            key, within = group["key"], group["within"]
+            is_there = any(other.startswith(f"{key}.") for other in values)
+            is_of_kind = not within or values.get(f"{key.rpartition('.')[0]}.kind") == within
+            if key and not is_there and is_of_kind and (group["rows"] or group["optional"]):
+                yield kind, key
+
+
+def is_impossible(kind, key, recipe):
+    return (kind, key) in IMPOSSIBLE or (
+        kind != "machine" and ".slide_" in key and not recipe.additions.names(recipe).get("slide")
+    )
+
+
+ADDABLE = list(addable())
+# Of each table that several kinds have, the one of the last kind; a table of loads takes longest.
+LAST = {key.rpartition(".recipe.")[2]: (kind, key) for kind, key in ADDABLE if kind != "machine" or "base" in key}
+DEFAULT = [
+    case for case in LAST.values() if case[0] in ("disk-cam", "gear-pair", "gear-train", "polygons", "spur-gear")
+]
+
+
+@pytest.mark.parametrize(("kind", "key"), by_default(ADDABLE, DEFAULT))
+def test_every_table_can_be_added(kind, key):
+    text = template(recipe_class(kind))
+    reply = answer(text, {}, {"add": key})
+    assert not reply["problems"]
+    if is_impossible(kind, key, gk.load(text)):
+        assert reply["limit"]["reason"] and reply["text"] == text
+        return
+    assert reply["limit"] is None
+    assert not answer(reply["text"], {}, {"lane": "checks"})["problems"]
+    before, after = (_values(gk.load(recipe)) for recipe in (text, reply["text"]))
+    new = {name for name in after if name not in before or before[name] in (None, {}, [])}
+    assert any(name.startswith(key.removesuffix("[]")) for name in new)
+
+
+def test_an_added_table_of_a_recipe_in_inches_has_the_same_sizes():
+    text = 'kind = "four-bar"\n{}[linkage]\nground = {}\ncrank = {}\ncoupler = {}\nrocker = {}\n'
+    sizes = (100, 30, 90, 70)
+    inches = text.format('units = "in"\n', *(size / 25.4 for size in sizes))
+    recipes = (text.format("", *sizes), inches)
+    (spring,), (other,) = (gk.load(answer(r, {}, {"add": "loads.springs"})["text"]).loads.springs for r in recipes)
+    assert (spring.body, spring.point) == (other.body, other.point)
+    assert other.free_length == pytest.approx(spring.free_length)
