@@ -210,7 +210,7 @@ def test_same_seed_gives_the_same_result_and_progress_is_reported():
     [
         ({"points": [1 + 1j] * 5}, "points"),
         ({"points": [0, 1j]}, "points"),
-        ({"points": np.arange(1001) * 1j}, "points"),
+        ({"points": np.arange(200_001) * 1j}, "points"),
         ({"points": [0, 1j, np.nan]}, "points"),
         ({"points": "abc"}, "points"),
         ({"drive_deg": [0, 20]}, "drive_deg"),

@@ -1,24 +1,29 @@
-"""Path generation: a four-bar or slider-crank whose coupler point passes through given points."""
+"""Path generation: a linkage whose traced point passes through given points or follows a closed curve."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.arguments import ArgumentType, PositiveFloat, between, checked, is_real, numbers, whole_between
-from ...core.errors import DesignError
+from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, SMALLEST
 from ...plane.vec import Real
+from .any_curve import Box
 from .coupler_paths import bound_all_links, bounds_of
 from .fits import PathTask
-from .search import PathFound, PathSearch
+from .search import ANYWHERE, PathFound, PathSearch
 
-# Largest number of points; more take minutes.
-MOST_POINTS = 1_000
+# Largest number of points, and of those that a search uses: more take minutes.
+MOST_POINTS, MOST_USED = 200_000, 1_000
+# Limits of six- and eight-bars if none are given.
+CHAIN_DEG, CHAIN_RATIO = 20.0, 10.0
+# Bounds of six- and eight-bars.
+PIVOT_BOUNDS = ("origin_x", "origin_y", "pivots_x", "pivots_y")
 # Limits of a search if none are given: the least transmission angle, deg, and the largest ratio of links. Without them
 # many paths have no best linkage. The second line applies if all lengths are bounded.
 TOGGLE_DEG, LONGEST_RATIO = 5.0, 100.0
@@ -70,34 +75,40 @@ def path_generator(
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
     time_limit: PositiveFloat = 30,
     slides: bool = False,
+    bars: Literal[4, 6, 8] = 4,
 ) -> PathFound:
-    """Find the four-bar or slider-crank whose coupler point passes through given points.
+    """Find the linkage whose traced point passes through given points or follows a closed curve.
 
     Parameters
     ----------
     points : array_like of complex, shape (n,)
-        The points x + yj, mm; 3 to 1000 of them.
+        The points x + yj, mm; 3 to 200,000 of them. At most 1000, evenly chosen, are used.
     drive_deg : array_like, shape (n,), optional
         Crank angles at the points, deg, rising or falling. Only their differences count, unless `bounds` limits the
         start. By default the angles are free, within one drive of one sense on one circuit and at most one turn.
     closed : bool
-        Whether the points lie, in any order, on a closed curve that a full turn draws. The error is then their distance
-        from the curve.
+        Whether the points lie, in any order if there are at most 120, on a closed curve that a full turn draws. The
+        error is then the distance both ways: of the points from the curve, and of the curve from a smooth closed line
+        through the points.
     least_transmission_angle_deg : float, optional
-        Limit from the first point to the last, or over the full turn, 0 to 89 deg; 5 by default.
+        Limit from the first point to the last, or over the full turn, 0 to 89 deg; 5 by default, 20 for more than four
+        bars.
     largest_ratio : float, optional
-        Limit of the longest link over the shortest, 1 to 1e6; 100 by default. If all links are bounded, neither default
-        applies.
+        Limit of the longest link over the shortest, 1 to 1e6; 100 by default, 10 for more than four bars. If all links
+        are bounded, neither default applies.
     bounds : mapping of str to (low, high), optional
         Exact bounds of `ground` (`offset` of a slider-crank), `crank`, `coupler`, `rocker`, `coupler_point_x`,
         `coupler_point_y`, `origin_x`, `origin_y` in mm, `ground_angle_deg`, and `start_deg`, the first crank angle from
-        the ground line.
+        the ground line. For more than four bars `origin_x`, `origin_y` of the crank pivot and `pivots_x`, `pivots_y`
+        of all other ground pivots.
     seed : int
         Seed of the random starts, 0 to 2**32 - 1.
     time_limit : float
         Longest processor time of the search from random linkages, s. The search usually ends by itself.
     slides : bool
         Whether a slider-crank is wanted instead of a four-bar.
+    bars : {4, 6, 8}
+        Largest number of bars. With 6 or 8 the points must be closed; `ranked` then also has linkages with fewer bars.
 
     Returns
     -------
@@ -108,13 +119,18 @@ def path_generator(
     Raises
     ------
     DesignError
-        For fewer than 3 or more than 1000 points, coinciding points, angles out of order, invalid bounds, a time limit
-        too short for any result, or if no linkage is found within the limits.
+        For fewer than 3 or more than 200,000 points, coinciding points, angles out of order, invalid bounds, a time
+        limit too short for any result, or if no linkage is found within the limits.
 
     Notes
     -----
     The search minimises the sum of squared distances. It compares tens of thousands of random linkages with the points
     in closed form and improves the best of them by least squares.
+
+    Six- and eight-bars are chains of dyads on one crank. Those of 50,000 random ones whose curves are most similar are
+    refined by least squares of the distances both ways; others grow from the best with two bars less. The list leaves
+    out a linkage if another is twice as near with no more bars, no longer links and no smaller transmission angle. The
+    same seed gives the same list unless the time limit ends the search, which takes about 15 s.
 
     Nine points without other conditions have a finite number of four-bars through them, up to 150. All are found, in 3
     to 30 s, whatever the time limit, and ranked, one of each three cognates. `path_count` states where the 1442 paths
@@ -134,14 +150,34 @@ def path_generator(
     targets = np.asarray(points, dtype=complex)
     if not 3 <= len(targets) <= MOST_POINTS:
         raise DesignError("points", f"found {len(targets):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
+    if bars > 4:
+        for field, wrong in (("closed", not closed), ("drive_deg", drive_deg is not None), ("slides", slides)):
+            if wrong:
+                problem = f"{bars} bars follow closed curves without crank angles and without a slider"
+                raise DesignError(
+                    field, problem, "give closed = true and no drive_deg or slides, or 4 bars", "conflict"
+                )
+        boxes, bounds = _boxes(bounds or {}), None
+    else:
+        boxes = ANYWHERE, ANYWHERE
+    crank_angles = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(targets))
+    given = len(targets)
+    if given > MOST_USED:
+        used = np.linspace(0, given - 1, MOST_USED).round().astype(int)
+        targets = targets[used]
+        crank_angles = None if crank_angles is None else crank_angles[used]
+    if closed:
+        # A point that is given twice in a row would make a corner of the line through the points.
+        apart = np.abs(targets - np.roll(targets, 1)) > 1e-9 * np.ptp(np.concatenate([targets.real, targets.imag]))
+        targets = targets[apart] if apart.sum() >= 3 and drive_deg is None else targets
     centre = complex(targets.mean())
     size = float(np.sqrt(np.mean(np.abs(targets - centre) ** 2)))
     if not size > max(SMALLEST, 1e-12 * abs(centre)):
         raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
-    crank_angles = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(targets))
     low, high = bounds_of(bounds, slides, crank_angles is not None, centre, size)
     is_bounded = bound_all_links(bounds, slides)
     least = least_transmission_angle_deg
+    usual_deg, usual_ratio = (CHAIN_DEG, CHAIN_RATIO) if bars > 4 else (TOGGLE_DEG, LONGEST_RATIO)
     path_search = PathSearch(
         points=targets,
         middle=centre,
@@ -152,9 +188,9 @@ def path_generator(
             closed=closed,
             slides=slides,
             least_transmission=np.radians(
-                (STUCK_DEG if is_bounded else TOGGLE_DEG) if least is None else max(least, STUCK_DEG)
+                (STUCK_DEG if is_bounded else usual_deg) if least is None else max(least, STUCK_DEG)
             ),
-            largest_ratio=(ANY_RATIO if is_bounded else LONGEST_RATIO) if largest_ratio is None else largest_ratio,
+            largest_ratio=(ANY_RATIO if is_bounded else usual_ratio) if largest_ratio is None else largest_ratio,
             low=low,
             high=high,
         ),
@@ -162,17 +198,34 @@ def path_generator(
         all_nine=bounds is None and least is None and largest_ratio is None,
         seed=seed,
         time_limit=time_limit,
+        bars=bars,
+        boxes=boxes,
+        given=given if given > len(targets) else 0,
     )
     ranked, watch = path_search.ranked(0)
     if not ranked:
         if watch.cut:
             raise watch.too_short()
         raise DesignError(
-            "bounds" if bounds else "points",
+            "bounds" if bounds or boxes != (ANYWHERE, ANYWHERE) else "points",
             "no linkage was found that moves within the limits",
             "give wider limits or bounds, or another seed",
         )
-    return replace(ranked[0], ranked=ranked, again=path_search.usable)
+    return replace(ranked[0], ranked=ranked, again=path_search.usable if bars == 4 else None)
+
+
+def _boxes(bounds: Mapping[str, tuple[float, float]]) -> tuple[Box, Box]:
+    """Boxes of the crank pivot and of all other ground pivots, mm."""
+    for name, (low, high) in bounds.items():
+        if name not in PIVOT_BOUNDS:
+            remedy = f"give any of {', '.join(PIVOT_BOUNDS)}, or 4 bars"
+            raise DesignError("bounds", f"found {shown(name)}", remedy, "unknown-key")
+        if not low <= high:
+            raise DesignError("bounds", f"{name} from {low:g} to {high:g} is not a range", "give the lower value first")
+    free = (-np.inf, np.inf)
+    sides = [(bounds.get(f"{of}_x", free), bounds.get(f"{of}_y", free)) for of in ("origin", "pivots")]
+    crank, pivots = ((complex(x[0], y[0]), complex(x[1], y[1])) for x, y in sides)
+    return crank, pivots
 
 
 def _turns(drive_deg: Real, count: int) -> Real:
