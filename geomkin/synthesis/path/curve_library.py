@@ -68,7 +68,7 @@ def target_curve(line: Complex) -> TargetCurve:
     points = np.interp(share[-1] * np.arange(POINTS) / POINTS, share, line)
     corners = [complex(f(points.real), f(points.imag)) for f in (np.min, np.max)]
     scale, middle = abs(corners[1] - corners[0]) / SIZE, sum(corners) / 2
-    return TargetCurve((points - middle) / scale, scale, middle)
+    return TargetCurve((points - middle) / max(scale, 1e-300), scale, middle)
 
 
 def harmonics_of(path: Complex) -> tuple[Complex, Real]:

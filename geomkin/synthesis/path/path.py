@@ -12,9 +12,13 @@ from numpy.typing import ArrayLike
 from ...core.arguments import ArgumentType, PositiveFloat, between, checked, is_real, numbers, whole_between
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, SMALLEST
+from ...linkage.linkage import AbstractLinkage
 from ...plane.vec import Real
 from .any_curve import Box
+from .closed_lines import loop
 from .coupler_paths import bound_all_links, bounds_of
+from .curve_library import curve_library, target_curve
+from .dyad_chains import linkage_of
 from .fits import PathTask
 from .search import ANYWHERE, PathFound, PathSearch
 
@@ -212,6 +216,48 @@ def path_generator(
             "give wider limits or bounds, or another seed",
         )
     return replace(ranked[0], ranked=ranked, again=path_search.usable if bars == 4 else None)
+
+
+@checked
+def nearest_linkages(
+    points: PathPoints, bars: Literal[4, 6, 8] = 8, count: Annotated[int, whole_between(1, 100)] = 6
+) -> tuple[tuple[AbstractLinkage, int], ...]:
+    """Known linkages whose curves are most similar to a closed one, at once: no search, no limits.
+
+    Parameters
+    ----------
+    points : array_like of complex, shape (n,)
+        Points x + yj of the closed curve in their order, mm; 3 to 200,000.
+    bars : {4, 6, 8}
+        Number of bars.
+    count : int
+        Number of linkages.
+
+    Returns
+    -------
+    tuple of (linkage, branch)
+        The best first, laid over the curve. The traced point is "coupler_point"; the crank turns fully.
+
+    Notes
+    -----
+    The first call for a number of bars makes its library, in up to two seconds; others take about 0.1 s.
+
+    Examples
+    --------
+    >>> import numpy as np, geomkin as gk
+    >>> turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    >>> [(linkage, branch)] = gk.synthesis.nearest_linkages(30 * np.cos(turn) + 20j * np.sin(turn), bars=4, count=1)
+    >>> bool(gk.move(linkage, turn, branch).assembled.all())
+    True
+    """
+    curve = np.asarray(points, dtype=complex)
+    if not 3 <= len(curve) <= MOST_POINTS:
+        raise DesignError("points", f"found {len(curve):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
+    target = target_curve(loop(curve))
+    if not target.scale > SMALLEST:
+        raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
+    chains, _ = curve_library(bars // 2 - 1).nearest(target, count)
+    return tuple(linkage_of(chains, k, target.scale, target.middle) for k in range(len(chains)))
 
 
 def _boxes(bounds: Mapping[str, tuple[float, float]]) -> tuple[Box, Box]:
