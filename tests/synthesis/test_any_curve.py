@@ -201,6 +201,7 @@ def test_ground_pivots_stay_in_their_boxes(small):
         ({"drive_deg": np.arange(64.0)}, "drive_deg"),
         ({"bounds": {"crank": (1, 2)}}, "bounds"),
         ({"bounds": {"pivots_x": (2, 1)}}, "bounds"),
+        ({"bounds": {"origin_x": (400, 500)}}, "bounds"),
         ({"bars": 5}, "bars"),
     ],
 )

@@ -206,9 +206,13 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         table = Table((*self.table.columns, *shown))
         return replace(found, table=table, curves=curves, plots=plots, choice=self.choice)
 
+    def listed(self, found: F) -> Mapping[str, object]:
+        """Entries of a ranked linkage for `summary.json`."""
+        return self.shortened(found).summary()
+
     @property
     def notes(self) -> Mapping[str, object]:
-        listed = [self.shortened(found).summary() for found in self.ranked[:LISTED]]
+        listed = [self.listed(found) for found in self.ranked[:LISTED]]
         return {"found": self.found.summary(), "number_found": len(self.ranked), "ranked": listed, **super().notes}
 
 

@@ -31,7 +31,7 @@ from ..found import size_entries, ten_digits
 from ..path.path import CHAIN_DEG, CHAIN_RATIO, LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
 from ..path.search import PathFound
 from ..path.svg_drawings import drawing_points, svg_path_points
-from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
+from .linkage_goals import AbstractLinkageGoal, Search, choose_entry, recipe_of
 
 
 class NameOfFile(WrittenForm):
@@ -410,6 +410,14 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             marks.append(CouplerCurve(design.linkage, "coupler_point", design.branch, span))
         at = move(design.linkage, np.array([design.drive[0]]), design.branch)
         return (*super().parts, engraved("path", [*marks, *skeleton(at, 0, plate)], plate))
+
+    def listed(self, found: PathFound) -> Mapping[str, object]:
+        """With more than four bars also the number of places where plates and pins collide."""
+        entries = super().listed(found)
+        if found.bars == 4:
+            return entries
+        design = recipe_of(found.linkage, found.branch, self.driver_range, self.drive, self.stock, self.files)
+        return {**entries, "collisions": len(design.made.stack.collisions)}
 
     @property
     def remarks(self) -> tuple[str, ...]:

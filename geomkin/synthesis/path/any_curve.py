@@ -125,7 +125,7 @@ class State:
 
 
 @record(eq=False)
-class Linearised:
+class CurveFit:
     """Normal equations of s chains: cost (s,), gradient (s, p), square (s, p, p); point, tangents, and derivatives."""
 
     cost: Real
@@ -167,7 +167,7 @@ def matched(task: CurveTask, chains: Chains, samples: int) -> State:
     return State(chains, cranks, np.concatenate([places, equal], axis=1))
 
 
-def linearised(task: CurveTask, state: State, along: float, limits: float, weights: Real) -> Linearised:
+def linearised(task: CurveTask, state: State, along: float, limits: float, weights: Real) -> CurveFit:
     """The normal equations: distances across the curve and across the path, a share of those along them, and limits."""
     half = state.cranks.shape[1] // 2
     moved = traced(state.chains, state.cranks)
@@ -205,7 +205,7 @@ def linearised(task: CurveTask, state: State, along: float, limits: float, weigh
     cost = np.where(closes, cost, np.inf)
     jacobian[~closes] = 0
     residual[~closes] = 0
-    return Linearised(
+    return CurveFit(
         cost, np.einsum("spm,sm->sp", jacobian, residual), jacobian @ np.swapaxes(jacobian, 1, 2), moved.point, moved.by
     )
 
@@ -257,7 +257,7 @@ def refined(
         damping = np.clip(np.where(better, 0.3 * damping, 4 * damping), 1e-12, 1e8)
         chains = Chains(chains.bodies, chains.signs, np.where(better[:, None], x.x, chains.x))
         places, cranks = (np.where(better[:, None], a, b) for a, b in ((new_places, places), (new_cranks, cranks)))
-        now = Linearised(
+        now = CurveFit(
             *(
                 np.where(
                     better.reshape(-1, *[1] * (getattr(new, name).ndim - 1)), getattr(new, name), getattr(now, name)

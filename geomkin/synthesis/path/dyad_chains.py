@@ -106,7 +106,7 @@ def joined(several: list[Chains]) -> Chains:
 
 
 @record(eq=False)
-class Traced:
+class ChainMotion:
     """s chains at T crank angles.
 
     origin, ahead (2 + 2 n, s, T): each body's o and e; point (s, T): traced points; by (s, 1 + p, T): their derivatives
@@ -122,7 +122,7 @@ class Traced:
     folding_by: Real
 
 
-def traced(chains: Chains, cranks: Real, derivatives: bool = True) -> Traced:
+def traced(chains: Chains, cranks: Real, derivatives: bool = True) -> ChainMotion:
     """Positions of the chains at crank angles (s, T), and the derivatives if these are asked for. Derived here."""
     s, n, p = len(chains), chains.dyads, chains.x.shape[1]
     row, samples = np.arange(s), cranks.shape[1]
@@ -175,7 +175,7 @@ def traced(chains: Chains, cranks: Real, derivatives: bool = True) -> Traced:
     point, by = origin[-2] + arm * ahead[-2], origin_by[-2] + arm[:, None] * ahead_by[-2]
     if derivatives:
         by[:, -2], by[:, -1] = ahead[-2], 1j * ahead[-2]
-    return Traced(origin, ahead, point, by, folding, folding_by)
+    return ChainMotion(origin, ahead, point, by, folding, folding_by)
 
 
 @cache

@@ -13,14 +13,14 @@ from ...core.arguments import ArgumentType, PositiveFloat, between, checked, is_
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, SMALLEST
 from ...linkage.linkage import AbstractLinkage
-from ...plane.vec import Real
+from ...plane.vec import Complex, Real
 from .any_curve import Box
 from .closed_lines import loop
 from .coupler_paths import bound_all_links, bounds_of
 from .curve_library import curve_library, target_curve
 from .dyad_chains import linkage_of
 from .fits import PathTask
-from .search import ANYWHERE, PathFound, PathSearch
+from .search import ANYWHERE, LONGEST, PathFound, PathSearch
 
 # Largest number of points, and of those that a search uses: more take minutes.
 MOST_POINTS, MOST_USED = 200_000, 1_000
@@ -180,6 +180,8 @@ def path_generator(
         raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
     low, high = bounds_of(bounds, slides, crank_angles is not None, centre, size)
     is_bounded = bound_all_links(bounds, slides)
+    if closed and bars > 4:
+        _check_pivots(targets, boxes)
     least = least_transmission_angle_deg
     usual_deg, usual_ratio = (CHAIN_DEG, CHAIN_RATIO) if bars > 4 else (TOGGLE_DEG, LONGEST_RATIO)
     path_search = PathSearch(
@@ -272,6 +274,22 @@ def _boxes(bounds: Mapping[str, tuple[float, float]]) -> tuple[Box, Box]:
     sides = [(bounds.get(f"{of}_x", free), bounds.get(f"{of}_y", free)) for of in ("origin", "pivots")]
     crank, pivots = ((complex(x[0], y[0]), complex(x[1], y[1])) for x, y in sides)
     return crank, pivots
+
+
+def _check_pivots(points: Complex, boxes: tuple[Box, Box]) -> None:
+    """Refuse boxes of ground pivots that the longest links cannot reach."""
+    corners = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+    middle, longest = sum(corners) / 2, LONGEST * abs(corners[1] - corners[0])
+    for of, (low, high) in zip(("origin", "pivots"), boxes):
+        nearest = complex(*(np.clip((middle.real, middle.imag), (low.real, low.imag), (high.real, high.imag))))
+        if abs(nearest - middle) > longest:
+            raise DesignError(
+                "bounds",
+                f"{of}_x and {of}_y put ground pivots at least {abs(nearest - middle):.4g} mm from the middle of the "
+                f"curve, and no link is longer than {LONGEST:g} times its size, {longest:.4g} mm",
+                f"give places within {longest:.4g} mm of {middle.real:.4g}, {middle.imag:.4g}, or a larger curve",
+                "out-of-range",
+            )
 
 
 def _turns(drive_deg: Real, count: int) -> Real:
