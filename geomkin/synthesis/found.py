@@ -208,14 +208,15 @@ def _least_angle_deg(found: Found) -> float:
 
 def size_entries(linkage: AbstractLinkage) -> dict[str, object]:
     """Entries for `summary.json`: lengths, traced point and origin in mm, angles in deg, with ten digits."""
-    entries: dict[str, object] = {name: ten_digits(length) for name, length in lengths_of(linkage).items()}
+    unit = "_mm" if isinstance(linkage, Linkage) else ""
+    entries: dict[str, object] = {f"{name}{unit}": ten_digits(length) for name, length in lengths_of(linkage).items()}
     for name in ("coupler_point", "rod_point", "origin"):
         if hasattr(linkage, name):
             point = complex(getattr(linkage, name))
             entries[f"{name}_mm"] = [ten_digits(point.real), ten_digits(point.imag)]
     if isinstance(linkage, Linkage):
         places = {body: {p: complex(z) for p, z in points.items()} for body, points in linkage.bodies.items()}
-        entries["bodies"] = {
+        entries["bodies_mm"] = {
             body: {name: [ten_digits(z.real), ten_digits(z.imag)] for name, z in points.items()}
             for body, points in places.items()
         }
