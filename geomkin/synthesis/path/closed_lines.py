@@ -12,7 +12,7 @@ PARTS = 8
 # Points at once of which distances are computed.
 AT_ONCE = 256
 # Number of points beyond which they are taken in their order.
-TOURED = 120
+TOURED = 300
 # Samples of a path, equal in arc length, whose distances from the line are measured.
 MEASURED = 1024
 

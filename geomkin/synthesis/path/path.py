@@ -91,7 +91,7 @@ def path_generator(
         Crank angles at the points, deg, rising or falling. Only their differences count, unless `bounds` limits the
         start. By default the angles are free, within one drive of one sense on one circuit and at most one turn.
     closed : bool
-        Whether the points lie, in any order if there are at most 120, on a closed curve that a full turn draws. The
+        Whether the points lie, in any order if there are at most 300, on a closed curve that a full turn draws. The
         error is then the distance both ways: of the points from the curve, and of the curve from a smooth closed line
         through the points.
     least_transmission_angle_deg : float, optional

@@ -368,20 +368,23 @@ class PathSearch:
         """Linkages x (s, 10), cranks t (s, n) if these are free, and branches, the best first."""
         task = self.task
         few = task.thinned(SEARCH_POINTS)
-        if few.closed and not few.slides and not self.bounded:
-            return self.closed_four_bars(rng, watch)
         if few.free:
             x, t, branch = free_starts(few, rng, watch)
         else:
             x, branch = timed_starts(few, rng, watch)
             t = np.zeros((len(x), len(few.wanted)))
         if len(x):
-            x, t, branch = polished_starts(few, x, t, branch, watch)
+            # A search that is cut short has hundreds.
+            x, t, branch = (rows[:30] for rows in polished_starts(few, x, t, branch, watch))
         if few is not task and len(x):
             t = _cranks_for_all_points(task, few, x, t, branch)
             x, t, branch = refined_starts(task, x, t, branch, watch)
         if task.free and task.closed and len(x):
             t = nearest_from(task, x, nearest_angles(task, x, t, branch), branch)
+        if task.free and task.closed and not task.slides and not self.bounded:
+            # The least squares of the points alone may be linkages whose paths make loops away from them.
+            both = zip((x, t, branch), self.closed_four_bars(rng, watch))
+            x, t, branch = (np.concatenate(pair) for pair in both)
         return x, t, branch
 
     def _curve_search(self, seed: int, watch: Watch) -> tuple[TargetCurve, list[Chains]]:
