@@ -352,7 +352,10 @@ class PathSearch:
 
         def rank(linkage: PathFound) -> tuple[float, ...]:
             # Cognates are equally near; their order must not depend on the last digits, which differ by processor.
-            square = linkage.largest_distance**2 if task.closed else linkage.square_error
+            # The line between scattered points decides nothing if a linkage meets more of them than chance allows.
+            meets = linkage.square_error < len(self.points) * (EXACT * self.size) ** 2
+            meets = meets and self.more_than_can_be_met
+            square = linkage.largest_distance**2 if task.closed and not meets else linkage.square_error
             error, angle = to_digits(max(square, unit_error), 6), _zero_if_nan(linkage.transmission_angle_deg)
             return len(linkage.defects), error, -round(angle, 4), round(linkage.ratio, 4), linkage.branch
 
