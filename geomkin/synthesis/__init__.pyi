@@ -78,6 +78,7 @@ from .kinds.rockers import (
     SliderCrankStrokeRecipe as SliderCrankStrokeRecipe,
 )
 from .path.nine_points import PathCount as PathCount
+from .path.path import nearest_linkages as nearest_linkages
 from .path.path import path_generator as path_generator
 from .path.search import PathFound as PathFound
 from .path.svg_drawings import svg_path_points as svg_path_points

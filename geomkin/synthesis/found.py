@@ -12,7 +12,7 @@ import numpy as np
 from ..core.fields import to_digits_or_none
 from ..core.records import record
 from ..core.reprs import moving_picture
-from ..linkage.linkage import AbstractLinkage
+from ..linkage.linkage import AbstractLinkage, Linkage
 from ..linkage.measures import least_transmission_angle
 from ..linkage.moving import move
 from ..linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
@@ -59,7 +59,13 @@ class Rounding:
         return complex(self.length(f"{name}_x", value.real), self.length(f"{name}_y", value.imag))
 
     def linkage(self, linkage: L) -> L:
-        """Round all sizes of a four-bar, a slider-crank or an elliptic trammel."""
+        """Round all sizes of a linkage, or of a general one all points."""
+        if isinstance(linkage, Linkage):
+            bodies = {
+                body: {name: self.place(name, complex(place)) for name, place in points.items()}
+                for body, points in linkage.bodies.items()
+            }
+            return replace(linkage, bodies=bodies, origin=self.place("origin", complex(linkage.origin)))
         sizes: dict[str, float | complex] = {
             name: self.length(name, value) for name, value in lengths_of(linkage).items()
         }
@@ -84,7 +90,13 @@ class Rounding:
 
 
 def lengths_of(linkage: AbstractLinkage) -> dict[str, float]:
-    """Lengths of a linkage's links by name, mm; for a slider-crank also its offset."""
+    """Lengths of a linkage's links by name, mm; for a slider-crank also its offset.
+
+    For a general linkage the distance of the first two points of each body.
+    """
+    if isinstance(linkage, Linkage):
+        places = {body: list(points.values()) for body, points in linkage.bodies.items()}
+        return {body: abs(complex(row[1] - row[0])) for body, row in places.items() if len(row) > 1}
     names = {
         FourBar: ("ground", "crank", "coupler", "rocker"),
         SliderCrank: ("crank", "coupler", "offset"),
@@ -196,11 +208,18 @@ def _least_angle_deg(found: Found) -> float:
 
 def size_entries(linkage: AbstractLinkage) -> dict[str, object]:
     """Entries for `summary.json`: lengths, traced point and origin in mm, angles in deg, with ten digits."""
-    entries: dict[str, object] = {name: ten_digits(length) for name, length in lengths_of(linkage).items()}
+    unit = "_mm" if isinstance(linkage, Linkage) else ""
+    entries: dict[str, object] = {f"{name}{unit}": ten_digits(length) for name, length in lengths_of(linkage).items()}
     for name in ("coupler_point", "rod_point", "origin"):
         if hasattr(linkage, name):
             point = complex(getattr(linkage, name))
             entries[f"{name}_mm"] = [ten_digits(point.real), ten_digits(point.imag)]
+    if isinstance(linkage, Linkage):
+        places = {body: {p: complex(z) for p, z in points.items()} for body, points in linkage.bodies.items()}
+        entries["bodies_mm"] = {
+            body: {name: [ten_digits(z.real), ten_digits(z.imag)] for name, z in points.items()}
+            for body, points in places.items()
+        }
     for name in ("ground_angle_deg", "angle_deg"):
         if hasattr(linkage, name):
             entries[name] = ten_digits(getattr(linkage, name))

@@ -105,7 +105,7 @@ def test_usable_linkage_has_the_rank_after_the_others(monkeypatch):
         points = gk.move(linkage, drive).point("coupler_point").position
         return PathFound(
             linkage=linkage, branch=1, drive=drive, transmission_angle_deg=40.0, defects=(), points=points,
-            square_error=0.0, largest_distance=0.0,
+            square_error=0.0, largest_distance=0.0, rms_distance=0.0,
         )  # fmt: skip
 
     usable = found_of(gk.FourBar(90, 30, 80, 70, 40 + 45j))

@@ -55,7 +55,7 @@ def test_bounds_are_converted_to_the_units_of_the_search(slides):
 def found_of(linkage, branch=1):
     return PathFound(
         linkage=linkage, branch=branch, drive=np.zeros(3), transmission_angle_deg=40.0, defects=(),
-        points=np.zeros(3), square_error=0.0, largest_distance=0.0,
+        points=np.zeros(3), square_error=0.0, largest_distance=0.0, rms_distance=0.0,
     )  # fmt: skip
 
 

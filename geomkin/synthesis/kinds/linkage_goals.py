@@ -14,9 +14,10 @@ from ...core.errors import DesignError
 from ...core.fields import quantity, rounded_up, to_digits
 from ...core.records import record
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
-from ...linkage.kinds.linkage_kinds import EllipticTrammelRecipe, FourBarRecipe, SliderCrankRecipe
+from ...linkage.kinds.linkage_kinds import EllipticTrammelRecipe, FourBarRecipe, LinkageRecipe, SliderCrankRecipe
 from ...linkage.kinds.linkages import AbstractLinkageRecipe
-from ...linkage.linkage import AbstractLinkage
+from ...linkage.kinds.moved import BodyList
+from ...linkage.linkage import AbstractLinkage, Linkage
 from ...linkage.measures import grashof_type
 from ...linkage.moving import move
 from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
@@ -205,9 +206,13 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         table = Table((*self.table.columns, *shown))
         return replace(found, table=table, curves=curves, plots=plots, choice=self.choice)
 
+    def listed(self, found: F) -> Mapping[str, object]:
+        """Entries of a ranked linkage for `summary.json`."""
+        return self.shortened(found).summary()
+
     @property
     def notes(self) -> Mapping[str, object]:
-        listed = [self.shortened(found).summary() for found in self.ranked[:LISTED]]
+        listed = [self.listed(found) for found in self.ranked[:LISTED]]
         return {"found": self.found.summary(), "number_found": len(self.ranked), "ranked": listed, **super().notes}
 
 
@@ -239,6 +244,13 @@ def recipe_of(
     reverses the motion; a full turn then starts at the same position.
     """
     low, high = span
+    if isinstance(linkage, Linkage):
+        linkage = BodyList(
+            {body: {p: complex(z) for p, z in points.items()} for body, points in linkage.bodies.items()},
+            linkage.driver,
+            origin=complex(linkage.origin),
+            ground_angle_deg=linkage.ground_angle_deg,
+        )
     if drive.speed_rpm < 0:
         span = (low, low - 360) if linkage.linkage.driven_slider is None and high - low == 360 else (high, low)
     given: dict[str, Any] = {"linkage": linkage, "branch": branch, "stock": stock, "files": files}
@@ -253,6 +265,7 @@ def recipe_of(
         given["stroke"] = Stroke(*span, speed, step, acceleration)
     kinds: dict[type, type[AbstractLinkageRecipe]] = {
         FourBar: FourBarRecipe,
+        BodyList: LinkageRecipe,
         SliderCrank: SliderCrankRecipe,
         EllipticTrammel: EllipticTrammelRecipe,
     }

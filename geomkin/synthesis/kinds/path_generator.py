@@ -28,10 +28,10 @@ from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
 from ..found import size_entries, ten_digits
-from ..path.path import LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
+from ..path.path import CHAIN_DEG, CHAIN_RATIO, LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
 from ..path.search import PathFound
 from ..path.svg_drawings import drawing_points, svg_path_points
-from .linkage_goals import AbstractLinkageGoal, Search, choose_entry
+from .linkage_goals import AbstractLinkageGoal, Search, choose_entry, recipe_of
 
 
 class NameOfFile(WrittenForm):
@@ -170,6 +170,9 @@ class WantedPath:
     closed: bool = entry(
         "whether the points lie, in any order, on a closed curve that a full turn draws", default=False
     )
+    bars: Literal[4, 6, 8] = entry(
+        "largest number of bars; 6 and 8 follow a closed path that few four-bars follow", default=4
+    )
     slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
     drive_deg: tuple[float, ...] | None = entry(
         "crank angles at the points, rising or falling; only differences count; free if left out",
@@ -214,7 +217,10 @@ class WantedPath:
 
 @record(checked=True, kw_only=True)
 class PathLimits:
-    """Limits of the linkage; by default 5 deg and a ratio of 100, or none if all links are bounded."""
+    """Limits of the linkage; by default 5 deg and a ratio of 100, or none if all links are bounded.
+
+    For more than four bars the defaults are 20 deg and a ratio of 10.
+    """
 
     least_transmission_angle_deg: float | None = quantity(
         "least transmission angle over the motion", "deg", default=None, at_least=0, at_most=89, example=30
@@ -244,6 +250,12 @@ class PathBounds:
     )
     origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None, units=MM)
     origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None, units=MM)
+    pivots_x: Pair | None = entry(
+        "least and greatest x of all other ground pivots of six- and eight-bars, mm", default=None, units=MM
+    )
+    pivots_y: Pair | None = entry(
+        "least and greatest y of all other ground pivots of six- and eight-bars, mm", default=None, units=MM
+    )
     ground_angle_deg: Pair | None = entry(
         "least and greatest direction of the ground line or of the slide line, deg", default=None
     )
@@ -260,7 +272,7 @@ class PathBounds:
 
 @record(kw_only=True)
 class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
-    """A four-bar or slider-crank whose coupler point passes through given points, with a drawing of both paths."""
+    """A linkage whose traced point passes through given points or follows a closed path, with a drawing of both."""
 
     kind: Literal["path-generator"] = "path-generator"
     wanted: WantedPath
@@ -298,6 +310,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
                 self.search.seed,
                 self.search.time_limit,
                 wanted.slides,
+                wanted.bars,
             )
         except DesignError as error:
             table = next((name for name, fields in TABLES.items() if error.field in fields), "wanted")
@@ -332,17 +345,21 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     @property
     def search_limits(self) -> tuple[float, float]:
         least, largest = self.limits.least_transmission_angle_deg, self.limits.largest_ratio
-        return TOGGLE_DEG if least is None else least, LONGEST_RATIO if largest is None else largest
+        usual = (CHAIN_DEG, CHAIN_RATIO) if self.wanted.bars > 4 else (TOGGLE_DEG, LONGEST_RATIO)
+        return usual[0] if least is None else least, usual[1] if largest is None else largest
 
     def met_by(self, found: PathFound) -> tuple[Check, ...]:
-        width = (
-            float(np.abs(self.wanted.places[:, None] - self.wanted.places).max()) if len(self.wanted.places) else 0.0
-        )
+        places = found.points
+        width = float(np.abs(places[:, None] - places).max()) if len(places) else 0.0
         advice = "give wider bounds, lower limits or fewer points"
+        if found.closed:
+            advice = f"{advice}, or more bars" if self.wanted.bars < 8 else "give wider bounds or lower limits"
         return (
             Check(
                 "point_distance",
-                "largest distance of a point from the path",
+                "largest distance of the paths, both ways"
+                if found.closed
+                else "largest distance of a point from the path",
                 found.largest_distance,
                 "at most",
                 NEAR * width,
@@ -352,9 +369,14 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         )
 
     @property
+    def marked(self) -> Complex:
+        """Wanted points that are drawn."""
+        return self.best.points if self.best.given else self.wanted.places
+
+    @property
     def crosses(self) -> list[AbstractCurve]:
         """The points as crosses."""
-        return [Segment(z - CROSS * arm, z + CROSS * arm) for z in self.wanted.places.tolist() for arm in (1, 1j)]
+        return [Segment(z - CROSS * arm, z + CROSS * arm) for z in self.marked.tolist() for arm in (1, 1j)]
 
     @property
     def shown(self) -> Sequence[SceneCurve]:
@@ -371,10 +393,22 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         at = move(design.linkage, np.array([design.drive[0]]), design.branch)
         return (*super().parts, engraved("path", [*marks, *skeleton(at, 0, plate)], plate))
 
+    def listed(self, found: PathFound) -> Mapping[str, object]:
+        """With more than four bars also the number of places where plates and pins collide."""
+        entries = super().listed(found)
+        if found.bars == 4:
+            return entries
+        design = recipe_of(found.linkage, found.branch, self.driver_range, self.drive, self.stock, self.files)
+        return {**entries, "collisions": len(design.made.stack.collisions)}
+
     @property
     def remarks(self) -> tuple[str, ...]:
         """Whether all linkages through nine points are listed."""
         best = self.best
+        if best.cut_short:
+            return ("The time limit ended the search: a longer one may find better linkages.",)
+        if best.given:
+            return (f"Of {best.given:,} points {len(best.points):,} are used.",)
         if best.special:
             return (f"Nine points of which {best.special} have no finite number of linkages; these are some.",)
         if (count := best.path_count) is None or count.is_complete:

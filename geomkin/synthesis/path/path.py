@@ -1,24 +1,34 @@
-"""Path generation: a four-bar or slider-crank whose coupler point passes through given points."""
+"""Path generation: a linkage whose traced point passes through given points or follows a closed curve."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.arguments import ArgumentType, PositiveFloat, between, checked, is_real, numbers, whole_between
-from ...core.errors import DesignError
+from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, SMALLEST
-from ...plane.vec import Real
+from ...core.units import bare_mm, mm
+from ...linkage.linkage import AbstractLinkage
+from ...plane.vec import Complex, Real
+from .any_curve import Box
+from .closed_lines import loop
 from .coupler_paths import bound_all_links, bounds_of
+from .curve_library import curve_library, target_curve
+from .dyad_chains import linkage_of
 from .fits import PathTask
-from .search import PathFound, PathSearch
+from .search import ANYWHERE, LONGEST, PathFound, PathSearch
 
-# Largest number of points; more take minutes.
-MOST_POINTS = 1_000
+# Largest number of points, and of those that a search uses: more take minutes.
+MOST_POINTS, MOST_USED = 200_000, 1_000
+# Limits of six- and eight-bars if none are given.
+CHAIN_DEG, CHAIN_RATIO = 20.0, 10.0
+# Bounds of six- and eight-bars.
+PIVOT_BOUNDS = ("origin_x", "origin_y", "pivots_x", "pivots_y")
 # Limits of a search if none are given: the least transmission angle, deg, and the largest ratio of links. Without them
 # many paths have no best linkage. The second line applies if all lengths are bounded.
 TOGGLE_DEG, LONGEST_RATIO = 5.0, 100.0
@@ -70,34 +80,40 @@ def path_generator(
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
     time_limit: PositiveFloat = 30,
     slides: bool = False,
+    bars: Literal[4, 6, 8] = 4,
 ) -> PathFound:
-    """Find the four-bar or slider-crank whose coupler point passes through given points.
+    """Find the linkage whose traced point passes through given points or follows a closed curve.
 
     Parameters
     ----------
     points : array_like of complex, shape (n,)
-        The points x + yj, mm; 3 to 1000 of them.
+        The points x + yj, mm; 3 to 200,000 of them. At most 1000, evenly chosen, are used.
     drive_deg : array_like, shape (n,), optional
         Crank angles at the points, deg, rising or falling. Only their differences count, unless `bounds` limits the
         start. By default the angles are free, within one drive of one sense on one circuit and at most one turn.
     closed : bool
-        Whether the points lie, in any order, on a closed curve that a full turn draws. The error is then their distance
-        from the curve.
+        Whether the points lie, in any order if there are at most 300, on a closed curve that a full turn draws. The
+        error is then the distance both ways: of the points from the curve, and of the curve from a smooth closed line
+        through the points.
     least_transmission_angle_deg : float, optional
-        Limit from the first point to the last, or over the full turn, 0 to 89 deg; 5 by default.
+        Limit from the first point to the last, or over the full turn, 0 to 89 deg; 5 by default, 20 for more than four
+        bars.
     largest_ratio : float, optional
-        Limit of the longest link over the shortest, 1 to 1e6; 100 by default. If all links are bounded, neither default
-        applies.
+        Limit of the longest link over the shortest, 1 to 1e6; 100 by default, 10 for more than four bars. If all links
+        are bounded, neither default applies.
     bounds : mapping of str to (low, high), optional
         Exact bounds of `ground` (`offset` of a slider-crank), `crank`, `coupler`, `rocker`, `coupler_point_x`,
         `coupler_point_y`, `origin_x`, `origin_y` in mm, `ground_angle_deg`, and `start_deg`, the first crank angle from
-        the ground line.
+        the ground line. For more than four bars `origin_x`, `origin_y` of the crank pivot and `pivots_x`, `pivots_y`
+        of all other ground pivots.
     seed : int
         Seed of the random starts, 0 to 2**32 - 1.
     time_limit : float
         Longest processor time of the search from random linkages, s. The search usually ends by itself.
     slides : bool
         Whether a slider-crank is wanted instead of a four-bar.
+    bars : {4, 6, 8}
+        Largest number of bars. With 6 or 8 the points must be closed; `ranked` then also has linkages with fewer bars.
 
     Returns
     -------
@@ -108,13 +124,18 @@ def path_generator(
     Raises
     ------
     DesignError
-        For fewer than 3 or more than 1000 points, coinciding points, angles out of order, invalid bounds, a time limit
-        too short for any result, or if no linkage is found within the limits.
+        For fewer than 3 or more than 200,000 points, coinciding points, angles out of order, invalid bounds, a time
+        limit too short for any result, or if no linkage is found within the limits.
 
     Notes
     -----
     The search minimises the sum of squared distances. It compares tens of thousands of random linkages with the points
     in closed form and improves the best of them by least squares.
+
+    Six- and eight-bars are chains of dyads on one crank. Those of 50,000 random ones whose curves are most similar are
+    refined by least squares of the distances both ways; others grow from the best with two bars less. The list leaves
+    out a linkage if another is twice as near with no more bars, no longer links and no smaller transmission angle. The
+    same seed gives the same list unless the time limit ends the search, which takes about 15 s.
 
     Nine points without other conditions have a finite number of four-bars through them, up to 150. All are found, in 3
     to 30 s, whatever the time limit, and ranked, one of each three cognates. `path_count` states where the 1442 paths
@@ -131,17 +152,22 @@ def path_generator(
     >>> found.defects, found.largest_distance < 1e-6
     ((), True)
     """
-    targets = np.asarray(points, dtype=complex)
-    if not 3 <= len(targets) <= MOST_POINTS:
-        raise DesignError("points", f"found {len(targets):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
+    wanted = np.asarray(points, dtype=complex)
+    boxes = ANYWHERE, ANYWHERE
+    if bars > 4:
+        _check_chain(bars, {"closed": not closed, "drive_deg": drive_deg is not None, "slides": slides})
+        boxes, bounds = _boxes(bounds or {}), None
+    targets, crank_angles = _used(wanted, drive_deg, closed)
     centre = complex(targets.mean())
     size = float(np.sqrt(np.mean(np.abs(targets - centre) ** 2)))
     if not size > max(SMALLEST, 1e-12 * abs(centre)):
         raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
-    crank_angles = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(targets))
     low, high = bounds_of(bounds, slides, crank_angles is not None, centre, size)
     is_bounded = bound_all_links(bounds, slides)
+    if closed and bars > 4:
+        _check_pivots(targets, boxes)
     least = least_transmission_angle_deg
+    usual_deg, usual_ratio = (CHAIN_DEG, CHAIN_RATIO) if bars > 4 else (TOGGLE_DEG, LONGEST_RATIO)
     path_search = PathSearch(
         points=targets,
         middle=centre,
@@ -152,9 +178,9 @@ def path_generator(
             closed=closed,
             slides=slides,
             least_transmission=np.radians(
-                (STUCK_DEG if is_bounded else TOGGLE_DEG) if least is None else max(least, STUCK_DEG)
+                (STUCK_DEG if is_bounded else usual_deg) if least is None else max(least, STUCK_DEG)
             ),
-            largest_ratio=(ANY_RATIO if is_bounded else LONGEST_RATIO) if largest_ratio is None else largest_ratio,
+            largest_ratio=(ANY_RATIO if is_bounded else usual_ratio) if largest_ratio is None else largest_ratio,
             low=low,
             high=high,
         ),
@@ -162,17 +188,114 @@ def path_generator(
         all_nine=bounds is None and least is None and largest_ratio is None,
         seed=seed,
         time_limit=time_limit,
+        bars=bars,
+        boxes=boxes,
+        given=len(wanted) if len(wanted) > MOST_USED else 0,
     )
     ranked, watch = path_search.ranked(0)
     if not ranked:
         if watch.cut:
             raise watch.too_short()
         raise DesignError(
-            "bounds" if bounds else "points",
+            "bounds" if bounds or boxes != (ANYWHERE, ANYWHERE) else "points",
             "no linkage was found that moves within the limits",
             "give wider limits or bounds, or another seed",
         )
-    return replace(ranked[0], ranked=ranked, again=path_search.usable)
+    return replace(ranked[0], ranked=ranked, again=path_search.usable if bars == 4 else None)
+
+
+@checked
+def nearest_linkages(
+    points: PathPoints, bars: Literal[4, 6, 8] = 8, count: Annotated[int, whole_between(1, 100)] = 6
+) -> tuple[tuple[AbstractLinkage, int], ...]:
+    """Known linkages whose curves are most similar to a closed one, at once: no search, no limits.
+
+    Parameters
+    ----------
+    points : array_like of complex, shape (n,)
+        Points x + yj of the closed curve in their order, mm; 3 to 200,000.
+    bars : {4, 6, 8}
+        Number of bars.
+    count : int
+        Number of linkages.
+
+    Returns
+    -------
+    tuple of (linkage, branch)
+        The best first, laid over the curve. The traced point is "coupler_point"; the crank turns fully.
+
+    Notes
+    -----
+    The first call for a number of bars makes its library, in up to two seconds; others take about 0.1 s.
+
+    Examples
+    --------
+    >>> import numpy as np, geomkin as gk
+    >>> turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    >>> [(linkage, branch)] = gk.synthesis.nearest_linkages(30 * np.cos(turn) + 20j * np.sin(turn), bars=4, count=1)
+    >>> bool(gk.move(linkage, turn, branch).assembled.all())
+    True
+    """
+    curve = np.asarray(points, dtype=complex)
+    if not 3 <= len(curve) <= MOST_POINTS:
+        raise DesignError("points", f"found {len(curve):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
+    target = target_curve(loop(curve))
+    if not target.scale > SMALLEST:
+        raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
+    chains, _ = curve_library(bars // 2 - 1).nearest(target, count)
+    return tuple(linkage_of(chains, k, target.scale, target.middle) for k in range(len(chains)))
+
+
+def _check_chain(bars: int, wrong: Mapping[str, bool]) -> None:
+    """Refuse arguments that six- and eight-bars do not take; wrong: whether each is given."""
+    for field in (name for name, is_wrong in wrong.items() if is_wrong):
+        problem = f"{bars} bars follow closed curves without crank angles and without a slider"
+        raise DesignError(field, problem, "give closed = true and no drive_deg or slides, or 4 bars", "conflict")
+
+
+def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Complex, Real | None]:
+    """The points that are used and their crank angles, rad: at most `MOST_USED`, of closed curves none twice in a row."""
+    if not 3 <= len(points) <= MOST_POINTS:
+        raise DesignError("points", f"found {len(points):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
+    turns = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(points))
+    if len(points) > MOST_USED:
+        used = np.linspace(0, len(points) - 1, MOST_USED).round().astype(int)
+        points, turns = points[used], None if turns is None else turns[used]
+    if closed and turns is None:
+        # A point that is given twice in a row would make a corner of the line through the points.
+        apart = np.abs(points - np.roll(points, 1)) > 1e-9 * np.ptp(np.concatenate([points.real, points.imag]))
+        points = points[apart] if apart.sum() >= 3 else points
+    return points, turns
+
+
+def _boxes(bounds: Mapping[str, tuple[float, float]]) -> tuple[Box, Box]:
+    """Boxes of the crank pivot and of all other ground pivots, mm."""
+    for name, (low, high) in bounds.items():
+        if name not in PIVOT_BOUNDS:
+            remedy = f"give any of {', '.join(PIVOT_BOUNDS)}, or 4 bars"
+            raise DesignError("bounds", f"found {shown(name)}", remedy, "unknown-key")
+        if not low <= high:
+            raise DesignError("bounds", f"{name} from {low:g} to {high:g} is not a range", "give the lower value first")
+    free = (-np.inf, np.inf)
+    sides = [(bounds.get(f"{of}_x", free), bounds.get(f"{of}_y", free)) for of in ("origin", "pivots")]
+    crank, pivots = ((complex(x[0], y[0]), complex(x[1], y[1])) for x, y in sides)
+    return crank, pivots
+
+
+def _check_pivots(points: Complex, boxes: tuple[Box, Box]) -> None:
+    """Refuse boxes of ground pivots that the longest links cannot reach."""
+    corners = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+    middle, longest = sum(corners) / 2, LONGEST * abs(corners[1] - corners[0])
+    for of, (low, high) in zip(("origin", "pivots"), boxes):
+        nearest = complex(*(np.clip((middle.real, middle.imag), (low.real, low.imag), (high.real, high.imag))))
+        if abs(nearest - middle) > longest:
+            raise DesignError(
+                "bounds",
+                f"{of}_x and {of}_y put ground pivots at least {mm(abs(nearest - middle)):.4g} from the middle of the "
+                f"curve, and no link is longer than {LONGEST:g} times its size, {mm(longest):.4g}",
+                f"give places within {mm(longest):.4g} of {bare_mm(middle.real, middle.imag):.4g}, or a larger curve",
+                "out-of-range",
+            )
 
 
 def _turns(drive_deg: Real, count: int) -> Real:

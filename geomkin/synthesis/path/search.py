@@ -14,11 +14,14 @@ from ...core.fields import to_digits
 from ...core.progress import Watch, report
 from ...core.records import record
 from ...linkage.cognate_linkages import Cognate, cognates
-from ...linkage.linkage import AbstractLinkage
+from ...linkage.linkage import AbstractLinkage, Linkage
+from ...linkage.measures import least_transmission_angle
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Complex, Real, Whole, cross
 from ..found import Found, Rounding
+from .any_curve import MARGIN_DEG, MARGIN_RATIO, Box, CurveSearch, CurveTask
+from .closed_lines import WantedLine
 from .coupler_paths import (
     ARM_X,
     ARM_Y,
@@ -33,7 +36,9 @@ from .coupler_paths import (
     points_of,
     signed_transmission_cosine,
 )
-from .fits import PathTask, nearest_angles, nearest_from, polished_starts, refined_starts
+from .curve_library import SIZE, TargetCurve, target_curve
+from .dyad_chains import Chains, linkage_of
+from .fits import PASSED, PathTask, nearest_angles, nearest_from, polished_starts, refined_starts
 from .nine_points import PathCount, cranks_and_branches, special, through_nine, with_cognates
 from .starts import free_starts, timed_starts
 
@@ -59,7 +64,14 @@ class PathFound(Found):
         Sum of squared distances of the points from the path, mm2; with prescribed crank angles, from the coupler point
         at these angles.
     largest_distance : float
-        Largest of these distances, mm.
+        Largest of these distances, mm; for a closed path both ways, also from the path to the closed line through the
+        points, as far as the points determine this line.
+    rms_distance : float
+        Root mean square of these distances, mm.
+    wanted_line : WantedLine, optional
+        The closed line through the points of a closed path.
+    given : int
+        Number of points that were given, if only a part of them, evenly chosen, is in `points`.
     closed : bool
         Whether a full turn draws the path.
     at_limits : tuple of str
@@ -82,7 +94,10 @@ class PathFound(Found):
     points: Complex
     square_error: float
     largest_distance: float
+    rms_distance: float
     closed: bool = False
+    wanted_line: WantedLine | None = field(default=None, repr=False)
+    given: int = 0
     at_limits: tuple[str, ...] = ()
     cut_short: bool = False
     path_count: PathCount | None = None
@@ -95,6 +110,19 @@ class PathFound(Found):
     def coupler_point(self) -> complex:
         """Coupler point in the coupler's frame, mm."""
         return complex(self.linkage.coupler_point)  # type: ignore[attr-defined]
+
+    @property
+    def bars(self) -> int:
+        """Number of bars, with the ground."""
+        return len(self.linkage.linkage.bodies)
+
+    @property
+    def extent(self) -> float:
+        """Size of the place that all pins and the traced point need over a turn, as a multiple of the path's."""
+        motion = move(self.linkage, np.linspace(0, 2 * np.pi, 61), self.branch)
+        places = [motion.point(name).position for name in (*motion.linkage.pins, "coupler_point")]
+        whole, path = np.array(places).ravel(), places[-1]
+        return _diagonal(whole) / _diagonal(path)
 
     @property
     def is_usable(self) -> bool:
@@ -135,13 +163,21 @@ class PathFound(Found):
         branches = (1, -1) if self.defects else (self.branch,)
         paths = [move(other.linkage, other.drive, sign).point("coupler_point").position for sign in branches]
         off = np.fmin.reduce(np.abs(np.array(paths) - self.points))
-        return replace(other, square_error=float(np.sum(off**2)), largest_distance=float(off.max()))
+        largest, rms = float(off.max()), float(np.sqrt(np.mean(off**2)))
+        if self.wanted_line is not None:
+            path = move(other.linkage, FULL_TURN, self.branch).point("coupler_point").position
+            off, largest, rms = self.wanted_line.both_ways(path, None if self.bars > 4 else off)
+        return replace(other, square_error=float(np.sum(off**2)), largest_distance=largest, rms_distance=rms)
 
     def summary(self) -> Mapping[str, object]:
         errors: dict[str, object] = {
             "square_error_mm2": to_digits(self.square_error, 6),
             "largest_distance_mm": to_digits(self.largest_distance, 6),
+            "rms_distance_mm": to_digits(self.rms_distance, 6),
+            "bars": self.bars,
         }
+        if self.bars > 4:
+            errors["size_of_mechanism_by_size_of_path"] = to_digits(self.extent, 3)
         limits: dict[str, object] = {"at_limits": list(self.at_limits)} if self.at_limits else {}
         return errors | dict(super().summary()) | limits
 
@@ -149,6 +185,14 @@ class PathFound(Found):
     def drive_deg(self) -> Real:
         """Crank angles at the points, deg."""
         return np.degrees(self.drive)
+
+
+# Crank angles of a full turn at which closed paths are measured.
+FULL_TURN = 2 * np.pi * np.arange(2049) / 2048
+
+
+def _diagonal(points: Complex) -> float:
+    return float(np.hypot(np.ptp(points.real), np.ptp(points.imag)))
 
 
 # Rotations closer to a full turn than this are 0: the same point twice, with rounding.
@@ -233,6 +277,13 @@ def _circuits(x: Real, cranks: Real, branch: Whole) -> int:
     return len(np.unique(np.sign(sign)))
 
 
+# Factor of the distance from the path beyond which a linkage is much worse, and the relative difference of sizes that
+# does not count, of linkages with more than four bars.
+FAR, NEARLY = 2.0, 0.02
+# Ground pivots may be anywhere.
+ANYWHERE: Box = (complex(-np.inf, -np.inf), complex(np.inf, np.inf))
+# Longest link of a chain, as a multiple of the path's size.
+LONGEST = 3.0
 # Number of points in the search; further ones join at the end, since they take longer and change nothing earlier.
 SEARCH_POINTS = 60
 # Sum of squares per point, in units of the points' size squared, that counts as 0; the transmission angle then decides.
@@ -257,6 +308,14 @@ class PathSearch:
     all_nine: bool
     seed: int
     time_limit: float
+    bars: int = 4
+    boxes: tuple[Box, Box] = (ANYWHERE, ANYWHERE)
+    given: int = 0
+
+    @cached_property
+    def wanted_line(self) -> WantedLine | None:
+        """The closed line through the points of a closed path."""
+        return WantedLine.through(self.points) if self.task.closed else None
 
     def usable(self) -> PathFound | None:
         """The best linkage within the given limits and those of a usable one."""
@@ -279,7 +338,9 @@ class PathSearch:
             if not arrangement:
                 linkages, count = self.through_nine(lambda share: report(share, what))
         watch = Watch(self.time_limit, what)
-        if not any(not linkage.defects for linkage in linkages):
+        if self.bars > 4:
+            linkages = self.chains(number, watch)
+        elif not any(not linkage.defects for linkage in linkages):
             x, t, branch = self.searched(np.random.default_rng([self.seed, number]), watch)
             cranks = task.cranks(x, t)
             linkages += [
@@ -291,16 +352,17 @@ class PathSearch:
 
         def rank(linkage: PathFound) -> tuple[float, ...]:
             # Cognates are equally near; their order must not depend on the last digits, which differ by processor.
-            error, angle = (
-                to_digits(max(linkage.square_error, unit_error), 6),
-                _zero_if_nan(linkage.transmission_angle_deg),
-            )
+            # The line between scattered points decides nothing if a linkage meets more of them than chance allows.
+            meets = linkage.square_error < len(self.points) * (EXACT * self.size) ** 2
+            meets = meets and self.more_than_can_be_met
+            square = linkage.largest_distance**2 if task.closed and not meets else linkage.square_error
+            error, angle = to_digits(max(square, unit_error), 6), _zero_if_nan(linkage.transmission_angle_deg)
             return len(linkage.defects), error, -round(angle, 4), round(linkage.ratio, 4), linkage.branch
 
         linkages.sort(key=rank)
         distinct: list[PathFound] = []
         for linkage in linkages:
-            if not any(_is_same(linkage, other) for other in distinct):
+            if not any(_is_same(linkage, other) or (self.bars > 4 and _is_worse(linkage, other)) for other in distinct):
                 distinct.append(replace(linkage, cut_short=watch.cut, path_count=count, special=arrangement))
         watch.report(1.0)
         return tuple(distinct[:RANKED]), watch
@@ -315,13 +377,85 @@ class PathSearch:
             x, branch = timed_starts(few, rng, watch)
             t = np.zeros((len(x), len(few.wanted)))
         if len(x):
-            x, t, branch = polished_starts(few, x, t, branch, watch)
+            # A search that is cut short has hundreds.
+            x, t, branch = (rows[:30] for rows in polished_starts(few, x, t, branch, watch))
         if few is not task and len(x):
             t = _cranks_for_all_points(task, few, x, t, branch)
             x, t, branch = refined_starts(task, x, t, branch, watch)
         if task.free and task.closed and len(x):
             t = nearest_from(task, x, nearest_angles(task, x, t, branch), branch)
+        if task.free and task.closed and not task.slides and not self.bounded:
+            # The least squares of the points alone may be linkages whose paths make loops away from them.
+            both = zip((x, t, branch), self.closed_four_bars(rng, watch))
+            x, t, branch = (np.concatenate(pair) for pair in both)
         return x, t, branch
+
+    def _curve_search(self, seed: int, watch: Watch) -> tuple[TargetCurve, list[Chains]]:
+        """The target of a search for chains, and the chains that it finds."""
+        assert self.wanted_line is not None
+        target = target_curve(self.wanted_line.line)
+        boxes = [(in_units(low, target), in_units(high, target)) for low, high in self.boxes]
+        limits = float(np.degrees(self.task.least_transmission)), self.task.largest_ratio
+        task = CurveTask(target, *limits, LONGEST * SIZE, *boxes)
+        return target, list(CurveSearch(task, self.bars // 2 - 1, seed, watch).run().values())
+
+    def closed_four_bars(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
+        """`searched` for closed paths: the best two ways, and these with the least squares of the points alone."""
+        target, found = self._curve_search(int(rng.integers(2**32)), watch)
+        rows, signs = [], []
+        for chains in found:
+            for k in range(len(chains)):
+                bar, sign = linkage_of(chains, k, target.scale, target.middle)
+                assert isinstance(bar, FourBar)
+                place, arm = bar.origin - self.middle, complex(bar.coupler_point)
+                lengths = [bar.ground, bar.crank, bar.coupler, bar.rocker, arm.real, arm.imag, place.real, place.imag]
+                rows.append([*(np.array(lengths, dtype=float) / self.size), np.radians(bar.ground_angle_deg), 0.0])
+                signs.append(sign)
+        x, branch = np.array(rows).reshape(-1, 10), np.array(signs, dtype=float)
+        t = nearest_angles(self.task, x, np.zeros((len(x), len(self.task.wanted))), branch)
+        better = refined_starts(self.task, x, t, branch, watch)
+        x, t, branch = (np.concatenate(pair) for pair in zip((x, t, branch), better))
+        good = self.task.passed(x, t) <= PASSED
+        return x[good], nearest_from(self.task, x[good], t[good], branch[good]), branch[good]
+
+    def chains(self, number: int, watch: Watch) -> list[PathFound]:
+        """Four-, six- and eight-bars for a closed path, each measured by its motion alone."""
+        target, found = self._curve_search(int(np.random.default_rng([self.seed, number]).integers(2**32)), watch)
+        made = (
+            self.measured(*linkage_of(chains, k, target.scale, target.middle))
+            for chains in found
+            for k in range(len(chains))
+        )
+        return [linkage for linkage in made if linkage is not None]
+
+    def measured(self, linkage: FourBar | Linkage, branch: int) -> PathFound | None:
+        """A linkage whose crank turns fully, measured; None if it does not close or violates a limit."""
+        motion = move(linkage, FULL_TURN, branch)
+        path, angle = motion.point("coupler_point").position, float(least_transmission_angle(motion))
+        if self.wanted_line is None or not motion.assembled.all() or angle < self.task.least_transmission:
+            return None
+        off, largest, rms = self.wanted_line.both_ways(path)
+        nearest = [int(np.argmin(np.abs(path[:-1] - point))) for point in self.points]
+        found = PathFound(
+            linkage=linkage,
+            branch=branch,
+            drive=FULL_TURN[nearest],
+            transmission_angle_deg=float(np.degrees(angle)),
+            points=self.points,
+            closed=True,
+            square_error=float(np.sum(off**2)),
+            largest_distance=largest,
+            rms_distance=rms,
+            wanted_line=self.wanted_line,
+            given=self.given,
+            least_squares=True,
+        )
+        limits = []
+        if np.degrees(angle - self.task.least_transmission) < 1.1 * MARGIN_DEG:
+            limits.append(f"a transmission angle of {np.degrees(self.task.least_transmission):g} deg")
+        if found.ratio > 0.99 * MARGIN_RATIO * self.task.largest_ratio:
+            limits.append(f"a ratio of links of {self.task.largest_ratio:g}")
+        return replace(found, at_limits=tuple(limits)) if found.ratio <= self.task.largest_ratio else None
 
     def through_nine(self, report: Callable[[float], None]) -> tuple[list[PathFound], PathCount]:
         """The best of each three cognates, driven at either pivot, and where all paths to them ended."""
@@ -363,6 +497,10 @@ class PathSearch:
             )
         except DesignError:
             return None
+        largest, rms = float(distances.max()), float(np.sqrt(np.mean(distances**2)))
+        if self.wanted_line is not None:
+            path = points_of(x[None], FULL_TURN[None], branch[:1].astype(float), task.slides)[0]
+            _, largest, rms = self.wanted_line.both_ways(path * size + self.middle, distances)
         drive = motion.drive
         if "start_deg" not in self.bounded and not (task.free and task.closed):
             drive = drive - 2 * np.pi * np.floor(drive[0] / (2 * np.pi))
@@ -375,7 +513,10 @@ class PathSearch:
             points=self.points,
             closed=task.closed,
             square_error=float(np.sum(distances**2)),
-            largest_distance=float(distances.max()),
+            largest_distance=largest,
+            rms_distance=rms,
+            wanted_line=self.wanted_line,
+            given=self.given,
             at_limits=self.active_limits(x, motion),
             least_squares=self.more_than_can_be_met,
         )
@@ -402,8 +543,26 @@ def _zero_if_nan(value: float) -> float:
     return value if np.isfinite(value) else 0.0
 
 
+def in_units(corner: complex, target: TargetCurve) -> complex:
+    """A corner of a box in units of the search; parts may be infinite."""
+    shift, scale = target.middle, target.scale
+    return complex((corner.real - shift.real) / scale, (corner.imag - shift.imag) / scale)
+
+
+def _is_worse(first: PathFound, second: PathFound) -> bool:
+    """Whether another linkage is much nearer to the path without more bars, size or a smaller transmission angle."""
+    one, other = (
+        np.array([found.largest_distance / far, found.bars, -found.transmission_angle_deg, found.size])
+        for found, far in ((first, FAR), (second, 1.0))
+    )
+    return bool((one >= other - NEARLY * np.abs(other)).all())
+
+
 def _is_same(first: PathFound, second: PathFound) -> bool:
     """Whether two linkages are equal except for rounding or for the sense of a slide line."""
+    if first.bars > 4 or second.bars > 4:
+        one, other = (list(found.lengths.values()) for found in (first, second))
+        return list(first.lengths) == list(second.lengths) and bool(np.allclose(one, other, rtol=NEARLY))
     if first.branch != second.branch and isinstance(first.linkage, FourBar):
         return False
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.progress import Watch
 from ...plane.vec import Complex, Real, Whole
+from .closed_lines import evenly, loop
 from .coupler_paths import (
     ARM_X,
     ARM_Y,
@@ -227,19 +228,10 @@ def _placed(x: Real, turned: Complex, at: Complex, middle: Complex) -> Real:
     return placed
 
 
-def _evenly(path: Complex, ends: bool) -> tuple[Complex, Real]:
-    """Points (s, PLACES) at equal shares of the paths' lengths, with both ends or only the first; and shares (s, k)."""
-    length = np.cumsum(np.abs(np.diff(path, axis=1)), axis=1)
-    share = np.concatenate([np.zeros((len(path), 1)), length], axis=1) / np.maximum(length[:, -1:], 1e-300)
-    row = np.arange(len(path))[:, None]
-    at = row + np.linspace(0, 1, PLACES, endpoint=ends) * (1 - 1e-9)
-    return np.interp(at.ravel(), (row + share * (1 - 1e-9)).ravel(), path.ravel()).reshape(at.shape), share
-
-
 def _closed(task: PathTask, x: Real, path: Complex, branch: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
     """The placed linkages, the difference of their closed paths, and a function for the crank angles at the points."""
-    wanted = _evenly(loop(task.wanted)[None], False)[0][0]
-    even = _evenly(path, False)[0]
+    wanted = evenly(loop(task.wanted)[None], PLACES)[0][0]
+    even = evenly(path, PLACES)[0]
     target, curves = np.fft.fft(wanted), np.fft.fft(even, axis=1)
     middle, at = curves[:, 0] / PLACES, target[0] / PLACES
     target[0], curves[:, 0] = 0, 0
@@ -256,8 +248,8 @@ def _closed(task: PathTask, x: Real, path: Complex, branch: Real) -> tuple[Real,
 
 def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, Real, Callable[[Whole], Real]]:
     """`_closed` for open paths."""
-    target, shares = _evenly(task.wanted[None], True)
-    even, reached = _evenly(path, True)
+    target, shares = evenly(task.wanted[None], PLACES, True)
+    even, reached = evenly(path, PLACES, True)
     at, middle = target[0].mean(), even.mean(axis=1)
     target, even = target[0] - at, even - middle[:, None]
     power = np.einsum("sn,sn->s", np.conj(even), even).real
@@ -272,40 +264,3 @@ def _open(task: PathTask, x: Real, path: Complex, cranks: Real) -> tuple[Real, R
         return np.interp(asked.ravel(), known.ravel(), cranks[rows].ravel()).reshape(len(rows), -1)
 
     return _placed(x, turned, at, middle), score, t
-
-
-def loop(points: Complex) -> Complex:
-    """A smooth closed line (k,) through points in the order of a short tour; its end is the start."""
-    ahead = points[short_tour(points)]
-    before, after, next_but_one = np.roll(ahead, 1), np.roll(ahead, -1), np.roll(ahead, -2)
-    t = np.linspace(0, 1, 8, endpoint=False)[:, None]
-    slope, slope_after = (after - before) / 2, (next_but_one - ahead) / 2
-    bend = 2 * (ahead - after) + slope + slope_after
-    line = ahead + t * (slope + t * (3 * (after - ahead) - 2 * slope - slope_after + t * bend))
-    line = line.T.ravel()
-    return np.append(line, line[0])
-
-
-def short_tour(points: Complex) -> Whole:
-    """An order (n,) of points along a closed line: as given, or a tour without crossings if that is shorter."""
-    far = np.abs(points[:, None] - points)
-
-    def length(order: Whole) -> float:
-        return float(far[order, np.roll(order, -1)].sum())
-
-    given = np.arange(len(points))
-    left, tour = set(range(1, len(points))), [0]
-    while left:
-        tour.append(min(left, key=lambda k: (far[tour[-1], k], k)))
-        left.remove(tour[-1])
-    order = np.array(tour)
-    for _ in range(4 * len(points)):
-        after = np.roll(order, -1)
-        # Saving if two edges of the tour are replaced by those between their starts and between their ends.
-        gain = far[order, after][:, None] + far[order, after] - far[np.ix_(order, order)] - far[np.ix_(after, after)]
-        i, j = np.unravel_index(np.argmax(np.triu(gain, 1)), gain.shape)
-        if gain[i, j] <= 1e-9 * far.max():
-            break
-        order[i + 1 : j + 1] = order[i + 1 : j + 1][::-1].copy()
-    # The given order is kept unless it jumps back and forth, since a curve that crosses itself is not a shortest tour.
-    return given if length(given) <= 1.3 * length(order) else order

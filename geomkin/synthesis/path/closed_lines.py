@@ -1,0 +1,125 @@
+"""Closed lines through wanted points, and the distances between such a line and a path, both ways."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.records import record
+from ...plane.vec import Complex, Real, Whole, cross, dot, unit
+
+# Parts of the line from point to point.
+PARTS = 8
+# Points at once of which distances are computed.
+AT_ONCE = 256
+# Number of points beyond which they are taken in their order.
+TOURED = 300
+# Samples of a path, equal in arc length, whose distances from the line are measured.
+MEASURED = 1024
+
+
+def loop(points: Complex) -> Complex:
+    """A smooth closed line (k,) through points in the order of a short tour; its end is the start."""
+    ahead = points[short_tour(points)]
+    before, after, next_but_one = np.roll(ahead, 1), np.roll(ahead, -1), np.roll(ahead, -2)
+    t = np.linspace(0, 1, PARTS, endpoint=False)[:, None]
+    slope, slope_after = (after - before) / 2, (next_but_one - ahead) / 2
+    bend = 2 * (ahead - after) + slope + slope_after
+    line = ahead + t * (slope + t * (3 * (after - ahead) - 2 * slope - slope_after + t * bend))
+    line = line.T.ravel()
+    return np.append(line, line[0])
+
+
+def play(line: Complex) -> Real:
+    """How far a curve through the same points may be from the line (k,) at each of its points, mm.
+
+    It is the distance at which the line would miss each point if this point were not given.
+    """
+    points = line[:-1:PARTS]
+    before, after = np.roll(points, 1), np.roll(points, -1)
+    middle = (before + after) / 2 + (after - np.roll(points, 3) - np.roll(points, -3) + before) / 16
+    missed = np.abs(cross(unit(after - before), points - middle))
+    missed = np.fmax.reduce([np.roll(missed, k) for k in (-1, 0, 1)])
+    missed = np.repeat(np.fmax(missed, np.roll(missed, -1)), PARTS)
+    return np.append(missed, missed[0])
+
+
+def distances(points: Complex, line: Complex, allowed: Real | None = None) -> Real:
+    """Distances of points (n,) from a line (k,), less what is `allowed` (k,) at its nearest point, at least 0."""
+    start, step = line[:-1], np.diff(line)
+    square = np.maximum(np.abs(step) ** 2, 1e-300)
+    result = np.zeros(len(points))
+    for k in range(0, len(points), AT_ONCE):
+        some = points[k : k + AT_ONCE, None]
+        nearest = np.argmin(np.abs(some - start), axis=1)
+        found = []
+        for at in (nearest - 1, nearest):
+            along = np.clip(dot(step[at], some[:, 0] - start[at]) / square[at], 0, 1)
+            found.append(np.abs(some[:, 0] - start[at] - along * step[at]))
+        less = 0.0 if allowed is None else allowed[nearest]
+        result[k : k + AT_ONCE] = np.maximum(np.minimum(*found) - less, 0)
+    return result
+
+
+@record(eq=False)
+class WantedLine:
+    """The closed line through wanted points, mm, and how far a curve through the points may be from it."""
+
+    points: Complex
+    line: Complex
+    allowed: Real
+
+    @classmethod
+    def through(cls, points: Complex) -> WantedLine:
+        """The line through points."""
+        line = loop(points)
+        return cls(points, line, play(line))
+
+    def both_ways(self, path: Complex, forward: Real | None = None) -> tuple[Real, float, float]:
+        """Distances (n,) of the points from a closed path (k,), mm, and the largest and the rms distance both ways.
+
+        `forward` are those distances if they are known better than from the path's chords.
+        """
+        forward = distances(self.points, path) if forward is None else forward
+        back = distances(evenly(path[None], MEASURED)[0][0], self.line, self.allowed)
+        rms = float(np.sqrt((np.mean(forward**2) + np.mean(back**2)) / 2))
+        return forward, float(max(forward.max(), back.max())), rms
+
+
+def evenly(path: Complex, count: int, ends: bool = False) -> tuple[Complex, Real]:
+    """Points (s, count) at equal shares of the lengths of paths (s, k), and the shares (s, k) of these.
+
+    With both ends or only the first. A path without length has nan.
+    """
+    length = np.cumsum(np.abs(np.diff(path, axis=1)), axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.concatenate([np.zeros((len(path), 1)), length], axis=1) / length[:, -1:]
+    row = np.arange(len(path))[:, None]
+    at = row + np.linspace(0, 1, count, endpoint=ends) * (1 - 1e-9)
+    return np.interp(at.ravel(), (row + share * (1 - 1e-9)).ravel(), path.ravel()).reshape(at.shape), share
+
+
+def short_tour(points: Complex) -> Whole:
+    """An order (n,) of points along a closed line: as given, or a tour without crossings if that is shorter."""
+    if len(points) > TOURED:
+        return np.arange(len(points))
+    far = np.abs(points[:, None] - points)
+
+    def length(order: Whole) -> float:
+        return float(far[order, np.roll(order, -1)].sum())
+
+    given = np.arange(len(points))
+    left, tour = set(range(1, len(points))), [0]
+    while left:
+        tour.append(min(left, key=lambda k: (far[tour[-1], k], k)))
+        left.remove(tour[-1])
+    order = np.array(tour)
+    for _ in range(4 * len(points)):
+        after = np.roll(order, -1)
+        # Saving if two edges of the tour are replaced by those between their starts and between their ends.
+        gain = far[order, after][:, None] + far[order, after] - far[np.ix_(order, order)] - far[np.ix_(after, after)]
+        i, j = np.unravel_index(np.argmax(np.triu(gain, 1)), gain.shape)
+        if gain[i, j] <= 1e-9 * far.max():
+            break
+        order[i + 1 : j + 1] = order[i + 1 : j + 1][::-1].copy()
+    # The given order is kept unless it jumps back and forth, since a curve that crosses itself is not a shortest tour.
+    return given if length(given) <= 1.3 * length(order) else order

@@ -1,0 +1,249 @@
+"""Six- and eight-bars for closed curves: chains against the general solver, derivatives, and curves that come back."""
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.core.progress import Watch
+from geomkin.synthesis.path import any_curve
+from geomkin.synthesis.path.any_curve import CurveSearch, CurveTask, Effort, lengths, matched, refined
+from geomkin.synthesis.path.closed_lines import WantedLine, distances, evenly
+from geomkin.synthesis.path.curve_library import (
+    CurveLibrary,
+    closed_paths,
+    curve_library,
+    harmonics_of,
+    target_curve,
+)
+from geomkin.synthesis.path.dyad_chains import Chains, extended, kinds_of, linkage_of, random_chains, traced
+from geomkin.synthesis.path.search import ANYWHERE
+
+TURN = 2 * np.pi * np.arange(257) / 256
+EIGHT = 40 * np.sin(TURN[:-1]) + 15j * np.sin(2 * TURN[:-1])
+
+
+def one_of_each_kind(dyads, seed=3):
+    """A random chain of each kind."""
+    chains = random_chains(dyads, np.random.default_rng(seed), 600 * dyads)
+    rows = np.unique(chains.bodies.reshape(len(chains), -1), axis=0, return_index=True)[1]
+    assert len(rows) >= 0.8 * len(kinds_of(dyads))
+    return chains[rows]
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Searches of little work: a small library, few chains and no random changes."""
+
+    def library(dyads):
+        chains = random_chains(dyads, np.random.default_rng(dyads), 800)
+        return CurveLibrary(chains, harmonics_of(closed_paths(chains))[0].astype(np.complex64))
+
+    monkeypatch.setattr(any_curve, "curve_library", library)
+    monkeypatch.setattr(any_curve, "EFFORT", {1: Effort(8, 0, ()), 2: Effort(8, 2, ())})
+    monkeypatch.setattr(any_curve, "ROUNDS_OF_WEIGHTS", 1)
+    monkeypatch.setattr(any_curve, "KEPT", (4, 2, 1))
+    monkeypatch.setattr(any_curve, "BEST", 1)
+
+
+@pytest.mark.parametrize("dyads", [1, 2, 3])
+def test_chains_move_as_the_general_linkages_made_of_them(dyads):
+    """The solver of linkages knows nothing of chains; each kind of chain has one branch, +1 but for four-bars."""
+    chains = one_of_each_kind(dyads)
+    points = traced(chains, np.tile(TURN, (len(chains), 1)), derivatives=False).point
+    for k in range(0, len(chains), 6):
+        linkage, branch = linkage_of(chains, k, 2.0, 3 + 4j)
+        drive = TURN + np.angle(chains.pins[k, 0, 0]) - np.radians(linkage.ground_angle_deg)
+        motion = gk.move(linkage, drive, branch)
+        assert np.abs(motion.point("coupler_point").position - (2 * points[k] + 3 + 4j)).max() < 1e-10
+        assert len(linkage.linkage.bodies) == 2 + 2 * dyads
+
+
+def test_derivatives_agree_with_central_differences():
+    chains, cranks, step = one_of_each_kind(3)[:8], np.random.default_rng(1).uniform(0, 6, (8, 5)), 1e-6
+    moved, (_, by, _, here) = traced(chains, cranks), lengths(chains)
+    for k in range(chains.x.shape[1]):
+        shift = step * (np.arange(chains.x.shape[1]) == k)
+        ends = [Chains(chains.bodies, chains.signs, chains.x + sign * shift) for sign in (1, -1)]
+        first, second = (traced(end, cranks, derivatives=False) for end in ends)
+        scale = np.abs(moved.by).max()
+        assert np.abs((first.point - second.point) / (2 * step) - moved.by[:, 1 + k]).max() < 1e-6 * scale
+        assert (
+            np.abs((first.folding - second.folding) / (2 * step) - moved.folding_by[:, :, 1 + k]).max() < 1e-6 * scale
+        )
+        difference = (lengths(ends[0])[0] - lengths(ends[1])[0]) / (2 * step)
+        assert np.abs(difference - by[..., k])[here].max() < 1e-5
+
+
+def test_a_mirrored_and_turned_chain_traces_the_mirrored_and_turned_curve():
+    chains, cranks = one_of_each_kind(2), np.linspace(0, 6, 9)[None]
+    cranks = np.repeat(cranks, len(chains), axis=0)
+    factor, shift = np.full(len(chains), 2 * np.exp(0.4j)), np.full(len(chains), 5 - 1j)
+    before = traced(chains, cranks, derivatives=False).point
+    for is_mirrored in (False, True):
+        placed = chains.placed(factor, shift, np.full(len(chains), is_mirrored))
+        after = traced(placed, -cranks if is_mirrored else cranks, derivatives=False).point
+        assert np.abs(after - (factor[:, None] * (before.conj() if is_mirrored else before) + 5 - 1j)).max() < 1e-12
+
+
+def test_growth_changes_no_curve():
+    chains = one_of_each_kind(1).placed(np.ones(1, dtype=complex), np.zeros(1, dtype=complex), np.zeros(1, dtype=bool))
+    chains = chains[np.zeros(40, dtype=int)]
+    pair = np.tile([2, 0], (40, 1))
+    grown, rows = extended(chains, pair, np.random.default_rng(0), chains.x[:, -2] + 1j * chains.x[:, -1])
+    assert len(rows) > 3 and grown.bars == 6
+    assert np.abs(closed_paths(grown) - closed_paths(chains[rows])).max() < 1e-12
+
+
+def test_distances_of_two_curves_are_those_of_brute_force():
+    """An arc that is run there and back is near a loop that holds it, and not the other way round."""
+    half, loop = np.exp(1j * np.linspace(0, np.pi, 60)), np.exp(1j * TURN)
+    there_and_back = np.concatenate([half, half[-2:0:-1]])
+    wanted = WantedLine.through(there_and_back)
+    forward, largest, rms = wanted.both_ways(loop)
+    fine = np.exp(1j * np.linspace(0, 2 * np.pi, 4001))
+    back = np.abs(fine[:, None] - np.append(half, 1)).min(axis=1)
+    assert forward.max() < 1e-3
+    assert largest == pytest.approx(back.max(), rel=1e-2)
+    assert rms == pytest.approx(np.sqrt(np.mean(back**2) / 2), rel=2e-2)
+    assert distances(np.array([3 + 0j, 0j]), loop) == pytest.approx([2, np.cos(np.pi / 256)])
+
+
+def test_known_linkages_are_found_at_once():
+    """The curve of a chain of the library, run backwards from another point, mirrored, turned and scaled."""
+    library = CurveLibrary(chains := one_of_each_kind(2), harmonics_of(closed_paths(chains))[0].astype(np.complex64))
+    curve = 7 * np.exp(2j) * closed_paths(chains[4:5], 400)[0, ::-1].conj() + 50
+    target = target_curve(np.append(np.roll(curve[:-1], 57), np.roll(curve[:-1], 57)[0]))
+    nearest, likeness = library.nearest(target, 2)
+    assert likeness[0] > 0.99 and (nearest.bodies[0] == chains.bodies[4]).all()
+    path = closed_paths(nearest[:1], 400)[0]
+    assert (
+        distances(target.points, path).max() < 4
+        and distances(path, np.append(target.points, target.points[0])).max() < 4
+    )
+
+
+@pytest.mark.parametrize("dyads", [2, 3])
+def test_the_curve_of_a_chain_is_found_again_from_changed_sizes(dyads):
+    """Below 0.1 % of its size, by position analysis of the general solver."""
+    known = curve_of_known(dyads)
+    target = target_curve(closed_paths(known, 1024)[0])
+    fitted = known.placed(
+        np.full(1, 1 / target.scale + 0j), np.full(1, -target.middle / target.scale), np.zeros(1, bool)
+    )
+    near = Chains(fitted.bodies, fitted.signs, fitted.x * (1 + 0.01 * np.cos(np.arange(fitted.x.shape[1]))))
+    task = CurveTask(target, 5.0, 100.0, 1e4, ANYWHERE, ANYWHERE)
+    state, _ = refined(task, matched(task, near, 80), 10, 0.25, 100.0)
+    state, _ = refined(task, matched(task, state.chains, 256), 20, 0.03, 100.0)
+    linkage, branch = linkage_of(state.chains, 0, target.scale, target.middle)
+    path = gk.move(linkage, 2 * np.pi * np.arange(1025) / 1024, branch).point("coupler_point").position
+    wanted = closed_paths(known, 1024)[0]
+    size = abs(complex(np.ptp(wanted.real), np.ptp(wanted.imag)))
+    assert max(distances(wanted, path).max(), distances(path, wanted).max()) < 1e-3 * size
+
+
+def curve_of_known(dyads):
+    """A random chain with good transmission and a curve without tips."""
+    chains = one_of_each_kind(dyads, seed=8)
+    folding = traced(chains, np.tile(TURN, (len(chains), 1)), derivatives=False).folding
+    steps = np.diff(evenly(closed_paths(chains, 512), 128)[0], axis=1)
+    sharp = np.abs(np.angle(steps[:, 1:] / steps[:, :-1])).max(axis=1)
+    best = int(np.argmin(sharp + 10 * (np.abs(folding).max(axis=(1, 2)) > 0.9)))
+    return chains[best : best + 1]
+
+
+def test_a_search_keeps_its_limits(small):
+    found = gk.path_generator(EIGHT[::4], closed=True, bars=6, least_transmission_angle_deg=25, largest_ratio=8)
+    assert {one.bars for one in found.ranked} == {4, 6}
+    size = np.hypot(80, 30)
+    for one in found.ranked:
+        motion = gk.move(one.linkage, TURN, one.branch)
+        path = motion.point("coupler_point").position
+        back = distances(path, np.append(EIGHT, EIGHT[0])).max()
+        assert np.degrees(gk.least_transmission_angle(motion)) >= 25 and one.ratio <= 8
+        assert max(distances(EIGHT, path).max(), back) == pytest.approx(one.largest_distance, abs=2e-3 * size)
+
+
+def test_a_search_is_repeatable(small):
+    task = CurveTask(target_curve(np.append(EIGHT, EIGHT[0])), 20.0, 10.0, 300.0, ANYWHERE, ANYWHERE)
+    one, again, other = (CurveSearch(task, 1, seed, Watch(60, "")) for seed in (4, 4, 5))
+    for search in (one, again):
+        search.best[1] = search.halved(search.hopped(any_curve.curve_library(1).chains[:2], 0.05, 6))[0]
+    assert (one.best[1].x == again.best[1].x).all()
+    assert other.rng.random() != CurveSearch(task, 1, 4, Watch(60, "")).rng.random()
+
+
+def test_the_nearest_linkages_are_laid_over_a_stroke():
+    ellipse = 500 + 30 * np.cos(TURN[:-1:8]) + 20j * np.sin(TURN[:-1:8])
+    nearest = gk.synthesis.nearest_linkages(ellipse, bars=4, count=3)
+    for linkage, branch in nearest:
+        path = gk.move(linkage, TURN, branch).point("coupler_point").position
+        assert max(distances(ellipse, path).max(), distances(path, np.append(ellipse, ellipse[0])).max()) < 3
+    with pytest.raises(gk.DesignError):
+        gk.synthesis.nearest_linkages([1, 1, 1])
+
+
+def test_ground_pivots_stay_in_their_boxes(small):
+    bounds = {"origin_x": (-60, -50), "origin_y": (0, 0), "pivots_y": (-30, 30)}
+    found = gk.path_generator(EIGHT[::4], closed=True, bars=6, bounds=bounds)
+    for one in found.ranked:
+        general = one.linkage.linkage
+        pivots = gk.move(general, [0.0], one.branch)
+        assert -60 - 1e-9 <= general.origin.real <= -50 + 1e-9 and abs(general.origin.imag) < 1e-9
+        for name in general.bodies[general.ground]:
+            assert abs(pivots.point(name).position[0].imag) <= 30 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("given", "field"),
+    [
+        ({"closed": False}, "closed"),
+        ({"slides": True}, "slides"),
+        ({"drive_deg": np.arange(64.0)}, "drive_deg"),
+        ({"bounds": {"crank": (1, 2)}}, "bounds"),
+        ({"bounds": {"pivots_x": (2, 1)}}, "bounds"),
+        ({"bounds": {"origin_x": (400, 500)}}, "bounds"),
+        ({"bars": 5}, "bars"),
+    ],
+)
+def test_conditions_that_only_four_bars_take_are_refused(given, field):
+    with pytest.raises(gk.DesignError) as refusal:
+        gk.path_generator(EIGHT[::4], **{"closed": True, "bars": 6, **given})
+    assert refusal.value.field == field
+
+
+def test_many_points_are_thinned_and_equal_ones_left_out(small):
+    many = np.interp(np.linspace(0, 256, 100_000, endpoint=False), np.arange(257), np.append(EIGHT, EIGHT[0]))
+    found = gk.path_generator(many, closed=True, time_limit=0.05)
+    assert found.given == 100_000 and len(found.points) == 1000
+    twice = gk.path_generator(np.repeat(EIGHT[::4], 2), closed=True, time_limit=0.05)
+    assert len(twice.points) == 64 and twice.given == 128
+
+
+@pytest.mark.campaign
+def test_of_a_closed_path_a_loop_away_from_it_counts():
+    """Few points of a narrow bean: the four-bar of the least squares of the points alone makes a large loop."""
+    bean = 30 * np.cos(TURN[:-1:4]) + 1j * (15 * np.sin(TURN[:-1:4]) + 10 * np.cos(TURN[:-1:4]) ** 2)
+    found = gk.path_generator(bean, closed=True)
+    path = gk.move(found.linkage, TURN, found.branch).point("coupler_point").position
+    assert distances(path, np.append(bean, bean[0])).max() < 0.02 * 65 and found.largest_distance < 0.02 * 65
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("dyads", [2, 3])
+def test_curves_of_random_chains_are_found_again(dyads):
+    """By whatever linkage, below 0.1 % of the size."""
+    known = curve_of_known(dyads)
+    wanted = closed_paths(known, 400)[0]
+    found = gk.path_generator(wanted[:-1], closed=True, bars=2 + 2 * dyads, time_limit=300)
+    path = gk.move(found.linkage, np.linspace(0, 2 * np.pi, 2001), found.branch).point("coupler_point").position
+    size = abs(complex(np.ptp(wanted.real), np.ptp(wanted.imag)))
+    assert max(distances(wanted, path).max(), distances(path, wanted).max()) < 1e-3 * size
+
+
+@pytest.mark.campaign
+def test_the_library_answers_at_once():
+    assert all(len(curve_library(n).chains) > 10_000 for n in (1, 2, 3))
+    task = CurveTask(target_curve(np.append(EIGHT, EIGHT[0])), 20.0, 10.0, 300.0, ANYWHERE, ANYWHERE)
+    watch = Watch(0.3, "")
+    assert curve_library(3).nearest(task.target, 12)[1][0] > 0.99 and not watch.over()
+    assert CurveSearch(task, 1, 0, Watch(60, "")).run()[1].bars == 4
