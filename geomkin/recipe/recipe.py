@@ -98,7 +98,16 @@ class Additions:
         return iter(())
 
 
-class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
+class _InSentences:
+    """Base class of recipes: their texts read in mm, and know their lengths."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        for name in vars(cls).keys() & TEXTS:
+            setattr(cls, name, _in_sentences(vars(cls)[name]))
+
+
+class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC):
     """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
 
     A subclass has the field `kind`, a Literal with a single value, then its tables, the mechanism's first and `files`
@@ -124,12 +133,6 @@ class AbstractRecipe(_Shared, AbstractPlaced, AbstractEdited, ABC):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving_picture
-
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        # Texts read in mm, and know their lengths.
-        for name in vars(cls).keys() & TEXTS:
-            setattr(cls, name, _in_sentences(vars(cls)[name]))
 
     @property
     def is_in_own_file(self) -> bool:

@@ -190,7 +190,7 @@ def path_generator(
         time_limit=time_limit,
         bars=bars,
         boxes=boxes,
-        given=len(wanted) if len(wanted) > MOST_USED else 0,
+        given=len(wanted) if len(wanted) > len(targets) else 0,
     )
     ranked, watch = path_search.ranked(0)
     if not ranked:
@@ -254,7 +254,7 @@ def _check_chain(bars: int, wrong: Mapping[str, bool]) -> None:
 
 
 def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Complex, Real | None]:
-    """The points that are used and their crank angles, rad: at most `MOST_USED`, of closed curves none twice in a row."""
+    """The points that are used, and their crank angles, rad: at most `MOST_USED`, of closed curves no equal neighbours."""
     if not 3 <= len(points) <= MOST_POINTS:
         raise DesignError("points", f"found {len(points):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
     turns = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(points))
