@@ -8,7 +8,7 @@ import geomkin as gk
 from geomkin.cli.explanations import CHECKS, TERMS
 from geomkin.core.reprs import clipped
 from geomkin.recipe.kinds import all_kinds, gallery, recipe_class
-from geomkin.recipe.schema import schema
+from geomkin.recipe.template import schema
 
 HEADINGS = {"linkages": "Linkages", "synthesis": "Linkages found for a wanted motion"}
 # Pictures of a recipe in `out/`, the first that exists.

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from geomkin import __main__ as door
 from geomkin import build
 from geomkin import cli as commands
-from geomkin.core.progress import report
+from geomkin.core.processes import report
 
 
 @pytest.fixture

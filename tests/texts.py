@@ -2,7 +2,8 @@
 
 from functools import cache
 
-from geomkin.recipe import load, schema, template
+from geomkin.recipe import load, template
+from geomkin.recipe import template as schema
 from geomkin.recipe.kinds import recipe_class
 
 

@@ -82,8 +82,7 @@ Outcomes = list[tuple[Path, "R | Refused"]]
 def outcomes_of(files: list[Path], action: Callable[[Any], R]) -> Outcomes[R]:
     """The outcome of each recipe, in the order of the files."""
     from ..core.errors import Problem, printable
-    from ..core.processes import each
-    from ..core.progress import progress_to
+    from ..core.processes import each, progress_to
 
     outcomes: list[R | Refused] = []
     hidden = len(files) < 2 or not _is_terminal(sys.stderr)
@@ -207,7 +206,7 @@ def print_json(data: dict[str, object]) -> None:
 
 def progress_shown() -> AbstractContextManager[None]:
     """Within this context, progress is shown on one line of the terminal."""
-    from ..core.progress import progress_to
+    from ..core.processes import progress_to
 
     def show(share: float, what: str) -> None:
         if _is_terminal(sys.stderr):

@@ -149,7 +149,7 @@ def schema_command() -> None:
     """Print a JSON Schema of all recipes, for editors."""
     import json
 
-    from ..recipe.schema import schema
+    from ..recipe.template import schema
 
     click.echo(json.dumps(schema(), indent=1))
 

@@ -9,7 +9,7 @@ from html import escape
 
 import numpy as np
 
-from ..core.progress import report
+from ..core.processes import report
 from ..core.units import LengthUnit
 from ..plane.vec import Complex, Real, Whole, rounded
 from .cut import Cut, decimals

@@ -14,14 +14,14 @@ from ..build import errors_named_by_key
 from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.expressions import FUNCTIONS, LONGEST, evaluate
 from ..core.fields import to_digits
-from ..core.progress import progress_to
+from ..core.processes import progress_to
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Complex, Real
+from ..recipe.keys import VariedRecipe
 from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.shown import ShownRecipe
-from ..recipe.varied import VariedRecipe
 
 # Functions that make one number of a column.
 SUMMARIES: dict[str, Callable[[Real], Any]] = {

@@ -19,14 +19,14 @@ from ..core.dotted_keys import key_parts, texts_by_key
 from ..core.errors import DesignError, printable, shown
 from ..core.names import PathName
 from ..core.processes import Runner, by
-from ..core.progress import report as report_progress
+from ..core.processes import report as report_progress
 from ..core.records import record
 from ..export.files import write_whole
 from ..model.check import Check
+from ..recipe.keys import VariedRecipe, varied
 from ..recipe.lengths import shown_numbers
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
-from ..recipe.varied import VariedRecipe, varied
 from .designs import NO_VIOLATION, Target, Trials, TriedDesign, objective, parsed_constraint
 from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, write_front
 from .search import Box, search

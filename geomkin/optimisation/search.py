@@ -14,8 +14,7 @@ from math import comb
 
 import numpy as np
 
-from ..core.processes import Runner, by_this_process
-from ..core.progress import report
+from ..core.processes import Runner, by_this_process, report
 from ..core.records import record
 from ..plane.vec import Real
 from .designs import Target, Trials, TriedDesign

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from ..core.errors import DesignError, FileError, GeomkinError, printable, shown
 from ..core.names import file_name_flaw, read_text_file
-from ..core.progress import progress_to
+from ..core.processes import progress_to
 from ..export.files import write_whole
 from ..recipe.toml import LARGEST, parsed
 

@@ -17,14 +17,14 @@ import numpy as np
 from ..build import errors_named_by_key
 from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.fields import rounded_up
-from ..core.progress import progress_to
+from ..core.processes import progress_to
 from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
+from ..recipe.keys import VariedRecipe
 from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.shown import ShownRecipe
-from ..recipe.varied import VariedRecipe
 
 # Largest number of combinations, with which slow kinds already take hours.
 MOST = 10_000

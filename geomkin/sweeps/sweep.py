@@ -22,7 +22,7 @@ from ..core.errors import DesignError, GeomkinError, harmless
 from ..core.fields import to_digits_or_none
 from ..core.names import PathName
 from ..core.processes import Runner, by, by_this_process
-from ..core.progress import report as report_progress
+from ..core.processes import report as report_progress
 from ..core.records import record
 from ..core.version import __version__
 from ..export.files import system_errors_as_file_errors, write_whole
@@ -33,8 +33,8 @@ from ..model.table import Column, Table
 from ..page.page import rows_document
 from ..page.sections import MOST_ROWS, html_section, wide
 from ..plane.vec import Array
+from ..recipe.keys import varied
 from ..recipe.recipe import AbstractRecipe
-from ..recipe.varied import varied
 from .evaluation import SweepTask, check_results, combinations, evaluate, file_hashes, is_row, parsed_values
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from decimal import Decimal, localcontext
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from ..core.errors import DesignError
 from ..core.records import record
-from ..plane.vec import Real
+from ..plane.vec import Array, Real
 
 
 @record(checked=True, eq=False)
@@ -136,3 +139,153 @@ class MethodFamily:
         if len(set(names)) < len(names):
             problem = f"found twins among {', '.join(names)}"
             raise DesignError("methods", problem, "give each method its own name", "conflict")
+
+
+# Digits of results; computation uses more, since linkages near a toggle lose half of them.
+DIGITS = 50
+WORKING_DIGITS = 2 * DIGITS + 10
+# Step of central differences, rad or mm. Their error is its square, and their rounding leaves as many digits.
+STEP = Decimal("1e-25")
+# Steps of a whole turn of the crank, and numbers of entries with which tables are tried.
+FRAMES, ENTRIES = 360, (100.0, 1000.0, 10000.0)
+
+
+@record
+class DecimalComplex:
+    """A complex number in decimals."""
+
+    real: Decimal
+    imag: Decimal = Decimal(0)
+
+    @classmethod
+    def of(cls, value: Any) -> DecimalComplex:
+        """A real or complex number, at exactly its value."""
+        return cls(Decimal(value.real), Decimal(value.imag))
+
+    def __add__(self, other: Any) -> DecimalComplex:
+        other = DecimalComplex.of(other)
+        return DecimalComplex(self.real + other.real, self.imag + other.imag)
+
+    def __sub__(self, other: Any) -> DecimalComplex:
+        return self + DecimalComplex.of(other) * Decimal(-1)
+
+    def __mul__(self, other: Any) -> DecimalComplex:
+        a, b, other = self.real, self.imag, DecimalComplex.of(other)
+        return DecimalComplex(a * other.real - b * other.imag, a * other.imag + b * other.real)
+
+    def conjugate(self) -> DecimalComplex:
+        """The conjugate."""
+        return DecimalComplex(self.real, -self.imag)
+
+    @property
+    def square(self) -> Decimal:
+        """Square of the absolute value."""
+        return self.real * self.real + self.imag * self.imag
+
+    @property
+    def direction(self) -> DecimalComplex:
+        """Unit vector."""
+        return self * (1 / self.square.sqrt())
+
+
+def circling(radius: float | Decimal, angle: Decimal) -> DecimalComplex:
+    """A point of a crank about the origin, by the series of cosine and sine, for an angle of a few turns."""
+    parts, term, k = [Decimal(0), Decimal(0)], Decimal(radius), 0
+    while abs(term) > Decimal(10) ** -WORKING_DIGITS or k < abs(angle):
+        parts[k % 2] += -term if k % 4 > 1 else term
+        k += 1
+        term = term * angle / k
+    return DecimalComplex(*parts)
+
+
+def pinned(one: Any, other: Any, length: float | Decimal, length_2: float | Decimal, branch: int) -> DecimalComplex:
+    """The pin at given distances from two points; branch +1: to the left of the line from the first to the second."""
+    start, b, c = DecimalComplex.of(one), Decimal(length), Decimal(length_2)
+    apart = DecimalComplex.of(other) - start
+    along = (apart.square + b * b - c * c) / (2 * apart.square)
+    left = branch * (b * b / apart.square - along * along).sqrt()
+    return start + apart * DecimalComplex(along, left)
+
+
+def coupler_point(
+    lengths: Sequence[float | Decimal], local: complex, angle: Decimal, branch: int = 1
+) -> DecimalComplex:
+    """Coupler point at a crank angle, rad, of a four-bar; lengths: ground, crank, coupler, rocker."""
+    ground, crank, coupler, rocker = lengths
+    pin = circling(crank, angle)
+    bar = pinned(pin, ground, coupler, rocker, branch) - pin
+    return pin + bar * local * (1 / Decimal(coupler))
+
+
+def exact(place: Callable[[Decimal], DecimalComplex], angles: Real, rotating: bool = False) -> Array:
+    """A place as a function of the crank angle, and its first and second derivative, (3, angles), from decimals.
+
+    If `rotating`, the place is a unit vector, and the imaginary parts of its derivatives are those of its angle.
+    """
+    found = np.empty((3, len(angles)), dtype=complex)
+    with localcontext() as context:
+        context.prec = WORKING_DIGITS
+        for k, angle in enumerate(map(Decimal, angles.tolist())):
+            before, here, after = (place(angle + step) for step in (-STEP, 0, STEP))
+            rates = [(after - before) * (1 / (2 * STEP)), (after + before - here * 2) * (1 / STEP**2)]
+            rates = [rate * here.conjugate() for rate in rates] if rotating else rates
+            found[:, k] = [complex(z.real, z.imag) for z in (here, *rates)]
+    return found
+
+
+def turn() -> Real:
+    """Crank angles of a whole turn, rad, (FRAMES,)."""
+    return np.arange(FRAMES) * (2 * np.pi / FRAMES)
+
+
+@record(eq=False)
+class Track:
+    """A linkage, its crank angles, rad, and the exact values there, (..., frames)."""
+
+    linkage: Any
+    drive: Real
+    right: Array
+
+
+def misses(track: Track, found: Any) -> Real:
+    """Distance of each value from the exact one; at a frame with several values that of the worst."""
+    off: Real = np.abs(np.asarray(found) - track.right).reshape(-1, len(track.drive)).max(axis=0)
+    return off
+
+
+def tables(values: Callable[[Track, Real], Array]) -> tuple[Method, Method]:
+    """Methods that interpolate a table of values (..., n), a function of the problem and drives within one turn."""
+
+    def prepare(track: Track, entries: float) -> Array:
+        return values(track, np.arange(int(entries)) * (2 * np.pi / int(entries)))
+
+    def interpolated(track: Track, *coefficients: Array) -> Callable[[], Array]:
+        """Polynomials between entries, their coefficients by rising powers."""
+        count = coefficients[0].shape[-1]
+
+        def call() -> Array:
+            place = track.drive * (count / (2 * np.pi))
+            k = place.astype(np.intp)
+            k, s = k % count, place - k
+            found = coefficients[-1][..., k]
+            for coefficient in coefficients[-2::-1]:
+                found = coefficient[..., k] + s * found
+            return found
+
+        return call
+
+    @method("linear table", "entries", ENTRIES, prepared=True)
+    def linear(track: Track, entries: float) -> Callable[[], Array]:
+        """Values at so many even steps of the crank, prepared beforehand, with linear interpolation."""
+        here = prepare(track, entries)
+        return interpolated(track, here, np.roll(here, -1, axis=-1) - here)
+
+    @method("cubic table", "entries", ENTRIES, prepared=True)
+    def cubic(track: Track, entries: float) -> Callable[[], Array]:
+        """The same table with a cubic through the four nearest entries (Lagrange)."""
+        here = prepare(track, entries)
+        before, ahead, after = (np.roll(here, j, axis=-1) for j in (1, -1, -2))
+        two, three = (before + ahead) / 2 - here, (here - ahead) / 2 + (after - before) / 6
+        return interpolated(track, here, ahead - here / 2 - before / 3 - after / 6, two, three)
+
+    return linear, cubic

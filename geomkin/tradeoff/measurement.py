@@ -15,7 +15,7 @@ import numpy as np
 from ..core.arguments import AnyFloat, checked
 from ..core.errors import DesignError, shown
 from ..core.fields import to_digits
-from ..core.progress import Watch
+from ..core.processes import Watch
 from ..core.records import record
 from ..core.version import __version__
 from ..plane.vec import Mask

@@ -13,7 +13,7 @@ from ..core.arguments import checked
 from ..core.errors import FileError, GeomkinError, harmless, printable
 from ..core.fields import to_digits
 from ..core.names import PathName, file_name_flaw
-from ..core.progress import report
+from ..core.processes import report
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, sentences
 from ..export.cut import LayerStyles

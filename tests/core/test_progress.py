@@ -2,8 +2,8 @@
 
 import threading
 
-from geomkin.core import progress
-from geomkin.core.progress import Watch, progress_to, report
+from geomkin.core import processes as progress
+from geomkin.core.processes import Watch, progress_to, report
 
 
 def test_shares_are_reported_from_0_to_1_to_the_innermost_listener():

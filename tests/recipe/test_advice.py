@@ -7,10 +7,10 @@ import pytest
 
 import geomkin as gk
 from geomkin.build import errors_named_by_key
+from geomkin.recipe.keys import varied
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.lengths import shown_numbers
 from geomkin.recipe.shown import ShownRecipe
-from geomkin.recipe.varied import varied
 from tests.texts import template_of
 
 CASES = Path(__file__).parents[1] / "cases"

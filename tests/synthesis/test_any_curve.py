@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import Watch
+from geomkin.core.processes import Watch
 from geomkin.synthesis.path import any_curve
 from geomkin.synthesis.path.any_curve import CurveSearch, CurveTask, Effort, lengths, matched, refined
 from geomkin.synthesis.path.closed_lines import WantedLine, distances, evenly

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import Watch
+from geomkin.core.processes import Watch
 from geomkin.synthesis import body_guides, dyads_through
 from geomkin.synthesis.guidance import guide_groups as guide_dyads
 from geomkin.synthesis.guidance.guide_groups import GuideRequest, best_pairs, held_pins, inside_box

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import progress_to
+from geomkin.core.processes import progress_to
 from geomkin.synthesis.path.coupler_paths import paths
 from tests.speed.synthesis_path import CLOSED, FIVE, FIVE_BOUNDS, K18, K18_BOUNDS, LINE6, LINE6_BOUNDS, NINE
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.progress import Watch
+from geomkin.core.processes import Watch
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import points_of
 from geomkin.synthesis.path.fits import PathTask, nearest_angles, nearest_from, polished_starts, refined_starts, squares

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 
 import geomkin as gk
 from geomkin.cli import cli
-from geomkin.core.progress import progress_to
+from geomkin.core.processes import progress_to
 from geomkin.export.files import write_whole
 from geomkin.tradeoff import measurement
 from geomkin.tradeoff.families import FAMILIES

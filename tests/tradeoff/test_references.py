@@ -8,8 +8,8 @@ import pytest
 import geomkin as gk
 from geomkin.plane.vec import Pose
 from geomkin.synthesis.path.nine_point_equations import cognates_of, rotations_of
-from geomkin.tradeoff.exact import circling, coupler_point, exact
 from geomkin.tradeoff.families import lengths, searches
+from geomkin.tradeoff.family import circling, coupler_point, exact
 from geomkin.tradeoff.tool import Tool
 from tests.linkage import exact as independent
 from tests.tradeoff.measured import errors, found, problem

@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arguments import ArgumentType, between, checked, is_complex, whole_between
 from ...core.errors import DesignError
 from ...core.fields import to_digits
-from ...core.progress import Watch
+from ...core.processes import Watch
 from ...core.records import record
 from ...core.units import bare_mm
 from ...linkage.linkage import AbstractLinkage

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from ...core.errors import DesignError, with_article
-from ...core.progress import Watch
+from ...core.processes import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole
 from .dyads import Dyads, dyads_through

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...core.arguments import between, checked
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST
-from ...core.progress import Watch
+from ...core.processes import Watch
 from ...core.records import record
 from ...linkage.instant.centres import InstantCentre
 from ...plane.curve import AbstractCurve

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.progress import Watch
+from ...core.processes import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, cross, dot
 from .closed_lines import evenly

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...core.progress import Watch
+from ...core.processes import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole, dot
 from .coupler_paths import (

@@ -254,7 +254,7 @@ def _check_chain(bars: int, wrong: Mapping[str, bool]) -> None:
 
 
 def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Complex, Real | None]:
-    """The points that are used, and their crank angles, rad: at most `MOST_USED`, of closed curves no equal neighbours."""
+    """The points that are used, no two in a row equal on closed curves, and their crank angles, rad."""
     if not 3 <= len(points) <= MOST_POINTS:
         raise DesignError("points", f"found {len(points):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
     turns = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(points))

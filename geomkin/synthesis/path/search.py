@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError
 from ...core.fields import to_digits
-from ...core.progress import Watch, report
+from ...core.processes import Watch, report
 from ...core.records import record
 from ...linkage.cognate_linkages import Cognate, cognates
 from ...linkage.linkage import AbstractLinkage, Linkage

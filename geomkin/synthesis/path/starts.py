@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...core.progress import Watch
+from ...core.processes import Watch
 from ...plane.vec import Complex, Real, Whole
 from .closed_lines import evenly, loop
 from .coupler_paths import (

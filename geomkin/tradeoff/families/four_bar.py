@@ -18,8 +18,7 @@ from ...linkage.solve.input_dyads import CrankDriven
 from ...linkage.solve.solution import LinkageSolution
 from ...linkage.timing import Timing
 from ...plane.vec import Array, Complex, Real
-from ..exact import FRAMES, Track, circling, exact, misses, pinned, tables, turn
-from ..family import MethodFamily, method
+from ..family import FRAMES, MethodFamily, Track, circling, exact, method, misses, pinned, tables, turn
 
 Directions = tuple[Complex, Complex]
 # First and second derivatives of the angles of coupler and rocker by the crank's: h3, h4, h3', h4'.

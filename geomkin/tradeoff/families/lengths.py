@@ -16,8 +16,7 @@ from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar
 from ...linkage.tolerance_analysis import DEVIATIONS, tolerances
 from ...plane.vec import Array, Complex, Real
-from ..exact import FRAMES, STEP, Track, coupler_point, exact, turn
-from ..family import Method, MethodFamily, method
+from ..family import FRAMES, STEP, Method, MethodFamily, Track, coupler_point, exact, method, turn
 
 COUPLER_POINT = 40 + 25j
 # Lengths of ground, crank, coupler and rocker, mm, and the number of linkages of other lengths.

@@ -20,8 +20,22 @@ from ...linkage.solve.continuation import newton_raphson
 from ...linkage.solve.loops import Loops
 from ...linkage.solve.solution import LinkageSolution
 from ...plane.vec import Complex, Real
-from ..exact import ENTRIES, FRAMES, DecimalComplex, Track, circling, coupler_point, exact, misses, pinned, tables, turn
-from ..family import Method, MethodFamily, method
+from ..family import (
+    ENTRIES,
+    FRAMES,
+    DecimalComplex,
+    Method,
+    MethodFamily,
+    Track,
+    circling,
+    coupler_point,
+    exact,
+    method,
+    misses,
+    pinned,
+    tables,
+    turn,
+)
 from .four_bar import REASONS, STEADY, general_solution
 
 # Slider-crank

@@ -10,8 +10,7 @@ from ...core.records import record
 from ...linkage.moving import move
 from ...linkage.sampled import central_difference, mid_ordinate_integral, velocity_difference
 from ...plane.vec import Real
-from ..exact import FRAMES, turn
-from ..family import Method, MethodFamily, method
+from ..family import FRAMES, Method, MethodFamily, method, turn
 from .four_bar import ORDINARY, FourBarTrack
 
 # Samples per call: enough turns of the crank for any step, so that all methods are timed on the same number.

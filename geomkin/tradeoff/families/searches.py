@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.progress import Watch
+from ...core.processes import Watch
 from ...linkage.moving import move
 from ...plane.vec import Complex, Real
 from ...synthesis.function.function import chebyshev_points, function_generator
