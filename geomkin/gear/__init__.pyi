@@ -94,18 +94,6 @@ from .kinds.gear_trains import (
 from .kinds.gear_trains import (
     train_scene as train_scene,
 )
-from .kinds.loaded import (
-    RackLoads as RackLoads,
-)
-from .kinds.loaded import (
-    RackStrength as RackStrength,
-)
-from .kinds.loaded import (
-    TrainLoads as TrainLoads,
-)
-from .kinds.loaded import (
-    TrainStrength as TrainStrength,
-)
 from .kinds.planetary import PlanetaryRecipe as PlanetaryRecipe
 from .kinds.single_gears import RingGearRecipe as RingGearRecipe
 from .kinds.single_gears import SpurGearRecipe as SpurGearRecipe
@@ -123,6 +111,18 @@ from .measures import (
 )
 from .measures import (
     tooth_table as tooth_table,
+)
+from .output_loads import (
+    RackLoads as RackLoads,
+)
+from .output_loads import (
+    RackStrength as RackStrength,
+)
+from .output_loads import (
+    TrainLoads as TrainLoads,
+)
+from .output_loads import (
+    TrainStrength as TrainStrength,
 )
 from .pair import InternalGearPair as InternalGearPair
 from .parts import (

@@ -29,6 +29,7 @@ from ..contract import AbstractInvoluteGear
 from ..cutters import balanced_shifts, undercut_free_shift
 from ..helix import Helix
 from ..measures import contact_table
+from ..output_loads import RackLoads, RackStrength
 from ..pair import GearPair, InternalGearPair
 from ..parts import GearStock, RingStock, base_plate, gear_parts
 from ..parts_assembly import Wheel, pair_assembly, pair_base, rack_assembly, rack_base
@@ -53,8 +54,6 @@ from .loaded import (
     RACK_WITHOUT_LOADS,
     AbstractLoadedRecipe,
     LoadedMeshes,
-    RackLoads,
-    RackStrength,
     loaded_materials,
     pair_strength_notes,
     rack_strength_notes,

@@ -30,6 +30,7 @@ from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks
 from ..cutters import LARGEST
+from ..output_loads import TrainLoads, TrainStrength
 from ..parts import GearStock
 from ..parts_train import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
 from ..scene import (
@@ -57,14 +58,7 @@ from ..train import (
     turn_columns,
 )
 from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
-from .loaded import (
-    AbstractLoadedRecipe,
-    LoadedMeshes,
-    TrainLoads,
-    TrainStrength,
-    loaded_materials,
-    train_strength_notes,
-)
+from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
 
 # Least efficiency of a mesh in a machine: with less, friction locks it.
 LEAST_EFFICIENCY = 1e-3
