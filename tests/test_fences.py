@@ -13,6 +13,8 @@ NEEDED = {
     "out/geared-legs/geared-legs.svg": "kept output of a recipe",
     "out/motor-walker/motor-walker-2.svg": "kept output of a recipe",
     "out/planetary/planetary.svg": "kept output of a recipe",
+    "out/traced-heart/traced-heart.svg": "kept output of a recipe",
+    "out/traced-letter/traced-letter.svg": "kept output of a recipe",
     "out/walker/walker.svg": "kept output of a recipe",
 }
 

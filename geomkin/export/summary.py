@@ -183,9 +183,22 @@ DIGITS = 32
 TEXT = re.compile(rf"geomkin (\d{{1,6}}) recipe ([0-9a-f]{{{DIGITS}}}) tolerance (\S{{1,24}}) mm")
 
 
+# Whole numbers up to this size are exact as floats.
+MOST_EXACT = 2**53
+
+
 def recipe_hash(data: Mapping[str, object]) -> str:
-    """SHA-256 of a recipe's data, as summary.json holds it; the same whatever the order of its keys."""
-    return sha256(json.dumps(as_json(data), sort_keys=True, ensure_ascii=True).encode()).hexdigest()
+    """SHA-256 of a recipe's data, as summary.json holds it; the same for any order of its keys, and for 3 and 3.0."""
+    return sha256(json.dumps(_in_floats(as_json(data)), sort_keys=True, ensure_ascii=True).encode()).hexdigest()
+
+
+def _in_floats(data: object) -> object:
+    if isinstance(data, Mapping):
+        return {key: _in_floats(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_in_floats(value) for value in data]
+    is_whole = isinstance(data, int) and not isinstance(data, bool) and abs(data) < MOST_EXACT
+    return float(data) if is_whole else data  # type: ignore[arg-type]
 
 
 @record

@@ -15,7 +15,6 @@ from geomkin.export.step import step
 from geomkin.export.still import in_place
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import area, length
-from geomkin.verification import read_back
 
 PARTS = [
     gk.Part("disc", gk.plane.Circle(5 - 3j, 20), (gk.plane.Circle(5, 4),), 2.0),
@@ -39,6 +38,20 @@ def turn(a, b, forward):
     """From one direction to another, counterclockwise or clockwise, rad."""
     angle = np.angle(b / a)
     return angle % (2 * np.pi) if forward else -(-angle % (2 * np.pi))
+
+
+def basis(knots, at):
+    """Cubic B-splines at parameters, (parameters, control points), by their recurrence."""
+    last = np.searchsorted(knots, knots[-1]) - 1
+    spans = np.clip(np.searchsorted(knots, at, side="right") - 1, 3, last)
+    values = (spans[:, None] == np.arange(len(knots) - 1)).astype(float)
+    for degree in (1, 2, 3):
+        n = len(knots) - 1 - degree
+        left, right = knots[degree : degree + n] - knots[:n], knots[degree + 1 :][:n] - knots[1 : n + 1]
+        rising = np.divide(at[:, None] - knots[:n], left, out=np.zeros((len(at), n)), where=left > 0)
+        falling = np.divide(knots[degree + 1 :][:n] - at[:, None], right, out=np.zeros((len(at), n)), where=right > 0)
+        values = rising * values[:, :n] + falling * values[:, 1 : n + 1]
+    return values
 
 
 class Solid:
@@ -113,6 +126,25 @@ class Solid:
                 d = [d[0]] * r + [(1 - s) * d[j - 1] + s * d[j] for j, s in zip(range(r, 4), share)]
             points.append(d[3])
         return np.array(points)
+
+    def walls(self):
+        """Points of all bicubic B-spline surfaces, on their grids of 5 x 5 parameters."""
+        found = []
+        for number in self.all("B_SPLINE_SURFACE_WITH_KNOTS"):
+            rows, counts, other_counts, knots, other_knots = re.match(
+                r"'',3,3,\((\(.*?\))\),.*?,\(([^()]*)\),\(([^()]*)\),\(([^()]*)\),\(([^()]*)\)",
+                self.entities[number][1],
+            ).groups()
+            net = np.array([[self.numbers(int(n)) for n in re.findall(r"#(\d+)", row)] for row in rows.split("),(")])
+            for grid, (count, values) in enumerate(((counts, knots), (other_counts, other_knots))):
+                row = np.repeat([float(v) for v in values.split(",")], [int(n) for n in count.split(",")])
+                at = np.linspace(row[0], row[-1], 5)
+                net = np.moveaxis(
+                    basis(row, at) @ np.moveaxis(net, grid, 0).reshape(net.shape[grid], -1), 0, 0
+                ).reshape((5, *np.moveaxis(net, grid, 0).shape[1:]))
+                net = np.moveaxis(net, 0, grid)
+            found.append(net.reshape(-1, 3))
+        return np.concatenate(found)
 
     def rings(self, face):
         bounds = [n for n in self.refers(face) if self.entities[n][0].endswith("BOUND")]
@@ -205,8 +237,7 @@ def test_surfaces_of_twisted_teeth_are_on_the_turned_outline(twist):
         else gk.Part("rack", gk.plane.slot(0, 40, 8), (), 20.0, twist=gk.model.part.Twist(**twist))
     )
     content = step(solid_cut(part, 0.005), 0.005)
-    plate = read_back._plate(read_back._File(content.decode()), 1e-4)
-    walls = plate.walls[::17]
+    walls = Solid(content).walls()
     pose = part.twist.at(walls[:, 2] / 20.0)
     local = (walls[:, 0] + 1j * walls[:, 1] - pose.origin) / pose.direction
     z = flatten(part.outline, 3e-4)

@@ -240,6 +240,6 @@ def test_the_torque_in_a_machine_is_that_of_a_block():
         }
         drive = {"speed_rpm": 90}
         machine = from_table({"kind": "machine", "mechanisms": {"lever": placed, "other": other}, "drive": drive})
-        torques.append(machine.input_torque)
+        torques.append(machine.torques.input)
     assert np.ptp(torques[0]) > 100
     assert_equal(*torques)

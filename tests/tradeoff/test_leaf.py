@@ -16,7 +16,7 @@ INNER = {
     "core.arguments": "AnyFloat checked",
     "core.errors": "DesignError shown",
     "core.fields": "to_digits",
-    "core.progress": "Watch",
+    "core.processes": "Watch",
     "core.records": "record",
     "core.version": "__version__",
     "export.cut": "cut",

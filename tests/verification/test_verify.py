@@ -6,6 +6,7 @@ import shutil
 import struct
 import time
 import zipfile
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -34,6 +35,14 @@ def test_good_files_are_made_again(copy):
     assert certificate.passed
     assert {file.proof for file in certificate.files} == {"made again"}
     assert {file.file for file in certificate.files} == {path.name for path in copy.iterdir()}
+
+
+def test_whole_numbers_given_in_python_are_those_of_the_recipe(tmp_path):
+    recipe = gk.load('kind = "four-bar"\nlinkage = {ground = 100, crank = 30, coupler = 90, rocker = 70}')
+    whole = replace(recipe, linkage=gk.FourBar(ground=100, crank=30, coupler=90, rocker=70))
+    gk.make(whole.with_name("whole"), tmp_path, ["svg"])
+    (certificate,) = gk.verify(tmp_path / "whole")
+    assert certificate.passed and {file.proof for file in certificate.files} == {"made again"}
 
 
 def test_good_files_deviate_by_less_than_the_tolerance(disk, measuring):

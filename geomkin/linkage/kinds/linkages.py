@@ -42,8 +42,8 @@ from .made import MadeLinkage
 from .moved import (
     AbstractMovedRecipe,
     Branches,
+    JointAdditions,
     SideOrFollow,
-    added_slides,
     both_modes_entry,
     branch_entry,
     branch_of,
@@ -55,7 +55,7 @@ from .stance import StandingAspect
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
 
 
-class LinkageAdditions(Additions):
+class LinkageAdditions(JointAdditions):
     """Names of bodies, points and slides, and the stroke of a slide that the driver moves."""
 
     def names(self, recipe: AbstractLinkageRecipe) -> Mapping[str, Sequence[Any]]:
@@ -76,8 +76,7 @@ class LinkageAdditions(Additions):
 
     def changes(self, recipe: AbstractLinkageRecipe, key: str) -> Iterator[Mapping[str, Any]]:
         linkage = recipe.linkage.linkage
-        if key == "linkage.sliders":
-            yield from added_slides(linkage)
+        yield from super().changes(recipe, key)
         for slider in linkage.sliders if key == "stroke" and linkage.driven_slider is None else ():
             # The middle of the displacements of a slide while the driver turns.
             places = recipe.motion.slide(slider.name).displacement

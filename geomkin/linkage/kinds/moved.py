@@ -17,7 +17,7 @@ from ...core.records import record
 from ...core.units import mm
 from ...model.scene import SceneHandle
 from ...plane.vec import Complex, Real
-from ...recipe.recipe import AbstractRecipe
+from ...recipe.recipe import AbstractRecipe, Additions
 from ...recipe.settings import Stroke, Turn
 from ..joints.pin_in_slot import PinInSlot
 from ..joints.slide import Slider
@@ -272,6 +272,15 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
 
 
 # Example of templates with sliders.
+class JointAdditions(Additions):
+    """Slides on the ground, and levers with a slot."""
+
+    def changes(self, recipe: Any, key: str) -> Iterator[Mapping[str, Any]]:
+        joints = {"linkage.sliders": added_slides, "linkage.slots": added_slots}
+        if key in joints:
+            yield from joints[key](recipe.linkage.linkage)
+
+
 def added_slides(linkage: Linkage) -> Iterator[Mapping[str, Any]]:
     """Values that add a rod at a point of the last body, and a block at its end that slides on the ground.
 
@@ -285,6 +294,19 @@ def added_slides(linkage: Linkage) -> Iterator[Mapping[str, Any]]:
             f"linkage.bodies.{rod}": {point: [0, 0], pin: [length, 0]},
             f"linkage.bodies.{block}": {pin: [0, 0]},
             f"linkage.sliders[{count - 1}]": {"name": f"slide_{count}", "body": block, "along": linkage.ground},
+        }
+
+
+def added_slots(linkage: Linkage) -> Iterator[Mapping[str, Any]]:
+    """Values that add a lever on the ground whose slot takes a point of the last body; its pivot is far from all."""
+    body, count = [*linkage.bodies][-1], len(linkage.slots) + 1
+    lever, pivot = f"lever_{count}", f"lever_pivot_{count}"
+    length = float(f"{3 * float(linkage.size):.2g}")
+    for point in [*linkage.bodies[body]][::-1]:
+        yield {
+            f"linkage.bodies.{linkage.ground}.{pivot}": [0, -length],
+            f"linkage.bodies.{lever}": {pivot: [0, 0], f"tip_{count}": [length, 0]},
+            f"linkage.slots[{count - 1}]": {"name": f"slot_{count}", "body": body, "pin": point, "along": lever},
         }
 
 

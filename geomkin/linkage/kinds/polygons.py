@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..scene_handles import handle_position, linkage_handles
 from ..scene_instants import polygons_scene
-from .moved import WITH_SLIDER, BodyList, Branches, Side, added_slides, branch_of, branches_entry, components_entry
+from .moved import WITH_SLIDER, BodyList, Branches, JointAdditions, Side, branch_of, branches_entry, components_entry
 
 # Distance from the linkage's middle, in sizes of it, beyond which instant centres are listed but not drawn.
 REACH = 2.0
@@ -40,19 +40,12 @@ REACH = 2.0
 STEP_DEG = 2
 
 
-class SlideAdditions(Additions):
-    """Slides on the ground."""
-
-    def changes(self, recipe: PolygonsRecipe, key: str) -> Iterator[Mapping[str, Any]]:
-        return added_slides(recipe.linkage.linkage) if key == "linkage.sliders" else super().changes(recipe, key)
-
-
 @record(checked=True, kw_only=True)
 class PolygonsRecipe(AbstractRecipe):
     """Velocity and acceleration polygons of a linkage at one position, and the position with its instant centres."""
 
     can_be_scaled: ClassVar[bool] = True
-    additions: ClassVar[Additions] = SlideAdditions()
+    additions: ClassVar[Additions] = JointAdditions()
     kind: Literal["polygons"] = "polygons"
     linkage: BodyList
     position: float = quantity(
