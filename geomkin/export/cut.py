@@ -58,8 +58,16 @@ class LayerStyle:
 
     def __post_init__(self) -> None:
         name = self.name
-        if len(name) > LONGEST_NAME or name != name.strip() or not name.isprintable() or FORBIDDEN & set(name):
-            allowed = f"give at most {LONGEST_NAME} letters, without {' '.join(sorted(FORBIDDEN))}"
+        # Programs do not plot the layer Defpoints.
+        is_unseen = name.casefold() == "defpoints"
+        if (
+            is_unseen
+            or len(name) > LONGEST_NAME
+            or name != name.strip()
+            or not name.isprintable()
+            or FORBIDDEN & set(name)
+        ):
+            allowed = f"give at most {LONGEST_NAME} letters, without {' '.join(sorted(FORBIDDEN))}, and not Defpoints"
             raise DesignError("name", f"found {shown(name)}", allowed, "out-of-range")
         if self.colour and not COLOUR.fullmatch(self.colour):
             raise DesignError("colour", f"found {shown(self.colour)}", 'give six digits, as "#ff0000"', "out-of-range")

@@ -91,7 +91,10 @@ def drawn(
         # Without a plot scale one program prints a blank page.
         document.header["$PSVPSCALE"] = 1.0
         for name, (index, rgb) in layers.items():
-            document.layers.add(name, color=index).rgb = rgb
+            # Every file has the layer 0.
+            table = document.layers
+            row = table.get(name) if name in table else table.add(name)
+            row.color, row.rgb = index, rgb
         space = document.modelspace()
         for layer, shape in shapes:
             _add(space, layer, _in_unit(shape, unit))

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import rounded_down
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..plane.primitives import Circle, Polyline
@@ -306,9 +305,9 @@ def tabbed(loop: Loop, width: float, digits: int) -> list[Loop]:
     whole = float(ends[-1])
     count = max(LEAST_TABS, int(np.ceil(whole / HELD)))
     if 2 * count * width > whole:
-        most = rounded_down(whole / (2 * count), 3)
-        problem = f"found {mm(width):g} for {count} tabs on an outline {mm(whole):.4g} long"
-        raise DesignError("tab_width", problem, f"give at most {mm(float(most)):g}", "out-of-range", float(most))
+        problem = f"{count} tabs, each {mm(width):g} wide with the cut at its ends, on an outline {mm(whole):.4g} long"
+        remedy = f"make tab_width at least {mm(width - whole / (2 * count)):up4} smaller"
+        raise DesignError("tab_width", problem, remedy, "out-of-range")
     middles = (ends[:-1] + ends[1:]) / 2
     spacing = whole / count
     tabs = []

@@ -84,7 +84,11 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
             "motion", "found many linkages at once", "give one, for each has checks of its own", "wrong-type"
         )
     driver, turns, opens = motion.linkage.driver, motion.linkage.driven_slider is None, assembly_failure(motion)
-    advice = f"shorten the {driver} or give a smaller range of the driver" if turns else "give a shorter stroke"
+    advice = (
+        f"change the lengths, as that of the {driver}, or give a smaller range of the driver"
+        if turns
+        else "give a shorter stroke"
+    )
     share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{opens}; {advice}" if opens else advice)
     transmission = transmission_check(motion, "near a dead centre: change the link lengths")
     return (share,) if motion.assembled.any() and np.isnan(transmission.value) else (share, transmission)

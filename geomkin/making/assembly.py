@@ -218,7 +218,8 @@ def shaft_bill(
         form = f"shaft {mm(stock.bore):g} with two flats {mm(across):g} apart"
     elif across is not None and stock.bore_form != "D":
         form = f"{stock.bore_form} shaft, {mm(across):.4g} between flats, {mm(stock.bore):g} over its corners"
-    if stock.iso_fit.count("/"):
+    # The shaft of a motor is as it is.
+    if stock.iso_fit.count("/") and stock.motor is None:
         form += f" {stock.iso_fit.rpartition('/')[2]}"
     key = ((_key(stock.bore, width, stock.thickness), count * keys),) if width else ()
     if stock.motor is not None:

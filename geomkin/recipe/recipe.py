@@ -236,7 +236,9 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
             if not isinstance(stated, Mapping):
                 continue
             is_pressed = "press" in (getattr(table, "fit", ""), getattr(table, "mate_fit", ""))
-            fits = ("clearance", *["interference"] * is_pressed) if is_stock(key) else ("kerf",) * (key == "files")
+            has_class = any(getattr(table, name, "") for name in ("pin_fit", "iso_fit"))
+            stock = ("interference",) * is_pressed if has_class else ("clearance", *["interference"] * is_pressed)
+            fits = stock if is_stock(key) else ("kerf",) * (key == "files")
             values |= {f"{key}.{fit}": getattr(table, fit) for fit in fits if fit not in stated and hasattr(table, fit)}
         return values
 

@@ -437,7 +437,7 @@ def _measured_report(
         part=worst.part,
         parts=len(content.measured),
         holes=sum(part.holes for part in content.measured),
-        problems=tuple(map(harmless, problems)),
+        problems=tuple(Sentence(problem, harmless) for problem in problems),
         worst=worst if worst.plate else None,
     )
 

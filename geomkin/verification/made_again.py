@@ -77,7 +77,7 @@ def _content(content: bytes, kind: str) -> tuple[str, bytes]:
         rest = np.frombuffer(content[84 : 84 + (len(content) - 84) // 50 * 50], np.uint8).reshape(-1, 50)
         odd = rest[:, 48:].tobytes().strip(b"\0") + content[84 + rest.size :]
         count = b"" if content[80:84] == struct.pack("<I", len(rest)) else content[80:84]
-        head = (content[:80] + count).decode("latin-1")
+        head = (content[:80].rstrip(b"\0") + count).decode("latin-1")
         return f"{head}\n{odd.hex()}", np.ascontiguousarray(rest[:, :48]).tobytes()
     if kind == "glb":
         if len(content) < 28:

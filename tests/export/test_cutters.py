@@ -181,3 +181,12 @@ def test_a_certificate_measures_files_for_a_cutter(tmp_path, units, curves):
     lines = re.split(r"(?=^  0\n(?:POLYLINE|CIRCLE|ENDSEC)\n)", path.read_text(), flags=re.MULTILINE)
     path.write_text("".join(line for line in lines if not (line.startswith("  0\nPOLYLINE") and "\nSTAY\n" in line)))
     assert not gk.verify(tmp_path)[0].passed
+
+
+@pytest.mark.parametrize("version", ["R12", "R2000"])
+def test_the_layer_that_every_file_has_may_be_used(tmp_path, version):
+    text = f'kind = "spur-gear"\ngear = {{teeth = 24, module = 2}}\n[files]\ndxf_version = "{version}"\nlayers = {{cut = {{name = "0"}}}}'
+    made = gk.make(gk.load(text).with_name("gear"), tmp_path, ["dxf"])
+    document = ezdxf.readfile(tmp_path / "gear/gear.dxf")
+    assert made and any(entity.dxf.layer == "0" for entity in document.modelspace())
+    assert gk.verify(tmp_path / "gear")[0].passed

@@ -112,6 +112,9 @@ def test_tolerances_take_the_largest_clearance_of_the_pins():
     assert by_fit == pytest.approx(
         deviation(tolerances={"clearance": fit_limits("H7/g6", 4).largest_clearance}), rel=1e-12
     )
+    with pytest.raises(gk.DesignError) as caught:
+        gk.linkage.LinkStock(pin_fit="H7/p6")
+    assert caught.value.field == "pin_fit"
     assert gk.linkage.LinkStock(pin_fit="H7/g6").hole_diameter == pytest.approx(4.006)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.core.units import marked
 from geomkin.verification import certificate as module
 from geomkin.verification import comparison, made_again, outline
 from geomkin.verification.made_again import Difference
@@ -35,6 +36,19 @@ def test_good_files_are_made_again(copy):
     assert certificate.passed
     assert {file.proof for file in certificate.files} == {"made again"}
     assert {file.file for file in certificate.files} == {path.name for path in copy.iterdir()}
+
+
+@pytest.mark.parametrize("units", ["mm", "in"])
+def test_lengths_of_what_is_wrong_are_in_the_unit_of_the_recipe(tmp_path, units):
+    sizes = {"mm": (100, 30, 90, 70), "in": (4, 1.2, 3.6, 2.8)}[units]
+    linkage = dict(zip(("ground", "crank", "coupler", "rocker"), sizes))
+    gk.make(gk.load({"kind": "four-bar", "units": units, "linkage": linkage}).with_name("bars"), tmp_path, ["stl"])
+    shutil.copy(tmp_path / "bars/crank.stl", tmp_path / "bars/coupler.stl")
+    (certificate,) = gk.verify(tmp_path / "bars")
+    (report,) = [file for file in certificate.files if file.problems]
+    text = certificate.unit.text(" ".join(marked(problem) for problem in report.problems))
+    assert re.search(rf"volume is [\d.]+ {units}3", text) and re.search(rf"[\d.]+ {units} off its curve", text)
+    assert text.isprintable()
 
 
 def test_whole_numbers_given_in_python_are_those_of_the_recipe(tmp_path):

@@ -60,9 +60,15 @@ class LinkStock:
     def __post_init__(self) -> None:
         if self.pin_fit:
             try:
-                object.__setattr__(self, "clearance", fit_limits(self.pin_fit, self.pin_diameter).middle)
+                limits = fit_limits(self.pin_fit, self.pin_diameter)
             except DesignError as error:
                 raise error.named("pin_fit") from None
+            if limits.least_clearance < 0:
+                problem = (
+                    f"found {self.pin_fit}, whose pin may be {mm(-limits.least_clearance):.4g} wider than its hole"
+                )
+                raise DesignError("pin_fit", problem, 'give a fit with clearance, such as "H7/g6"', "out-of-range")
+            object.__setattr__(self, "clearance", limits.middle)
             check_sizes(self)
         # Raises DesignError if no such screw exists.
         _ = self.fastener_used
