@@ -95,7 +95,7 @@ def test_unreached_input_range_is_reported_as_a_share(of):
     if of == "turn":
         text = FOUR_BAR.format(100).replace("30", "80").replace("90", "60").replace("70", "60")
         share = np.degrees(np.arccos((100**2 + 80**2 - 120**2) / (2 * 100 * 80))) / 180
-        body, advice = "crank", "shorten the crank or give a smaller range of the driver"
+        body, advice = "crank", "give a smaller range of the driver"
     else:
         text = 'kind = "slider-crank"\nlinkage = {crank = 30, coupler = 90, driver = "slider"}\n'
         text += "stroke = {start = 70, end = 130, step = 0.1}\n"
