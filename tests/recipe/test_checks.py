@@ -102,4 +102,4 @@ def test_unreached_input_range_is_reported_as_a_share(of):
         share, body, advice = 50 / 60, "slider", "give a shorter stroke"
     check = checks(text)[f"share of the {body}'s {of} reached"]
     assert check.value == pytest.approx(100 * share, abs=0.3) and check.limit == 100 and not check.passed
-    assert check.advice.endswith(advice) and ("shorten" in check.advice) is (of == "turn")
+    assert check.advice.endswith(advice)
