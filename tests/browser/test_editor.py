@@ -341,6 +341,7 @@ def test_unsaved_changes_are_offered_again(studio):
     # A template that is opened instead loses nothing either.
     page.click("#new")
     page.click('.card:has-text("pantograph")')
+    page.wait_for_selector('#name:has-text("new pantograph")')
     settle(page)
     page.click("#gallery")
     page.click("#drafts button >> nth=0")
@@ -373,6 +374,7 @@ def test_every_button_adds_a_table_or_gives_the_reason(studio):
         if key not in tried
     ]:
         tried.add(new[0])
+        page.evaluate("for (const group of document.querySelectorAll('#form details')) group.open = true")
         page.click(f'[data-add="{new[0]}"]')
         settle(page)
         page.wait_for_selector("body:not(.solving)")
