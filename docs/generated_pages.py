@@ -12,7 +12,7 @@ from geomkin.recipe.template import schema
 
 HEADINGS = {"linkages": "Linkages", "synthesis": "Linkages found for a wanted motion"}
 # Pictures of a recipe in `out/`, the first that exists.
-PICTURES = ("animation", "assembly", "plot", "")
+PICTURES = ("animation", "assembly", "")
 
 
 def write_pages(docs: Path, site: Path) -> None:
@@ -99,12 +99,12 @@ def key_pages() -> dict[str, str]:
     written = {}
     for name, kind in kinds.items():
         own = [table for table in used[name] if table not in shared]
-        heads = _tables_text(tables, [table for table in own if table != kind.__name__], shared)
+        heads = _tables_text(tables, [table for table in own if table != kind.__name__])
         about = tables[kind.__name__]["description"]
-        top = _rows(tables, kind.__name__, shared)
+        top = _rows(tables, kind.__name__)
         written[f"keys/{name}.md"] = f"# Keys of {name}\n\n{about}\n\n{top}\n{heads}"
     text = "# Tables that several kinds share\n"
-    written["keys/shared.md"] = text + _tables_text(tables, sorted(shared), shared)
+    written["keys/shared.md"] = text + _tables_text(tables, sorted(shared))
     listed = "\n".join(
         f"- [`{name}`]({name}.md): {tables[kind.__name__]['description'].splitlines()[0]}"
         for name, kind in kinds.items()
@@ -134,9 +134,9 @@ def _references(node) -> list[str]:
     return [name for item in node for name in _references(item)] if isinstance(node, list) else []
 
 
-def _tables_text(tables, names, shared) -> str:
+def _tables_text(tables, names) -> str:
     return "".join(
-        f"\n(table-{name.lower()})=\n## {name}\n\n{_first(tables[name])}\n\n{_rows(tables, name, shared)}"
+        f"\n(table-{name.lower()})=\n## {name}\n\n{_first(tables[name])}\n\n{_rows(tables, name)}"
         for name in names
     )
 
@@ -145,7 +145,7 @@ def _first(table) -> str:
     return table["description"].split("\n\n")[0].replace("\n", " ")
 
 
-def _rows(tables, name: str, shared) -> str:
+def _rows(tables, name: str) -> str:
     """A Markdown table of the keys of a table."""
     rows = ["| key | default | meaning |", "|---|---|---|"]
     required = tables[name]["required"]

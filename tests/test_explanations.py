@@ -42,6 +42,8 @@ def test_the_command_explains_checks_and_terms_and_refuses_others():
     runner = CliRunner()
     for known in ("wall_rocker", "base circle", "Grashof's condition"):
         assert runner.invoke(cli, ["explain", *known.split()]).exit_code == 0
+    odd = runner.invoke(cli, ["explain", "\x1b[31m_wall_"])
+    assert odd.exit_code == 0 and "\x1b" not in odd.output
     wrong = runner.invoke(cli, ["explain", "transmision_angle"])
     assert wrong.exit_code == 2 and "transmission_angle" in wrong.output
     assert len(TERMS) >= 30

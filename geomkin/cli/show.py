@@ -65,7 +65,7 @@ def explain(words: tuple[str, ...]) -> None:
 
     The id of a check is that of `summary.json`, such as `transmission_angle` or `wall_rocker`.
     """
-    from ..core.errors import printable
+    from ..core.errors import harmless, printable
     from ..recipe.messages import did_you_mean
     from .explanations import CHECKS, TERMS, explained
 
@@ -75,7 +75,7 @@ def explain(words: tuple[str, ...]) -> None:
         known = [*CHECKS, *TERMS]
         remedy = f"{did_you_mean(text, known)}the terms are {', '.join(TERMS)}"
         raise click.BadParameter(f"nothing is known of {printable(text)!r}; {remedy}", param_hint="ID_OR_TERM")
-    click.echo(found)
+    click.echo(harmless(found))
 
 
 @click.command("list")

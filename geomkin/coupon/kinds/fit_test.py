@@ -26,7 +26,7 @@ LEAST_RANGE = 0.3
 
 @record(checked=True, kw_only=True)
 class FitTestRecipe(AbstractRecipe):
-    """A coupon with stepped holes and slots, and a gauge, which show the kerf and fits of a machine and material."""
+    """A coupon with stepped holes and slots, and a gauge, which show the kerf and fits of machine and material."""
 
     kind: Literal["fit-test"] = "fit-test"
     openings: FitTest
