@@ -33,7 +33,7 @@ class Piece:
         openings = [shapely.Point(z.real, z.imag).buffer(d / 2) for z, d in self.holes] + self.slots
         for letter, place in self.letters:
             away = [opening.distance(shapely.Point(place.real, place.imag)) for opening in openings]
-            if away and min(away) < 4:
+            if away and min(away) < 5:
                 found.setdefault(letter, []).append(int(np.argmin(away)))
         return found
 

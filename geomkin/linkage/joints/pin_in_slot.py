@@ -13,7 +13,7 @@ from .joint import LinkageOfJoint, MotionOfJoint, Play
 from .slide import AbstractSlide
 
 
-@record(checked=True, eq=False)
+@record(checked=True)
 class PinInSlot(AbstractSlide):
     """A pin of `body` that runs in a straight slot of the body `along`, which is free to turn about the pin.
 

@@ -22,7 +22,7 @@ from ..named_linkages import (
 from ..six_bars import StephensonSixBar, WattSixBar
 from .copies import Copy, copies_entry
 from .linkages import SlidingLinkageRecipe, TurningLinkageRecipe
-from .moved import WITH_SLIDER, BodyList
+from .moved import WITH_SLIDER, BodyList, shown_joints
 from .stance import foot_entry
 
 
@@ -127,4 +127,4 @@ class LinkageRecipe(SlidingLinkageRecipe):
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
         values = super().example_values(tables)
-        return {"linkage": WITH_SLIDER, **values} if set(tables) - {"copies", "loads"} else values
+        return {"linkage": shown_joints(tables), **values} if set(tables) - {"copies", "loads"} else values

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
@@ -271,7 +271,6 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
     return complex(one + (two - one) / base * complex(along, float(height)))
 
 
-# Example of templates with sliders.
 class JointAdditions(Additions):
     """Slides on the ground, and levers with a slot."""
 
@@ -316,3 +315,17 @@ WITH_SLIDER = BodyList(
     corners=(TriangleCorner("rod", "pen", ("A", "B"), (50.0, 60.0)),),
     sliders=(SliderTable("slide", "block", "ground"),),
 )
+WITH_SLOT = BodyList(
+    bodies={
+        "ground": {"O": 0j, "C": -80j},
+        "crank": {"O": 0j, "A": 30 + 0j},
+        "lever": {"C": 0j, "tip": 160 + 0j},
+    },
+    driver="crank",
+    slots=(PinInSlot("slot", "crank", "A", "lever"),),
+)
+
+
+def shown_joints(tables: Collection[str]) -> BodyList:
+    """Linkage of a template that shows these tables."""
+    return WITH_SLOT if "linkage.slots" in tables else WITH_SLIDER

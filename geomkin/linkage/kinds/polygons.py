@@ -32,7 +32,7 @@ from ..moving import move
 from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..scene_handles import handle_position, linkage_handles
 from ..scene_instants import polygons_scene
-from .moved import WITH_SLIDER, BodyList, Branches, JointAdditions, Side, branch_of, branches_entry, components_entry
+from .moved import BodyList, Branches, JointAdditions, Side, branch_of, branches_entry, components_entry, shown_joints
 
 # Distance from the linkage's middle, in sizes of it, beyond which instant centres are listed but not drawn.
 REACH = 2.0
@@ -202,7 +202,7 @@ class PolygonsRecipe(AbstractRecipe):
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        return {"linkage": WITH_SLIDER} if tables else {}
+        return {"linkage": shown_joints(tables)} if tables else {}
 
 
 def _places(body: Body, points: Mapping[str, complex | Complex]) -> list[complex]:
