@@ -197,7 +197,8 @@ def vector_marks(
     if not largest:
         return
     # Near a limit rates become very large: the 95th percentile sets the scale, and longer arrows are cut off.
-    typical = max(float(np.nanpercentile(np.abs(_finite(vector)), 95)) for _, vector in arrows.values())
+    sizes = [np.abs(vector[np.isfinite(vector)]) for _, vector in arrows.values()]
+    typical = max(float(np.percentile(known, 95)) for known in sizes if known.size)
     scale, longest = LONGEST_ARROW * size / (typical or largest), 1.5 * LONGEST_ARROW * size
     for name, (place, vector) in arrows.items():
         arrow = _finite(vector) * scale

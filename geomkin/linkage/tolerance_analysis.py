@@ -302,7 +302,7 @@ class ToleranceAnalysis:
         loosest = float(np.nanmin(self.loosest_at_frames(bound, rule), initial=np.inf))
         if loosest < 0:
             alone = replace(self, lengths={})
-            most = rounded_up(np.nanmax(getattr(alone, rule)), 4)
+            most = rounded_up(np.fmax.reduce(getattr(alone, rule)), 4)
             problem = f"found {bound:g}, and the clearances of the pins alone cause {most}"
             raise DesignError("bound", problem, f"give more than {most}, or smaller clearances")
         return loosest

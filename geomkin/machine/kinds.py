@@ -11,6 +11,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ..core.errors import DesignError, shown
+from ..core.field_visitor import fields_of
 from ..core.fields import entry, quantity
 from ..core.names import check_names
 from ..core.records import record
@@ -24,7 +25,7 @@ from ..model.table import Table
 from ..plane.vec import Pose, Real
 from ..recipe.aspect import ALONE, Setting, ShaftPlacement
 from ..recipe.load import from_table, to_toml
-from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, assembly_summary
+from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
 from .assembly import MachineAssembly
 from .mechanism import Mechanism, refuse_machine
@@ -55,6 +56,23 @@ class MachineDrive:
             raise DesignError("speed_rpm", f"found {self.speed_rpm:g}", remedy, "out-of-range")
 
 
+# Keys of a mechanism that the machine decides for all, and those of one that another mechanism turns.
+OF_MACHINE = ("loads.run", "loads.motors", "loads.speed_fluctuation", "drive.acceleration_rad_per_s2")
+OF_DRIVER = ("loads.motor",)
+
+
+class MachineAdditions(Additions):
+    """What neither the mechanisms alone nor this machine refuses."""
+
+    def unavailable(self, recipe: MachineRecipe) -> Iterator[str]:
+        for name, mechanism in recipe.mechanisms.items():
+            inner = mechanism.recipe
+            motors = [f"{key}.motor" for key in fields_of(type(inner)) if key.endswith("stock")]
+            of_driver = (*OF_DRIVER, *motors) if mechanism.turned_by else ()
+            for key in (*inner.additions.unavailable(inner), *OF_MACHINE, "stroke", *of_driver):
+                yield f"mechanisms.{name}.recipe.{key}"
+
+
 @record(kw_only=True)
 class MachineRecipe(AbstractAssembledRecipe):
     """Several mechanisms on common shafts, such as a gear train that turns two cranks: one motion, one bill.
@@ -64,6 +82,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     """
 
     takes_workshop: ClassVar[bool] = False
+    additions: ClassVar[Additions] = MachineAdditions()
 
     kind: Literal["machine"] = "machine"
     mechanisms: dict[str, Mechanism] = entry("the mechanisms by name, the lowest first", example={})
@@ -295,11 +314,6 @@ def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:
         equal = (r for r in recipes if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
         recipes.append(next(equal, mechanism.recipe))
     return dict(zip(mechanisms, recipes))
-
-
-# Keys of a mechanism that the machine decides for all, and those of one that another mechanism turns.
-OF_MACHINE = ("loads.run", "loads.motors", "loads.speed_fluctuation", "drive.acceleration_rad_per_s2")
-OF_DRIVER = ("loads.motor",)
 
 
 def check_settings(key: str, mechanism: Mechanism) -> None:

@@ -122,10 +122,10 @@ class MachineTorques:
         values = {
             "work_N_mm": work,
             "mean_power_W": 1e-3 * work / float(duty.angle[-1]) * float(duty.speed[0]),
-            "largest_power_W": 1e-3 * float(np.nanmax(duty.torque * duty.speed)),
+            "largest_power_W": 1e-3 * float(np.fmax.reduce(duty.torque * duty.speed)),
             "inertia_of_gears_kg_mm2": self.inertia_of_gears or np.nan,
         }
-        largest = {name: to_digits(np.nanmax(np.abs(torque))) for name, torque in self.dense[1].items()}
+        largest = {name: to_digits(np.fmax.reduce(np.abs(torque))) for name, torque in self.dense[1].items()}
         rounded = {key: to_digits_or_none(value) for key, value in values.items()}
         return {
             "loads": {

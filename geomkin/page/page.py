@@ -323,13 +323,13 @@ def rows_document(title: str, about: str, body: str, data: Mapping[str, object],
 
 @cache
 def _script(scripts: tuple[str, ...], start: str) -> str:
-    """Files of the player joined to one module, without `import` lines and the word `export`."""
-    return "\n".join([*(_without_links(player_file(name)) for name in scripts), start, ""])
+    """Files of the player joined to one module, without `import` lines, the word `export` and lines of comment."""
+    return "\n".join([*(_inlined(player_file(name)) for name in scripts), start, ""])
 
 
-def _without_links(source: str) -> str:
-    lines = source.splitlines()
-    return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
+def _inlined(source: str) -> str:
+    lines = (line.removeprefix("export ") for line in source.splitlines() if not line.startswith("import "))
+    return "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("//"))
 
 
 def player_file(name: str) -> str:

@@ -356,7 +356,7 @@ def _figure(picture: LayerPicture, pixel: float, tints: dict[str, str], outlines
             name = outlines.setdefault(outline, f"outline{len(outlines)}")
             look = f"plate {tints.get(part.name, 't0')}{' below' * (body.layer < picture.layer)}"
             drawn.append(f'<use href="#{name}" class="{look}"{where}/>')
-    for words, place in picture.texts:
+    for words, place in (label for label in picture.texts if label[0]):
         x, y = (place.real - low.real) / pixel, (high.imag - place.imag) / pixel
         texts.append(f'<text x="{x:.0f}" y="{y + 4:.0f}">{text(words)}</text>')
     width, height = ((high - low).real / pixel, (high - low).imag / pixel)

@@ -79,9 +79,16 @@ def without_rounding(value: float, size: float) -> float:
     return 0.0 if abs(value) <= NOTHING * size else float(value)
 
 
+def root_mean_square(values: Array) -> float:
+    """Root of the mean square of the sizes of the known values; nan if none is known."""
+    sizes = np.abs(values)
+    known = sizes[np.isfinite(sizes)]
+    return float(np.sqrt(np.mean(known**2))) if known.size else np.nan
+
+
 def first_largest(values: Real) -> int:
     """Index of the first value that equals the largest except for rounding, so that all processors give the same."""
-    most = np.nanmax(values)
+    most = np.fmax.reduce(values)
     with np.errstate(invalid="ignore"):
         return int(np.argmax((values == most) | (values >= most - TIED * np.abs(most))))
 

@@ -86,8 +86,18 @@ def _in_sentences(texts: property) -> property:
     return property(lambda recipe: in_sentences(texts.__get__(recipe)), doc=texts.__doc__)
 
 
+@dataclasses.dataclass(frozen=True)
 class Additions:
-    """How tables are added to recipes of a kind, besides by the examples of their fields."""
+    """How tables are added to recipes of a kind, besides by the examples of their fields.
+
+    refused: keys of tables that no recipe of the kind can have.
+    """
+
+    refused: tuple[str, ...] = ()
+
+    def unavailable(self, recipe: Any) -> Iterator[str]:
+        """Keys of tables that a recipe cannot have as it is, such as what walks of a linkage without feet."""
+        yield from self.refused
 
     def names(self, recipe: Any) -> Mapping[str, Sequence[Any]]:
         """Names in a recipe by the keys that state them in an added table, such as `body`, the most likely first."""

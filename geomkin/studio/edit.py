@@ -304,8 +304,9 @@ def answer(
     Returns
     -------
     dict
-        The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, and for the lane "checks" also
-        `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
+        The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `unavailable` (keys of tables
+        that this mechanism cannot have), and for the lane "checks" also `checks`, `candidates` and `parts`. The text is
+        never lost: if it is wrong, `problems` says where.
 
     Examples
     --------
@@ -329,7 +330,8 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     text, name = draft.text, draft.name
     reply: Answer = {
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
-        "limit": None, "search": False, "quantities": [], "checks": None, "candidates": None, "parts": None,
+        "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
+        "parts": None,
     }  # fmt: skip
     try:
         if changes := request.get("set"):
@@ -344,6 +346,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         reply["kind"] = kind if isinstance(kind, str) else ""
         recipe = opened(draft) if opened else draft.opened(table)
         reply["search"] = isinstance(recipe, AbstractGoal)
+        reply["unavailable"] = [*recipe.additions.unavailable(recipe)]
         reply["values"] = _values(draft.as_written(table, recipe))
         with errors_named_by_key("recipe", recipe):
             (_checks if request.get("lane") == "checks" else _scene)(recipe, request.get("locks") or (), reply)

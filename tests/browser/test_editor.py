@@ -239,6 +239,27 @@ def test_a_template_of_the_gallery_is_edited_and_saved_under_a_new_name(studio):
     assert gk.load(editor.file.with_name("copy.toml")).kind == "pantograph"
 
 
+def test_the_template_that_was_chosen_last_is_shown(studio):
+    """Whatever arrives late: the first of two templates, or the answer to the text before."""
+    page = studio(FOUR_BAR).page
+    page.evaluate("""() => {
+        const fetched = window.fetch;
+        window.fetch = async (path, options) => {
+            const isLate = options?.body?.includes('"pantograph"') || (path === "answer" && options.body.includes("four-bar"));
+            if (isLate) await new Promise((resolve) => { setTimeout(resolve, 250); });
+            return fetched(path, options);
+        };
+    }""")
+    page.fill('[name="linkage.crank"]', "31")
+    for kind in ("pantograph", "scotch-yoke"):
+        page.click("#new")
+        page.click(f'.card:has(b:text-is("{kind}"))')
+    page.wait_for_timeout(600)
+    settle(page)
+    assert page.text_content("#name") == "new scotch-yoke"
+    assert page.locator('[name="linkage.crank"]').count() and not page.locator('[name="linkage.rocker"]').count()
+
+
 @pytest.mark.parametrize("recipe", ["wiper", "double-rocker"])
 def test_a_click_or_enter_on_the_plot_of_a_family_chooses_the_free_angle(studio, recipe):
     # A rank is given, and is replaced by the angle.

@@ -7,6 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage import linkage_scene
+from geomkin.linkage.scene import vector_marks
 from tests.gallery import marks
 
 TURN = np.linspace(0, 2 * np.pi, 61)
@@ -95,3 +96,13 @@ def test_block_lies_along_its_inclined_slide():
     (mark,) = marks(shown, "slide")
     way = np.diff(motion.point("slider_pin").position)
     assert np.abs(np.imag(way / mark.direction[1:])).max() < 1e-9
+
+
+def test_an_arrow_that_is_known_nowhere_does_not_change_the_others():
+    place, unknown = np.zeros(3, complex), np.full(3, complex(np.nan, np.nan))
+    motion = gk.move(BAR, TURN[:3])
+    alone, with_unknown = (
+        list(vector_marks(motion, arrows, "velocity", "mm/s"))
+        for arrows in ({"pen": (place, place + 2)}, {"pen": (place, place + 2), "lost": (place, unknown)})
+    )
+    assert np.array_equal(with_unknown[0].vector, alone[0].vector) and np.isnan(with_unknown[1].vector).all()

@@ -6,6 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -24,7 +25,7 @@ from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.aspect import AbstractAspect
 from ...recipe.composed import AbstractComposedRecipe
-from ...recipe.recipe import assembly_summary
+from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Files
 from ..drive import LoopDrive, LoopTensions, Pulley, loop_drive
 from ..parts import LoopPlates, PulleyStock, SprocketStock
@@ -127,9 +128,24 @@ class LoopLoads:
     )  # fmt: skip
 
 
+class LoopAdditions(Additions):
+    """A smooth idler that tightens the strand from the last wheel to the driver: it presses in, or lifts it."""
+
+    def changes(self, recipe: AbstractLoopRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+        if key != recipe.wheels_key:
+            return
+        first, *_, last = recipe.given_wheels
+        along, size = first.at - last.at, recipe.design.wheels[0].radius
+        for (side, sign), share in product((("outside", 1), ("inside", -1)), (0.3, 0.5, 0.8, 0.0, 1.2, 2.0)):
+            at = (first.at + last.at) / 2 + sign * along / abs(along) * 1j * share * size
+            idler = {"diameter": float(f"{size:.2g}"), "at": [round(at.real, 2), round(at.imag, 2)], "side": side}
+            yield {f"{key}[{len(recipe.given_wheels)}]": idler}
+
+
 class AbstractLoopRecipe(AbstractComposedRecipe):
     """Base class of recipes of a loop round toothed wheels."""
 
+    additions: ClassVar[Additions] = LoopAdditions(("stock.motor",))
     # Key of the belt or chain, of the wheels, and of the number of teeth or links; step of this number.
     loop_name: ClassVar[str]
     wheels_key: ClassVar[str]

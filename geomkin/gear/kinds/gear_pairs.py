@@ -22,7 +22,7 @@ from ...model.scene import Scene, SceneHandle
 from ...model.table import Table
 from ...plane.curve import AbstractCurve
 from ...plane.vec import Real
-from ...recipe.recipe import assembly_summary
+from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks
 from ..contract import AbstractInvoluteGear
@@ -209,6 +209,7 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
 class GearPairRecipe(AbstractPairRecipe):
     """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
 
+    additions: ClassVar[Additions] = Additions(("second_stock.motor",))
     kind: Literal["gear-pair"] = "gear-pair"
     first: SpurGear = entry("the driving gear", example=SpurGear(12, 3, 0.6))
     second: SpurGear = entry("the driven gear", example=SpurGear(24, 3, 0.36))

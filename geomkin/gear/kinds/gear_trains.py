@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from ...model.table import Table
 from ...plane.curve import Moved
 from ...plane.primitives import Circle
 from ...plane.vec import Pose, Real
-from ...recipe.recipe import assembly_summary
+from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Files
 from ..checks import gear_checks, mesh_checks
 from ..cutters import LARGEST
@@ -274,6 +274,7 @@ class TrainSpecification:
 class GearTrainRecipe(AbstractLoadedRecipe):
     """A compound gear train with a wanted ratio: gears joined on their arbors, and the plate that holds the arbors."""
 
+    additions: ClassVar[Additions] = Additions(("stock.motor", "last_stock.motor"))
     kind: Literal["gear-train"] = "gear-train"
     train: TrainSpecification
     stock: ArborStock = entry("sheet and bore of all gears, and their pins", default=ArborStock())

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Column, Table
 from ...plane.vec import Real, without_rounding
-from ...recipe.recipe import assembly_summary
+from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks
 from ..contract import AbstractInvoluteGear
@@ -49,6 +49,7 @@ from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, planet
 class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed."""
 
+    additions: ClassVar[Additions] = Additions(("planet_stock.motor",))
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
     tips: Tips = tips_entry()

@@ -14,7 +14,7 @@ from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, SMALLEST, Size
 from ...core.records import record
 from ...model.material import Mass
-from ...plane.vec import Complex, Mask, Real
+from ...plane.vec import Complex, Mask, Real, root_mean_square
 from ..linkage import Linkage
 from ..motion import Motion
 from .inverse import AboutPoint, ForceAnalysis, forces
@@ -52,12 +52,12 @@ class Balance:
     @property
     def rms_before(self) -> float:
         """Root mean square of the objective over the frames without counterweights, N or N mm."""
-        return _rms(_components(self.before, self.objective))
+        return _size(self.before, self.objective)
 
     @property
     def rms_after(self) -> float:
         """Root mean square of the objective over the frames with the counterweights, N or N mm."""
-        return _rms(_components(self.after, self.objective))
+        return _size(self.after, self.objective)
 
 
 @checked
@@ -200,9 +200,8 @@ def _deviation(values: Real, objective: BalanceObjective) -> Real:
     return deviation
 
 
-def _rms(values: Real) -> float:
-    with np.errstate(invalid="ignore"):
-        return float(np.sqrt(np.nanmean((values**2).sum(axis=-1))))
+def _size(analysis: ForceAnalysis, objective: BalanceObjective) -> float:
+    return root_mean_square(np.linalg.norm(_components(analysis, objective), axis=-1))
 
 
 def _effects(
@@ -221,7 +220,7 @@ def _effects(
     weights = [probe(Mass(1.0, pivot + radius * unit)) for unit in (1, 1j)]
     moments = [_components(weight, objective) / radius - radius * inertia for weight in weights]
     # A mass on the far side of the linkage would have these effects if its forces had an arm of the linkage's size.
-    largest = float(np.nanmax([np.abs(weight.shaking_force) for weight in weights], initial=0.0))
+    largest = float(np.nanmax(np.abs([weight.shaking_force for weight in weights]), initial=0.0))
     scale = (largest / radius + NEWTON * abs(gravity) / radius) * (1.0 if objective == "shaking_force" else radius)
     groups = [np.stack(moments, axis=-1), inertia[..., None]]
     limits = NO_EFFECT * scale, NO_EFFECT * scale / radius

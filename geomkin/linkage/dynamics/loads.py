@@ -282,7 +282,7 @@ class GasSpring(_TwoPoints):
         if np.any(compression >= self.gas_length):
             raise DesignError(
                 "springs.gas_length",
-                f"the gas spring is compressed by {mm(np.nanmax(compression)):.5g}",
+                f"the gas spring is compressed by {mm(np.fmax.reduce(compression, axis=None)):.5g}",
                 "give a longer gas column, or a shorter spring",
             )
         return np.where(compression >= 0, -self.force / (1 - compression / self.gas_length), 0.0)

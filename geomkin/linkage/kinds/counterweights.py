@@ -13,7 +13,7 @@ from ...core.records import record
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.table import Column, vector_columns
-from ...plane.vec import Complex
+from ...plane.vec import root_mean_square
 from ...recipe.recipe import part_masses
 from ..dynamics.counterweights import balance, fixed_pivots
 from ..dynamics.inverse import ForceAnalysis
@@ -80,7 +80,7 @@ class BalancedPlates:
 
     def check(self, after: ForceAnalysis) -> Check:
         """Check that the counterweights reduce the shaking force; after: forces with them."""
-        ratio = _rms(after.shaking_force) / _rms(self.before.shaking_force)
+        ratio = root_mean_square(after.shaking_force) / root_mean_square(self.before.shaking_force)
         words = "shaking force with counterweights to that without, root mean squares"
         advice = "give a larger distance or largest_radius, or more bodies"
         return Check("counterweights", words, ratio, "at most", LARGEST_RATIO, "", advice, "shaking_force")
@@ -96,11 +96,10 @@ class BalancedPlates:
             for body, end in self.ends.items()
         }
         forces = {"without": self.before.shaking_force, "with": after.shaking_force}
-        return {"counterweights": ends, "shaking_force_rms_N": {key: to_digits(_rms(f)) for key, f in forces.items()}}
-
-
-def _rms(force: Complex) -> float:
-    return float(np.sqrt(np.nanmean(np.abs(force) ** 2)))
+        return {
+            "counterweights": ends,
+            "shaking_force_rms_N": {key: to_digits(root_mean_square(f)) for key, f in forces.items()},
+        }
 
 
 def stack_with_ends(motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd]) -> Stack:

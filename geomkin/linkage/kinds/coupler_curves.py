@@ -19,6 +19,7 @@ from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Circle
 from ...plane.vec import Complex, Real, without_rounding
+from ...recipe.recipe import Additions
 from ...recipe.settings import Files, Turn
 from ..checks import SAME_CURVE, collision_check, reached
 from ..cognate_linkages import cognates, roberts_linkage, third_pivot
@@ -32,7 +33,7 @@ from ..parts.stack import Stack, link_parts, stack_links
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, place_plot
 from ..scene_handles import body_point
-from .moved import AbstractMovedRecipe, Side
+from .moved import AbstractMovedRecipe, JointAdditions, Side
 
 # Largest number of engraved dashes: more take minutes, and a laser days.
 MOST_DASHES = 5_000
@@ -200,6 +201,7 @@ class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
 class CognatesRecipe(AbstractMovedRecipe):
     """Three four-bars that draw one coupler curve, as plates of Roberts' ten-bar figure and as an engraved drawing."""
 
+    additions: ClassVar[Additions] = JointAdditions(("stock.motor",))
     kind: Literal["cognates"] = "cognates"
     linkage: FourBar = entry("the given four-bar", example=FourBar(100, 30, 90, 70, 50 + 45j))
     branch: Side = entry("1 or -1: rocker pin left or right of the line to its pivot", default=1)

@@ -7,8 +7,6 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ...core.fields import entry
 from ...core.records import record
 from ...core.units import UNITS
@@ -74,15 +72,17 @@ class LinkageAdditions(JointAdditions):
             "loads.masses": moving,
         }
 
-    def changes(self, recipe: AbstractLinkageRecipe, key: str) -> Iterator[Mapping[str, Any]]:
-        linkage = recipe.linkage.linkage
-        yield from super().changes(recipe, key)
-        for slider in linkage.sliders if key == "stroke" and linkage.driven_slider is None else ():
-            # The middle of the displacements of a slide while the driver turns.
-            places = recipe.motion.slide(slider.name).displacement
-            start, end = (float(f"{place:.4g}") for place in np.nanquantile(places, [0.4, 0.6]))
-            for driver in ("slider", slider.name, slider.body):
-                yield {"linkage.driver": driver, "stroke": {"start": start, "end": end}}
+    def unavailable(self, recipe: AbstractLinkageRecipe) -> Iterator[str]:
+        yield from super().unavailable(recipe)
+        linkage, names = recipe.linkage.linkage, self.names(recipe)
+        if recipe.made.foot is None:
+            yield "loads.carried"
+        if linkage.driver_pivot is None:
+            yield from ("loads.motor", "loads.motors", "loads.run", "stock.motor")
+        if not names["bodies"]:
+            yield "loads.counterweights"
+        if not names["slide"]:
+            yield from ("loads.slide_forces", "loads.slide_friction")
 
 
 class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):

@@ -77,10 +77,33 @@ def branch_of(branch: Literal[1, -1, "follow"], branches: Mapping[str, int | com
     return BranchSpec(1 if branch == "follow" else branch, signs, points, branch == "follow", "branches")
 
 
+class JointAdditions(Additions):
+    """Slides on the ground, levers with a slot, and the stroke of a slide that the driver moves."""
+
+    def unavailable(self, recipe: Any) -> Iterator[str]:
+        yield from super().unavailable(recipe)
+        if not recipe.linkage.linkage.sliders:
+            yield "stroke"
+
+    def changes(self, recipe: Any, key: str) -> Iterator[Mapping[str, Any]]:
+        joints = {"linkage.sliders": added_slides, "linkage.slots": added_slots}
+        linkage = recipe.linkage.linkage
+        if key in joints:
+            yield from joints[key](linkage)
+        for slider in linkage.sliders if key == "stroke" and linkage.driven_slider is None else ():
+            # The middle of the displacements of a slide while the driver turns.
+            places = recipe.motion.slide(slider.name).displacement
+            known = places[np.isfinite(places)]
+            start, end = (float(f"{place:.4g}") for place in np.quantile(known, [0.4, 0.6]))
+            for driver in ("slider", slider.name, slider.body):
+                yield {"linkage.driver": driver, "stroke": {"start": start, "end": end}}
+
+
 class AbstractMovedRecipe(AbstractRecipe):
     """Base class of recipes of a moving linkage."""
 
     can_be_scaled: ClassVar[bool] = True
+    additions: ClassVar[Additions] = JointAdditions()
     linkage: AbstractLinkage
     branch: SideOrFollow
     # Default for kinds without this key.
@@ -269,15 +292,6 @@ def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> compl
     along = 0.5 * (base + (b - c) * (b + c) / base)
     height = 2 * area / base * (1 if corner.side == "left" else -1)
     return complex(one + (two - one) / base * complex(along, float(height)))
-
-
-class JointAdditions(Additions):
-    """Slides on the ground, and levers with a slot."""
-
-    def changes(self, recipe: Any, key: str) -> Iterator[Mapping[str, Any]]:
-        joints = {"linkage.sliders": added_slides, "linkage.slots": added_slots}
-        if key in joints:
-            yield from joints[key](recipe.linkage.linkage)
 
 
 def added_slides(linkage: Linkage) -> Iterator[Mapping[str, Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from ...model.part import HoleFit, Part
 from ...model.scene import Hodograph, Limit, Plot, Role, Scene, SceneHandle, point_handle
 from ...model.table import Column, Table, xy_columns
 from ...plane.primitives import Circle
-from ...recipe.recipe import mass_summary
+from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import Files, Turn
 from ..checks import MOST_FORCE_TO_BEST, collision_check, reached
 from ..dynamics.shaking import (
@@ -34,7 +34,7 @@ from ..parts.stock import LinkStock
 from ..scene import linkage_scene
 from ..scene_handles import body_point
 from ..scene_instants import force_scene
-from .linkages import AbstractLinkageRecipe
+from .linkages import AbstractLinkageRecipe, LinkageAdditions
 from .moved import Side
 
 # Share of the largest force below which a force counts as rounding.
@@ -46,6 +46,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     """The shaking force of a slider-crank without, with a given and with the best counterbalance, and its plates."""
 
     aspect_kinds = ()
+    additions: ClassVar[Additions] = LinkageAdditions(("stock.motor",))
     kind: Literal["shaking-force"] = "shaking-force"
     linkage: SliderCrank
     masses: SliderCrankMasses

@@ -350,7 +350,7 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
             largest = self.sampled.largest() * self.factor
             entries["random"] = {
                 "linkages": self.given.linkages,
-                f"largest_of_99.73_percent_{unit}": to_digits(np.nanmax(largest), 6),
+                f"largest_of_99.73_percent_{unit}": to_digits(np.fmax.reduce(largest), 6),
                 "not_assembled": int(self.sampled.not_assembled.max()),
             }
             if self.limit is not None:

@@ -69,8 +69,9 @@ class Editor {
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
 
   async open(recipe) {
-    const { text, base } = await post("open", { recipe });
-    this.load(text, recipe, base);
+    const opened = await this.latest(post("open", { recipe }));
+    if (!opened) return;
+    this.load(opened.text, recipe, opened.base);
     const [draft] = draftsOf(this.folder).filter((other) => other.recipe === recipe);
     if (!draft) return;
     this.choose(`Changes of ${recipe} that were not saved are kept.`, {
@@ -91,8 +92,14 @@ class Editor {
   }
 
   async startNew(kind) {
-    const { text } = await post("new", { kind });
-    this.load(text, "", "");
+    const started = await this.latest(post("new", { kind }));
+    if (started) this.load(started.text, "", "");
+  }
+
+  // The answer to a request for another text; null if another one was requested since.
+  async latest(answer) {
+    const turn = this.opening = (this.opening ?? 0) + 1, reply = await answer;
+    return turn === this.opening ? reply : null;
   }
 
   // Loads another text. It counts as saved if it has the name of a file.
@@ -103,7 +110,14 @@ class Editor {
     Object.assign(this, { draft: `${Date.now()}`, firstText: text });
     this.locks.clear();
     for (const id of ["conflict", "candidates"]) at(id).hidden = true;
-    this.ask({});
+    this.askAnew();
+  }
+
+  // Asks for a text that replaces the last one; changes and answers of that one no longer count.
+  askAnew() {
+    this.queued = null;
+    this.texts = (this.texts ?? 0) + 1;
+    this.ask({}, this.text);
   }
 
   // Changes values by key while the user types in a field. The first change begins a step of undo, and `close` ends it.
@@ -216,7 +230,7 @@ class Editor {
 
   async pump() {
     if (this.busy || !this.queued) return;
-    const { change, text = this.text } = this.queued;
+    const { change, text = this.text } = this.queued, { texts } = this;
     this.queued = null;
     this.busy = true;
     document.body.classList.add("solving");
@@ -224,8 +238,8 @@ class Editor {
       let reply = await this.answer({ text, ...change, lane: "scene" });
       // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
-      if (reply) await this.show(reply);
-    } catch (error) { this.fail(error); }
+      if (reply && texts === this.texts) await this.show(reply);
+    } catch (error) { if (texts === this.texts) this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
     document.body.classList.remove("solving");
@@ -265,15 +279,17 @@ class Editor {
   // --- display of an answer -----------------------------------------------------------------------------------------
 
   async show(reply) {
+    const { texts } = this;
     this.text = reply.text;
     this.reply = reply;
     document.body.classList.toggle("unchecked", this.text !== this.checkedText);
     if (Object.keys(reply.values).length) this.values = reply.values;
     await this.describe(reply);
+    if (texts !== this.texts) return;
     if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
     if (reply.scene) this.showScene(reply);
     // Without values of this text the form keeps what was typed.
-    if (Object.keys(reply.values).length || this.isJustLoaded) this.form.show(this.values, this.saved, this.text);
+    if (Object.keys(reply.values).length || this.isJustLoaded) this.form.show(this.values, this.saved, this.text, reply.unavailable);
     this.showProblems(reply.problems);
     this.showQuantities(reply.quantities);
     at("limit").hidden = !reply.limit;
@@ -465,7 +481,7 @@ class Editor {
     this.history.begin(before);
     Object.assign(this, { recipe: name, base, seen: base, text, savedText: text });
     this.history.end(text);
-    this.ask({});
+    this.askAnew();
   }
 
   // Loads the file whenever another program changes it. If there are unsaved changes, it asks the user first.

@@ -30,10 +30,12 @@ export class Form {
     this.shape = "";
   }
 
-  // Shows values by key. `saved` holds the saved recipe's values for comparison; `text` is the recipe's text.
-  show(values, saved, text) {
-    Object.assign(this, { values, saved, text });
-    const shape = JSON.stringify(Object.entries(values).map(([key, value]) => [key, key.endsWith("motor") ? value : shapeOf(value)]));
+  // Shows values by key. `saved` holds the saved recipe's values for comparison; `text` is the recipe's text;
+  // `unavailable` has the keys of tables that the mechanism cannot have.
+  show(values, saved, text, unavailable) {
+    Object.assign(this, { values, saved, text, unavailable });
+    const entries = Object.entries(values).map(([key, value]) => [key, key.endsWith("motor") ? value : shapeOf(value)]);
+    const shape = JSON.stringify([entries, unavailable]);
     if (shape !== this.shape) this.build(shape);
     else for (const field of this.fields.values()) this.refresh(field);
   }
@@ -68,7 +70,7 @@ export class Form {
     if (group.within && this.values[`${path.replace(/\[\d+\]$/, "").split(".").slice(0, -1).join(".")}.kind`] !== group.within) return;
     if (isNew || !exists || group.named) {
       // A table that a name may replace is added by its field, and one inside a table after that.
-      if (group.by_name || (around(path) && !this.below(around(path)).length)) return;
+      if (group.by_name || this.unavailable.includes(path) || (around(path) && !this.below(around(path)).length)) return;
       // The button for a table inside another one is at its end.
       const place = (around(path) && [...this.root.children].find(({ dataset }) => dataset.key === around(path))) || this.root;
       const add = make(place, "button", { type: "button", class: "add", "data-add": path }, `Add ${group.title}`);
@@ -104,7 +106,8 @@ export class Form {
       }
       return;
     }
-    if (field.type === "table" || (field.type === "named" && this.below(key).length)) return;
+    const isAbsent = this.unavailable.includes(key) && this.values[key] === null;
+    if (field.type === "table" || (field.type === "named" && (isAbsent || this.below(key).length))) return;
     entry.row = make(part, "div", { class: "field" });
     const name = field.label ?? key.split(".").at(-1);
     make(entry.row, "label", { for: entry.id }, name.replaceAll("_", " ").replace(/ (deg|rpm|rad per s2?)$/, ""));
