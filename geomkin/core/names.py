@@ -112,6 +112,14 @@ def is_letter(letter: str, before: str = "") -> bool:
     return letter not in UNSEEN and (category in LETTERS or (category in MARKS and on_letter))
 
 
+def is_visible(text: object) -> bool:
+    """Whether a value is a text of one line whose signs are all visible, and do not change how others are shown."""
+    return isinstance(text, str) and not any(sign in UNSEEN or not sign.isprintable() for sign in text)
+
+
+VisibleText = Annotated[str, ArgumentType(is_visible, "a text of visible signs in one line", (str,))]
+
+
 def file_name_flaw(name: str) -> str:
     """The reason why a name does not make one visible file in its folder on any system; empty if it does.
 
