@@ -248,7 +248,7 @@ class Motor:
         if self.range_deg is not None and duty.angle_deg > self.range_deg * (1 + ROUNDING):
             return 0.0
         supplied, required = self.torque_at(duty.speed[known]), np.abs(duty.torque[known])
-        if not supplied.all():
+        if not (supplied > ROUNDING * self.torque_n_mm).all():
             return 0.0
         peak = np.argmax(required)
         required[peak] = duty.peak_torque
