@@ -20,17 +20,8 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments import (
-    SMALLEST,
-    ArgumentType,
-    between,
-    check_fields,
-    found_value,
-    in_unit_of,
-    is_endless,
-    is_place,
-    numbers,
-)
+from .arguments import SMALLEST as SMALLEST
+from .arguments import ArgumentType, between, check_fields, found_value, in_unit_of, is_endless, is_place, numbers
 from .arguments import point_of as point_of
 from .errors import DesignError, ProblemId
 from .field_visitor import WrittenForm
