@@ -23,6 +23,10 @@ P = ParamSpec("P")
 R = TypeVar("R")
 # Largest number, in any unit. The fifth power of larger ones overflows; a smaller limit refuses computable values.
 LARGEST = 1e60
+# Smallest size that is not 0, in its unit. In mm it is a hundred-thousandth of an atom. Products of a few smaller sizes
+# underflow, and their quotients overflow. A size that may be negative is a coordinate or an angle; a tiny
+# one is a rounded 0, so it has no such limit.
+SMALLEST = 1e-12
 # Numbers that are squared and added at once. BLAS uses one core for up to 10,000. For more it wakes a thread on each
 # core; these threads then wait busily for tens of milliseconds, as long as a motion of a million frames takes.
 CHUNK = 8192
@@ -249,6 +253,11 @@ def is_real(value: Any) -> bool:
 def is_whole(value: Any) -> bool:
     """Whether a value is one whole number below LARGEST; 3.0 is not."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and -LARGEST < int(value) < LARGEST
+
+
+def point_of(x: float, y: float) -> complex:
+    """A point as a recipe states it: coordinates below `SMALLEST` are 0, and no 0 is negative."""
+    return complex(*(value if abs(value) >= SMALLEST else 0.0 for value in (x, y)))
 
 
 def is_complex(value: Any) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any, Literal
 
 from .units import Sentence, as_sentences
@@ -67,7 +68,10 @@ class DesignError(GeomkinError, ValueError):
         field, problem, remedy = harmless(field), Sentence(problem, harmless), Sentence(remedy, harmless)
         super().__init__(f"{field}: {problem}; {remedy}")
         self.field, self.problem, self.remedy, self.id = field, problem, remedy, id
-        self.value = None if value is None else float(value)
+        self.value: float | None = None
+        if value is not None:
+            # The number of a whole field must stay whole.
+            self.value = int(value) if isinstance(value, Integral) else float(value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # By default an exception is pickled with its text as the only argument, which __init__ does not accept.

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args
 
 import numpy as np
 
-from .arguments import ArgumentType
+from .arguments import ArgumentType, point_of
 
 T = TypeVar("T")
 # The field of a dataclass that a recipe writes as the list of its rows, such as a motion program.
@@ -297,7 +297,7 @@ class _Visit(NamedTuple):
         if isinstance(value, complex):
             parts = (value.real, value.imag)
             x, y = (self.number(f"{key}[{k}]", key, part, declared, units) for k, part in enumerate(parts))
-            return value if (x, y) == parts else complex(x, y)
+            return value if (x, y) == parts else point_of(x, y)
         if isinstance(value, (int, float, np.number, np.ndarray)) and not isinstance(value, bool):
             return self.number(key, field or key, value, declared, units)
         if isinstance(value, Mapping):

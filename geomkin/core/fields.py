@@ -20,7 +20,9 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import SMALLEST as SMALLEST
 from .arguments import ArgumentType, between, check_fields, found_value, in_unit_of, is_endless, is_place, numbers
+from .arguments import point_of as point_of
 from .errors import DesignError, ProblemId
 from .field_visitor import WrittenForm
 from .reprs import clipped
@@ -200,10 +202,6 @@ def quantity_fits(value: Any, about: Any, many: bool = False) -> bool:
     return all(np.all(test(number, about[key])) for key, test in _TESTS.items() if key in about)
 
 
-# Smallest size that is not 0, in its unit. In mm it is a hundred-thousandth of an atom. Products of a few smaller sizes
-# underflow, and their quotients overflow. A size that may be negative is a coordinate or an angle; a tiny
-# one is a rounded 0, so it has no such limit.
-SMALLEST = 1e-12
 # Up to this number every whole number is also a floating-point number.
 LARGEST_WHOLE = 2.0**53
 

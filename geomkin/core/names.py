@@ -24,6 +24,8 @@ LONGEST_FILE = 255
 # Names of devices in Windows, with any ending (Microsoft, "Naming Files, Paths, and Namespaces"). Superscript digits
 # are reserved too; `folded_name` turns them into plain ones.
 DEVICES = {"con", "prn", "aux", "nul", "conin$", "conout$"} | {f"{d}{n}" for d in ("com", "lpt") for n in range(10)}
+# Names that programs read as a number that is not finite.
+NOT_FINITE = {"nan", "inf", "infinity"}
 # Categories of Unicode: letters, digits, and combining marks.
 LETTERS = {"Lu", "Ll", "Lt", "Lm", "Lo", "Nd"}
 MARKS = {"Mn", "Mc"}
@@ -59,7 +61,7 @@ def check_names(field: str, names: Iterable[str], what: str) -> None:
 
     field: the size that contains them; what: the kind of thing named, for the message. A plain name has letters and
     digits of any script, space, `_` and `-`, begins with a letter or digit, does not end with a space, has at most 40
-    letters, and is not the name of a Windows device.
+    letters, and is neither the name of a Windows device nor nan or infinity.
     """
     seen: dict[str, str] = {}
     for name in names:
@@ -102,7 +104,7 @@ def _letters_flaw(name: str) -> str:
         return "ends with a space"
     if folded_name(name) in DEVICES:
         return "is the name of a device in Windows"
-    return ""
+    return "reads as a number in tables" if folded_name(name) in NOT_FINITE else ""
 
 
 def is_letter(letter: str, before: str = "") -> bool:
@@ -110,6 +112,14 @@ def is_letter(letter: str, before: str = "") -> bool:
     category = unicodedata.category(letter)
     on_letter = bool(before) and unicodedata.category(before) in LETTERS | MARKS
     return letter not in UNSEEN and (category in LETTERS or (category in MARKS and on_letter))
+
+
+def is_visible(text: object) -> bool:
+    """Whether a value is a text of one line whose signs are all visible, and do not change how others are shown."""
+    return isinstance(text, str) and not any(sign in UNSEEN or not sign.isprintable() for sign in text)
+
+
+VisibleText = Annotated[str, ArgumentType(is_visible, "a text of visible signs in one line", (str,))]
 
 
 def file_name_flaw(name: str) -> str:

@@ -12,7 +12,7 @@ from ..core.records import record
 from ..making.motors import MOTORS, motor_check, motor_summary
 from ..model.check import Check
 from ..model.motor import RPM, Motor, MotorDuty
-from ..plane.vec import Real
+from ..plane.vec import Real, without_rounding
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism
 from .placed import TORQUE
@@ -118,9 +118,9 @@ class MachineTorques:
         if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
             return {}
         peak = int(np.nanargmax(np.abs(duty.torque)))
-        work = float(np.trapezoid(duty.torque, duty.angle))
+        work, size = (float(np.trapezoid(torque, duty.angle)) for torque in (duty.torque, np.abs(duty.torque)))
         values = {
-            "work_N_mm": work,
+            "work_N_mm": (work := without_rounding(work, size)),
             "mean_power_W": 1e-3 * work / float(duty.angle[-1]) * float(duty.speed[0]),
             "largest_power_W": 1e-3 * float(np.fmax.reduce(duty.torque * duty.speed)),
             "inertia_of_gears_kg_mm2": self.inertia_of_gears or np.nan,

@@ -151,13 +151,14 @@ class Fastener:
     form: "screw" is a screw of a standard length with a nut and a washer or, if no screw is long enough, a threaded rod
     with a nut and a washer at each end. "rod" is a plain rod, cut flush and glued or pressed into the plate at each end
     that moves with it. play: axial play, mm, so that plates can rotate. head_height: height of the head, mm, if it is
-    not that of the standard.
+    not that of the standard. tolerance: tolerance class of a rod by ISO 286, such as "g6".
     """
 
     diameter: float
     form: Literal["screw", "rod"]
     play: float
     head_height: float | None = None
+    tolerance: str = ""
 
     @cached_property
     def size(self) -> Size | None:
@@ -188,10 +189,15 @@ class Fastener:
         head = self.size.head[1] if self.head_height is None else self.head_height
         return head + self.play, length - grip
 
+    def rod(self, length: float) -> tuple[str, int]:
+        """The item of a plain rod of a length, mm."""
+        size = f"{mm(self.diameter):g} {self.tolerance}".rstrip()
+        return f"rod {size}, cut to {mm(length):g}", 1
+
     def bill(self, grip: float) -> tuple[tuple[str, int], ...]:
         """The items of one joint: name and number of each."""
         if self.form == "rod" or self.size is None:
-            return ((f"rod {mm(self.diameter):g}, cut to {mm(grip + self.play):g}", 1),)
+            return (self.rod(grip + self.play),)
         thread, series, length = self.size.thread, self.size.series, self.length(grip)
         ends = 1 if length else 2
         nuts = (f"{thread} {series.washer}", ends), (f"{thread} {self.size.nut}", ends)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isnan
+from math import isfinite, isnan
 from typing import Annotated, Literal
 
 from ..core.arguments import REAL, ArgumentType
@@ -13,7 +13,7 @@ from ..core.fields import to_digits
 from ..core.records import record
 from ..core.reprs import clipped
 from ..core.units import as_sentences
-from ..plane.vec import rounded
+from ..plane.vec import rounded, without_rounding
 
 # May be nan or infinite.
 AnyNumber = Annotated[
@@ -82,6 +82,8 @@ class Check:
 
     def __post_init__(self) -> None:
         as_sentences(self, "name", "advice")
+        if self.value and isfinite(self.limit) and not without_rounding(self.value, abs(self.limit)):
+            object.__setattr__(self, "value", 0.0)
 
     @property
     def passed(self) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core.arguments import AnyFloat, PositiveFloat, checked
 from ..core.fields import FARTHEST, ComplexOrArray, FloatOrArray, entry, quantity
+from ..core.names import VisibleText
 from ..core.records import record
 from ..plane.vec import Real
 
@@ -45,7 +46,7 @@ class Material:
     60
     """
 
-    name: str = entry("name of the material", example="oak")
+    name: VisibleText = entry("name of the material", example="oak")
     density: float = quantity("density", "kg/m3", above=0, at_most=30_000, example=700)
     modulus: float | None = quantity("modulus of elasticity", "N/mm2", default=None, above=0, at_most=1e7)
     poisson_ratio: float = quantity("Poisson's ratio", default=0.3, at_least=0, at_most=0.5)
@@ -56,7 +57,7 @@ class Material:
     bearing_pressure: float | None = quantity(
         "pressure that a slowly turning pin may exert in a hole", "N/mm2", default=None, above=0, at_most=1e5
     )
-    source: str = entry("where the values are from", default="")
+    source: VisibleText = entry("where the values are from", default="")
 
     @property
     def carried_stress(self) -> float | None:

@@ -12,6 +12,7 @@ import numpy as np
 from ..core.arguments import AnyFloat, ArgumentType, checked, numbers
 from ..core.errors import DesignError
 from ..core.fields import entry, quantity
+from ..core.names import VisibleText
 from ..core.records import record
 from ..plane.vec import Real
 
@@ -129,7 +130,7 @@ class Motor:
     500.0
     """
 
-    name: str = entry("name of the motor", example="gear motor 12 V")
+    name: VisibleText = entry("name of the motor", example="gear motor 12 V")
     torque_n_mm: float = quantity("greatest torque", "N mm", above=0, at_most=1e12, example=1000)
     speed_rpm: float = quantity(
         "speed without load, or the largest speed of a motor of constant torque", "rpm", above=0, at_most=1e6,
@@ -143,7 +144,7 @@ class Motor:
     range_deg: float | None = quantity(
         "angle through which a servo turns", "deg", default=None, above=0, at_most=36_000
     )
-    source: str = entry("where the values are from", default="")
+    source: VisibleText = entry("where the values are from", default="")
     voltage_v: float | None = quantity("rated voltage", "V", default=None, above=0, at_most=1e6)
     no_load_current_a: float | None = quantity(
         "current without load, of a direct-current motor", "A", default=None, at_least=0, at_most=1e6
@@ -247,7 +248,7 @@ class Motor:
         if self.range_deg is not None and duty.angle_deg > self.range_deg * (1 + ROUNDING):
             return 0.0
         supplied, required = self.torque_at(duty.speed[known]), np.abs(duty.torque[known])
-        if not supplied.all():
+        if not (supplied > ROUNDING * self.torque_n_mm).all():
             return 0.0
         peak = np.argmax(required)
         required[peak] = duty.peak_torque

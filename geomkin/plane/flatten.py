@@ -367,7 +367,7 @@ def _edges_of(curve: AbstractCurve) -> tuple[Real, Real] | None:
 
 def _chords_of_arc(radius: ArrayLike, sweep: ArrayLike, tolerance: float) -> Real:
     """Smallest number of equal chords of an arc, as a fraction; none turns by more than a third of a circle."""
-    half = 2 * np.arcsin(np.sqrt(np.minimum(tolerance / (2 * np.asarray(radius)), 0.25)))
+    half = 2 * np.arcsin(np.sqrt(tolerance / np.maximum(2 * np.asarray(radius), 4 * tolerance)))
     # Reduced by 1e-9 below, so that a tolerance that gives exactly a whole number is not rounded up.
     count: Real = np.asarray(sweep) / (2 * half)
     if (total := float(np.sum(count))) > MOST_CHORDS:
@@ -426,16 +426,21 @@ def _chord_judge(curve: AbstractCurve) -> Judge:
         inside = curve.point(probes(low, high, SHARES))
         if len(low) == len(intervals.low):
             off = _distance(inside[:, :1], inside[:, -1:], inside)
-            return tops(off, inside, intervals.first), turns(inside[:, 1:] - inside[:, :-1])
+            return tops(off, inside, intervals.first), turns(_steps(inside))
         each = np.arange(len(intervals.low))
         first = owner.searchsorted(each)
         start, end = inside[first, 0], inside[owner.searchsorted(each, side="right") - 1, -1]
         off = _distance(start[owner, None], end[owner, None], inside)
-        return np.maximum.reduceat(tops(off, inside, first[intervals.first]), first), np.add.reduceat(
-            turns(inside[:, 1:] - inside[:, :-1]), first
-        )
+        error = np.maximum.reduceat(tops(off, inside, first[intervals.first]), first)
+        return error, np.add.reduceat(turns(_steps(inside)), first)
 
     return judge
+
+
+def _steps(places: Complex) -> Complex:
+    """From each probe to the next. Rounding counts as 0: on an arc whose offset is its centre it rotates at random."""
+    steps = places[:, 1:] - places[:, :-1]
+    return np.where(np.abs(steps) > ROUNDING * np.abs(places[:, 1:]), steps, 0)
 
 
 def _distance(a: Complex, b: Complex, p: Complex) -> Real:

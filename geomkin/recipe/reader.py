@@ -9,8 +9,8 @@ from typing import Any, get_args
 from ..core.arguments import PLAIN, ArgumentType, found_value, is_endless, number_range
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.field_visitor import ROWS, DeclaredField, TypeShape, fields_of, item_shape, kind_of
-from ..core.fields import SMALLEST, Coordinate, quantity_fits, refusal_id
-from ..core.names import Folder
+from ..core.fields import Coordinate, point_of, quantity_fits, refusal_id
+from ..core.names import Folder, is_visible
 from ..core.units import marked
 from .messages import allowed_value, did_you_mean, joined_key, number_meant, table_remedy, unknown_key
 
@@ -114,7 +114,7 @@ class _TableReader:
             return self.table(given, tables, key, declared)
         if option is complex:
             pair = self.rows(given, (Coordinate, Coordinate), key, declared)
-            return pair if pair is WRONG else complex(*(x if abs(x) >= SMALLEST else 0.0 for x in pair))
+            return pair if pair is WRONG else point_of(*pair)
         if option in (float, int):
             return self.number(given, option, shape.mark or PLAIN[option], key, declared)
         if option is bool and not isinstance(given, bool):
@@ -170,6 +170,10 @@ class _TableReader:
             return self.table(given, tables, key, declared) if tables else self.wrong(given, key, declared)
         keys = {name: _inside(key, printable(name, 60) or '""') for name in given}
         values = {name: self.value(item, item_shape(hint), keys[name], declared) for name, item in given.items()}
+        for name in given:
+            if not is_visible(name):
+                problem = f"has the key {shown(name)}, with a sign that is not visible"
+                values[name] = self.refuse(key, problem, "give keys of visible signs", "out-of-range")
         return WRONG if any(value is WRONG for value in values.values()) else values
 
 

@@ -382,6 +382,11 @@ class AbstractGoal(AbstractRecipe):
         """The recipe that was found."""
 
     @property
+    def cut_short(self) -> bool:
+        """Whether a time limit ended the search, so that its result depends on the computer."""
+        return False
+
+    @property
     def candidates(self) -> tuple[Candidate, ...]:
         """Designs among which one key of the recipe chooses; empty if there is nothing to choose."""
         return ()

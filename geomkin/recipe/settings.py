@@ -43,6 +43,8 @@ Format = Annotated[str, OneOfFormats()]
 # Width or height of a sheet, mm. A smaller one has no room within its margins; a larger one does not exist.
 Side = Annotated[float, between(10, WIDEST, "mm")]
 
+# Narrowest tab, mm: less than the decimals of drawings state, and it would hold nothing. Chosen here.
+NARROWEST_TAB = 0.01
 # Largest numbers of rows and of cells of a table, which take some seconds and half a GB. More take minutes and several
 # GB, and no program opens them; fewer would refuse a full turn in steps of a hundredth of a degree.
 MOST_ROWS = 50_000
@@ -129,6 +131,11 @@ class Files:
         at_least=-FARTHEST,
         at_most=FARTHEST,
     )
+
+    def __post_init__(self) -> None:
+        if 0 < self.tab_width < NARROWEST_TAB:
+            remedy = f"give 0 or at least {mm(NARROWEST_TAB):up4}"
+            raise DesignError("tab_width", f"found {mm(self.tab_width):g}", remedy, "out-of-range", NARROWEST_TAB)
 
     @property
     def wants_all(self) -> bool:

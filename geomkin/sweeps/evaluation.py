@@ -214,7 +214,9 @@ def check_results(task: SweepTask, recipe: AbstractRecipe) -> None:
         else:
             column, known = name, list(_entries("", ShownRecipe(recipe).notes))
             is_known = name in known
-            entries = f", or one of {', '.join(known)}" if known else ""
+            # Of a list, the first item stands for the others.
+            shorter = [entry for entry in known if not re.search(r"\[[1-9]", entry)]
+            entries = f", or one of {', '.join(shorter)}" if known else ""
             remedy = f"give COLUMN:{', COLUMN:'.join(STATISTICS)}{entries}"
         if not is_known:
             raise DesignError("results", f"found {shown(name)}", did_you_mean(column, known) + remedy, "unknown-key")
@@ -235,13 +237,15 @@ def _result(recipe: AbstractRecipe, name: str) -> Any:
 
 
 def _entries(path: str, notes: Mapping[str, object]) -> dict[str, Any]:
-    """The numbers, texts and booleans of the notes, by dotted name."""
+    """The numbers, texts and booleans of the notes, by dotted name; items of a list are numbered from [0]."""
     entries: dict[str, Any] = {}
     for name, value in notes.items():
         key = f"{path}{name}"
         value = value.item() if isinstance(value, np.generic) else value
         if isinstance(value, Mapping):
             entries |= _entries(f"{key}.", value)
+        elif isinstance(value, (list, tuple)):
+            entries |= _entries(key, {f"[{k}]": item for k, item in enumerate(value)})
         elif isinstance(value, (str, int, float)):
             entries[key] = value
     return entries

@@ -22,7 +22,7 @@ from ..export.summary import CERTIFICATE, FOUND, LAYOUT, NAME, Stamp, read_summa
 from ..model.corner_relief import relieved
 from ..model.thin_features import beam_checks
 from ..recipe.load import from_table
-from ..recipe.recipe import AbstractRecipe
+from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from .comparison import (
     FINENESS,
     MOST_PLATES,
@@ -43,6 +43,10 @@ from .read_back import read_3mf, read_dxf, read_stl, read_svg
 MEASURED = 2 * FINENESS
 # Largest number of files of a folder that are measured.
 MOST_FILES = 10_000
+CUT_SHORT = (
+    "its search was ended by search.time_limit, so its result depends on the computer and cannot be certified; run the "
+    "recipe with a longer time_limit"
+)
 
 
 @record(eq=False)
@@ -248,8 +252,10 @@ def _certificate(folder: Path) -> Certificate:
         reports.append(_report(folder / file, expected))
     report(1.0, name)
     files, unit = recipe.files, UNITS[recipe.units]
+    is_cut = summary.get("cut_short") or (isinstance(recipe, AbstractGoal) and recipe.cut_short)
+    problems = (CUT_SHORT,) if is_cut and not all(file.passed for file in reports) else ()
     return Certificate(
-        folder, harmless(name), harmless(kind), hashed, files.tolerance, files.kerf, tuple(reports), unit=unit
+        folder, harmless(name), harmless(kind), hashed, files.tolerance, files.kerf, tuple(reports), problems, unit
     )
 
 

@@ -19,6 +19,7 @@ PLAIN = [
     "9",
     "x" * 40,
     "common",
+    "nanometre",
 ]
 STRANGE = [
     "",
@@ -49,6 +50,8 @@ STRANGE = [
     "Com1",
     "LPT¹",
     "nul",
+    "nan",
+    "Infinity",
     "=HYPERLINK(1)",
     "@a",
     "+1",

@@ -17,6 +17,7 @@ from geomkin.making.bores import AbstractBored
 from geomkin.model.corner_relief import relieved
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import length
+from geomkin.recipe.settings import Files
 
 BORES = {
     "keyed": ({"bore": 10}, 2.8),
@@ -136,6 +137,9 @@ def test_tabs_wider_than_the_outline_are_refused_with_a_width_that_fits():
     with pytest.raises(gk.DesignError) as caught:
         dxf(sheet_of(part, tab_width=9.0))
     dxf(sheet_of(part, tab_width=caught.value.value))
+    with pytest.raises(gk.DesignError) as caught:
+        Files(tab_width=1e-12)
+    assert caught.value.field == "tab_width" and Files(tab_width=caught.value.value)
 
 
 def test_layers_have_the_names_and_colours_of_the_recipe():

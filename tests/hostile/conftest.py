@@ -223,10 +223,12 @@ def _dxf(file):
                 file.stem.endswith("-assembly") and np.isfinite(entity.dxf.insert.xyz).all() and entity.dxf.height > 0
             )
         else:
-            points = np.array(entity.get_points("xy"))
+            # R12 has no LWPOLYLINE.
+            is_old = entity.dxftype() == "POLYLINE"
+            points = np.array([v.vec2 for v in entity.points()] if is_old else entity.get_points("xy"))
             assert np.isfinite(points).all() and len(points) >= 2
             # An open line may end where it began.
-            before = np.roll(points, 1, axis=0) if entity.closed else points[:-1]
+            before = np.roll(points, 1, axis=0) if entity.is_closed else points[:-1]
             assert (points[-len(before) :] != before).any(axis=1).all(), f"{file.name}: a point twice in a row"
 
 

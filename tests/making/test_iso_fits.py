@@ -118,6 +118,17 @@ def test_tolerances_take_the_largest_clearance_of_the_pins():
     assert gk.linkage.LinkStock(pin_fit="H7/g6").hole_diameter == pytest.approx(4.006)
 
 
+def test_rods_are_bought_by_the_class_of_their_fit():
+    stock = {"pin_fit": "H7/g6", "fastener": "rod"}
+    data = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}
+    recipe = gk.load(data | {"stock": stock, "tolerances": {"of": "rocker_angle", "limit": 0.01}})
+    rods = [item.name for item in recipe.bought if item.name.startswith("rod")]
+    assert rods and all(" g6," in rod for rod in rods)
+    # What makes the clearance smaller is the fit.
+    (check,) = [check for check in recipe.checks if check.id == "deviation"]
+    assert "pin_fit" in check.advice
+
+
 @pytest.mark.parametrize(
     ("stock", "key"),
     [

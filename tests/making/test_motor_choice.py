@@ -59,6 +59,10 @@ def test_a_servo_turns_no_farther_than_its_range_and_unknown_frames_are_left_out
         angle = np.radians(np.linspace(-30, extent - 30, 50))
         duty = MotorDuty(np.full(50, 1.0), np.full(50, 0.5), angle)
         assert (gk.making.motor("mg996r").margin(duty) > 0) == turns
+    # At its largest speed a motor supplies only rounding.
+    fastest = np.full(2, np.nextafter(100 * np.pi / 30, 0))
+    own = Motor("own", torque_n_mm=1000, speed_rpm=100, lasting_torque_n_mm=200, mass_g=50)
+    assert own.margin(MotorDuty(np.ones(2), fastest, np.arange(2.0))) == 0
     torque = np.where(np.arange(73) == 5, np.nan, 10.0)
     motor = Motor("own", torque_n_mm=100, speed_rpm=60, lasting_torque_n_mm=40, mass_g=1)
     assert motor.margin(MotorDuty(torque, np.full(73, np.pi), TURN)) == pytest.approx(4)

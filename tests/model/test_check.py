@@ -32,6 +32,11 @@ def test_a_value_that_fails_is_shown_apart_from_its_limit():
         assert shown == pytest.approx(value, rel=5e-3, abs=0)
 
 
+def test_rounding_of_a_value_that_is_0_is_not_shown():
+    assert gk.Check("angle", "angle", 7e-15, "at least", 40.0, "deg").value == 0
+    assert gk.Check("gap", "gap", -1e-12, "at least", 0.0, "mm").value < 0
+
+
 FAILING = """kind = "four-bar"
 [linkage]
 ground = 80

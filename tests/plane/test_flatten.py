@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from geomkin.core.errors import DesignError
 from geomkin.gear.spur import SpurGear
-from geomkin.plane.curve import Moved, SubCurve
+from geomkin.plane.curve import Moved, Offset, SubCurve
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.measure import signed_area
@@ -218,3 +218,11 @@ def test_two_bows_keep_an_area_at_any_tolerance(breaks):
     assert len(z) == 6 and {-3, 3} <= set(np.round(z, 12).tolist())
     places(lens, z)
     assert np.imag(np.conj(z) * np.roll(z, -1)).sum() / 2 == pytest.approx(8 / 9 * signed_area(lens), rel=1e-9)
+
+
+def test_an_arc_whose_offset_is_its_centre_takes_few_points():
+    """There the tangent is rounding, and rotates at random."""
+    corner = Arc(33.1 + 7.7j, 33.1 + 8.7j, np.pi / 2)
+    line = Path((Segment(50 + 8.7j, 33.1 + 8.7j), corner, Segment(32.1 + 7.7j, 32.1 - 9j)))
+    points = flatten(Offset(line, -1.0), 0.005)
+    assert len(points) < 100 and np.abs(points - corner.centre).min() < 1e-9

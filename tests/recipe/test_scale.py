@@ -86,7 +86,7 @@ def lengths_of(thing, path=""):
 PLAIN = (
     "deg", "rpm", "rad", "branch", "choose", "seed", "time_limit", "ratio", "rows", "columns", "chosen", "degree", "decimals",
     "count", "masses.crank", "masses.coupler", "masses.slider", "density", "coefficients", "x_start", "x_end", "points",
-    "intervals", "jerk_limit", "gravity", "kg",
+    "intervals", "jerk_limit", "gravity", "kg", "bars",
 )  # fmt: skip
 
 
@@ -125,6 +125,10 @@ def test_points_and_lifts_of_files_are_multiplied(tmp_path):
     wanted = 'kind = "path-generator"\nscale = 3\n[wanted]\nfile = "path.csv"\n'
     path = parse(wanted, folder=tmp_path).wanted
     assert path.places == pytest.approx([0, 30 + 15j, 60, 45 - 24j]) and path.file is None
+    # A negative 0 of a file is not one of the recipe that is written.
+    (tmp_path / "path.csv").write_text("x,y\n-0.00,0\n10,5\n1e-11,-8\n")
+    written = whole_table(parse(wanted.replace("scale = 3", "scale = 1e-2"), folder=tmp_path))
+    assert str(written) == str(whole_table(gk.load(written)))
     svg = parse('kind = "path-generator"\nscale = 3\n[wanted]\nsvg = "M 0 0 L 10 0"\ncount = 3\n').wanted
     assert svg.places == pytest.approx([0, 15, 30])
     rows = [(120 + 5 * k, 10 - 10 * np.cos(np.pi * k / 24)) for k in range(25)]

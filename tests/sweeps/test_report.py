@@ -37,7 +37,7 @@ def task(tmp_path):
 
 def test_reported_results_are_those_of_table_and_notes(task):
     names = ["transmission_angle_deg:least", "transmission_angle_deg:largest", "rocker_angle_deg:last", "nothing:least",
-             "grashof_type", "nothing", "versions.nothing"]  # fmt: skip
+             "grashof_type", "stack.pins[1].length_mm", "nothing", "versions.nothing"]  # fmt: skip
     sizes = {"linkage.crank": 80, "linkage.coupler": 60, "linkage.rocker": 50, "drive.end_deg": 180}
     row, open_row = evaluate(task(*names), [{}, sizes])
     recipe = gk.load(BAR.replace("end_deg = 30", "").replace("step_deg = 10", "step_deg = 90"))
@@ -47,6 +47,7 @@ def test_reported_results_are_those_of_table_and_notes(task):
     assert row["results"]["rocker_angle_deg:last"] == pytest.approx(recipe.table["rocker_angle_deg"][-1])
     assert row["results"]["nothing:least"] is None and row["results"]["nothing"] is None
     assert row["results"]["grashof_type"] == recipe.notes["grashof_type"]
+    assert row["results"]["stack.pins[1].length_mm"] == recipe.notes["stack"]["pins"][1]["length_mm"]
     # Where the last row cannot be, there is no last value, though there is a least one.
     results = open_row["results"]
     assert results["rocker_angle_deg:last"] is None and np.isfinite(results["transmission_angle_deg:least"])

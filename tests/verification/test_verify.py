@@ -207,6 +207,22 @@ def test_another_recipe_of_the_same_name_is_recognised(copy, tmp_path_factory):
     assert set(wrong(copy)) == {"bars.svg"}
 
 
+def test_a_search_that_its_time_limit_ended_is_named(tmp_path):
+    """Another computer finds another linkage, so that its files cannot be compared."""
+    wanted = {"poses": [[0, 0, 0], [20, 10, 20], [30, 30, 50]]}
+    for limit in (1e-6, 60):
+        recipe = {"kind": "body-guidance", "wanted": wanted, "search": {"time_limit": limit}}
+        gk.make(gk.load(recipe).with_name("guide"), tmp_path, ["csv"])
+        (certificate,) = gk.verify(tmp_path)
+        assert certificate.passed and not certificate.problems
+        path = tmp_path / "guide/guide.csv"
+        path.write_text(path.read_text().replace("1", "2"))
+        (certificate,) = gk.verify(tmp_path)
+        assert not certificate.passed and any("time_limit" in problem for problem in certificate.problems) == (
+            limit < 1
+        )
+
+
 def test_a_file_of_another_program_is_measured(copy):
     """The rest of it is listed as not measured."""
     text = (copy / "bars.svg").read_text()

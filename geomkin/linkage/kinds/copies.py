@@ -293,7 +293,7 @@ def joint_bills(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: fl
         lines += [
             (
                 stack.letters[name],
-                ((f"rod {mm(stack.fastener.diameter):g}, cut to {mm(rod.length):g}", 1), *glue_bill(2)),
+                (stack.fastener.rod(rod.length), *glue_bill(2)),
             )
             for stack, rod in zip(stacks, shared)
             if rod.pin == name

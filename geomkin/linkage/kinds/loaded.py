@@ -16,6 +16,7 @@ from ...model.check import Check
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
+from ...plane.vec import without_rounding
 from ..checks import in_driver_unit
 from ..dynamics.inverse import WATT
 from ..linkage import Linkage
@@ -244,9 +245,10 @@ class LoadsAspect(AbstractLinkageForces):
             pin: to_digits(self.peaks[pin][0]) for pin in self.linkage.pins if np.isfinite(self.peaks[pin][0])
         }
         power, range_of_drive = WATT * total * dense.timing.speed, dense.drive[-1] - dense.drive[0]
-        mean_power = WATT * self.work[-1] / range_of_drive * float(dense.timing.speed)
+        work = without_rounding(self.work[-1], float(np.trapezoid(np.abs(total), dense.drive)))
+        mean_power = WATT * work / range_of_drive * float(dense.timing.speed)
         known = {
-            "work_N_mm": float(self.work[-1]),
+            "work_N_mm": work,
             "mean_power_W": float(mean_power) if dense.timing.steady else np.nan,
             "largest_power_W": float(np.fmax.reduce(power)),
             "efficiency": float(analysis.efficiency) if analysis.loads.friction else np.nan,

@@ -11,7 +11,7 @@ from ...core.records import record
 from ...core.units import mm
 from ...making.motors import LEAST_MOTOR_MARGIN, motor_summary
 from ...model.motor import RPM, Motor, MotorDuty
-from ...plane.vec import Real
+from ...plane.vec import Real, without_rounding
 from ..motion import Motion
 from ..moving import move
 from .made import MadeLinkage
@@ -111,4 +111,4 @@ def compared_motor(
         torque = (middle / (RPM * motor.speed_rpm)) ** np.arange(2, -1, -1) @ parabolas
         enough = motor.margin(duty_of(torque, middle)) >= LEAST_MOTOR_MARGIN
         low, high = (middle, high) if enough else (low, middle)
-    return ComparedMotor(motor, duty, low, step, mean, energy)
+    return ComparedMotor(motor, duty, without_rounding(low, RPM * motor.speed_rpm), step, mean, energy)

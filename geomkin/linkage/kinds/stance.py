@@ -157,7 +157,8 @@ class Stance:
         at = in_driver_unit(self.motion, drive)
         name = "least distance of the frame's centre inside its feet"
         yield Check("support_margin", name, least, "at least", 0, "mm", advice, at=at)
-        advice = f"give six legs, by {SIX_LEGS} above the first table in place of others"
+        phases = "phases by which three feet always stand, by" if len(self.feet) >= 6 else "six legs, by"
+        advice = f"give {phases} {SIX_LEGS} above the first table in place of others, or a leg whose foot keeps level"
         for direction, (low, high) in self.tilt_range_deg.items():
             name = f"tilt {direction} the path, largest minus least"
             yield Check(f"tilt_{direction}", name, high - low, "at most", MOST_ROCKING_DEG, "deg", advice)

@@ -240,12 +240,18 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
     def _advice(self) -> tuple[str, tuple[Suggestion, ...]]:
         loosest = self.loosest("worst_case")
         if not loosest:
-            return "the clearance alone exceeds it: give a smaller clearance, or other lengths", ()
+            return f"the clearance alone exceeds it: give {self._closer}, or other lengths", ()
         tolerance = rounded_down(loosest * (1 - ROUNDING), 3)
         keys = ["tolerances.tolerance"] * bool(self.given.tolerance)
         keys += [f"tolerances.lengths.{name}" for name, value in self.given.lengths.items() if value]
-        advice = f"cut all lengths to at most {mm(float(tolerance)):down}, or give a smaller clearance"
+        advice = f"cut all lengths to at most {mm(float(tolerance)):down}, or give {self._closer}"
         return advice, (Suggestion(dict.fromkeys(keys, float(tolerance)), "mm"),)
+
+    @property
+    def _closer(self) -> str:
+        """What makes the clearance smaller: by default it is that of the stock, or of its fit."""
+        has_fit = self.given.clearance is None and self.mechanism.stock.pin_fit
+        return "a closer stock.pin_fit" if has_fit else "a smaller clearance"
 
     @cached_property
     def enlarged(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from math import ceil
 from typing import Literal
@@ -83,7 +84,8 @@ class LinkStock:
     @cached_property
     def fastener_used(self) -> Fastener:
         """The fastener that holds the pins."""
-        return fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
+        found = fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
+        return replace(found, tolerance=self.pin_fit.partition("/")[2])
 
     @property
     def hole_diameter(self) -> float:

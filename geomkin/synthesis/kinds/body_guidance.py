@@ -30,7 +30,7 @@ from ..guidance.guidance import BodyGuide, body_guides
 from ..guidance.guide_groups import LARGEST_RATIO, Kind
 from ..guidance.guide_search import Rectification, rectification
 from ..guidance.poses import circle_of_sliders, poles
-from .linkage_goals import LISTED, AbstractLinkageGoal, Search, choose_entry
+from .linkage_goals import CUT_SHORT, LISTED, AbstractLinkageGoal, Search, choose_entry
 
 # Largest error of a pose, mm and deg, below manufacturing accuracy. Rounding is a billion times smaller, so only
 # least-squares fits can fail. Derived here.
@@ -298,16 +298,24 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         return [*skeleton(motion, 0, plate), *self.axes, *circles]
 
     @property
+    def cut_short(self) -> bool:
+        return self.ranked[0].cut_short
+
+    @property
     def remarks(self) -> tuple[str, ...]:
-        """The driving pin, if points were given."""
+        """Whether the search was cut short, and the driving pin, if points were given."""
         given = self.wanted.moving_points or self.wanted.fixed_points
+        cut = (CUT_SHORT,) if self.cut_short else ()
         if given is None or not np.isfinite(self.found.pins).all():
-            return ()
+            return cut
         # To a micrometre: the lengths of the found linkage are rounded.
         driving, driven = (
             f"({bare_mm(pin.real, pin.imag):.7g}) {unit_name()}" for pin in rounded(np.array(self.found.pins), 3)
         )
-        return (f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",)
+        return (
+            *cut,
+            f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",
+        )
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -318,7 +326,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
             direction = {"at_infinity_deg": to_digits(np.degrees(np.angle(complex(pole.direction))))}
             position = [to_digits(z.real), to_digits(z.imag)]
             poles_mm[f"{j + 1} and {k + 1}"] = position if np.isfinite(z) else direction
-        return {**super().notes, "poles_mm": poles_mm}
+        return {**super().notes, "cut_short": self.cut_short, "poles_mm": poles_mm}
 
 
 def _rounded_error(missed: float) -> float:

@@ -41,6 +41,9 @@ PICTURE_FRAMES = 41
 SHARES = tuple(10.0**-k for k in range(6, 13))
 # Tolerance, relative and in deg, for limits that are missed by rounding only.
 NEAR = 1e-9
+CUT_SHORT = (
+    "The time limit ended the search, so its result depends on the computer: a longer one may find better linkages."
+)
 
 
 @record(checked=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.field_visitor import WrittenForm
-from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, quantity
+from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, point_of, quantity
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
@@ -31,7 +31,7 @@ from ..found import size_entries, ten_digits
 from ..path.path import CHAIN_DEG, CHAIN_RATIO, LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
 from ..path.search import PathFound
 from ..path.svg_drawings import drawing_points, svg_path_points
-from .linkage_goals import AbstractLinkageGoal, Search, choose_entry, recipe_of
+from .linkage_goals import CUT_SHORT, AbstractLinkageGoal, Search, choose_entry, recipe_of
 
 
 class NameOfFile(WrittenForm):
@@ -205,7 +205,9 @@ class WantedPath:
 
     def at_scale(self, scale: float) -> WantedPath:
         """A copy with all points multiplied, including those of a file or an SVG path."""
-        return replace(self, points=tuple((scale * self.places).tolist()), file=None, svg=None)
+        return replace(
+            self, points=tuple(point_of(z.real, z.imag) for z in (scale * self.places).tolist()), file=None, svg=None
+        )
 
     @property
     def turns_deg(self) -> Real | None:
@@ -313,11 +315,24 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
                 wanted.bars,
             )
         except DesignError as error:
-            table = next((name for name, fields in TABLES.items() if error.field in fields), "wanted")
-            key = (
-                error.field if error.field == table or error.field.startswith(f"{table}.") else f"{table}.{error.field}"
-            )
-            raise error.named(key) from None
+            raise self._of_recipe(error) from None
+
+    def _of_recipe(self, error: DesignError) -> DesignError:
+        """An error of the search that names the key of the recipe."""
+        wanted, field = self.wanted, error.field
+        if field.startswith("bounds"):
+            return error.named(field)
+        if table := next((name for name, names in TABLES.items() if field in names), ""):
+            return error.named(f"{table}.{field}")
+        given = {name for name in ("points", "file", "svg", "step_deg") if getattr(wanted, name) is not None}
+        if field == "drive_deg" and "step_deg" in given:
+            return error.named("wanted.step_deg")
+        if hasattr(wanted, field):
+            return error.named(f"wanted.{field}")
+        # A size of a linkage that was found.
+        key = f"wanted.{(given - {'step_deg'}).pop()}"
+        problem = f"the linkage through them has {field}: {marked(error.problem)}"
+        return DesignError(key, problem, "give a smaller path, nearer to the origin", "out-of-range")
 
     @property
     def handles(self) -> tuple[SceneHandle, ...]:
@@ -402,11 +417,15 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return {**entries, "collisions": len(design.made.stack.collisions)}
 
     @property
+    def cut_short(self) -> bool:
+        return self.best.cut_short
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """Whether all linkages through nine points are listed."""
         best = self.best
         if best.cut_short:
-            return ("The time limit ended the search: a longer one may find better linkages.",)
+            return (CUT_SHORT,)
         if best.given:
             return (f"Of {best.given:,} points {len(best.points):,} are used.",)
         if best.special:
@@ -427,7 +446,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         entries: dict[str, object] = {
             "points": len(self.wanted.places),
             "method": "least squares" if best.least_squares else "as many unknowns as conditions, or more",
-            "cut_short": best.cut_short,
+            "cut_short": self.cut_short,
             "drive_at_points_deg": [ten_digits(q) for q in self.found.drive_deg],
             "usable": None if usable is None else {"choose": rank, **self.shortened(usable).summary()},
             "cognates": cognates,

@@ -250,7 +250,7 @@ def _check_chain(bars: int, wrong: Mapping[str, bool]) -> None:
     """Refuse arguments that six- and eight-bars do not take; wrong: whether each is given."""
     for field in (name for name, is_wrong in wrong.items() if is_wrong):
         problem = f"{bars} bars follow closed curves without crank angles and without a slider"
-        raise DesignError(field, problem, "give closed = true and no drive_deg or slides, or 4 bars", "conflict")
+        raise DesignError(field, problem, "give closed = true without crank angles and slides, or 4 bars", "conflict")
 
 
 def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Complex, Real | None]:
