@@ -28,6 +28,7 @@ from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
 from ..motion import motion_table
 from ..parts.counterweight_plates import RoundEnd
+from ..parts.layers import passed_attachments
 from ..parts.stack import MOTOR_PLATE
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
@@ -125,6 +126,11 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         return self.made
 
     @property
+    def attached(self) -> Iterator[tuple[str, Any, float, int]]:
+        """None: the assembly of the plates has them."""
+        return iter(())
+
+    @property
     def further_handles(self) -> Iterator[SceneHandle]:
         """The ends of a stroke, and the places of the aspects."""
         yield from super().further_handles
@@ -151,7 +157,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         collisions = sum(len(stack.collisions) for stack in dict.fromkeys(self.made.stacks))
         advice = "summary.json names them under stack; give narrower bars or other lengths"
         hole = hole_check(self.stock.hole_diameter, self.stock.thickness)
-        return (*self.motion_checks, hole, collision_check(collisions, advice))
+        checks = (*self.motion_checks, hole, collision_check(collisions, advice))
+        return (*checks, self._attachment_check()) if self.stock.attachments else checks
+
+    def _attachment_check(self) -> Check:
+        made = self.made
+        passing = list(passed_attachments(made.fine_motion, made.stock, made.stack.plates, made.stack.layers))
+        pairs = ", ".join(f"{plate} over the {item}" for item, plate in passing)
+        advice = f"{pairs}: give another place, thinner screws, or screws with sunk heads and no nuts"
+        name = "plates that pass over attachments and their screws"
+        return Check("attachments_passed", name, len(passing), "at most", 0, "", advice)
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:

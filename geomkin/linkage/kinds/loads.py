@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, Coordinate, entry, quantity
+from ...core.fields import FARTHEST, Coordinate, PlaceOnBody, entry, quantity
 from ...core.records import record
 from ...making.motors import MotorKey, motor_entry
 from ...model.material import Mass
@@ -19,7 +19,7 @@ from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
-from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
+from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, SlideForce, Spring, Torque, TorsionSpring
 from ..dynamics.wrenches import Wrenches, known_body, known_place
 from ..linkage import Linkage
 from ..motion import Motion
