@@ -57,6 +57,7 @@ class Attachment:
     thickness: float = quantity(
         "its thickness under the screws, for their length", "mm", default=3.0, at_least=0, at_most=1000
     )
+    set_screw: bool = entry("whether a set screw fixes it on the shaft in its middle, as a hub's", default=False)
     mass_kg: float = quantity("its mass, in its middle", "kg", default=0.0, at_least=0, at_most=FARTHEST)
 
     def __post_init__(self) -> None:
@@ -106,7 +107,8 @@ class Attachment:
         count = len(self.at_screws)
         by = f", by {count} x {screw_text(self.screw)}" if count else ""
         through = f", its shaft of {mm(self.bore):g} through the plate" if self.bore else ""
-        return f"fix the {self.name} on the {plate}{by}{through}"
+        fixed = "; tighten its set screw on the shaft" if self.set_screw else ""
+        return f"fix the {self.name} on the {plate}{by}{through}{fixed}"
 
 
 def attached_holes(attachments: Iterable[tuple[Attachment, complex]], clearance: float) -> tuple[Circle, ...]:
@@ -116,6 +118,11 @@ def attached_holes(attachments: Iterable[tuple[Attachment, complex]], clearance:
         for attachment, middle in attachments
         for place, fit in attachment.openings(middle, clearance)
     )
+
+
+def hub_thickness(items: Iterable[Attachment]) -> float:
+    """Length of a shaft that hubs with set screws engage, mm."""
+    return max((item.thickness for item in items if item.set_screw), default=0.0)
 
 
 def attachments_entry(what: str) -> Any:

@@ -12,7 +12,9 @@ import numpy as np
 from ...core.fields import entry
 from ...core.records import record
 from ...core.units import UNITS
+from ...making.attachments import hub_thickness
 from ...making.materials import MATERIALS
+from ...making.motors import engagement_check
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import RotatingBody
@@ -24,6 +26,7 @@ from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
 from ..motion import motion_table
@@ -159,6 +162,17 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         hole = hole_check(self.stock.hole_diameter, self.stock.thickness)
         checks = (*self.motion_checks, hole, collision_check(collisions, advice))
         return (*checks, self._attachment_check()) if self.stock.attachments else checks
+
+    @property
+    def engagement_checks(self) -> Iterator[Check]:
+        """Whether the crank, or a hub on it, engages the shaft of the motor."""
+        stock, stack, linkage = self.stock, self.made.stack, self.linkage.linkage
+        if stock.motor is not None:
+            crank, pivot = linkage.driver, complex(linkage.bodies[linkage.driver][str(linkage.driver_pivot)])
+            layer = next(layer for name, layer in stack.layers.items() if stack.plates[name].body == crank)
+            attached = (item for item, middle in stack.plates[crank].attached if are_equal(middle, pivot))
+            below = (layer + stack.motor_plates) * stock.thickness
+            yield engagement_check(stock.motor, stock.thickness + hub_thickness(attached), below)
 
     def _attachment_check(self) -> Check:
         made = self.made
