@@ -16,7 +16,7 @@ from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ..core.records import record
 from ..core.units import marked, mm
-from ..making.attachments import Attachment, attached_holes, attachments_entry
+from ..making.attachments import Attachment, attached_holes, attachments_entry, hub_thickness
 from ..making.bores import (
     AbstractBored,
     BoreForm,
@@ -84,6 +84,10 @@ class GearStock(AbstractBored):
 
     web: Web | None = entry("openings between hub and rim; none if omitted", default=None)
     attachments: tuple[Attachment, ...] = attachments_entry("the gear")
+
+    @property
+    def hub_length(self) -> float:
+        return hub_thickness(self.attachments)
 
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material under the teeth of a gear, mm."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -23,11 +23,11 @@ from ..core.fields import (
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..model.check import Check, Suggestion
-from ..model.motor import RPM, Motor, MotorDuty
+from ..model.motor import RPM, LinearActuator, Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
-from ..plane.vec import Complex
+from ..plane.vec import Complex, Real
 from .fasteners import LENGTHS, SIZES, ThreadDiameter
 from .materials import NamedIn
 
@@ -217,6 +217,25 @@ def _excess(motor: Motor, duty: MotorDuty) -> str:
     if motor.range_deg is not None and angle > motor.range_deg:
         return f"the driver turns by {angle:.4g} deg, and the servo by {motor.range_deg:g} deg: "
     return ""
+
+
+def actuator_checks(actuator: LinearActuator, force: Real, speed: Real, stroke: float) -> Iterator[Check]:
+    """Checks that an actuator supplies the force at each speed, by the margin of motors, and has the stroke.
+
+    force, speed: of the slide, N and mm/s, (frames,). stroke: of the slide, mm.
+    """
+    known = np.isfinite(force)
+    supplied, required = actuator.force_at(speed)[known], np.abs(force[known])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        margin = float(np.min(np.where(required > 0, supplied / required, np.inf), initial=np.inf))
+    needed = f"{np.max(required, initial=0.0):.4g} N at up to {mm(float(np.abs(speed).max()), unit='mm/s'):.4g}"
+    advice = f"{needed} are required: move it slower, or give a stronger actuator"
+    name = f"force of the {actuator.name} to that required"
+    value = margin if known.any() else np.nan
+    yield Check("actuator_force", name, value, "at least", LEAST_MOTOR_MARGIN, "", advice, "driver_force")
+    advice = f"the slide moves by {mm(stroke):.6g}: give a shorter stroke, or a longer actuator"
+    name = f"stroke of the {actuator.name} to that of the slide"
+    yield Check("actuator_stroke", name, to_digits(actuator.stroke / stroke, 12), "at least", 1.0, "", advice)
 
 
 def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:

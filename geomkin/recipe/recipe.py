@@ -18,8 +18,6 @@ from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..core.units import Units, in_sentences
-from ..making.attachments import hub_thickness
-from ..making.motors import HEADS, engagement_check
 from ..model.check import Check
 from ..model.corner_relief import relieved
 from ..model.material import Mass
@@ -468,13 +466,10 @@ class AbstractAssembledRecipe(AbstractRecipe):
 
     @property
     def engagement_checks(self) -> Iterator[Check]:
-        """Whether what a motor turns engages its shaft; it is on a base as thick, or over the motor's own plate."""
-        room = 0.0 if getattr(self, "base", None) else HEADS
-        for field in dataclasses.fields(self):
-            stock = getattr(self, field.name)
-            if getattr(stock, "motor", None) is not None and stock.bore:
-                length = stock.thickness + hub_thickness(getattr(stock, "attachments", ()))
-                yield engagement_check(stock.motor, length, stock.thickness + room)
+        """Whether what a motor turns engages its shaft."""
+        for stock in (getattr(self, field.name) for field in dataclasses.fields(self) if is_stock(field.name)):
+            if hasattr(stock, "engagement_checks"):
+                yield from stock.engagement_checks(getattr(self, "base", None) is not None)
 
     @property
     def attached(self) -> Iterator[tuple[str, Any, float, int]]:

@@ -14,6 +14,7 @@ from ...core.fields import FARTHEST, Coordinate, PlaceOnBody, entry, quantity
 from ...core.records import record
 from ...making.motors import MotorKey, motor_entry
 from ...model.material import Mass
+from ...model.motor import LinearActuator
 from ...model.scene import SceneHandle, point_handle
 from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
@@ -156,6 +157,9 @@ class LoadsTable:
         "coefficient of dry friction between the feet of a walker and the ground", default=0.0, at_least=0, at_most=10
     )
     motor: MotorKey | None = motor_entry("the driver")
+    actuator: LinearActuator | None = entry(
+        "linear actuator of a driven slide, with name, force_n, no_load_speed, full_load_speed and stroke", default=None
+    )
     motors: tuple[MotorKey, ...] = entry(
         "direct-current motors to compare at the speed of the drive: margin, largest speed, and time on a battery",
         default=(),
@@ -241,6 +245,9 @@ class LoadsTable:
             if motor and motion.linkage.driver_pivot is None:
                 problem = f"found {motor.name}, but the driver turns on no fixed shaft"
                 raise DesignError(f"loads.{key}", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
+        if self.actuator and motion.linkage.driven_slider is None:
+            problem = f"found {self.actuator.name}, but the driver turns"
+            raise DesignError("loads.actuator", problem, "omit it, or let a slide drive", "conflict")
         if len(self.motors) > MOST_MOTORS:
             raise DesignError(
                 "loads.motors", f"found {len(self.motors)}", f"give at most {MOST_MOTORS}", "out-of-range"
