@@ -58,7 +58,6 @@ class Attachment:
         "its thickness under the screws, for their length", "mm", default=3.0, at_least=0, at_most=1000
     )
     set_screw: bool = entry("whether a set screw fixes it on the shaft in its middle, as a hub's", default=False)
-    mass_kg: float = quantity("its mass, in its middle", "kg", default=0.0, at_least=0, at_most=FARTHEST)
 
     def __post_init__(self) -> None:
         if self.bolts and self.bolt_circle is None:

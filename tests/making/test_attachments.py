@@ -145,3 +145,43 @@ def test_holes_in_the_teeth_or_the_bore_of_a_gear_are_refused():
         with pytest.raises(gk.DesignError) as caught:
             recipe.parts
         assert caught.value.field == "second_stock.attachments"
+
+
+def test_a_scaled_linkage_has_its_attachment_at_the_scaled_point_with_the_same_screws():
+    at_tip = {**ARM, "at": "tip"}
+    plain, double = (
+        part_of(four_bar(at_tip, points={"rocker": {"tip": [105, 10]}}, scale=scale), "rocker") for scale in (1, 2)
+    )
+    assert holes_of(plain, 1.6) == pytest.approx([97 + 10j, 113 + 10j])
+    assert holes_of(double, 1.6) == pytest.approx([202 + 20j, 218 + 20j])
+
+
+def test_inches_are_millimetres_times_25_4():
+    inches = from_table({
+        "kind": "four-bar", "units": "in", "linkage": {"ground": 4, "crank": 1.2, "coupler": 3.6, "rocker": 2.8},
+        "stock": {"thickness": 0.125, "bar_width": 0.6, "clearance": 0.008, "pin_diameter": "#8-32",
+                  "attachments": [{**ARM, "at": [4.2, 0.4], "holes": [[-0.4, 0], [0.4, 0]], "screw": "#4-40"}]},
+    })  # fmt: skip
+    holes = holes_of(part_of(inches, "rocker"), 25.4 * (0.112 + 0.008) / 2)
+    assert holes == pytest.approx([25.4 * (3.8 + 0.4j), 25.4 * (4.6 + 0.4j)])
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_holes_of_a_placed_linkage_move_with_its_rocker(mirrored):
+    pair = {"kind": "gear-pair", "first": {"teeth": 20, "module": 2}, "second": {"teeth": 40, "module": 2}}
+    own = {**FOUR_BAR, "stock": {"attachments": [ARM]}}
+    bar = {"recipe": own, "turned_by": "pair.second", "mirrored": mirrored, "angle_deg": 30}
+    machine = from_table({"kind": "machine", "mechanisms": {"pair": {"recipe": pair}, "bar": bar}})
+    (body,) = (body for body in machine.scene.bodies if body.name == "bar/rocker")
+    (hole,) = (hole for hole in body.parts[0].holes if hole.point(0.0) and abs(middle(hole)) > 110)
+    seen = body.origin + body.direction * middle(hole)
+    # The rocker is where the four-bar alone has it, turned over and moved by the pose of the machine.
+    placed = next(mechanism for mechanism in machine.placed if mechanism.name == "bar")
+    motion = gk.move(gk.FourBar(100, 30, 90, 70), placed.turn)
+    alone = motion.rocker.point(113 + 10j).position
+    assert np.allclose(seen, placed.placement.place(alone), atol=1e-6)
+
+
+def middle(hole):
+    points = hole.point(np.linspace(hole.breaks[0], hole.breaks[-1], 5))
+    return complex(points[:4].mean())

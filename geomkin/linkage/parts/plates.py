@@ -12,7 +12,7 @@ import numpy as np
 from ...core.errors import DesignError, shown
 from ...core.records import record
 from ...core.units import mm
-from ...making.attachments import Attachment, attached_holes
+from ...making.attachments import attached_holes
 from ...making.motors import CORNER, face_of
 from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
@@ -26,7 +26,7 @@ from ..joints.slide import Slider, are_equal
 from ..linkage import Linkage
 from ..motion import Motion
 from .collisions import PointPaths, relative_paths
-from .stock import LinkStock
+from .stock import LinkAttachment, LinkStock
 
 # Smallest distance of the two guide pins in widths of the bar. With a smaller one the play of the pins in their slot
 # lets the plate tilt and jam.
@@ -182,7 +182,7 @@ class LinkPlate:
     openings: dict[str, tuple[complex, ...]] = field(default_factory=dict)
     seat: Seat | None = None
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
-    attached: tuple[tuple[Attachment, complex], ...] = ()
+    attached: tuple[tuple[LinkAttachment, complex], ...] = ()
     attached_rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
 
     @property

@@ -31,6 +31,7 @@ class LinkAttachment(Attachment):
         "its middle: a point of that body by name, or [x, y] in mm in the body's frame; the plate extends to it",
         default=0j, example=-60 - 60j,
     )  # fmt: skip
+    mass_kg: float = quantity("its mass, in its middle", "kg", default=0.0, at_least=0, at_most=FARTHEST)
 
 
 @record(checked=True)
