@@ -121,6 +121,19 @@ def test_summary_of_a_machine_has_its_loads():
     assert loads["inertia_of_gears_kg_mm2"] == pytest.approx(discs, rel=0.2)
 
 
+@pytest.mark.parametrize(("force", "suffices"), [(1, True), (3000, False)])
+def test_a_machine_without_a_motor_names_the_lightest_or_the_nearest(force, suffices):
+    load = {"forces": [{"body": "slider", "point": "slider_pin", "force_n": [force, 0]}]}
+    pump = {"recipe": PUMP | {"loads": load}, "turned_by": "pair.second"}
+    machine = gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": PAIR}, "pump": pump}})
+    check = next(check for check in machine.checks if check.id == "motor_torque")
+    motor, duty = gk.making.motor(machine.notes["loads"]["motor"]["motor"]), machine.torques.duty
+    margins = {name: other.margin(duty) for name, other in gk.making.MOTORS.items()}
+    assert check.passed == suffices == (max(margins.values()) >= 1.5) and check.value == motor.margin(duty)
+    enough = [other.mass_g for name, other in gk.making.MOTORS.items() if margins[name] >= 1.5]
+    assert motor.mass_g == min(enough) if suffices else check.value == max(margins.values())
+
+
 def test_motor_of_a_driver_turns_the_whole_machine():
     """A pump that turns a pair, which turns a heavier pump: the motor named in the loads of the first one drives both."""
     own = PUMP | {"loads": PUMP["loads"] | {"motor": "37d-50"}}
