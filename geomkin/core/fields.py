@@ -21,7 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arguments import SMALLEST as SMALLEST
-from .arguments import ArgumentType, between, check_fields, found_value, in_unit_of, is_endless, is_place, numbers
+from .arguments import (
+    ArgumentType,
+    between,
+    check_fields,
+    found_value,
+    in_unit_of,
+    is_complex,
+    is_endless,
+    is_place,
+    numbers,
+)
 from .arguments import point_of as point_of
 from .errors import DesignError, ProblemId
 from .field_visitor import WrittenForm
@@ -248,6 +258,11 @@ class PointXY(ArgumentType):
 FloatOrArray = float | NDArray[np.float64]
 ComplexPoint = Annotated[complex, PointXY()]
 ComplexOrArray = Annotated[complex | NDArray[Any], PointXY(many=True)]
+# A point of a body: its name, or its position in the body's frame, mm.
+PlaceOnBody = Annotated[
+    str | complex,
+    ArgumentType(lambda value: isinstance(value, str) or is_complex(value), "a point's name, or its position x + yj"),
+]
 
 
 # A fraction as a recipe gives it, such as 10/3 or 47.5 / 12.

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ..core.records import record
 from ..core.units import marked, mm
+from ..making.attachments import Attachment, attached_holes, attachments_entry, hub_thickness
 from ..making.bores import (
     AbstractBored,
     BoreForm,
@@ -76,9 +78,16 @@ class GearStock(AbstractBored):
         As of `AbstractBored`: thickness of the sheet, and bore of the shaft, mm.
     web : Web, optional
         Openings between hub and rim; none if omitted.
+    attachments : tuple of Attachment, optional
+        What the gear drives, screwed to it about its axis.
     """
 
     web: Web | None = entry("openings between hub and rim; none if omitted", default=None)
+    attachments: tuple[Attachment, ...] = attachments_entry("the gear")
+
+    @property
+    def hub_length(self) -> float:
+        return hub_thickness(self.attachments)
 
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material under the teeth of a gear, mm."""
@@ -95,11 +104,32 @@ class GearStock(AbstractBored):
         # The flat or keyway is under the tooth on +y, which marks that tooth during assembly.
         hole = self.hole(1j, gear.hole_room, key)
         cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
-        return (*hole, *cut)
+        return (*hole, *self._attached(gear, bool(hole), key), *cut)
+
+    def _attached(self, gear: AbstractGear, is_bored: bool, key: str) -> tuple[AbstractCurve, ...]:
+        """Holes of the attachments; DesignError if they meet the bore, the web or the teeth."""
+        holes = attached_holes(((item, 0j) for item in self.attachments), self.clearance)
+        if holes and self.web:
+            problem = "is given, and its openings may meet the holes of attachments"
+            raise DesignError(f"{key}.web", problem, "omit it, or the attachments", "conflict")
+        for k, item in enumerate(self.attachments):
+            item.check(0j, self.clearance, f"{key}.attachments[{k}]")
+        least = self.hole_reach if is_bored else 0.0
+        for hole in holes:
+            inner, outer = abs(hole.centre) - hole.radius, abs(hole.centre) + hole.radius
+            if outer >= gear.root_radius or (is_bored and inner <= least):
+                reach = f"from {mm(max(inner, 0.0), outer, between=' to '):.4g} from the axis"
+                remedy = f"give holes between {mm(least, gear.root_radius, between=' and '):.4g}"
+                raise DesignError(f"{key}.attachments", f"found a hole {reach}", remedy)
+        for one, two in combinations(holes, 2):
+            if abs(one.centre - two.centre) <= one.radius + two.radius:
+                raise DesignError(f"{key}.attachments", "two holes meet", "give them other places")
+        return holes
 
     def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
         """The fit of the bore, the first of the holes; empty for a rack."""
-        return self.fits if gear.hole_room else ()
+        attached = (fit for item in self.attachments for _, fit in item.openings(0j, self.clearance))
+        return (*self.fits, *attached) if gear.hole_room else ()
 
 
 @record(checked=True)

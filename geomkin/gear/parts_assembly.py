@@ -26,7 +26,7 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of
-from ..making.motors import MountedMotorKey
+from ..making.motors import HEADS, MountedMotorKey
 from ..model.part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, rounded_hull
@@ -247,10 +247,6 @@ def carrier(
     holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
     holes += [Circle(complex(z), planet / 2) for z in around if planet]
     return Part("carrier", outline, tuple(holes), thickness, body="carrier")
-
-
-# Distance of a gear from the plate of its motor, mm: above the heads of the screws.
-HEADS = 2.0
 
 
 def single_assembly(name: str, stock: GearStock) -> Assembly:

@@ -91,6 +91,7 @@ from .parts.engraved import engraved as engraved
 from .parts.stack import Stack as Stack
 from .parts.stack import link_parts as link_parts
 from .parts.stack import stack_links as stack_links
+from .parts.stock import LinkAttachment as LinkAttachment
 from .parts.stock import LinkStock as LinkStock
 from .parts.strength import linkage_strength_checks as linkage_strength_checks
 from .sampled import SampledRates as SampledRates

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import field, fields
-from functools import cached_property, lru_cache
-from typing import Annotated, Any, ClassVar
+from dataclasses import MISSING, field, fields, replace
+from functools import cached_property, lru_cache, wraps
+from typing import Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
 
 from ..core.arguments import LARGEST, PLAIN, ArgumentType, is_place
 from ..core.errors import DesignError, ProblemId, shown
-from ..core.fields import ComplexOrArray, KindTable
+from ..core.fields import ComplexOrArray, ComplexPoint, KindTable, entry
 from ..core.names import check_names
 from ..core.records import record
 from ..core.reprs import LONGEST, moving_picture, one_line
@@ -63,7 +63,8 @@ class AbstractLinkage(ABC):
         """The same mechanism as a general Linkage, which is what is solved, drawn and cut."""
 
     def __repr__(self) -> str:
-        values = ((f.name, getattr(self, f.name), f.default) for f in fields(self))  # type: ignore[arg-type]
+        defaults = {f.name: f.default if f.default_factory is MISSING else f.default_factory() for f in fields(self)}  # type: ignore[arg-type]
+        values = ((name, getattr(self, name), default) for name, default in defaults.items())
         arguments = ", ".join(f"{name}={value!r}" for name, value, default in values if np.any(value != default))
         text = f"{type(self).__name__}({arguments})"
         return text if len(text) <= LONGEST and not self.linkage.is_batch else one_line(self)
@@ -319,3 +320,41 @@ def _check_driver(bodies: tuple[tuple[str, ...], ...], sliders: tuple[tuple[str,
         f"{driver} slides on {other} and is not pinned to the {ground}, so its angle may be meant or its displacement",
         f"give {name}, the slider, for its displacement{or_angle}",
     )
+
+
+# Further points of the bodies of a named linkage.
+BodyPoints = dict[str, dict[str, ComplexPoint]]
+L = TypeVar("L", bound=AbstractLinkage)
+
+
+def points_entry() -> Any:
+    """Field for further points of a named linkage."""
+    return entry(
+        "further points of bodies by name, such as points.rocker.tip = [x, y] in mm in the frame of the rocker; each "
+        "has columns, a trail, a hole in its plate, and may be named by loads",
+        default_factory=dict,
+    )
+
+
+def with_points(linkage_of: Callable[[L], Linkage]) -> Callable[[L], Linkage]:
+    """The general linkage of a named one, with the further points of its field `points`."""
+
+    @wraps(linkage_of)
+    def extended(named: L) -> Linkage:
+        linkage, points = linkage_of(named), named.points  # type: ignore[attr-defined]
+        if not points:
+            return linkage
+        bodies = {body: dict(places) for body, places in linkage.bodies.items()}
+        taken = {point for places in bodies.values() for point in places}
+        for body, places in points.items():
+            if body not in bodies:
+                problem = f"found {shown(body)}, which is not a body"
+                raise DesignError(f"points.{body}", problem, f"give one of {', '.join(bodies)}", "unknown-key")
+            for point, place in places.items():
+                if point in taken:
+                    raise DesignError(f"points.{body}.{point}", "the linkage has a point of this name", "give another")
+                taken.add(point)
+                bodies[body][point] = place
+        return replace(linkage, bodies=bodies)
+
+    return extended

@@ -12,7 +12,7 @@ from ..core.fields import FARTHEST, ComplexOrArray, ComplexPoint, FloatOrArray, 
 from ..core.records import record
 from ..core.units import mm
 from .joints.slide import Slider
-from .linkage import AbstractLinkage, Linkage
+from .linkage import AbstractLinkage, BodyPoints, Linkage, points_entry, with_points
 
 
 @record(checked=True, arrays=True)
@@ -37,6 +37,8 @@ class SliderCrank(AbstractLinkage):
         Position of the crank's ground pivot, mm.
     ground_angle_deg : float
         Direction of the slide line, deg, from -360 to 360.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
 
     Raises
     ------
@@ -70,6 +72,7 @@ class SliderCrank(AbstractLinkage):
     )
     origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity("direction of the slide line", "deg", default=0.0, at_least=-360, at_most=360)
+    points: BodyPoints = points_entry()
 
     def __post_init__(self) -> None:
         if np.ndim(self.crank + self.coupler + self.offset):
@@ -85,6 +88,7 @@ class SliderCrank(AbstractLinkage):
             )
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: the coupler's frame is at the crank pin, the slider's at its pin."""
         return Linkage(
@@ -129,6 +133,8 @@ class InvertedSliderCrank(AbstractLinkage):
         Position of the crank's ground pivot, mm.
     ground_angle_deg : float
         Direction from the crank pivot to the rocker pivot, deg, from -360 to 360.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
 
     Raises
     ------
@@ -158,6 +164,7 @@ class InvertedSliderCrank(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
     )
+    points: BodyPoints = points_entry()
 
     def __post_init__(self) -> None:
         farthest = self.ground + self.crank
@@ -171,6 +178,7 @@ class InvertedSliderCrank(AbstractLinkage):
             )
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage; the sliding joint is named "slide"."""
         through = 1j * self.offset
@@ -214,6 +222,8 @@ class EllipticTrammel(AbstractLinkage):
         Point where the slots cross, mm.
     ground_angle_deg : float
         Direction of the first slot, deg, from -360 to 360.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
     """
 
     rod: FloatOrArray = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
@@ -226,8 +236,10 @@ class EllipticTrammel(AbstractLinkage):
     driver: Literal["rod", "shuttle"] = entry("what is driven: the rod's angle or the first shuttle", default="rod")
     origin: ComplexPoint = entry("where the slots cross, [x, y] in mm", default=0j)
     ground_angle_deg: float = quantity("direction of the first slot", "deg", default=0.0, at_least=-360, at_most=360)
+    points: BodyPoints = points_entry()
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: bodies "shuttle" and "cross_shuttle" slide in the joints "slot" and "cross_slot"."""
         return Linkage(
@@ -265,6 +277,8 @@ class ScotchYoke(AbstractLinkage):
         Position of the crank's ground pivot, mm.
     ground_angle_deg : float
         Direction in which the yoke slides, deg, from -360 to 360.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
 
     Examples
     --------
@@ -285,8 +299,10 @@ class ScotchYoke(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "direction in which the yoke slides", "deg", default=0.0, at_least=-360, at_most=360
     )
+    points: BodyPoints = points_entry()
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: the sliding joints are "slot" (block in yoke) and "way" (yoke on ground)."""
         return Linkage(
@@ -321,6 +337,8 @@ class OldhamCoupling(AbstractLinkage):
         Centre of the driving shaft, mm.
     ground_angle_deg : float
         Direction from the driving to the driven shaft, deg, from -360 to 360.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
     """
 
     shift: FloatOrArray = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
@@ -328,8 +346,10 @@ class OldhamCoupling(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "direction from driving to driven shaft", "deg", default=0.0, at_least=-360, at_most=360
     )
+    points: BodyPoints = points_entry()
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: hubs "driving" and "driven"; the disc slides in the joints "first" and "second"."""
         return Linkage(
@@ -374,6 +394,8 @@ class Shaper(AbstractLinkage):
         Position of the crank's ground pivot, mm.
     ground_angle_deg : float
         Direction from the crank pivot to the lever pivot, deg, from -360 to 360.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
 
     Raises
     ------
@@ -392,6 +414,7 @@ class Shaper(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "direction from crank pivot to lever pivot", "deg", default=-90.0, at_least=-360, at_most=360
     )
+    points: BodyPoints = points_entry()
 
     def __post_init__(self) -> None:
         if self.crank >= self.ground:
@@ -404,6 +427,7 @@ class Shaper(AbstractLinkage):
             )
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: the sliding joints are "slide" (crank pin on lever) and "ram_slide"."""
         return Linkage(
@@ -451,6 +475,8 @@ class FourBar(AbstractLinkage):
         Position of the crank's ground pivot, mm.
     ground_angle_deg : float
         Direction from the crank pivot to the rocker pivot, deg, from -360 to 360.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
 
     Raises
     ------
@@ -488,6 +514,7 @@ class FourBar(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "direction from crank pivot to rocker pivot", "deg", default=0.0, at_least=-360, at_most=360
     )
+    points: BodyPoints = points_entry()
 
     def __post_init__(self) -> None:
         if isinstance(self.ground + self.crank + self.coupler + self.rocker, np.ndarray):
@@ -506,6 +533,7 @@ class FourBar(AbstractLinkage):
             )
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: ground and rocker have their frames at their pivots, the coupler at the crank pin."""
         return Linkage(

@@ -8,7 +8,7 @@ from ..core.errors import DesignError
 from ..core.fields import FARTHEST, ComplexPoint, Ratio, entry, quantity
 from ..core.records import record
 from ..core.units import mm
-from .linkage import AbstractLinkage, Linkage
+from .linkage import AbstractLinkage, BodyPoints, Linkage, points_entry, with_points
 
 
 @record(checked=True)
@@ -34,6 +34,8 @@ class Pantograph(AbstractLinkage):
         The pole, mm.
     ground_angle_deg : float
         Angle by which the whole is turned about the pole.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
 
     Raises
     ------
@@ -64,6 +66,7 @@ class Pantograph(AbstractLinkage):
     ground_angle_deg: float = quantity(
         "angle by which the whole is turned about the pole", "deg", default=0.0, at_least=-360, at_most=360
     )
+    points: BodyPoints = points_entry()
 
     def __post_init__(self) -> None:
         distance = abs(self.crank_pivot)
@@ -78,6 +81,7 @@ class Pantograph(AbstractLinkage):
             )
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage; the frame of each bar lies at the joint that is named first."""
         arm_joint, forearm_joint = self.arm / self.ratio, self.forearm / self.ratio

@@ -7,7 +7,7 @@ from functools import cached_property
 from ..core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ..core.records import record
 from ..plane.vec import Array
-from .linkage import AbstractLinkage, Linkage
+from .linkage import AbstractLinkage, BodyPoints, Linkage, points_entry, with_points
 from .named_linkages import FourBar
 
 
@@ -29,6 +29,8 @@ class StephensonSixBar(AbstractLinkage):
         Output link from its pivot to its pin, mm; above 0.
     output_pivot : complex
         Ground pivot of the output link, mm from the crank pivot.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
     """
 
     four_bar: FourBar
@@ -39,8 +41,10 @@ class StephensonSixBar(AbstractLinkage):
     output_pivot: ComplexPoint = entry(
         "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=100 + 100j
     )
+    points: BodyPoints = points_entry()
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: bodies of the four-bar, then "link" and "output"."""
         return _with_dyad(self.four_bar, "coupler_point", "coupler", self.four_bar.coupler_point, self)
@@ -65,6 +69,8 @@ class WattSixBar(AbstractLinkage):
         Output link from its pivot to its pin, mm; above 0.
     output_pivot : complex
         Ground pivot of the output link, mm from the crank pivot.
+    points : dict of str to dict of str to complex
+        Further points of bodies by name, mm in the frame of the body.
     """
 
     four_bar: FourBar
@@ -79,8 +85,10 @@ class WattSixBar(AbstractLinkage):
     output_pivot: ComplexPoint = entry(
         "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=180 + 0j
     )
+    points: BodyPoints = points_entry()
 
     @cached_property
+    @with_points
     def linkage(self) -> Linkage:
         """The general linkage: bodies of the four-bar, then "link" and "output"."""
         return _with_dyad(self.four_bar, "rocker_point", "rocker", self.rocker_point, self)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.fields import to_digits, to_digits_or_none
 from ..core.records import record
-from ..making.motors import MOTORS, motor_check, motor_summary
+from ..making.motors import MOTORS, motor_check, motor_summary, nearest_motor, smallest_motor
 from ..model.check import Check
 from ..model.motor import RPM, Motor, MotorDuty
 from ..plane.vec import Real, without_rounding
@@ -73,7 +73,7 @@ class MachineTorques:
         turns = np.linspace(0, self.turns[-1], BETWEEN * (len(self.turns) - 1) + 1)
         return turns, self.by_driver_at(turns)
 
-    @property
+    @cached_property
     def duty(self) -> MotorDuty | None:
         """Torque and speed of the driver in these steps; None without loads."""
         turns, torques = self.dense
@@ -82,24 +82,30 @@ class MachineTorques:
             return None
         return MotorDuty(torque, np.full(turns.shape, RPM * self.speed_rpm), 2 * np.pi * turns)
 
-    @property
+    @cached_property
     def motor(self) -> tuple[Motor, str] | None:
-        """The motor of the driver, mounted or named in its loads, and its key; None without one."""
+        """The motor of the driver and its key: mounted, named in its loads, the lightest that suffices, or the nearest.
+
+        None without loads.
+        """
+        if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
+            return None
         recipe, key = self.recipes[self.graph.driver], f"mechanisms.{self.graph.driver}.recipe"
         stock, _, name = motor_key(recipe).partition(".")
         named = getattr(getattr(recipe, "loads", None), "motor", None)
         if named is not None:
             return named, f"{key}.loads.motor"
         mounted = MOTORS.get(str(getattr(getattr(recipe, stock), name))) if name else None
-        return (mounted, f"{key}.{stock}.{name}") if mounted else None
+        if mounted:
+            return mounted, f"{key}.{stock}.{name}"
+        return smallest_motor(duty) or nearest_motor(duty), f"{key}.loads.motor"
 
     @property
     def checks(self) -> Iterator[Check]:
         """Whether the motor on the driver supplies the torque."""
         motor, duty = self.motor, self.duty
         if motor is not None and duty is not None:
-            known = np.isfinite(duty.torque).any()
-            at = float(np.degrees(duty.angle[np.nanargmax(np.abs(duty.torque))])) if known else None
+            at = float(np.degrees(duty.angle[np.nanargmax(np.abs(duty.torque))]))
             yield motor_check(motor[0], duty, TORQUE, at, motor[1])
 
     @property

@@ -1,6 +1,7 @@
 # The public names of this package. Each is imported when it is first used.
 from .assembly import BaseStock as BaseStock
 from .assembly import RackBaseStock as RackBaseStock
+from .attachments import Attachment as Attachment
 from .materials import MATERIALS as MATERIALS
 from .materials import material as material
 from .motors import (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from math import cos, pi
 from typing import Any, Literal
@@ -12,11 +13,12 @@ from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, to_digits
 from ..core.records import record
 from ..core.units import INCH, bare_mm, mm
+from ..model.check import Check
 from ..model.limits import Fit, FitLimits, HoleTolerance, fit_limits
 from ..model.part import HoleFit, Part
 from ..plane.primitives import Circle, Polyline
 from .materials import MaterialKey, material_entry
-from .motors import MountedMotorKey, face_of, motor_plate, mounted_motor_entry
+from .motors import HEADS, MountedMotorKey, engagement_check, face_of, motor_plate, mounted_motor_entry
 
 # Smallest diameter of a hole, mm. No cutter makes a smaller one.
 SMALLEST = 0.01
@@ -389,6 +391,20 @@ class AbstractBored:
     def motor_parts(self) -> tuple[Part, ...]:
         """The motor's mounting plate, about the part's axis; empty without a motor."""
         return () if self.motor is None else (motor_plate(self.motor, self.thickness, self.clearance),)
+
+    @property
+    def hub_length(self) -> float:
+        """Length of the motor's shaft that a hub on the part engages, mm."""
+        return 0.0
+
+    def engagement_checks(self, is_on_base: bool) -> Iterator[Check]:
+        """Whether the part engages the shaft of its motor.
+
+        is_on_base: whether it lies on a base as thick as the part, not over the motor's own plate.
+        """
+        if self.motor is not None and self.bore:
+            below = self.thickness + (0.0 if is_on_base else HEADS)
+            yield engagement_check(self.motor, self.thickness + self.hub_length, below)
 
     @property
     def play(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -17,21 +17,26 @@ from ..core.fields import (
     entry,
     inside,
     quantity,
+    to_digits,
     to_digits_or_none,
 )
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..model.check import Check, Suggestion
-from ..model.motor import RPM, Motor, MotorDuty
+from ..model.motor import RPM, LinearActuator, Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
-from ..plane.vec import Complex
+from ..plane.vec import Complex, Real
 from .fasteners import LENGTHS, SIZES, ThreadDiameter
 from .materials import NamedIn
 
 # Least margin of a motor that `smallest_motor` chooses, for friction and loads that are not stated; chosen here.
 LEAST_MOTOR_MARGIN = 1.5
+# Least length over which a shaft is engaged, in diameters: with less a crank or gear tilts on it; chosen here.
+LEAST_ENGAGEMENT = 1.0
+# Distance of a gear from the plate of its motor, mm: above the heads of the screws.
+HEADS = 2.0
 # Shares of the greatest torque: direct-current motors and servos heat up if they supply more than a quarter of their
 # torque at standstill for long (makers' advice); steppers supply about half of the holding torque up to 300 rpm.
 LASTING, STEPPING, STEPPER_RPM = 0.25, 0.5, 300.0
@@ -188,6 +193,21 @@ def motor_check(
     return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at, "", suggestions)
 
 
+def engagement_check(motor: str | MotorFace, engaged: float, below: float) -> Check:
+    """Check that what a motor turns engages its shaft over at least its diameter.
+
+    engaged: length over which it surrounds the shaft, mm, if that is long enough. below: from the motor's face, mm.
+    """
+    face = face_of(motor)
+    reach = np.inf if face.shaft_length is None else max(0.0, face.shaft_length - below)
+    advice = "give a thicker sheet, or a hub with set_screw = true among the attachments"
+    if reach < min(engaged, face.shaft):
+        advice = f"the shaft ends {mm(reach):.4g} above it: let it lie lower, or take a motor with a longer shaft"
+    name = f"length over which the shaft of the {face.product} is engaged, over its diameter"
+    value = to_digits(min(engaged, reach) / face.shaft, 12)
+    return Check("shaft_engagement", name, value, "at least", LEAST_ENGAGEMENT, "", advice)
+
+
 def _excess(motor: Motor, duty: MotorDuty) -> str:
     """The beginning of an advice: the speed or the angle that the motor does not reach."""
     speed, angle = duty.peak_speed_rpm, duty.angle_deg
@@ -197,6 +217,25 @@ def _excess(motor: Motor, duty: MotorDuty) -> str:
     if motor.range_deg is not None and angle > motor.range_deg:
         return f"the driver turns by {angle:.4g} deg, and the servo by {motor.range_deg:g} deg: "
     return ""
+
+
+def actuator_checks(actuator: LinearActuator, force: Real, speed: Real, stroke: float) -> Iterator[Check]:
+    """Checks that an actuator supplies the force at each speed, by the margin of motors, and has the stroke.
+
+    force, speed: of the slide, N and mm/s, (frames,). stroke: of the slide, mm.
+    """
+    known = np.isfinite(force)
+    supplied, required = actuator.force_at(speed)[known], np.abs(force[known])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        margin = float(np.min(np.where(required > 0, supplied / required, np.inf), initial=np.inf))
+    needed = f"{np.max(required, initial=0.0):.4g} N at up to {mm(float(np.abs(speed).max()), unit='mm/s'):.4g}"
+    advice = f"{needed} are required: move it slower, or give a stronger actuator"
+    name = f"force of the {actuator.name} to that required"
+    value = margin if known.any() else np.nan
+    yield Check("actuator_force", name, value, "at least", LEAST_MOTOR_MARGIN, "", advice, "driver_force")
+    advice = f"the slide moves by {mm(stroke):.6g}: give a shorter stroke, or a longer actuator"
+    name = f"stroke of the {actuator.name} to that of the slide"
+    yield Check("actuator_stroke", name, to_digits(actuator.stroke / stroke, 12), "at least", 1.0, "", advice)
 
 
 def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
@@ -284,6 +323,10 @@ class MotorFace:
     )
 
     flats: Literal[1, 2] = entry("number of flats of the shaft", default=1)
+    shaft_length: float | None = quantity(
+        "length of the shaft from the face; if omitted, it counts as long enough", "mm", default=None, above=0,
+        at_most=FARTHEST,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if round(self.thread, 9) not in MOTOR_SCREWS:
@@ -394,16 +437,17 @@ def _nema17(product: str) -> MotorFace:
 def _gear_motor_37(product: str) -> MotorFace:
     """Four of six threads on a circle of 31 mm, clear of the boss; the shaft is 7 mm from its middle."""
     screws = tuple(complex(7 + 15.5 * z) for z in np.exp(1j * np.pi / 6 * np.array([1, 3, 9, 11])))
-    return MotorFace(product, 37.0, screws, 12.0, 6.0, 6.0, 5.5, 3.0, 2.0, 3.0, face_offset=7.0)
+    return MotorFace(product, 37.0, screws, 12.0, 6.0, 6.0, 5.5, 3.0, 2.0, 3.0, face_offset=7.0, shaft_length=21.5)
 
 
 def _gear_motor_25(product: str) -> MotorFace:
-    return MotorFace(product, 25.0, (8.5 + 0j, -8.5 + 0j), 7.0, 2.5, 4.0, 3.5, 3.0, 2.0, 3.0)
+    return MotorFace(product, 25.0, (8.5 + 0j, -8.5 + 0j), 7.0, 2.5, 4.0, 3.5, 3.0, 2.0, 3.0, shaft_length=12.5)
 
 
 # Sources: NEMA ICS 16 for faces, screws and diameters of bosses of steppers; makers' drawings for the heights of
 # bosses, shafts and depths of threads; Pololu's and DFRobot's drawings of gear motors of 25 mm and 37 mm; NopSCADlib
-# for the 28BYJ-48. With other numbers the motor does not fit.
+# for the 28BYJ-48. With other numbers the motor does not fit. Lengths of shafts: Pololu's pages, 12.5 mm from the face
+# plate (25D), and 0.61 in (37D), taken as beyond its boss. Steppers are sold with shafts of several lengths.
 MOTOR_FACES: dict[str, MotorFace] = {
     "nema14": MotorFace("NEMA 14 stepper", 35.2, _square(26.0), 22.0, 2.0, 5.0, 4.5),
     "nema17": _nema17("NEMA 17"),

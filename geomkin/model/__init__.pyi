@@ -4,6 +4,7 @@ from .check import Suggestion as Suggestion
 from .material import Mass as Mass
 from .material import Material as Material
 from .material import hertz_pressure as hertz_pressure
+from .motor import LinearActuator as LinearActuator
 from .motor import Motor as Motor
 from .motor import MotorDuty as MotorDuty
 from .part import Bought as Bought

@@ -11,9 +11,10 @@ import numpy as np
 
 from ..core.arguments import AnyFloat, ArgumentType, checked, numbers
 from ..core.errors import DesignError
-from ..core.fields import entry, quantity
+from ..core.fields import FARTHEST, entry, quantity
 from ..core.names import VisibleText
 from ..core.records import record
+from ..core.units import mm
 from ..plane.vec import Real
 
 # rpm in rad/s.
@@ -254,6 +255,67 @@ class Motor:
         required[peak] = duty.peak_torque
         with np.errstate(divide="ignore"):
             return float(min(np.min(supplied / required), np.divide(self.lasting_torque_n_mm, duty.rms_torque)))
+
+
+@record(checked=True)
+class LinearActuator:
+    """Force and speed of a linear actuator, such as a spindle with its motor.
+
+    Parameters
+    ----------
+    name : str
+        For people.
+    force_n : float
+        Largest force that it moves, N, push or pull.
+    no_load_speed, full_load_speed : float
+        Speed without load, and with the largest force, mm/s; it falls along a straight line between them.
+    stroke : float
+        Largest displacement of its rod, mm.
+
+    Raises
+    ------
+    DesignError
+        If it is faster with the largest force than without load.
+
+    Examples
+    --------
+    >>> actuator = gk.model.LinearActuator("own", force_n=200, no_load_speed=20, full_load_speed=10, stroke=50)
+    >>> actuator.force_at([5.0, 15.0, 25.0]).tolist()
+    [200.0, 100.0, 0.0]
+    """
+
+    name: str = entry("name of the actuator", example="linear actuator 12 V")
+    force_n: float = quantity("largest force that it moves", "N", above=0, at_most=1e12, example=200)
+    no_load_speed: float = quantity("speed without load", "mm/s", above=0, at_most=1e6, example=20)
+    full_load_speed: float = quantity("speed with the largest force", "mm/s", at_least=0, at_most=1e6, example=10)
+    stroke: float = quantity("largest displacement of its rod", "mm", above=0, at_most=FARTHEST, example=100)
+
+    def __post_init__(self) -> None:
+        if self.full_load_speed >= self.no_load_speed:
+            problem = f"found {mm(self.full_load_speed, unit='mm/s'):g}, not less than no_load_speed"
+            remedy = f"give less than {mm(self.no_load_speed, unit='mm/s'):g}"
+            raise DesignError("full_load_speed", problem, remedy, "conflict", self.no_load_speed)
+
+    @checked
+    def force_at(self, speed: AnyFloat) -> Real:
+        """Largest force at a speed.
+
+        Parameters
+        ----------
+        speed : float or array_like
+            mm/s, of either sign.
+
+        Returns
+        -------
+        ndarray
+            N; 0 at and beyond the speed without load.
+        """
+        left = self.no_load_speed - np.abs(np.asarray(speed, dtype=float))
+        return np.asarray(self.force_n * np.clip(left / (self.no_load_speed - self.full_load_speed), 0.0, 1.0))
+
+    def at_scale(self, scale: float) -> LinearActuator:
+        """The same actuator, since a bought item does not change with the size of the mechanism."""
+        return self
 
 
 @record

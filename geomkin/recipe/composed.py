@@ -80,7 +80,8 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        return (*self.own_checks, *(check for aspect in reversed(self.aspects) for check in aspect.checks))
+        of_aspects = (check for aspect in reversed(self.aspects) for check in aspect.checks)
+        return (*self.own_checks, *self.engagement_checks, *of_aspects)
 
     @cached_property
     def scene(self) -> Scene:

@@ -480,8 +480,30 @@ class AbstractAssembledRecipe(AbstractRecipe):
         """Shafts, keys, collars and screws, and the assembly steps."""
 
     @property
+    def engagement_checks(self) -> Iterator[Check]:
+        """Whether what a motor turns engages its shaft."""
+        for stock in (getattr(self, field.name) for field in dataclasses.fields(self) if is_stock(field.name)):
+            if hasattr(stock, "engagement_checks"):
+                yield from stock.engagement_checks(getattr(self, "base", None) is not None)
+
+    @property
+    def attached(self) -> Iterator[tuple[str, Any, float, int]]:
+        """What is screwed to a gear: the plate, the attachment, the thickness of the sheet, mm, and the count."""
+        for field in dataclasses.fields(self):
+            stock = getattr(self, field.name)
+            for item in getattr(stock, "attachments", ()):
+                plate = field.name.removesuffix("stock").strip("_") or "gear"
+                count = next((part.count for part in self.parts if part.name == plate), 1)
+                yield plate, item, stock.thickness, count
+
+    @property
     def bought(self) -> tuple[Bought, ...]:
-        return self.assembly.bought
+        own = (
+            Bought(name, number * count, (plate,))
+            for plate, item, sheet, count in self.attached
+            for name, number in item.bill(sheet)
+        )
+        return (*self.assembly.bought, *own)
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:
@@ -489,4 +511,4 @@ class AbstractAssembledRecipe(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return self.assembly.steps
+        return (*(item.step(plate) for plate, item, *_ in self.attached), *self.assembly.steps)

@@ -61,7 +61,8 @@ def example(cls: type, given: Mapping[str, Any] | None = None, base: Any = None)
         if name == "kind" and base is None:
             values["kind"] = declared.default
         elif name in given:
-            values[name] = given[name]
+            is_row = declared.default == () and dataclasses.is_dataclass(given[name])
+            values[name] = (given[name],) if is_row else given[name]
         elif inside:
             is_table = dataclasses.is_dataclass(value)
             table = type(value) if is_table else declared.tables[0]

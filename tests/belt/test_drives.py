@@ -389,3 +389,24 @@ def test_kinds_nearest_to_what_is_not_offered_exist():
     with pytest.raises(RecipeError) as caught:
         from_table({"kind": "worm-gear"})
     assert NOT_OFFERED["worm"] in caught.value.problems[0].remedy
+
+
+@pytest.mark.parametrize("torque", [30.0, 300.0])
+def test_the_motor_of_a_loaded_drive_has_the_power_of_its_driven_wheel(torque):
+    motor = {"name": "own", "torque_n_mm": 1000, "speed_rpm": 200, "lasting_torque_n_mm": 400, "mass_g": 100}
+    loads = {"torques_n_mm": [torque], "speed_rpm": 50, "motor": motor}
+    own = drive({"teeth": 24}, {"teeth": 48, "at": [100, 0]}, loads=loads)
+    check = next(check for check in own.checks if check.id == "motor_torque")
+    # Half the torque at twice the speed; at a quarter of its speed the motor has 750 N mm, but lasts with 400.
+    assert check.value == pytest.approx(400 / (torque / 2))
+    assert own.notes["loads"]["power_W"] == pytest.approx(1e-3 * torque * 25 * np.pi / 30, rel=1e-5)
+
+
+def test_a_loaded_drive_names_the_lightest_motor_or_the_nearest_one():
+    small, large = (
+        drive({"teeth": 24}, {"teeth": 48, "at": [100, 0]}, loads={"torques_n_mm": [torque]}).notes["loads"]["motor"]
+        for torque in (10.0, 1e5)
+    )
+    # No servo, which cannot turn on.
+    assert small["margin"] >= 1.5 and gk.making.motor(small["motor"]).range_deg is None
+    assert large["margin"] < 1.5

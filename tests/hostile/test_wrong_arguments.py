@@ -229,6 +229,8 @@ GOOD = {
     "MotorFace": {"product": "a", "face_width": 42.3, "screws": (15+15j, -15-15j), "boss_diameter": 22.0, "boss_height": 2.0, "shaft": 5.0, "flat": 4.5, "thread": 3.0, "least_depth": 2.0, "largest_depth": 4.5, "nuts": True, "face_offset": 0.0, "flats": 2},
     "GearStock": {"thickness": 6.0, "bore": 8.0, "bore_form": "D", "flat": 7.0, "fit": "press", "interference": 0.1, "motor": "nema17", "clearance": 0.1, "web": gk.gear.Web(16, 5)},
     "LanternStock": {"thickness": 6.0, "bore": 8.0, "bore_form": "D", "flat": 7.0, "mate_bore": 8.0, "mate_bore_form": "D", "mate_flat": 7.0, "mate_fit": "press", "interference": 0.1, "motor": "nema17", "clearance": 0.1, "edge": 4.0, "rim": 8.0},
+    "Attachment": {"name": "hub", "holes": (10j,), "bolts": 4, "bolt_circle": 16.0, "bore": 5.0, "angle_deg": 0.0, "screw": 3.0, "thickness": 3.0, "set_screw": False},
+    "LinkAttachment": {"name": "arm", "body": "rocker", "at": 70 + 0j, "mass_kg": 0.1},
     "LinkStock": {"thickness": 3.0, "bar_width": 14.0, "pin_diameter": 4.0, "clearance": 0.2, "motor": "nema17", "fit": "press", "interference": 0.1},
     "PairStock": {"thickness": 6.0, "bore": 8.0, "fit": "press", "mate_bore": 8.0, "mate_bore_form": "keyed", "mate_keyway_width": 2.0, "mate_keyway_depth": 1.0, "clearance": 0.0, "rim": 8.0},
     "PlateStock": {"thickness": 3.0, "margin": 8.0, "pin_diameter": 4.0},

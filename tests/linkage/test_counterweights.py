@@ -104,6 +104,35 @@ def test_no_other_counterweights_of_a_search_are_better(case):
     assert value < 0.999 * best.rms_before
 
 
+@pytest.mark.parametrize("objective", ["shaking_force", "shaking_moment", "driver"])
+def test_no_counterweight_of_a_search_has_a_smaller_maximum(objective):
+    """Points on finer and finer grids of the weight of the crank, in mass, radius and angle."""
+    motion = gk.move(FOUR_BAR, TURN, speed=12.0, acceleration=15.0)
+    loads = gk.Loads(-9810j, BARS, [gk.Force("rocker", 111, -3j)])
+    bounds = {"max_mass": 0.4, "max_radius": 50.0}
+    plain = gk.balance(motion, loads, ["rocker"], objective, **bounds)
+    best = gk.balance(motion, loads, ["rocker"], objective, measure="maximum", **bounds)
+    weight = best.counterweights["rocker"]
+    assert 0 <= weight.mass <= 0.4 and abs(weight.centre) <= 50 * (1 + 1e-12)
+
+    def largest(mass, radius, angle):
+        values = getattr(with_weights(motion, loads, [("rocker", mass, radius * np.exp(1j * angle))]), objective)
+        return np.abs(values - (values.mean() if objective == "driver" else 0)).max()
+
+    random, middle, width = np.random.default_rng(3), np.array([0.5, 0.5, 0.5]), 1.0
+    least = np.inf
+    for _ in range(10):
+        shares = np.clip(middle + width * random.uniform(-0.5, 0.5, (12, 3)), 0, 1)
+        values = [largest(0.4 * a, 50 * b, 2 * np.pi * c) for a, b, c in shares]
+        if min(values) < least:
+            least, middle = min(values), shares[int(np.argmin(values))]
+        width *= 0.75
+    assert best.largest_after <= least * (1 + 1e-9)
+    assert best.largest_after == pytest.approx(largest(weight.mass, abs(weight.centre), np.angle(weight.centre)))
+    assert best.largest_after <= plain.largest_after * (1 + 1e-12)
+    assert best.rms_after >= plain.rms_after * (1 - 1e-12)
+
+
 @pytest.mark.campaign
 def test_no_other_counterweights_of_a_search_are_better_for_random_four_bars():
     random, tried = np.random.default_rng(7), 0

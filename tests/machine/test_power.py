@@ -12,7 +12,7 @@ PUMP = {"kind": "slider-crank", "linkage": {"crank": 20, "coupler": 70}, "drive"
 
 
 def random_machine(rng):
-    """A tree of pairs, each with linkages on its gears, under masses, forces, gravity and springs."""
+    """A tree of pairs, each with linkages on its gears, some mirrored, under masses, forces and gravity."""
     modules, mechanisms = {}, {}
     for k in range(int(rng.integers(1, 3))):
         teeth = rng.choice([12, 16, 24, 36], 2)
@@ -38,6 +38,7 @@ def random_machine(rng):
         mechanisms[f"body{k}"] = {
             "recipe": recipe, "turned_by": f"pair{pair}.{rng.choice(['first', 'second'])}",
             "phase_deg": float(rng.integers(-180, 180)), "angle_deg": float(rng.integers(-180, 180)),
+            "mirrored": bool(rng.random() < 0.5),
         }  # fmt: skip
     return gk.load({"kind": "machine", "mechanisms": mechanisms,
                     "drive": {"speed_rpm": float(rng.choice([-1, 1]) * rng.uniform(20, 400))}})  # fmt: skip
@@ -54,13 +55,14 @@ def virtual_power(machine, turns):
         speed = rate * machine.drive.speed_rpm * np.pi / 30
         turn = 2 * np.pi * rate * turns + np.radians(mechanism.phase_deg)
         motion = gk.move(recipe.linkage, np.remainder(turn, 2 * np.pi), 1, speed=speed)
-        world = np.exp(1j * np.radians(mechanism.angle_deg))
+        gravity = GRAVITY * np.exp(-1j * np.radians(mechanism.angle_deg))
+        gravity = -np.conj(gravity) if mechanism.mirrored else gravity
         for body, mass in recipe.loads.masses.items():
             pose = motion.bodies[body]
             arm = pose.direction * mass.centre
             velocity = pose.origin.velocity + 1j * pose.omega * arm
             acceleration = pose.origin.acceleration + (1j * pose.alpha - pose.omega**2) * arm
-            pull = 1e-3 * mass.mass_kg * (acceleration - GRAVITY * np.conj(world))
+            pull = 1e-3 * mass.mass_kg * (acceleration - gravity)
             total = total + (np.conj(pull) * velocity).real + 1e-3 * mass.inertia_kg_mm2 * pose.alpha * pose.omega
         for force in recipe.loads.forces:
             total = total - (np.conj(complex(*force.force_n)) * motion.point(force.point).velocity).real
@@ -117,6 +119,19 @@ def test_summary_of_a_machine_has_its_loads():
         for radius, rate in ((12, 1), (24, 0.5))
     )
     assert loads["inertia_of_gears_kg_mm2"] == pytest.approx(discs, rel=0.2)
+
+
+@pytest.mark.parametrize(("force", "suffices"), [(1, True), (3000, False)])
+def test_a_machine_without_a_motor_names_the_lightest_or_the_nearest(force, suffices):
+    load = {"forces": [{"body": "slider", "point": "slider_pin", "force_n": [force, 0]}]}
+    pump = {"recipe": PUMP | {"loads": load}, "turned_by": "pair.second"}
+    machine = gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": PAIR}, "pump": pump}})
+    check = next(check for check in machine.checks if check.id == "motor_torque")
+    motor, duty = gk.making.motor(machine.notes["loads"]["motor"]["motor"]), machine.torques.duty
+    margins = {name: other.margin(duty) for name, other in gk.making.MOTORS.items()}
+    assert check.passed == suffices == (max(margins.values()) >= 1.5) and check.value == motor.margin(duty)
+    enough = [other.mass_g for name, other in gk.making.MOTORS.items() if margins[name] >= 1.5]
+    assert motor.mass_g == min(enough) if suffices else check.value == max(margins.values())
 
 
 def test_motor_of_a_driver_turns_the_whole_machine():

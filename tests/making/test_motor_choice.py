@@ -9,6 +9,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.model import Motor, MotorDuty
+from geomkin.recipe.load import from_table
 from tests.campaign import by_default
 
 TURN = np.linspace(0, 2 * np.pi, 73)
@@ -118,3 +119,41 @@ def test_electric_power_of_a_motor_is_that_of_its_data_sheet_at_standstill_and_w
     assert free.electric_power(100, 0.75 * fast) == pytest.approx(1e-3 * 100 * fast)
     assert motor.electric_power(-200, fast) == 0 == motor.electric_power(200, -fast)
     assert np.isnan(gk.making.motor("nema17").electric_power(10, 1))
+
+
+LIFT = tomllib.loads((Path(__file__).parents[2] / "recipes" / "lift-table.toml").read_text())
+PRESSED = {"forces": [{"body": "table", "point": "load", "force_n": [0, -40]}], "gravity_m_per_s2": [0, 0]}
+
+
+def lifted(**actuator):
+    given = {"name": "own", "force_n": 200, "no_load_speed": 40, "full_load_speed": 10, "stroke": 80, **actuator}
+    return from_table({**LIFT, "loads": {**PRESSED, "actuator": given}})
+
+
+def test_an_actuator_supplies_the_work_that_lifts_the_table():
+    recipe = lifted()
+    table = recipe.table
+    # Virtual work: 40 N times the lift for 1 mm of the rod.
+    needed = 40 * np.gradient(table["load_y"], table["lift_displacement"], edge_order=2)
+    found = {check.id: check.value for check in recipe.checks}
+    # At 20 mm/s it has two thirds of its force.
+    assert found["actuator_force"] == pytest.approx(200 * 2 / 3 / np.abs(needed).max(), rel=1e-3)
+    assert found["actuator_stroke"] == pytest.approx(80 / 75)
+
+
+def test_an_actuator_that_is_too_short_or_too_slow_fails_its_check():
+    def failed(recipe):
+        return {check.id for check in recipe.checks if check.id.startswith("actuator") and not check.passed}
+
+    assert failed(lifted()) == set()
+    assert failed(lifted(stroke=74)) == {"actuator_stroke"}
+    assert failed(lifted(no_load_speed=20)) == {"actuator_force"}
+
+
+def test_an_actuator_of_a_crank_is_refused():
+    actuator = {"name": "own", "force_n": 1, "no_load_speed": 2, "full_load_speed": 1, "stroke": 3}
+    linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+    loads = {"masses": {"rocker": {"mass_kg": 1}}, "actuator": actuator}
+    with pytest.raises(gk.RecipeError) as caught:
+        from_table({"kind": "four-bar", "linkage": linkage, "loads": loads})
+    assert caught.value.problems[0].key == "loads.actuator"

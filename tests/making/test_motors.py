@@ -14,6 +14,7 @@ import shapely.affinity
 import geomkin as gk
 from geomkin.core.units import Sentence
 from geomkin.making.motors import MOTOR_FACES
+from geomkin.recipe.load import from_table
 from tests.making.test_bases import PAIR, PLANETARY, RACK, cam
 from tests.texts import parse, template_of
 
@@ -277,3 +278,43 @@ def test_the_error_for_an_unlisted_motor_names_the_values_that_suffice():
         lacking = {key: value for key, value in values.items() if key != name}
         with pytest.raises(gk.RecipeError, match=name):
             gk.load(recipe | {"stock": recipe["stock"] | {"motor": lacking}})
+
+
+def engagement(recipe):
+    return next(check.value for check in recipe.design_checks if check.id == "shaft_engagement")
+
+
+def turned(kind, **stock):
+    tables = {
+        "four-bar": {"linkage": {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70}},
+        "spur-gear": {"gear": {"teeth": 30, "module": 2}},
+    }
+    return from_table({"kind": kind, **tables[kind], "stock": {"motor": "25d-75", **stock}})
+
+
+def height_of_crank(recipe):
+    layers = recipe.notes["stack"]["layers"]
+    return recipe.stock.thickness * next(k for k, names in enumerate(layers) if "crank" in names)
+
+
+# The shaft of 4 mm ends 12.5 mm above the motor's face.
+@pytest.mark.parametrize("thickness", [3, 4, 5, 6, 8])
+def test_a_crank_engages_the_shaft_as_far_as_that_reaches(thickness):
+    recipe = turned("four-bar", thickness=thickness)
+    assert engagement(recipe) == pytest.approx(max(0, min(thickness, 12.5 - height_of_crank(recipe))) / 4)
+
+
+def test_a_gear_is_above_the_plate_of_its_motor_and_a_shaft_of_unknown_length_is_long_enough():
+    assert engagement(turned("spur-gear", thickness=5, bore=4, bore_form="D")) == pytest.approx(5 / 4)
+    # The plate, and 2 mm for the heads of its screws.
+    assert engagement(turned("spur-gear", thickness=7, bore=4, bore_form="D")) == pytest.approx((12.5 - 7 - 2) / 4)
+    assert engagement(turned("four-bar", thickness=3, motor="nema17")) == pytest.approx(3 / 5)
+
+
+def test_a_hub_with_a_set_screw_engages_the_shaft_too():
+    hub = {"name": "hub", "thickness": 2, "bolts": 4, "bolt_circle": 16, "set_screw": True, "body": "crank"}
+    found = {
+        at: engagement(turned("four-bar", thickness=3, bar_width=24, motor="nema17", attachments=[{**hub, "at": at}]))
+        for at in ("crank_pivot", "crank_pin")
+    }
+    assert found == pytest.approx({"crank_pivot": 5 / 5, "crank_pin": 3 / 5})

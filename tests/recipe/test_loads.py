@@ -234,6 +234,36 @@ def test_a_force_over_the_drive_is_the_same_at_each_angle_as_a_constant_one():
         slider_crank({"forces": [force]}, stroke={"start": 110, "end": 170}, linkage={"driver": "slider"})
 
 
+ROWS = [[0, 0], [90, 300], [180, -120], [180, 50], [270, 50]]
+OVER = np.array([0, 15, 45, 90, 150, 200, 300])
+# Between the rows, and from the last back to the first a turn later.
+LOAD = np.array([0, 50, 150, 300, 20, 50, 100 / 3])
+
+
+def test_a_torque_over_the_drive_needs_its_virtual_power():
+    turn = {"speed_rpm": 60, "step_deg": 15}
+    load = {"torques": [{"body": "rocker", "over_deg": ROWS}], "gravity_m_per_s2": [0, 0]}
+    bars = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+    for scale in (1, 2):
+        recipe = gk.load({"kind": "four-bar", "linkage": bars, "drive": turn, "loads": load, "scale": scale})
+        table, frames = recipe.table, OVER // 15
+        ratio = table["rocker_omega"][frames] / (2 * np.pi)
+        assert table["driver_torque"][frames] == pytest.approx(-scale * LOAD * ratio, rel=1e-9, abs=1e-9)
+
+
+def test_a_gas_force_over_the_drive_needs_its_virtual_power():
+    recipe = slider_crank(
+        {"slide_forces": [{"slide": "slide", "force_n": 7, "over_deg": ROWS}], "gravity_m_per_s2": [0, 0]},
+        drive={"speed_rpm": 60, "step_deg": 15},
+    )
+    table, frames = recipe.table, OVER // 15
+    ratio = table["slide_velocity"][frames] / (2 * np.pi)
+    assert table["driver_torque"][frames] == pytest.approx(-(LOAD + 7) * ratio, rel=1e-9, abs=1e-9)
+    with pytest.raises(gk.RecipeError, match="over_deg"):
+        load = {"slide_forces": [{"slide": "slide", "over_deg": ROWS}]}
+        slider_crank(load, stroke={"start": 110, "end": 170}, linkage={"driver": "slider"})
+
+
 def test_the_motor_is_the_one_named_or_mounted_or_the_smallest_that_suffices():
     weight = {"forces": [{"body": "rocker", "point": "rocker_pin", "force_n": [0, -10]}]}
     turn = {"drive": {"speed_rpm": 60}, "linkage": {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70}}
@@ -298,6 +328,8 @@ PIN_TO_PIN = {"body": "rocker", "point": "rocker_pin", "to_body": "coupler", "to
         ({"masses": {"rocker": {"mass_kg": -1}}}, "loads.masses.rocker.mass_kg", "out-of-range"),
         ({"forces": [{"body": "rocker", "point": "rocker_pin", "force": 1}]}, "loads.forces[0].force", "unknown-key"),
         ({"forces": [{"body": "rocker", "point": "rocker_pin"}]}, "loads.forces[0].force_n", "missing-key"),
+        ({"torques": [{"body": "rocker"}]}, "loads.torques[0].torque_n_mm", "missing-key"),
+        ({"torques": [{"body": "rocker", "over_deg": [[0, 1], [400, 1]]}]}, "loads.torques[0].over_deg", "conflict"),
         ({"motor": "nema99"}, "loads.motor", "impossible-geometry"),
         (
             {"forces": [{"body": "rocker", "point": "rocker_pin", "over_deg": [[0, 1, 1], [-90, 2, 2]]}]},

@@ -63,3 +63,22 @@ def test_a_walker_without_a_material_weighs_what_its_loads_state(masses):
         assert "weight_carried" not in checks
     else:
         assert checks["weight_carried"].value == pytest.approx(50)
+
+
+@pytest.mark.parametrize("measure", ["root_mean_square", "maximum"])
+def test_counterweights_for_an_even_torque_reduce_the_ripple_of_the_column(measure):
+    text = (Path(__file__).parents[2] / "recipes" / "balanced-rocker.toml").read_text()
+    table = tomllib.loads(text)
+    plain = gk.load({**table, "loads": {"gravity_m_per_s2": [0, -9.81]}})
+    table["loads"]["counterweights"] |= {"objective": "driver", "measure": measure}
+    recipe = gk.load(table)
+
+    def ripple(of):
+        torque = of.table["driver_torque"]
+        deviation = np.abs(torque - torque.mean())
+        return deviation.max() if measure == "maximum" else np.sqrt(np.mean(deviation**2))
+
+    check = next(check for check in recipe.checks if check.id == "counterweights")
+    # The same screws, at the same places, are on both.
+    assert check.value == pytest.approx(ripple(recipe) / ripple(plain), rel=0.02)
+    assert check.value < 0.75

@@ -17,8 +17,17 @@ from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ...core.records import record
 from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock
+from ...making.motors import (
+    MOTORS,
+    MotorKey,
+    motor_check,
+    motor_entry,
+    motor_summary,
+    nearest_motor,
+    smallest_motor,
+)
 from ...model.check import Check
-from ...model.motor import RotatingBody
+from ...model.motor import RPM, Motor, MotorDuty, RotatingBody
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle
 from ...model.table import Table
@@ -111,6 +120,10 @@ class LoopLoads:
         Tension of the slack strand, N; by default a quarter of the pull for a belt, 0 for a chain.
     allowed_tension_n : float, optional
         Tension that belt or chain carries, from its maker, N; not checked if omitted.
+    speed_rpm : float, optional
+        Speed of the driver, rpm; in a machine that of the machine.
+    motor : Motor, optional
+        Motor on the driver's shaft; by default the mounted one, or the lightest that suffices.
     """
 
     torques_n_mm: tuple[Torque, ...] = entry(
@@ -126,6 +139,11 @@ class LoopLoads:
         "tension that belt or chain carries, from its maker; not checked if omitted",
         "N", default=None, above=0, at_most=FARTHEST,
     )  # fmt: skip
+    speed_rpm: float = quantity(
+        "speed of the driver, for its motor; in a machine that of the machine", "rpm", default=60.0, above=0,
+        at_most=1e6,
+    )  # fmt: skip
+    motor: MotorKey | None = motor_entry("the driver")
 
 
 class LoopAdditions(Additions):
@@ -325,7 +343,23 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
         return replace(tensions, slack=self.mechanism.slack_share * tensions.pull if slack is None else slack)
 
     @property
+    def duty(self) -> MotorDuty:
+        """Torque and speed of the driver over a turn, which are constant."""
+        speed = abs(self.mechanism.setting.speed or RPM * self.given.speed_rpm)
+        return MotorDuty(np.full(2, self.tensions.driver_torque), np.full(2, speed), np.array([0.0, 2 * np.pi]))
+
+    @property
+    def motor(self) -> tuple[Motor, str]:
+        """The given or mounted motor, the lightest that suffices, or the nearest; and its key."""
+        key = "first_stock" if self.mechanism.first_stock else "stock"
+        mounted = getattr(self.mechanism, key).motor
+        motor = self.given.motor or MOTORS.get(str(mounted)) or smallest_motor(self.duty)
+        return motor or nearest_motor(self.duty), f"{key}.motor" if mounted else "loads.motor"
+
+    @property
     def checks(self) -> Iterator[Check]:
+        motor, key = self.motor
+        yield motor_check(motor, self.duty, key=key)
         if (allowed := self.given.allowed_tension_n) is not None:
             words = f"tension of the tight strand of the {self.mechanism.loop_name}"
             # A given slack tension stays, another one is in proportion to the torques.
@@ -347,7 +381,9 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
         loads = zip(names, tensions.tensions, np.abs(tensions.shaft_loads))
         wheels = {n: {"tension_after_N": to_digits(t), "shaft_load_N": to_digits(f)} for n, t, f in loads}
         own = {"pull_N": to_digits(tensions.pull), "driver_torque_n_mm": to_digits(tensions.driver_torque)}
-        return {"loads": {**own, "wheels": wheels}}
+        power = 1e-3 * tensions.driver_torque * float(self.duty.speed[0])
+        driver = {"power_W": to_digits(power), "motor": motor_summary(self.motor[0], self.duty)}
+        return {"loads": {**own, **driver, "wheels": wheels}}
 
     def on_scene(self, scene: Scene) -> Scene:
         """The scene with arrows of the shaft loads."""

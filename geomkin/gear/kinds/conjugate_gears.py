@@ -181,7 +181,12 @@ class ToothedRecipe(AbstractShapedRecipe):
     def design_checks(self) -> tuple[Check, ...]:
         module = self.gear.module
         boss = boss_checks("gear", self.gear.root_radius, self.stock.motor, self.base)
-        return (touch_check(self.design, module), *conjugate_checks(self.design, module), *boss)
+        return (
+            touch_check(self.design, module),
+            *conjugate_checks(self.design, module),
+            *boss,
+            *self.engagement_checks,
+        )
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -258,7 +263,8 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     @property
     def design_checks(self) -> tuple[Check, ...]:
         longer = ", or mate.clearance = 0" if self.mate.internal and self.mate.clearance else ""
-        return conjugate_checks(self.design, self.pinion.module, self.own_quarters, longer)
+        checks = conjugate_checks(self.design, self.pinion.module, self.own_quarters, longer)
+        return (*checks, *self.engagement_checks)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -83,7 +83,7 @@ class SpurGearRecipe(AbstractSingleGearRecipe):
 
     @property
     def design_checks(self) -> tuple[Check, ...]:
-        return gear_checks(self.design, self.stock.rim_under(self.design))
+        return (*gear_checks(self.design, self.stock.rim_under(self.design)), *self.engagement_checks)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -22,6 +22,7 @@ from .loads import Loads
 from .wrenches import NEWTON, known_body
 
 BalanceObjective = Literal["shaking_force", "shaking_moment", "driver"]
+BalanceMeasure = Literal["root_mean_square", "maximum"]
 # Effect of a counterweight, relative to its own inertia force and weight, that counts as rounding.
 NO_EFFECT = 1e-9
 # Share of the effect that would cancel the objective below which a body needs no counterweight.
@@ -52,12 +53,22 @@ class Balance:
     @property
     def rms_before(self) -> float:
         """Root mean square of the objective over the frames without counterweights, N or N mm."""
-        return _size(self.before, self.objective)
+        return size_of_objective(self.before, self.objective, "root_mean_square")
 
     @property
     def rms_after(self) -> float:
         """Root mean square of the objective over the frames with the counterweights, N or N mm."""
-        return _size(self.after, self.objective)
+        return size_of_objective(self.after, self.objective, "root_mean_square")
+
+    @property
+    def largest_before(self) -> float:
+        """Largest size of the objective at a frame without counterweights, N or N mm."""
+        return size_of_objective(self.before, self.objective, "maximum")
+
+    @property
+    def largest_after(self) -> float:
+        """Largest size of the objective at a frame with the counterweights, N or N mm."""
+        return size_of_objective(self.after, self.objective, "maximum")
 
 
 @checked
@@ -70,6 +81,7 @@ def balance(
     max_mass: Annotated[float, between(SMALLEST, FARTHEST, "kg")],
     max_radius: Size,
     about: AboutPoint = None,
+    measure: BalanceMeasure = "root_mean_square",
 ) -> Balance:
     """The counterweights that minimise shaking force, shaking moment or the variation of the driver's effort.
 
@@ -82,14 +94,15 @@ def balance(
     bodies : sequence of str
         Bodies that carry one counterweight each; they turn on pivots of the fixed body.
     objective : {"shaking_force", "shaking_moment", "driver"}, optional
-        Quantity of which the mean square is minimised. For "driver" it is the deviation of the driver's torque or force
-        from its mean.
+        Quantity that is minimised. For "driver" it is the deviation of the driver's torque or force from its mean.
     max_mass : float
         Largest mass of each counterweight, kg.
     max_radius : float
         Largest distance of each from the pivot of its body, mm.
     about : str or complex, optional
         Point of the shaking moment, as for `forces`.
+    measure : {"root_mean_square", "maximum"}, optional
+        Whether the root mean square over the frames is minimised, or the largest size at a frame.
 
     Returns
     -------
@@ -148,7 +161,9 @@ def balance(
         raise DesignError("bodies", problem, f"{remedy}, or give the motion a speed", "conflict")
     centred = [_deviation(values, objective) for values in (given[seen], *effects)]
     columns = np.concatenate([values.reshape(-1, values.shape[-1]) for values in centred[1:]], axis=1)
-    moments, inertias = _best(columns, centred[0].reshape(-1), max_mass, max_radius)
+    # Rows of each frame, by their number of components; 0 for the mean square.
+    grouped = given.shape[-1] if measure == "maximum" else 0
+    moments, inertias = _best(columns, centred[0].reshape(-1), max_mass, max_radius, grouped)
     counterweights, masses = dict[str, Mass](), dict(loads.masses)
     for body, moment, inertia in zip(bodies, moments, inertias, strict=True):
         product = abs(moment)
@@ -200,10 +215,6 @@ def _deviation(values: Real, objective: BalanceObjective) -> Real:
     return deviation
 
 
-def _size(analysis: ForceAnalysis, objective: BalanceObjective) -> float:
-    return root_mean_square(np.linalg.norm(_components(analysis, objective), axis=-1))
-
-
 def _effects(
     motion: Motion, gravity: complex, body: str, pivot: complex, objective: BalanceObjective, about: complex | Complex
 ) -> Real:
@@ -231,10 +242,17 @@ def _effects(
     return np.concatenate(known, axis=-1)
 
 
-def _best(columns: Real, given: Real, max_mass: float, max_radius: float) -> tuple[Complex, Real]:
+def size_of_objective(analysis: ForceAnalysis, objective: BalanceObjective, measure: BalanceMeasure) -> float:
+    """Root mean square or largest size of an objective over the frames, N or N mm."""
+    sizes = np.linalg.norm(_components(analysis, objective), axis=-1)
+    return root_mean_square(sizes) if measure == "root_mean_square" else float(np.fmax.reduce(sizes, initial=0.0))
+
+
+def _best(columns: Real, given: Real, max_mass: float, max_radius: float, grouped: int = 0) -> tuple[Complex, Real]:
     """First moments, kg mm, and inertias, kg mm2, of the counterweights: each shape (bodies,).
 
-    columns: (rows, 3 x bodies), for each body those of the first moment along x and y and of the inertia.
+    columns: (rows, 3 x bodies), for each body those of the first moment along x and y and of the inertia. grouped: 0
+    for the least mean square of all rows, or the number of rows of a frame, for the least maximum over the frames.
     A point mass within the bounds has |moment|2 <= max_mass inertia and inertia <= max_radius |moment|.
     """
     bodies, largest = columns.shape[1] // 3, float(np.linalg.norm(given))
@@ -284,6 +302,11 @@ def _best(columns: Real, given: Real, max_mass: float, max_radius: float) -> tup
             shares = _local_optimum(matrix, target, limits, slopes, start)
             if mean_square(shares) < mean_square(best):
                 best = shares
+    if grouped:
+        frames = (np.column_stack([columns * units, given]) / largest).reshape(-1, grouped, 3 * bodies + 1)
+        starts = [best, *_starts(free, has_inertia, heaviest, farthest)]
+        tries = [_least_maximum(frames[..., :-1], frames[..., -1], limits, slopes, start) for start in starts]
+        best = min(tries, key=lambda found: found[1])[0]
     best = best.reshape(bodies, 3)
     best[(sizes == 0).all(axis=1) | (np.abs(best) <= NEGLIGIBLE).all(axis=1)] = 0.0
     x, y, inertia = (best * units.reshape(bodies, 3)).T
@@ -335,3 +358,50 @@ def _local_optimum(
     with suppress(nlopt.RoundoffLimited, nlopt.runtime_error):
         solver.optimize(start)
     return best
+
+
+def _least_maximum(
+    rows: Real, target: Real, limits: Callable[[Real], Real], slopes: Callable[[Real], Real], start: Real
+) -> tuple[Real, float]:
+    """The least maximum over frames near a start, and its square, by sequential quadratic programming.
+
+    rows: (frames, components, unknowns). The square of the maximum is a further unknown, a bound on all frames.
+    """
+    import nlopt
+
+    def squares(shares: Real) -> tuple[Real, Real]:
+        rest = rows @ shares + target
+        return rest, (rest**2).sum(axis=-1)
+
+    # In units of the first maximum, so that the bounds of all frames are of order 1.
+    unit = float(squares(start)[1].max()) or 1.0
+    best, least = start, float(squares(start)[1].max())
+
+    def objective(unknowns: Real, gradient: Real) -> float:
+        if gradient.size:
+            gradient[:] = 0.0
+            gradient[-1] = 1.0
+        return float(unknowns[-1])
+
+    def constraints(result: Real, unknowns: Real, gradient: Real) -> None:
+        nonlocal best, least
+        shares = unknowns[:-1]
+        rest, sizes = squares(shares)
+        bounds = limits(shares).reshape(-1)
+        if sizes.max() < least and (bounds <= NO_EFFECT).all():
+            best, least = shares.copy(), float(sizes.max())
+        result[:] = np.concatenate([sizes / unit - unknowns[-1], bounds])
+        if gradient.size:
+            gradient[:] = 0.0
+            gradient[: len(sizes), :-1] = 2 * np.einsum("fc,fcu->fu", rest, rows) / unit
+            gradient[: len(sizes), -1] = -1.0
+            gradient[len(sizes) :, :-1] = slopes(shares)
+
+    solver = nlopt.opt(nlopt.LD_SLSQP, len(start) + 1)
+    solver.set_min_objective(objective)
+    solver.add_inequality_mconstraint(constraints, np.zeros(len(rows) + limits(start).size))
+    solver.set_xtol_rel(CONVERGED)
+    solver.set_maxeval(MOST_STEPS)
+    with suppress(nlopt.RoundoffLimited, nlopt.runtime_error):
+        solver.optimize(np.append(start, 1.0))
+    return best, least

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arguments import ArgumentType, are_points, are_reals, is_complex
 from ...core.errors import DesignError, shown
-from ...core.fields import FARTHEST, entry, quantity
+from ...core.fields import FARTHEST, PlaceOnBody, entry, quantity
 from ...core.records import record
 from ...core.units import mm
 from ...model.material import Mass
@@ -64,13 +64,6 @@ def _is_load(value: Any) -> bool:
 
 
 Varying = Annotated[Any, ArgumentType(_is_load, "a finite number, an array of one for each frame, or a DriveTable")]
-
-
-# A point of a body: its name, or its position in the body's frame, mm.
-PlaceOnBody = Annotated[
-    str | complex,
-    ArgumentType(lambda value: isinstance(value, str) or is_complex(value), "a point's name, or its position x + yj"),
-]
 
 
 def _over_frames(motion: Motion, load: Any, field: str) -> Array:

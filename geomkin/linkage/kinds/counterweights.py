@@ -1,4 +1,4 @@
-"""Counterweights in a recipe of a linkage: round ends of bars that reduce the shaking force."""
+"""Counterweights in a recipe of a linkage: round ends of bars that reduce shaking or the ripple of the torque."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ from ...core.records import record
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.table import Column, vector_columns
-from ...plane.vec import root_mean_square
 from ...recipe.recipe import part_masses
-from ..dynamics.counterweights import balance, fixed_pivots
+from ..dynamics.counterweights import BalanceMeasure, BalanceObjective, balance, fixed_pivots, size_of_objective
 from ..dynamics.inverse import ForceAnalysis
 from ..linkage import Linkage
 from ..motion import Motion
@@ -26,16 +25,23 @@ from ..parts.stock import LinkStock
 
 # Rounds in which counterweights and the screws of the stack that they change settle.
 ROUNDS = 3
-# Largest ratio of the shaking force with counterweights to that without: with more, they are not worth their mass;
-# chosen here.
+# Largest ratio of the objective with counterweights to that without: with more, they are not worth their mass; chosen
+# here.
 LARGEST_RATIO = 0.7
+# Name, column and unit of each objective; names of the measures.
+OBJECTIVES = {
+    "shaking_force": ("shaking force", "shaking_force", "N"),
+    "shaking_moment": ("shaking moment", "shaking_moment", "N_mm"),
+    "driver": ("deviation of the driver's torque from its mean", "driver_torque", "N_mm"),
+}
+MEASURES = {"root_mean_square": ("root mean squares", "rms"), "maximum": ("largest values", "largest")}
 # Column of the shaking force without counterweights.
 UNBALANCED = "shaking_force_without_counterweights"
 
 
 @record(checked=True)
 class CounterweightsTable:
-    """Counterweights against the shaking force, in a recipe: round ends of the plates of bars on fixed pivots."""
+    """Counterweights in a recipe: round ends of the plates of bars on fixed pivots."""
 
     bodies: tuple[str, ...] = entry("bodies on fixed pivots whose plates get a round end", example=("crank", "rocker"))
     distance: float = quantity(
@@ -45,6 +51,14 @@ class CounterweightsTable:
         "bound on the size of a counterweight: radius of the disc of equal mass at that distance", "mm",
         above=0, at_most=FARTHEST, example=40,
     )  # fmt: skip
+    objective: BalanceObjective = entry(
+        "what becomes least: the shaking force, the shaking moment about the driver's pivot, or the deviation of the "
+        "driver's torque from its mean",
+        default="shaking_force",
+    )
+    measure: BalanceMeasure = entry(
+        "whether its root mean square over the motion becomes least, or its largest value", default="root_mean_square"
+    )
 
     def check(self, linkage: Linkage, stock: LinkStock, masses: Mapping[str, object]) -> None:
         """DesignError with the key of what the linkage cannot have."""
@@ -65,13 +79,24 @@ class CounterweightsTable:
 
 @record(eq=False)
 class BalancedPlates:
-    """Plates with counterweights, and what they do to the shaking force of the linkage.
+    """Plates with counterweights, and what they do to the forces of the linkage.
 
-    ends: round end of the plate of each body. before: forces without counterweights.
+    table: of the recipe. ends: round end of the plate of each body. before: forces without counterweights.
     """
 
+    table: CounterweightsTable
     ends: Mapping[str, RoundEnd]
     before: ForceAnalysis
+
+    @property
+    def _objective(self) -> tuple[str, str, str]:
+        """Name, column and unit of the objective."""
+        if self.table.objective == "driver" and self.before.motion.linkage.driven_slider is not None:
+            return "deviation of the driver's force from its mean", "driver_force", "N"
+        return OBJECTIVES[self.table.objective]
+
+    def _size(self, analysis: ForceAnalysis) -> float:
+        return size_of_objective(analysis, self.table.objective, self.table.measure)
 
     @property
     def columns(self) -> Iterator[Column]:
@@ -79,14 +104,15 @@ class BalancedPlates:
         yield from vector_columns(UNBALANCED, "N", "shaking force without counterweights", self.before.shaking_force)
 
     def check(self, after: ForceAnalysis) -> Check:
-        """Check that the counterweights reduce the shaking force; after: forces with them."""
-        ratio = root_mean_square(after.shaking_force) / root_mean_square(self.before.shaking_force)
-        words = "shaking force with counterweights to that without, root mean squares"
+        """Check that the counterweights reduce the objective; after: forces with them."""
+        ratio = self._size(after) / self._size(self.before)
+        name, column, _ = self._objective
+        words = f"{name} with counterweights to that without, {MEASURES[self.table.measure][0]}"
         advice = "give a larger distance or largest_radius, or more bodies"
-        return Check("counterweights", words, ratio, "at most", LARGEST_RATIO, "", advice, "shaking_force")
+        return Check("counterweights", words, ratio, "at most", LARGEST_RATIO, "", advice, column)
 
     def summary(self, after: ForceAnalysis) -> Mapping[str, object]:
-        """Sizes and masses of the round ends, and the shaking force without and with them."""
+        """Sizes and masses of the round ends, and the objective without and with them."""
         ends = {
             body: {
                 "added_mass_kg": to_digits(end.added_mass),
@@ -95,11 +121,9 @@ class BalancedPlates:
             }
             for body, end in self.ends.items()
         }
-        forces = {"without": self.before.shaking_force, "with": after.shaking_force}
-        return {
-            "counterweights": ends,
-            "shaking_force_rms_N": {key: to_digits(root_mean_square(f)) for key, f in forces.items()},
-        }
+        key = f"{self.table.objective}_{MEASURES[self.table.measure][1]}_{self._objective[2]}"
+        sizes = {"without": self._size(self.before), "with": self._size(after)}
+        return {"counterweights": ends, key: {name: to_digits(size) for name, size in sizes.items()}}
 
 
 def stack_with_ends(motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd]) -> Stack:
@@ -115,7 +139,9 @@ def balanced_plates(
     fine_motion: Motion,
     stock: LinkStock,
 ) -> BalancedPlates:
-    """The plates that minimise the shaking force.
+    """The plates that minimise the objective of the table.
+
+    The round ends have the first moments of the best point masses, at their distances.
 
     forces_of: forces for given masses of the bodies. fine_motion: in steps so small that no collision is missed.
     """
@@ -135,16 +161,18 @@ def balanced_plates(
         analysis = forces_of(bodies(screws))
         try:
             best = balance(
-                analysis.motion, analysis.loads, table.bodies, max_mass=max_mass, max_radius=table.distance
-            ).counterweights
+                analysis.motion, analysis.loads, table.bodies, table.objective, max_mass=max_mass,
+                max_radius=table.distance, measure=table.measure,
+            ).counterweights  # fmt: skip
         except DesignError as error:
             raise error.named("loads.counterweights") from None
         moments = {body: complex(mass.mass * (mass.centre - pivots[body])) for body, mass in best.items() if mass.mass}
+        radii = {body: float(np.abs(mass.centre - pivots[body])) for body, mass in best.items()}
         ends = {
-            body: round_end(plates[body], stock, stock.material, pivots[body], moment, table.distance)
+            body: round_end(plates[body], stock, stock.material, pivots[body], moment, radii[body])
             for body, moment in moments.items()
         }
         earlier, screws = screws, fastener_masses(fine_motion, stock, stack_with_ends(fine_motion, stock, ends))
         if screws == earlier:
             break
-    return BalancedPlates(ends, before)
+    return BalancedPlates(table, ends, before)

@@ -10,7 +10,9 @@ from typing import Any, ClassVar
 from ...core.fields import entry
 from ...core.records import record
 from ...core.units import UNITS
+from ...making.attachments import hub_thickness
 from ...making.materials import MATERIALS
+from ...making.motors import engagement_check
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import RotatingBody
@@ -22,10 +24,12 @@ from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
 from ..motion import motion_table
 from ..parts.counterweight_plates import RoundEnd
+from ..parts.layers import passed_attachments
 from ..parts.stack import MOTOR_PLATE
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
@@ -125,6 +129,11 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         return self.made
 
     @property
+    def attached(self) -> Iterator[tuple[str, Any, float, int]]:
+        """None: the assembly of the plates has them."""
+        return iter(())
+
+    @property
     def further_handles(self) -> Iterator[SceneHandle]:
         """The ends of a stroke, and the places of the aspects."""
         yield from super().further_handles
@@ -151,7 +160,27 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         collisions = sum(len(stack.collisions) for stack in dict.fromkeys(self.made.stacks))
         advice = "summary.json names them under stack; give narrower bars or other lengths"
         hole = hole_check(self.stock.hole_diameter, self.stock.thickness)
-        return (*self.motion_checks, hole, collision_check(collisions, advice))
+        checks = (*self.motion_checks, hole, collision_check(collisions, advice))
+        return (*checks, self._attachment_check()) if self.stock.attachments else checks
+
+    @property
+    def engagement_checks(self) -> Iterator[Check]:
+        """Whether the crank, or a hub on it, engages the shaft of the motor."""
+        stock, stack, linkage = self.stock, self.made.stack, self.linkage.linkage
+        if stock.motor is not None:
+            crank, pivot = linkage.driver, complex(linkage.bodies[linkage.driver][str(linkage.driver_pivot)])
+            layer = next(layer for name, layer in stack.layers.items() if stack.plates[name].body == crank)
+            attached = (item for item, middle in stack.plates[crank].attached if are_equal(middle, pivot))
+            below = (layer + stack.motor_plates) * stock.thickness
+            yield engagement_check(stock.motor, stock.thickness + hub_thickness(attached), below)
+
+    def _attachment_check(self) -> Check:
+        made = self.made
+        passing = list(passed_attachments(made.fine_motion, made.stock, made.stack.plates, made.stack.layers))
+        pairs = ", ".join(f"{plate} over the {item}" for item, plate in passing)
+        advice = f"{pairs}: give another place, thinner screws, or screws with sunk heads and no nuts"
+        name = "plates that pass over attachments and their screws"
+        return Check("attachments_passed", name, len(passing), "at most", 0, "", advice)
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:

@@ -11,12 +11,20 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
-from ...making.motors import motor_check, motor_summary, nearest_motor, smallest_motor
+from ...core.units import mm
+from ...making.motors import (
+    LEAST_MOTOR_MARGIN,
+    actuator_checks,
+    motor_check,
+    motor_summary,
+    nearest_motor,
+    smallest_motor,
+)
 from ...model.check import Check
 from ...model.motor import Motor, MotorDuty, root_mean_square
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
-from ...plane.vec import without_rounding
+from ...plane.vec import Real, without_rounding
 from ..checks import in_driver_unit
 from ..dynamics.inverse import WATT
 from ..linkage import Linkage
@@ -112,6 +120,24 @@ class LoadsAspect(AbstractLinkageForces):
     @property
     def remarks(self) -> Iterator[str]:
         yield from (motor.remark for motor in self.compared)
+        force, speed = self.peaks[EFFORT][0], self._slide_speed
+        if self.linkage.driven_slider is not None and not self.given.actuator and np.isfinite(force):
+            yield (
+                f"The slide needs an actuator of {LEAST_MOTOR_MARGIN * force:.4g} N at "
+                f"{mm(float(speed.max()), unit='mm/s'):.4g}, {LEAST_MOTOR_MARGIN:g} times the largest force, with a "
+                f"stroke of {mm(self._stroke):.6g}."
+            )
+
+    @property
+    def _slide_speed(self) -> Real:
+        """Speed of the driven slide at the dense frames, mm/s."""
+        motion, _ = self.dense
+        return np.full(motion.drive.shape, np.abs(np.asarray(motion.timing.speed, dtype=float)))
+
+    @property
+    def _stroke(self) -> float:
+        """Displacement of the driven slide, mm."""
+        return float(np.ptp(self.mechanism.input_range.frames))
 
     @cached_property
     def run(self) -> LinkageRun | None:
@@ -198,6 +224,8 @@ class LoadsAspect(AbstractLinkageForces):
         """Checks of the motor, the counterweights and the run, and of pins and plates if the material is known."""
         stock = self.mechanism.stock
         yield from self._motor_checks
+        if self.given.actuator:
+            yield from actuator_checks(self.given.actuator, self.dense[1], self._slide_speed, self._stroke)
         if not self.walking:
             yield from weight_checks(self.mechanism, self.given)
         if self.balanced:

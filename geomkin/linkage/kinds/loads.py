@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+from abc import ABC
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, Coordinate, entry, quantity
+from ...core.fields import FARTHEST, Coordinate, PlaceOnBody, entry, quantity
 from ...core.records import record
 from ...making.motors import MotorKey, motor_entry
 from ...model.material import Mass
+from ...model.motor import LinearActuator
 from ...model.scene import SceneHandle, point_handle
 from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
-from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, PlaceOnBody, SlideForce, Spring, Torque, TorsionSpring
+from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, SlideForce, Spring, Torque, TorsionSpring
 from ..dynamics.wrenches import Wrenches, known_body, known_place
 from ..linkage import Linkage
 from ..motion import Motion
@@ -33,68 +35,108 @@ ARROW = 0.05
 
 # Most motors that are compared.
 MOST_MOTORS = 6
+# A turn of the driver, rad.
+TURN = 2 * np.pi
 # Positions of the driver over which the mean of a force is taken.
 MEAN_FRAMES = 3600
 
 
-@record(checked=True)
-class PointForce:
-    """A force at a point of a body, in a recipe: constant, or given over the driver's angle."""
+def over_deg_entry(what: str, unit: str, columns: str = "value") -> Any:
+    """Field for a load over the driver's angle."""
+    rows = f"rows [deg, {columns}] in {unit}: linear between, a step at two equal angles, repeated every turn"
+    units = ("deg", *(unit for _ in columns.split(", ")))
+    return entry(f"further {what} over the driver's angle, {rows}", default=(), units=units)
 
-    body: str = entry("the body it acts on", example="rocker")
-    point: PlaceOnBody = entry("point of that body, by name or [x, y]", example="rocker_pin")
-    force_n: tuple[Coordinate, Coordinate] | None = entry(
-        "constant force on the ground, [x, y] in N", default=None, example=(0.0, -50.0), units=("N", "N")
-    )
-    over_deg: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] = entry(
-        "further force over the driver's angle, rows [deg, x, y] in N: linear between, a step at two equal angles, "
-        "repeated every turn",
-        default=(),
-        units=("deg", "N", "N"),
-    )
 
-    def __post_init__(self) -> None:
-        if self.force_n is None and not self.over_deg:
-            raise DesignError("force_n", "is missing", "give [x, y] in N, or rows of over_deg", "missing-key")
+class AbstractDriveLoad(ABC):
+    """A load of a recipe: a constant, and rows over the driver's angle."""
+
+    # Key of the constant, and what it is.
+    constant_key: ClassVar[str]
+    constant_words: ClassVar[str]
+    over_deg: tuple[tuple[float, ...], ...]
+
+    def check_rows(self) -> None:
+        """DesignError if neither is given, or the angles of the rows do not rise within a turn."""
+        if getattr(self, self.constant_key) is None and not self.over_deg:
+            remedy = f"give {self.constant_words}, or rows of over_deg"
+            raise DesignError(self.constant_key, "is missing", remedy, "missing-key")
         angles = [row[0] for row in self.over_deg]
         if any(later < earlier for earlier, later in pairwise(angles)):
             raise DesignError("over_deg", "its angles fall", "give rising angles", "conflict")
         if angles and angles[-1] - angles[0] > 360:
             raise DesignError("over_deg", f"covers {angles[-1] - angles[0]:g} deg", "give at most 360 deg", "conflict")
 
+    def value(self, constant: float | complex | None) -> float | complex | DriveTable:
+        """The load with its constant, as the library has it; a row of two values is a complex number."""
+        constant = constant or 0.0
+        if not self.over_deg:
+            return constant
+        angles, *values = np.array(self.over_deg, dtype=float).T
+        return DriveTable(
+            np.radians(angles), constant + (values[0] + 1j * values[1] if values[1:] else values[0]), TURN
+        )
+
+
+@record(checked=True)
+class PointForce(AbstractDriveLoad):
+    """A force at a point of a body, in a recipe: constant, or given over the driver's angle."""
+
+    constant_key, constant_words = "force_n", "[x, y] in N"
+
+    body: str = entry("the body it acts on", example="rocker")
+    point: PlaceOnBody = entry("point of that body, by name or [x, y]", example="rocker_pin")
+    force_n: tuple[Coordinate, Coordinate] | None = entry(
+        "constant force on the ground, [x, y] in N", default=None, example=(0.0, -50.0), units=("N", "N")
+    )
+    over_deg: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] = over_deg_entry("force", "N", "x, y")
+
+    def __post_init__(self) -> None:
+        self.check_rows()
+
     def mean_over_turn(self) -> complex:
         """Mean of the force over a turn of the driver, N."""
         force = self.force().force
-        turn = np.linspace(0, 2 * np.pi, MEAN_FRAMES, endpoint=False)
+        turn = np.linspace(0, TURN, MEAN_FRAMES, endpoint=False)
         return complex(np.mean(force.at(turn))) if isinstance(force, DriveTable) else complex(force)
 
     def force(self) -> Force:
         """The force as the library has it."""
-        constant = complex(*(self.force_n or (0.0, 0.0)))
-        if not self.over_deg:
-            return Force(self.body, self.point, constant)
-        angles, x, y = np.array(self.over_deg, dtype=float).T
-        return Force(self.body, self.point, DriveTable(np.radians(angles), constant + x + 1j * y, 2 * np.pi))
+        return Force(self.body, self.point, self.value(complex(*(self.force_n or (0.0, 0.0)))))
 
 
 @record(checked=True)
-class BodyTorque:
-    """A constant torque on a body, in a recipe; the ground takes the opposite one."""
+class BodyTorque(AbstractDriveLoad):
+    """A torque on a body, in a recipe; the ground takes the opposite one."""
+
+    constant_key, constant_words = "torque_n_mm", "a torque in N mm"
 
     body: str = entry("the body it acts on", example="rocker")
-    torque_n_mm: float = quantity(
-        "torque, counterclockwise positive", "N mm", at_least=-FARTHEST, at_most=FARTHEST, example=-500
-    )
+    torque_n_mm: float | None = quantity(
+        "constant torque, counterclockwise positive", "N mm", default=None, at_least=-FARTHEST, at_most=FARTHEST,
+        example=-500,
+    )  # fmt: skip
+    over_deg: tuple[tuple[Coordinate, Coordinate], ...] = over_deg_entry("torque", "N mm")
+
+    def __post_init__(self) -> None:
+        self.check_rows()
 
 
 @record(checked=True)
-class CylinderForce:
-    """A constant force along a slide, in a recipe; its guide takes the opposite one."""
+class CylinderForce(AbstractDriveLoad):
+    """A force along a slide, such as that of a cylinder or of gas, in a recipe; its guide takes the opposite one."""
+
+    constant_key, constant_words = "force_n", "a force in N"
 
     slide: str = entry("name of the slider", example="slide")
-    force_n: float = quantity(
-        "force on the sliding body, positive along the line", "N", at_least=-FARTHEST, at_most=FARTHEST, example=-100
-    )
+    force_n: float | None = quantity(
+        "constant force on the sliding body, positive along the line", "N", default=None, at_least=-FARTHEST,
+        at_most=FARTHEST, example=-100,
+    )  # fmt: skip
+    over_deg: tuple[tuple[Coordinate, Coordinate], ...] = over_deg_entry("force", "N")
+
+    def __post_init__(self) -> None:
+        self.check_rows()
 
 
 @record(checked=True)
@@ -128,9 +170,9 @@ class LoadsTable:
         "masses of bodies by name, each with mass_kg, centre and inertia_kg_mm2", default_factory=dict
     )
     forces: tuple[PointForce, ...] = entry("forces, each with body, point and force_n", default=())
-    torques: tuple[BodyTorque, ...] = entry("torques, each with body and torque_n_mm", default=())
+    torques: tuple[BodyTorque, ...] = entry("torques, each with body and torque_n_mm or over_deg", default=())
     slide_forces: tuple[CylinderForce, ...] = entry(
-        "forces along slides, such as those of cylinders, each with slide and force_n", default=()
+        "forces along slides, such as those of cylinders, each with slide and force_n or over_deg", default=()
     )
     springs: tuple[Spring, ...] = entry(
         "springs between two points, each with body, point, to_body, to_point, stiffness, free_length and preload",
@@ -156,6 +198,9 @@ class LoadsTable:
         "coefficient of dry friction between the feet of a walker and the ground", default=0.0, at_least=0, at_most=10
     )
     motor: MotorKey | None = motor_entry("the driver")
+    actuator: LinearActuator | None = entry(
+        "linear actuator of a driven slide, with name, force_n, no_load_speed, full_load_speed and stroke", default=None
+    )
     motors: tuple[MotorKey, ...] = entry(
         "direct-current motors to compare at the speed of the drive: margin, largest speed, and time on a battery",
         default=(),
@@ -185,8 +230,8 @@ class LoadsTable:
         """The loads as the library has them, by the keys of this table."""
         return {
             "forces": tuple(force.force() for force in self.forces),
-            "torques": tuple(Torque(torque.body, torque.torque_n_mm) for torque in self.torques),
-            "slide_forces": tuple(SlideForce(force.slide, force.force_n) for force in self.slide_forces),
+            "torques": tuple(Torque(torque.body, torque.value(torque.torque_n_mm)) for torque in self.torques),
+            "slide_forces": tuple(SlideForce(force.slide, force.value(force.force_n)) for force in self.slide_forces),
             "springs": self.springs,
             "gas_springs": self.gas_springs,
             "torsion_springs": self.torsion_springs,
@@ -233,14 +278,18 @@ class LoadsTable:
                     raise error.named(field) from None
         for body in self.masses:
             known_body(motion.linkage, body, "loads.masses")
-        for k, force in enumerate(self.forces):
-            if force.over_deg and motion.linkage.driven_slider is not None:
-                problem = "is given, but a slide drives, which has no angle"
-                raise DesignError(f"loads.forces[{k}].over_deg", problem, "omit it, and give force_n", "conflict")
+        for key in ("forces", "torques", "slide_forces"):
+            for k, load in enumerate(getattr(self, key)):
+                if load.over_deg and motion.linkage.driven_slider is not None:
+                    problem, remedy = "is given, but a slide drives, which has no angle", f"give {load.constant_key}"
+                    raise DesignError(f"loads.{key}[{k}].over_deg", problem, f"omit it, and {remedy}", "conflict")
         for key, motor in {"motor": self.motor, "motors": next(iter(self.motors), None)}.items():
             if motor and motion.linkage.driver_pivot is None:
                 problem = f"found {motor.name}, but the driver turns on no fixed shaft"
                 raise DesignError(f"loads.{key}", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
+        if self.actuator and motion.linkage.driven_slider is None:
+            problem = f"found {self.actuator.name}, but the driver turns"
+            raise DesignError("loads.actuator", problem, "omit it, or let a slide drive", "conflict")
         if len(self.motors) > MOST_MOTORS:
             raise DesignError(
                 "loads.motors", f"found {len(self.motors)}", f"give at most {MOST_MOTORS}", "out-of-range"

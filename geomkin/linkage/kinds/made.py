@@ -230,12 +230,16 @@ class MadeLinkage(DrivenLinkage):
         if bodies:
             for body, mass in fastener_masses(self.fine_motion, self.stock, self.stack).items():
                 bodies[body] = bodies[body] + mass if body in bodies else mass
+            for plate in self.stack.plates.values():
+                for item, middle in plate.attached:
+                    bodies[plate.body] += Mass(item.mass_kg, middle)
         return bodies
 
     @property
     def bought(self) -> tuple[Bought, ...]:
-        """Screws, rods, tubes and glue."""
-        return gathered(joint_bills(self.stacks, self.shared, self.stock.thickness))
+        """Screws, rods, tubes, glue and attachments."""
+        attached = [(item.body, item.bill(self.stock.thickness)) for item in self.stock.attachments]
+        return gathered([*joint_bills(self.stacks, self.shared, self.stock.thickness), *len(self.stacks) * attached])
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:
@@ -246,17 +250,18 @@ class MadeLinkage(DrivenLinkage):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """Assembly steps from the bottom up."""
+        """Attachments, then assembly steps from the bottom up."""
+        attached = tuple(item.step(item.body) for item in self.stock.attachments)
         if not self.copies:
-            return self.stack.steps
-        return copying(self.copies, self.shared, self.stacks, self.stock.thickness)
+            return (*attached, *self.stack.steps)
+        return (*attached, *copying(self.copies, self.shared, self.stacks, self.stock.thickness))
 
     @property
     def stack_summary(self) -> dict[str, object]:
         """Layers, items to buy and assembly steps, as an entry of summary.json."""
         entry = dict(self.stack.summary())
-        if self.copies:
+        if self.copies or self.stock.attachments:
             entry |= {"bought": [item.data for item in self.bought], "steps": list(self.steps)}
-            if self.stock.motor:
-                entry["copy"] = self.copy_stack.summary()
+        if self.copies and self.stock.motor:
+            entry["copy"] = self.copy_stack.summary()
         return entry

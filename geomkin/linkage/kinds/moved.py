@@ -118,7 +118,10 @@ class AbstractMovedRecipe(AbstractRecipe):
 
     def check_stroke(self) -> None:
         """Refuse a stroke if the driver turns, and a missing one if it slides."""
-        slides = self.linkage.linkage.driven_slider is not None
+        try:
+            slides = self.linkage.linkage.driven_slider is not None
+        except DesignError as error:
+            raise error.named(f"linkage.{error.field}") from None
         if slides and self.stroke is None:
             raise DesignError(
                 "stroke", "is missing although a slide drives", "give a table with start and end", "missing-key"

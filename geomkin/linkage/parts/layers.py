@@ -10,6 +10,8 @@ from itertools import combinations, compress
 import numpy as np
 
 from ...core.records import record
+from ...making.attachments import attached_holes
+from ...making.fasteners import size_of
 from ...plane.vec import Complex, Mask, Whole
 from ..motion import Motion
 from .collisions import Pair, meeting, relative_paths
@@ -399,3 +401,24 @@ class Heads:
 def with_empty_layers(gaps: list[int]) -> list[int]:
     """Layer numbers counted with the empty layers."""
     return [k + sum(gaps[:k]) for k in range(len(gaps) + 1)]
+
+
+def passed_attachments(
+    motion: Motion, stock: LinkStock, plates: Mapping[str, LinkPlate], layers: Mapping[str, int]
+) -> Iterator[tuple[str, str]]:
+    """Names of the attachments and of the plates that pass over their holes, within the height of what is fixed there.
+
+    Which side an attachment is on is not known, so that the larger height counts on both.
+    """
+    for name, plate in plates.items():
+        for item, middle in plate.attached:
+            holes, size = attached_holes([(item, middle)], stock.clearance), size_of(item.screw)
+            near = stock.bar_width / 2 + PLAY * stock.clearance
+            near += max([size.across / 2 if size else 0.0, *(hole.radius for hole in holes)])
+            for other, layer in layers.items():
+                gap, body = (abs(layer - layers[name]) - 1) * stock.thickness, plates[other].body
+                if 0 <= gap < max(item.projections(stock.thickness)) and body != plate.body:
+                    hull = plates[other].hull
+                    pairs = [Pair(body, hull, plate.body, np.array([hole.centre]), near) for hole in holes]
+                    if meeting(motion, pairs).any():
+                        yield item.name, other

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
-from ...core.errors import DesignError
+from ...core.errors import DesignError, shown
 from ...core.records import record
 from ...core.units import mm
+from ...making.attachments import attached_holes
 from ...making.motors import CORNER, face_of
 from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
@@ -18,16 +20,19 @@ from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, Mask, cross
 from ..assembly_failures import assembly_error
+from ..dynamics.wrenches import known_place
 from ..joints.joint import AbstractJoint
 from ..joints.slide import Slider, are_equal
 from ..linkage import Linkage
 from ..motion import Motion
 from .collisions import PointPaths, relative_paths
-from .stock import LinkStock
+from .stock import LinkAttachment, LinkStock
 
 # Smallest distance of the two guide pins in widths of the bar. With a smaller one the play of the pins in their slot
 # lets the plate tilt and jam.
 APART = 2.0
+# Directions of the corners by which an outline goes round a wide hole; each is rounded with half of the bar's width.
+CIRCLE = np.exp(2j * np.pi * np.arange(16) / 16)
 
 
 Opening = Sequence[complex]
@@ -169,19 +174,22 @@ class LinkPlate:
     """A plate in the frame of a body.
 
     openings: by pin or point, one point, mm, for a hole, two for a slot's ends. seat: a motor's holes in it. rim:
-    points of a counterweight that the outline encloses, complex mm.
+    points of a counterweight that the outline encloses, complex mm. attached: what is screwed to it, with its middle.
+    attached_rim: points that the outline encloses round the holes of these.
     """
 
     body: str
     openings: dict[str, tuple[complex, ...]] = field(default_factory=dict)
     seat: Seat | None = None
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
+    attached: tuple[tuple[LinkAttachment, complex], ...] = ()
+    attached_rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
 
     @property
     def centres(self) -> Complex:
         """Points that the outline encloses at a constant distance, complex mm."""
         places = [place for places in self.openings.values() for place in places]
-        return np.array([*places, *(self.seat.rim if self.seat else ()), *self.rim])
+        return np.array([*places, *(self.seat.rim if self.seat else ()), *self.attached_rim, *self.rim])
 
     @property
     def section_points(self) -> Complex:
@@ -207,13 +215,18 @@ class LinkPlate:
 
         For a motor's face its edge counts.
         """
-        for (one, a), (two, b) in combinations(self.openings.items(), 2):
-            apart = max(0.0, float(separation(self._corners(one), self._corners(two))))
-            needed = stock.hole_diameter
-            if self.seat and self.seat.pin in (one, two):
-                needed = stock.hole_diameter / 2 + self.seat.radius
-            # Two guide pins may share one slot.
-            if apart <= needed and not (a == b and len(a) == 2):
+        radii = dict.fromkeys(self.openings, stock.hole_diameter / 2)
+        if self.seat and self.seat.pin in radii:
+            radii[self.seat.pin] = self.seat.radius
+        loops = [(name, self._corners(name), radius) for name, radius in radii.items()]
+        for attachment, middle in self.attached:
+            holes = attached_holes([(attachment, middle)], stock.clearance)
+            loops += [(attachment.name, np.array([hole.centre]), hole.radius) for hole in holes]
+        for (one, corners, radius), (two, others, other_radius) in combinations(loops, 2):
+            apart, needed = max(0.0, float(separation(corners, others))), radius + other_radius
+            # Two guide pins may share one slot. Holes of one attachment were compared before.
+            is_shared = len(corners) == 2 and self.openings.get(one) == self.openings.get(two)
+            if apart <= needed and not is_shared and one != two:
                 yield one, two, apart, needed
 
     def part(self, name: str, stock: LinkStock, linkage: Linkage, letters: Mapping[str, str]) -> Part:
@@ -223,7 +236,7 @@ class LinkPlate:
         """
         for one, two, apart, needed in self.crossings(stock):
             traced = [p for p in (two, one) if p in linkage.bodies[self.body] and p not in linkage.joint_points]
-            kinds = [f"{'hole' if len(self.openings[p]) == 1 else 'slot'} of {p}" for p in (one, two)]
+            kinds = [f"{'slot' if len(self.openings.get(p, '')) == 2 else 'hole'} of {p}" for p in (one, two)]
             if self.seat and self.seat.rim.size and self.seat.pin in (one, two):
                 raise DesignError(
                     "stock.motor",
@@ -234,7 +247,7 @@ class LinkPlate:
             raise DesignError(
                 traced[0] if traced else self.body,
                 f"the {kinds[0]} and the {kinds[1]} in the {name} are {mm(apart):.4g} apart, "
-                f"and they are {mm(needed):g} wide",
+                f"and they meet below {mm(needed):g}",
                 "change the sizes that bring them together, or give a smaller pin_diameter",
             )
         radius = stock.hole_diameter / 2
@@ -256,6 +269,9 @@ class LinkPlate:
                 hole_letters.append(letter)
                 travel = abs(ends[-1] - ends[0])
                 fits.append(HoleFit(stock.pin_diameter, stock.clearance, travel=travel, iso_fit=stock.pin_fit))
+        holes += attached_holes(self.attached, stock.clearance)
+        fits += (fit for item, middle in self.attached for _, fit in item.openings(middle, stock.clearance))
+        hole_letters += [""] * (len(holes) - len(hole_letters))
         outline, hole_names = (
             rounded_hull(self.centres, stock.bar_width / 2),
             tuple(hole_letters) if any(hole_letters) else (),
@@ -325,9 +341,13 @@ def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
     axes = _axes(linkage)
     motor_seats = seats(linkage, axes, stock)
     plates = {body: LinkPlate(body, {}, motor_seats.get(body)) for body in linkage.bodies if body not in blocks}
+    for body, plate in plates.items():
+        plates[body] = replace(plate, **_attached(linkage, stock, body))
+    _check_bodies_of_attachments(stock, plates)
+    instead = {(item.body, item.at) for item in stock.attachments if item.at not in linkage.joint_points}
     for name, places in axes.items():
         for body, place in places.items():
-            if body in plates:
+            if body in plates and (body, name) not in instead:
                 plates[body].openings[name] = (place,)
     guides: dict[str, list[str]] = {name: [] for name in axes}
     for slide in linkage.slides:
@@ -349,6 +369,30 @@ def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
         if slider.name not in running:
             pins += _guide_pins(motion, slider, plates, stock)
     return LinkAssembly(plates, tuple(pins))
+
+
+def _attached(linkage: Linkage, stock: LinkStock, body: str) -> dict[str, Any]:
+    """Fields of a plate for what is screwed to it. A hole wider than a pin's has as much material round it."""
+    attached, rim = [], list[complex]()
+    for k, item in enumerate(stock.attachments):
+        if item.body == body:
+            try:
+                middle = complex(np.asarray(known_place(linkage, body, item.at, "")))
+            except DesignError as error:
+                raise error.named(f"stock.attachments[{k}].at") from None
+            attached.append((item, middle))
+    for hole in attached_holes(attached, stock.clearance):
+        wider = max(0.0, hole.radius - stock.hole_diameter / 2)
+        rim += [hole.centre + wider * z for z in (CIRCLE if wider else CIRCLE[:1])]
+    return {"attached": tuple(attached), "attached_rim": np.array(rim, dtype=complex)}
+
+
+def _check_bodies_of_attachments(stock: LinkStock, plates: Mapping[str, LinkPlate]) -> None:
+    for k, item in enumerate(stock.attachments):
+        if item.body not in plates:
+            problem = f"found {shown(item.body)}, which is no plate"
+            remedy = f"give one of {', '.join(plates)}"
+            raise DesignError(f"stock.attachments[{k}].body", problem, remedy, "unknown-key")
 
 
 def _axes(linkage: Linkage) -> dict[str, dict[str, complex]]:

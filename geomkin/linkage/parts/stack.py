@@ -51,7 +51,7 @@ def bridge_options(assembly: LinkAssembly, ground: str) -> list[Carried]:
 def split(assembly: LinkAssembly, ground: str, carried: Carried) -> tuple[LinkPlate, LinkPlate]:
     """Ground and bridge, each with its openings."""
     joints = {pin.name: pin.joint for pin in assembly.pins}
-    plates = LinkPlate(ground, {}, assembly.plates[ground].seat), LinkPlate(ground)
+    plates = replace(assembly.plates[ground], openings={}), LinkPlate(ground)
     for name, places in assembly.plates[ground].openings.items():
         plates[joints.get(name, name) in carried].openings[name] = places
     return plates

@@ -8,9 +8,10 @@ from math import ceil
 from typing import Literal
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, PlaceOnBody, check_sizes, entry, quantity
 from ...core.records import record
 from ...core.units import mm
+from ...making.attachments import Attachment, attachments_entry
 from ...making.bores import AbstractBored, fit_entry, interference
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
@@ -20,6 +21,18 @@ from ...model.limits import Fit, IsoFit, fit_limits
 
 # Largest number of plates between a motor and the ground. More would use up the length of most shafts.
 MOST_MOTOR_PLATES = 3
+
+
+@record(kw_only=True)
+class LinkAttachment(Attachment):
+    """What a body of a linkage drives."""
+
+    body: str = entry("the body to whose plate it is screwed", example="ground")
+    at: PlaceOnBody = entry(
+        "its middle: a point of that body by name, or [x, y] in mm in the body's frame; the plate extends to it",
+        default=0j, example=-60 - 60j,
+    )  # fmt: skip
+    mass_kg: float = quantity("its mass, in its middle", "kg", default=0.0, at_least=0, at_most=FARTHEST)
 
 
 @record(checked=True)
@@ -57,6 +70,7 @@ class LinkStock:
     fit: Fit = fit_entry("the crank's bore on a motor")
     interference: float = interference()
     material: MaterialKey | None = material_entry("the sheet")
+    attachments: tuple[LinkAttachment, ...] = attachments_entry("a body")
 
     def __post_init__(self) -> None:
         if self.pin_fit:
@@ -74,6 +88,8 @@ class LinkStock:
         # Raises DesignError if no such screw exists.
         _ = self.fastener_used
         self._check_motor()
+        for k, attachment in enumerate(self.attachments):
+            attachment.check(0j, self.clearance, f"attachments[{k}]")
         if self.bar_width <= self.hole_diameter:
             raise DesignError(
                 "bar_width",
