@@ -268,7 +268,7 @@ GOOD = {
     "Method": {"name": "a", "about": "b", "make": lambda problem, setting: list, "setting": "step", "settings": (1.0, 0.5), "rationale": "", "caveat": "", "slow": False},
     "pareto_front": {"seconds": np.array([1.0, 2.0]), "errors": np.array([2.0, 1.0])},
     "Force": {"body": "coupler", "point": 10 + 0j, "force": 5j, "frame": "body"},
-    "GasSpring": {"body": "rocker", "point": 10 + 0j, "to_body": "ground", "to_point": 5j, "force": 100.0, "extended": 200.0},
+    "GasSpring": {"body": "rocker", "point": 10 + 0j, "to_body": "ground", "to_point": 5j, "force": 100.0, "extended": 200.0, "stroke": 80.0},
     "Loads": {"gravity": -9.81j, "masses": {"crank": gk.Mass(0.5)}, "forces": (gk.Force("coupler", 1j, 5j),)},
     "Mass": {"mass": 0.5, "centre": 10 + 0j, "inertia": 2e-4},
     "Material": {"name": "a", "density": 1200.0, "modulus": 3.2, "poisson_ratio": 0.35, "strength": 70.0},

@@ -157,3 +157,15 @@ def test_an_actuator_of_a_crank_is_refused():
     with pytest.raises(gk.RecipeError) as caught:
         from_table({"kind": "four-bar", "linkage": linkage, "loads": loads})
     assert caught.value.problems[0].key == "loads.actuator"
+
+
+@pytest.mark.parametrize(("extended", "stroke", "room"), [(100, 80, 20), (79, 60, -1), (100, 30, -30), (85, 46, 1)])
+def test_a_gas_spring_stays_within_its_stroke(extended, stroke, room):
+    """Between the crank's pin and a point in line with its pivot: 40 to 80 mm long."""
+    spring = {"body": "crank", "point": [20, 0], "to_body": "ground", "to_point": [60, 0]}
+    spring |= {"force": 10, "extended": extended, "gas_length": 200, "stroke": stroke}
+    linkage = {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70}
+    recipe = from_table({"kind": "four-bar", "linkage": linkage, "loads": {"gas_springs": [spring]}})
+    check = next(check for check in recipe.checks if check.id == "gas_spring_1_stroke")
+    assert check.value == pytest.approx(min(extended - 80, 40 - extended + stroke)) == pytest.approx(room)
+    assert check.passed == (room >= 0)

@@ -198,6 +198,15 @@ class _TwoPoints(AbstractLoad):
     def tension(self, length: Real) -> Real:
         """Force that pulls the ends together, N, at a length, mm."""
 
+    def length(self, motion: Motion) -> Real:
+        """Distance of the two points at the frames of a motion, mm; both are points of their bodies."""
+        wrenches = Wrenches(motion)
+        one, two = (
+            wrenches.position(body, known_place(motion.linkage, body, point, "springs."))
+            for body, point in ((self.body, self.point), (self.to_body, self.to_point))
+        )
+        return np.asarray(np.abs(two - one))
+
     def apply(self, wrenches: Wrenches) -> None:
         linkage, one, two = wrenches.motion.linkage, self.body, self.to_body
         here = known_place(linkage, one, self.point, "springs.")
@@ -257,6 +266,8 @@ class GasSpring(_TwoPoints):
         Length when fully extended, mm; beyond it the spring pushes no more.
     gas_length : float
         Length of the gas column, mm: the push is force / (1 - x / gas_length) after a compression by x.
+    stroke : float, optional
+        By which its rod goes in, mm; for a check of recipes.
     """
 
     force: float = quantity("push when fully extended", "N", default=0.0, at_least=0, at_most=FARTHEST, example=100)
@@ -269,6 +280,10 @@ class GasSpring(_TwoPoints):
         at_most=FARTHEST,
         example=300,
     )
+    stroke: float | None = quantity(
+        "by which its rod goes in; a check then compares its lengths in motion", "mm", default=None, above=0,
+        at_most=FARTHEST,
+    )  # fmt: skip
 
     def tension(self, length: Real) -> Real:
         compression = self.extended - length

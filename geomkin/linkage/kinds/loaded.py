@@ -226,6 +226,16 @@ class LoadsAspect(AbstractLinkageForces):
         yield from self._motor_checks
         if self.given.actuator:
             yield from actuator_checks(self.given.actuator, self.dense[1], self._slide_speed, self._stroke)
+        for k, spring in enumerate(self.given.gas_springs, 1):
+            if spring.stroke is not None:
+                length = spring.length(self.dense[0])
+                room = float(np.nanmin(np.minimum(spring.extended - length, length - spring.extended + spring.stroke)))
+                least, most = np.nanmin(length), np.nanmax(length)
+                advice = (
+                    f"it is {mm(least, most, between=' to '):.5g} long: give another stroke or extended, or move an end"
+                )
+                name = f"least distance of gas spring {k} from the ends of its stroke"
+                yield Check(f"gas_spring_{k}_stroke", name, room, "at least", 0.0, "mm", advice)
         if not self.walking:
             yield from weight_checks(self.mechanism, self.given)
         if self.balanced:
