@@ -286,7 +286,7 @@ def _plain_fields(thing: Any, inner: Callable[[AbstractRecipe], Any] | None) -> 
 
 
 def short_table(recipe: AbstractRecipe) -> dict[str, Any]:
-    """The same, and without the default values in its tables, except stated fits: the others are reported as assumed."""
+    """The same without default values in its tables, except stated fits, since the others are reported as assumed."""
     table, whole = _without_defaults(recipe, plain_table(recipe), is_deep=True), whole_table(recipe)
     for key, stated in (recipe.loaded_table or {}).items():
         fits = [fit for fit in sorted(FITS) if fit in stated] if is_stock(key) and isinstance(stated, Mapping) else []
