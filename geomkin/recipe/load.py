@@ -286,8 +286,13 @@ def _plain_fields(thing: Any, inner: Callable[[AbstractRecipe], Any] | None) -> 
 
 
 def short_table(recipe: AbstractRecipe) -> dict[str, Any]:
-    """The same, and without the default values in its tables."""
-    return _without_defaults(recipe, plain_table(recipe), is_deep=True)
+    """The same without default values in its tables, except stated fits, since the others are reported as assumed."""
+    table, whole = _without_defaults(recipe, plain_table(recipe), is_deep=True), whole_table(recipe)
+    for key, stated in (recipe.loaded_table or {}).items():
+        fits = [fit for fit in sorted(FITS) if fit in stated] if is_stock(key) and isinstance(stated, Mapping) else []
+        if fits:
+            table[key] = table.get(key, {}) | {fit: whole[key][fit] for fit in fits}
+    return table
 
 
 def _without_defaults(thing: Any, table: dict[str, Any], is_deep: bool = False) -> dict[str, Any]:

@@ -85,6 +85,18 @@ def test_invalid_values_are_refused_by_key(tmp_path):
             check_recipe(gk.load(tmp_path / "a.toml"))
 
 
+def test_a_size_of_a_linkage_that_was_found_is_named_by_the_points(monkeypatch):
+    """The recipe has no such key."""
+
+    def search(*_):
+        raise gk.DesignError("origin", "found 2e9", "give less")
+
+    monkeypatch.setattr(path_generator, "path_generator", search)
+    with pytest.raises(gk.DesignError) as caught:
+        _ = gk.load(FIVE).best
+    assert caught.value.field == "wanted.points" and "origin" in caught.value.problem
+
+
 @pytest.fixture(scope="module")
 def five():
     return gk.load(FIVE)

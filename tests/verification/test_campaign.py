@@ -5,6 +5,7 @@ import os
 import random
 import re
 import shutil
+from collections import Counter
 
 import pytest
 
@@ -43,6 +44,12 @@ def harmless(order, notes):
     return ""
 
 
+def _stated(tally):
+    """The counts of each format, a line each."""
+    for name in sorted({name for name, _ in tally}):
+        print(f"{name:<14}", ", ".join(f"{what} {tally[one, what]}" for one, what in sorted(tally) if one == name))
+
+
 @pytest.fixture
 def made_once(monkeypatch):
     """A recipe that was made again is kept, since most damages leave it as it is."""
@@ -62,16 +69,19 @@ def test_every_damage_is_found(tmp_path, monkeypatch, made_once):
     monkeypatch.chdir(RECIPES)
     folders, rng, missed = _folders(tmp_path / "good"), random.Random(9), []
     assert len(folders) == DAMAGED_RECIPES
-    count = int(SHARE * DAMAGES)
+    count, tally = int(SHARE * DAMAGES), Counter()
     for k in range(count):
         folder = shutil.copytree(folders[k % len(folders)], tmp_path / "bad" / folders[k % len(folders)].name)
         order = damage_folder(folder, folders, rng)
+        suffix = re.search(r"\.(\w+)", order)[1]
         try:
             (result,) = gk.verify(folder)
         except gk.FileError:
             # The summary is gone.
+            tally[suffix, "found"] += 1
             shutil.rmtree(folder)
             continue
+        tally[suffix, "not found" if result.passed else "found"] += 1
         if result.passed:
             notes = [file.note for file in result.files if file.note]
             missed.append((harmless(order, notes), f"{folder.name}/{order}: {notes}"))
@@ -79,6 +89,7 @@ def test_every_damage_is_found(tmp_path, monkeypatch, made_once):
         shutil.rmtree(folder)
         if k % 50 == 49:
             print(f"{k + 1 - len(missed)} of {k + 1} found", flush=True)
+    _stated(tally)
     print(f"{count - len(missed)} of {count} damages found")
     assert all(reason for reason, _ in missed), [order for reason, order in missed if not reason]
 
@@ -88,7 +99,7 @@ def test_good_folders_pass(tmp_path, monkeypatch):
     """Recipes of all kinds with some numbers changed, many at another scale, in one of three sets of formats."""
     monkeypatch.chdir(RECIPES)
     rng, recipes, wanted = random.Random(4), good_recipes(), int(SHARE * GOOD)
-    passed, tried, faults = 0, 0, []
+    passed, tried, faults, tally = 0, 0, [], Counter()
     while passed + len(faults) < wanted:
         name, recipe = recipes[tried % len(recipes)]
         tried += 1
@@ -107,6 +118,7 @@ def test_good_folders_pass(tmp_path, monkeypatch):
             continue
         (result,) = gk.verify(tmp_path / made.name)
         passed += result.passed
+        tally.update((one.format, one.proof or "no proof") for one in result.files)
         if not result.passed:
             faults.append(
                 (name, scale, result.problems, [(one.file, one.problems) for one in result.files if one.problems])
@@ -115,5 +127,6 @@ def test_good_folders_pass(tmp_path, monkeypatch):
         shutil.rmtree(tmp_path / made.name)
         if (passed + len(faults)) % 50 == 0:
             print(f"{passed} of {passed + len(faults)} pass", flush=True)
+    _stated(tally)
     print(f"{passed} of {passed + len(faults)} good folders pass; {tried} recipes tried")
     assert not faults, faults

@@ -223,6 +223,19 @@ def test_a_search_that_its_time_limit_ended_is_named(tmp_path):
         )
 
 
+@pytest.mark.parametrize("stated", [{"edge": 7, "clearance": 0.2}, {"edge": 7}])
+def test_a_fit_that_a_mechanism_of_a_machine_states_is_not_assumed(tmp_path, stated):
+    """Even if it is the default."""
+    gears = {"first": {"teeth": 12, "module": 2, "profile_shift": 0.3}, "second": {"teeth": 36, "module": 2}}
+    pair = {"kind": "gear-pair", **gears, "first_stock": {"bore": 5}, "second_stock": {"bore": 5}, "base": stated}
+    pump = {"turned_by": "pair.second", "recipe": {"kind": "slider-crank", "linkage": {"crank": 20, "coupler": 70}}}
+    recipe = gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": pair}, "pump": pump}})
+    gk.make(recipe.with_name("one"), tmp_path, ["bom"])
+    (certificate,) = gk.verify(tmp_path)
+    assert certificate.passed
+    assert any("base.clearance" in key for key in recipe.assumed_fits) == ("clearance" not in stated)
+
+
 def test_a_file_of_another_program_is_measured(copy):
     """The rest of it is listed as not measured."""
     text = (copy / "bars.svg").read_text()
