@@ -8,6 +8,7 @@ import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
+import { Preview } from "./preview.js";
 import { finished, get, post } from "./server.js";
 
 // Time without input after which checks are requested, ms.
@@ -156,13 +157,20 @@ class Editor {
     this.history.begin(this.text);
   }
 
-  drag({ id }, change) {
+  drag(handle, change) {
+    const { id } = handle;
+    this.previewDrag(handle, change);
     const act = () => this.ask({ drag: { handle: id, ...change } }, this.textBeforeDrag);
     if (!this.isSearch) { act(); return; }
     // A search starts when the pointer rests.
     clearTimeout(this.resting);
     this.pendingDrag = () => { this.pendingDrag = null; clearTimeout(this.resting); act(); };
     this.resting = setTimeout(() => this.pendingDrag?.(), REST);
+  }
+
+  // Until the answer comes; at a limit, and for round values, only the answer shows where the handle goes.
+  previewDrag(handle, { to, snap }) {
+    if (!this.isSearch && !snap && !this.reply?.limit) this.preview.drag(handle, to, this.locks);
   }
 
   get isSearch() { return this.reply?.search; }
@@ -238,7 +246,7 @@ class Editor {
       let reply = await this.answer({ text, ...change, lane: "scene" });
       // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
-      if (reply && texts === this.texts) await this.show(reply);
+      if (reply && texts === this.texts) await this.show(reply, change.set ?? {});
     } catch (error) { if (texts === this.texts) this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
@@ -278,7 +286,8 @@ class Editor {
 
   // --- display of an answer -----------------------------------------------------------------------------------------
 
-  async show(reply) {
+  // set: values by key that were changed.
+  async show(reply, set) {
     const { texts } = this;
     this.text = reply.text;
     this.reply = reply;
@@ -287,7 +296,7 @@ class Editor {
     await this.describe(reply);
     if (texts !== this.texts) return;
     if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
-    if (reply.scene) this.showScene(reply);
+    if (reply.scene) this.showScene(reply); else this.showOpen(reply, set);
     // Without values of this text the form keeps what was typed.
     if (Object.keys(reply.values).length || this.isJustLoaded) this.form.show(this.values, this.saved, this.text, reply.unavailable);
     this.showProblems(reply.problems);
@@ -306,23 +315,40 @@ class Editor {
     Object.assign(this, { kind, tables });
   }
 
-  showScene({ scene, handles }) {
+  showScene({ scene, handles, preview }) {
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
       this.player.right.append(this.player.root.querySelector(".values"));
       this.handles = new Handles(this.player, this);
       this.ghost = new Ghost(this.player.drawings[0]);
+      this.preview = new Preview(this.player, this.handles);
     } else {
       this.player.replace(scene);
       if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }
     }
     if (copy) this.savedScene = read(copy);
+    this.tried = {};
     this.handles.load(handles);
+    this.preview.load(preview);
+    // The pointer is already farther on.
+    const { drag } = this.queued?.change ?? {}, handle = drag && handles.find(({ id }) => id === drag.handle);
+    if (handle && this.handles.held) this.previewDrag(handle, drag);
     if (this.isJustLoaded) this.showHandlesOfPlots(handles);
     this.isJustLoaded = false;
     this.ghost.load(this.isDirty ? this.savedScene : null);
     this.showChoice(scene.choice);
+  }
+
+  // Shows the gap of a mechanism that cannot be assembled. Its values are those of the last scene and what was set since.
+  showOpen({ problems }, set) {
+    Object.assign(this.tried ??= {}, set);
+    const known = ([key, value]) => {
+      const [, name, item] = key.match(/^(.*?)(?:\[(\d+)\])?$/), before = item ? this.values[name]?.[item] : this.values[key];
+      return typeof value === "number" && typeof before === "number" ? [[key, value - before]] : [];
+    };
+    const isOpen = problems.some(({ id }) => id === "does-not-assemble");
+    this.preview?.open(isOpen ? Object.fromEntries(Object.entries(this.tried).flatMap(known)) : null);
   }
 
   // Selects a plot that has handles as the first plot, if there is one.
@@ -356,6 +382,7 @@ class Editor {
   showProblems(problems) {
     this.problems = problems;
     document.body.classList.toggle("stale", problems.length > 0);
+    if (problems.length) at("badge").hidden = true;
     at("problems").replaceChildren();
     for (const { key, problem, remedy } of this.form.showProblems(problems)) {
       make(at("problems"), "li", {}, `${key ? `${key}: ` : ""}${[problem, remedy].filter(Boolean).join("; ")}`);
