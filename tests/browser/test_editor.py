@@ -260,6 +260,33 @@ def test_the_template_that_was_chosen_last_is_shown(studio):
     assert page.locator('[name="linkage.crank"]').count() and not page.locator('[name="linkage.rocker"]').count()
 
 
+def test_a_link_holds_the_recipe_that_is_shown(studio):
+    text = FOUR_BAR.replace("A comment", "Größe ½, ein Kommentar")
+    editor = studio(text, permissions=["clipboard-read", "clipboard-write"])
+    page = editor.page
+    page.fill('[name="linkage.crank"]', "31")
+    settle(page)
+    page.click("#share summary")
+    page.click("#share-link")
+    page.wait_for_selector('#status:has-text("copied")')
+    link = page.evaluate("navigator.clipboard.readText()")
+    # In a page that is loaded with it, and in one that is open already.
+    for act in (
+        lambda: (page.goto("about:blank"), page.goto(link)),
+        lambda: page.evaluate("link => location.assign(link)", link),
+    ):
+        act()
+        page.wait_for_selector('#name:has-text("new four-bar")')
+        settle(page)
+        assert value(page, "linkage.crank") == 31 and "#" not in page.url and page.is_visible("#dirty")
+        page.keyboard.press("Control+s")
+        page.fill("#file-name", f"copy{len(list(editor.file.parent.iterdir()))}")
+        page.keyboard.press("Enter")
+        page.wait_for_selector("#dirty", state="hidden")
+    saved = [file.read_text() for file in editor.file.parent.glob("copy*.toml")]
+    assert saved == [text.replace("30.00", "31")] * 2
+
+
 @pytest.mark.parametrize("recipe", ["wiper", "double-rocker"])
 def test_a_click_or_enter_on_the_plot_of_a_family_chooses_the_free_angle(studio, recipe):
     # A rank is given, and is replaced by the angle.

@@ -3,7 +3,7 @@ import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
-import { chooseName, draftsOf, forget, keep, showGallery } from "./dialogs.js";
+import { chooseName, draftsOf, forget, keep, linkOf, python, recipeIn, showGallery } from "./dialogs.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
 import { Handles } from "./handles.js";
@@ -30,6 +30,7 @@ class Editor {
     const acts = {
       gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
+      "share-link": () => this.copy(linkOf(this.text), "The link is copied; it holds the whole recipe"),
       "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
@@ -40,6 +41,7 @@ class Editor {
       at("quantities-part").scrollIntoView({ block: "nearest" });
     });
     document.addEventListener("keydown", (event) => this.key(event));
+    addEventListener("hashchange", () => this.loadShared());
     addEventListener("beforeunload", (event) => { if (this.isDirty && !this.isKept) event.preventDefault(); });
   }
 
@@ -50,8 +52,11 @@ class Editor {
     this.folder = folder;
     // A notebook keeps the edited text, and a page that is loaded again continues with it.
     this.isKept = text !== "";
-    if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
-    if (first && text && text !== this.text) {
+    // A link may have the recipe.
+    if (!this.loadShared()) {
+      if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
+    }
+    if (first && text && this.recipe === first && text !== this.text) {
       this.history.begin(this.text);
       this.ask({}, text);
       this.whenIdle(() => this.history.end(this.text));
@@ -101,6 +106,17 @@ class Editor {
   async latest(answer) {
     const turn = this.opening = (this.opening ?? 0) + 1, reply = await answer;
     return turn === this.opening ? reply : null;
+  }
+
+  // Loads the recipe that the fragment of the address holds, and returns whether it has one.
+  loadShared() {
+    const [, held] = location.hash.match(/^#recipe=([\w-]+)$/) ?? [];
+    if (!held) return false;
+    history.replaceState(null, "", location.pathname);
+    try { this.load(recipeIn(held), "", ""); } catch { this.announce("This link holds no recipe"); return false; }
+    // Unlike a template it is kept from the start.
+    this.firstText = "";
+    return true;
   }
 
   // Loads another text. It counts as saved if it has the name of a file.
@@ -592,15 +608,6 @@ class Editor {
     act();
   }
 }
-
-// A script that loads the recipe and makes its files.
-const python = (text) => `import geomkin as gk
-
-recipe = gk.load(
-    ${text.trimEnd().split("\n").map((line) => JSON.stringify(`${line}\n`)).join("\n    ")}
-)
-gk.make(recipe, "out")
-`;
 
 const editor = new Editor();
 editor.start().catch((error) => editor.announce(error.message));
