@@ -13,7 +13,7 @@ from geomkin.recipe.lengths import shown_numbers
 from geomkin.recipe.load import from_table
 from geomkin.recipe.recipe import AbstractGoal
 from geomkin.recipe.toml import parsed
-from tests.browser.test_editor import FOUR_BAR, centre, settle, studio  # noqa: F401  a fixture
+from tests.browser.test_editor import FOUR_BAR, centre, drag, settle, studio, value  # noqa: F401  a fixture
 from tests.campaign import by_default
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
@@ -131,6 +131,12 @@ def test_sizes_that_cannot_be_assembled_show_what_fits_and_the_gap(studio):  # n
     page.fill('[name="linkage.coupler"]', "60")
     settle(page)
     assert not page.locator(".gap *").count()
+    # A drag leads out of them too, from the last sizes that could be assembled.
+    page.fill('[name="linkage.coupler"]', "20")
+    settle(page)
+    assert page.locator(".gap .missing").count()
+    drag(page, "point:coupler_point", 10, 5)
+    assert not page.locator(".gap *").count() and value(page, "linkage.coupler") == 60
 
 
 def test_where_the_driver_cannot_go_the_gap_is_shown(studio):  # noqa: F811

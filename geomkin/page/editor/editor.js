@@ -124,7 +124,7 @@ class Editor {
     if (!keepHistory) this.history.clear();
     Object.assign(this, { text, recipe, base, seen: base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
     // A template is not worth keeping before it is changed.
-    Object.assign(this, { draft: `${Date.now()}`, firstText: text });
+    Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
     this.locks.clear();
     for (const id of ["conflict", "candidates"]) at(id).hidden = true;
     this.askAnew();
@@ -169,9 +169,12 @@ class Editor {
     this.close();
     this.wasPlaying = this.player.playing;
     this.player.play(false);
-    this.textBeforeDrag = this.text;
+    this.textBeforeDrag = this.textOfScene;
     this.history.begin(this.text);
   }
+
+  // The text, or if it is refused the last one that was drawn: a drag leads out of sizes that cannot be assembled.
+  get textOfScene() { return this.problems.length ? this.drawnText ?? this.text : this.text; }
 
   drag(handle, change) {
     const { id } = handle;
@@ -221,7 +224,7 @@ class Editor {
     const now = performance.now(), isContinued = this.nudged === id && now - this.nudgedAt < ONE_STEP;
     if (!isContinued) { this.close(); this.history.begin(this.text); }
     Object.assign(this, { nudged: id, nudgedAt: now, target: { id, to: change.to } });
-    this.ask({ drag: { handle: id, ...change } });
+    this.ask({ drag: { handle: id, ...change } }, this.textOfScene);
     this.whenIdle(() => { this.target = null; this.history.end(this.text, isContinued); this.announceChange(label); });
   }
 
@@ -344,7 +347,7 @@ class Editor {
       if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }
     }
     if (copy) this.savedScene = read(copy);
-    this.tried = {};
+    Object.assign(this, { tried: {}, drawnText: this.text });
     this.handles.load(handles);
     this.preview.load(preview);
     // The pointer is already farther on.
