@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import groupby
 
 import numpy as np
 
 from ..core.dotted_keys import numbers_in, with_number
 from ..core.errors import DesignError
+from ..core.field_visitor import Number
 from ..core.fields import to_digits
 from ..core.units import unit_name
 from ..model.scene import Plot, SceneHandle, point_handle
@@ -131,6 +132,66 @@ def stroke_handles(motion: Motion, start: float, end: float) -> Iterator[SceneHa
             place = complex(slider.through + displacement * slider.direction)
             at = body_point(motion, slider.along, place)
             yield point_handle(f"stroke.{name}", at=at, label=f"{name} of the stroke")
+
+
+def preview_data(linkage: AbstractLinkage, factor: Callable[[Number], float] | None) -> dict[str, object]:
+    """A linkage as an editor moves it until the exact answer comes: its joints, and how its sizes place them.
+
+    `numbers` has x, y, deg of the ground, then x and y of all `points`, each with its body and name, then the
+    directions of slides, deg. A pin has the points that meet in it; a slide or slot a point, and one on its line.
+    `by` has the changes of numbers for a change of 1 of each key, as pairs of index and change.
+    factor: from a number as the recipe's text states it to that of the linkage; None to leave out `by`.
+    """
+    general, bodies = linkage.linkage, list(linkage.linkage.bodies)
+    points = [(body, name) for body, places in general.bodies.items() for name in places]
+    for slide in general.slides:
+        points += [(slide.body, ""), (slide.along, "")]
+    first = len(points) - 2 * len(general.slides)
+    slides = [
+        {
+            "points": [first + 2 * k, first + 2 * k + 1],
+            "direction": 3 + 2 * len(points) + k,
+            "name": slide.name,
+            "aligned": slide.is_aligned,
+            "driven": slide is general.driven_slider,
+        }
+        for k, slide in enumerate(general.slides)
+    ]
+    base = _placing_numbers(general)
+    return {
+        "bodies": bodies,
+        "driver": None if general.driven_slider else bodies.index(general.driver),
+        "points": [[bodies.index(body), name] for body, name in points],
+        "pins": [[points.index((body, name)) for body in on] for name, on in general.pins.items()],
+        "slides": slides,
+        "numbers": [to_digits(number, 12) for number in base],
+        "by": {} if factor is None else _rates(linkage, base, factor),
+    }
+
+
+def _rates(linkage: AbstractLinkage, base: Real, factor: Callable[[Number], float]) -> dict[str, list[list[float]]]:
+    """Changes of the numbers that place the joints, by key of the size."""
+    rates = {}
+    for number in numbers_in(linkage):
+        step = CHANGE * (float(np.max(linkage.linkage.size) or 1.0) if number.unit == "mm" else 1.0)
+        for change in (step, -step):
+            try:
+                changed = with_number(linkage, number.key, number.value + change).linkage
+            except DesignError:
+                continue
+            rate = (_placing_numbers(changed) - base) / change * factor(number)
+            rates[f"linkage.{number.key}"] = [[int(k), to_digits(rate[k])] for k in np.flatnonzero(rate)]
+            break
+    return rates
+
+
+def _placing_numbers(general: Linkage) -> Real:
+    places = [complex(place) for points in general.bodies.values() for place in points.values()]
+    for slide in general.slides:
+        places += [complex(slide.point), complex(slide.through)]
+    pairs = np.array([complex(general.origin), *places]).view(float)
+    directions = [float(slide.direction_deg) for slide in general.slides]
+    return np.array([*pairs[:2], general.ground_angle_deg, *pairs[2:], *directions])
 
 
 def body_point(motion: Motion, body: str, place: complex) -> Complex:

@@ -82,6 +82,13 @@ class AbstractEdited(ABC):
         """Handles that a user can drag in an editor. An editor computes them again at each step of a drag."""
         return ()
 
+    def preview(self, has_rates: bool = True) -> Mapping[str, object] | None:
+        """What an editor needs to move the mechanism until the exact answer comes; None if it only waits.
+
+        has_rates: whether to include how the sizes place what moves.
+        """
+        return None
+
     def handle_position(self, id: str) -> Complex:
         """Positions of one of the `handles` at the frames."""
         return next(handle.at for handle in self.handles if handle.id == id)

@@ -304,9 +304,9 @@ def answer(
     Returns
     -------
     dict
-        The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `unavailable` (keys of tables
-        that this mechanism cannot have), and for the lane "checks" also `checks`, `candidates` and `parts`. The text is
-        never lost: if it is wrong, `problems` says where.
+        The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `preview` (joints of a
+        linkage), `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
+        `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
 
     Examples
     --------
@@ -331,7 +331,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     reply: Answer = {
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
-        "parts": None,
+        "parts": None, "preview": None,
     }  # fmt: skip
     try:
         if changes := request.get("set"):
@@ -349,7 +349,10 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         reply["unavailable"] = [*recipe.additions.unavailable(recipe)]
         reply["values"] = _values(draft.as_written(table, recipe))
         with errors_named_by_key("recipe", recipe):
-            (_checks if request.get("lane") == "checks" else _scene)(recipe, request.get("locks") or (), reply)
+            is_scene = request.get("lane") != "checks"
+            (_scene if is_scene else _checks)(recipe, request.get("locks") or (), reply)
+            # A drag does not change how sizes place the joints, which takes time for many bodies.
+            reply["preview"] = recipe.preview(not request.get("drag")) if is_scene else None
     except RecipeError as error:
         reply["problems"] = [problem.to_dict() for problem in error.problems]
     except DesignError as error:

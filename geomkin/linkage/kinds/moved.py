@@ -11,10 +11,11 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
+from ...core.field_visitor import Number
 from ...core.fields import ComplexPoint, check_sizes, entry, quantity
 from ...core.names import check_names
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import UNITS, mm
 from ...model.scene import SceneHandle
 from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe, Additions
@@ -24,7 +25,7 @@ from ..joints.slide import Slider
 from ..linkage import AbstractLinkage, Linkage
 from ..measures import motion_quantities
 from ..motion import Motion
-from ..scene_handles import handle_position, linkage_handles, stroke_handles
+from ..scene_handles import handle_position, linkage_handles, preview_data, stroke_handles
 from ..solve.branch import BranchSpec
 from .made import DrivenLinkage
 
@@ -170,6 +171,14 @@ class AbstractMovedRecipe(AbstractRecipe):
     def handles(self) -> tuple[SceneHandle, ...]:
         """The points, pivots and slides of the linkage, and the further ones."""
         return (*linkage_handles(self.linkage, self.motion), *self.further_handles)
+
+    def preview(self, has_rates: bool = True) -> Mapping[str, object]:
+        unit, scale = UNITS[self.units], (self.loaded_table or {}).get("scale", 1.0)
+
+        def factor(number: Number) -> float:
+            return unit.factor(number.unit) * (scale if number.unit == "mm" else 1)
+
+        return preview_data(self.linkage, factor if has_rates else None)
 
     def handle_position(self, id: str) -> Complex:
         further = next((handle.at for handle in self.further_handles if handle.id == id), None)

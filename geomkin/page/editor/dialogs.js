@@ -1,4 +1,4 @@
-// Dialogs of the editor: the gallery of recipes and kinds, and the name under which a recipe is saved.
+// Dialogs of the editor: the gallery of recipes and kinds, and the name under which a recipe is saved; drafts and links.
 import { make } from "../player/shapes.js";
 import { get, post } from "./server.js";
 
@@ -114,3 +114,24 @@ export function chooseName(name) {
     dialog.addEventListener("close", () => resolve(dialog.returnValue === "save" ? input.value.trim().replace(/\.toml$/, "") : ""), { once: true });
   });
 }
+
+// --- a recipe's text in a link, and as Python --------------------------------------------------------------------------
+
+// The address of the studio with a recipe in its fragment, base64 of UTF-8 for addresses, and the recipe in one.
+export const linkOf = (text) => {
+  const bytes = Array.from(new TextEncoder().encode(text), (byte) => String.fromCharCode(byte)).join("");
+  return `${location.origin}${location.pathname}#recipe=${btoa(bytes).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
+};
+export const recipeIn = (held) => {
+  const bytes = Uint8Array.from(atob(held.replaceAll("-", "+").replaceAll("_", "/")), (sign) => sign.charCodeAt(0));
+  return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+};
+
+// A script that loads the recipe and makes its files.
+export const python = (text) => `import geomkin as gk
+
+recipe = gk.load(
+    ${text.trimEnd().split("\n").map((line) => JSON.stringify(`${line}\n`)).join("\n    ")}
+)
+gk.make(recipe, "out")
+`;

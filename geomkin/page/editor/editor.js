@@ -3,11 +3,12 @@ import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
-import { chooseName, draftsOf, forget, keep, showGallery } from "./dialogs.js";
+import { chooseName, draftsOf, forget, keep, linkOf, python, recipeIn, showGallery } from "./dialogs.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
+import { Preview } from "./preview.js";
 import { finished, get, post } from "./server.js";
 
 // Time without input after which checks are requested, ms.
@@ -29,6 +30,7 @@ class Editor {
     const acts = {
       gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
+      "share-link": () => this.copy(linkOf(this.text), "The link is copied; it holds the whole recipe"),
       "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
@@ -39,6 +41,7 @@ class Editor {
       at("quantities-part").scrollIntoView({ block: "nearest" });
     });
     document.addEventListener("keydown", (event) => this.key(event));
+    addEventListener("hashchange", () => this.loadShared());
     addEventListener("beforeunload", (event) => { if (this.isDirty && !this.isKept) event.preventDefault(); });
   }
 
@@ -49,8 +52,11 @@ class Editor {
     this.folder = folder;
     // A notebook keeps the edited text, and a page that is loaded again continues with it.
     this.isKept = text !== "";
-    if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
-    if (first && text && text !== this.text) {
+    // A link may have the recipe.
+    if (!this.loadShared()) {
+      if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
+    }
+    if (first && text && this.recipe === first && text !== this.text) {
       this.history.begin(this.text);
       this.ask({}, text);
       this.whenIdle(() => this.history.end(this.text));
@@ -102,12 +108,23 @@ class Editor {
     return turn === this.opening ? reply : null;
   }
 
+  // Loads the recipe that the fragment of the address holds, and returns whether it has one.
+  loadShared() {
+    const [, held] = location.hash.match(/^#recipe=([\w-]+)$/) ?? [];
+    if (!held) return false;
+    history.replaceState(null, "", location.pathname);
+    try { this.load(recipeIn(held), "", ""); } catch { this.announce("This link holds no recipe"); return false; }
+    // Unlike a template it is kept from the start.
+    this.firstText = "";
+    return true;
+  }
+
   // Loads another text. It counts as saved if it has the name of a file.
   load(text, recipe, base, keepHistory = false) {
     if (!keepHistory) this.history.clear();
     Object.assign(this, { text, recipe, base, seen: base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
     // A template is not worth keeping before it is changed.
-    Object.assign(this, { draft: `${Date.now()}`, firstText: text });
+    Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
     this.locks.clear();
     for (const id of ["conflict", "candidates"]) at(id).hidden = true;
     this.askAnew();
@@ -152,17 +169,27 @@ class Editor {
     this.close();
     this.wasPlaying = this.player.playing;
     this.player.play(false);
-    this.textBeforeDrag = this.text;
+    this.textBeforeDrag = this.textOfScene;
     this.history.begin(this.text);
   }
 
-  drag({ id }, change) {
+  // The text, or if it is refused the last one that was drawn: a drag leads out of sizes that cannot be assembled.
+  get textOfScene() { return this.problems.length ? this.drawnText ?? this.text : this.text; }
+
+  drag(handle, change) {
+    const { id } = handle;
+    this.previewDrag(handle, change);
     const act = () => this.ask({ drag: { handle: id, ...change } }, this.textBeforeDrag);
     if (!this.isSearch) { act(); return; }
     // A search starts when the pointer rests.
     clearTimeout(this.resting);
     this.pendingDrag = () => { this.pendingDrag = null; clearTimeout(this.resting); act(); };
     this.resting = setTimeout(() => this.pendingDrag?.(), REST);
+  }
+
+  // Until the answer comes; at a limit, and for round values, only the answer shows where the handle goes.
+  previewDrag(handle, { to, snap }) {
+    if (!this.isSearch && !snap && !this.reply?.limit) this.preview.drag(handle, to, this.locks);
   }
 
   get isSearch() { return this.reply?.search; }
@@ -197,7 +224,7 @@ class Editor {
     const now = performance.now(), isContinued = this.nudged === id && now - this.nudgedAt < ONE_STEP;
     if (!isContinued) { this.close(); this.history.begin(this.text); }
     Object.assign(this, { nudged: id, nudgedAt: now, target: { id, to: change.to } });
-    this.ask({ drag: { handle: id, ...change } });
+    this.ask({ drag: { handle: id, ...change } }, this.textOfScene);
     this.whenIdle(() => { this.target = null; this.history.end(this.text, isContinued); this.announceChange(label); });
   }
 
@@ -238,7 +265,7 @@ class Editor {
       let reply = await this.answer({ text, ...change, lane: "scene" });
       // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
-      if (reply && texts === this.texts) await this.show(reply);
+      if (reply && texts === this.texts) await this.show(reply, change.set ?? {});
     } catch (error) { if (texts === this.texts) this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
@@ -278,7 +305,8 @@ class Editor {
 
   // --- display of an answer -----------------------------------------------------------------------------------------
 
-  async show(reply) {
+  // set: values by key that were changed.
+  async show(reply, set) {
     const { texts } = this;
     this.text = reply.text;
     this.reply = reply;
@@ -287,7 +315,7 @@ class Editor {
     await this.describe(reply);
     if (texts !== this.texts) return;
     if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
-    if (reply.scene) this.showScene(reply);
+    if (reply.scene) this.showScene(reply); else this.showOpen(reply, set);
     // Without values of this text the form keeps what was typed.
     if (Object.keys(reply.values).length || this.isJustLoaded) this.form.show(this.values, this.saved, this.text, reply.unavailable);
     this.showProblems(reply.problems);
@@ -306,23 +334,40 @@ class Editor {
     Object.assign(this, { kind, tables });
   }
 
-  showScene({ scene, handles }) {
+  showScene({ scene, handles, preview }) {
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
       this.player.right.append(this.player.root.querySelector(".values"));
       this.handles = new Handles(this.player, this);
       this.ghost = new Ghost(this.player.drawings[0]);
+      this.preview = new Preview(this.player, this.handles);
     } else {
       this.player.replace(scene);
       if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }
     }
     if (copy) this.savedScene = read(copy);
+    Object.assign(this, { tried: {}, drawnText: this.text });
     this.handles.load(handles);
+    this.preview.load(preview);
+    // The pointer is already farther on.
+    const { drag } = this.queued?.change ?? {}, handle = drag && handles.find(({ id }) => id === drag.handle);
+    if (handle && this.handles.held) this.previewDrag(handle, drag);
     if (this.isJustLoaded) this.showHandlesOfPlots(handles);
     this.isJustLoaded = false;
     this.ghost.load(this.isDirty ? this.savedScene : null);
     this.showChoice(scene.choice);
+  }
+
+  // Shows the gap of a mechanism that cannot be assembled. Its values are those of the last scene and what was set since.
+  showOpen({ problems }, set) {
+    Object.assign(this.tried ??= {}, set);
+    const known = ([key, value]) => {
+      const [, name, item] = key.match(/^(.*?)(?:\[(\d+)\])?$/), before = item ? this.values[name]?.[item] : this.values[key];
+      return typeof value === "number" && typeof before === "number" ? [[key, value - before]] : [];
+    };
+    const isOpen = problems.some(({ id }) => id === "does-not-assemble");
+    this.preview?.open(isOpen ? Object.fromEntries(Object.entries(this.tried).flatMap(known)) : null);
   }
 
   // Selects a plot that has handles as the first plot, if there is one.
@@ -356,6 +401,7 @@ class Editor {
   showProblems(problems) {
     this.problems = problems;
     document.body.classList.toggle("stale", problems.length > 0);
+    if (problems.length) at("badge").hidden = true;
     at("problems").replaceChildren();
     for (const { key, problem, remedy } of this.form.showProblems(problems)) {
       make(at("problems"), "li", {}, `${key ? `${key}: ` : ""}${[problem, remedy].filter(Boolean).join("; ")}`);
@@ -565,15 +611,6 @@ class Editor {
     act();
   }
 }
-
-// A script that loads the recipe and makes its files.
-const python = (text) => `import geomkin as gk
-
-recipe = gk.load(
-    ${text.trimEnd().split("\n").map((line) => JSON.stringify(`${line}\n`)).join("\n    ")}
-)
-gk.make(recipe, "out")
-`;
 
 const editor = new Editor();
 editor.start().catch((error) => editor.announce(error.message));

@@ -25,13 +25,19 @@ export class Handles {
   // Shows these handles in place of the previous ones. An element whose id remains keeps its focus and its pointer.
   load(handles) {
     this.list = handles;
-    for (const element of this.elements.values()) if (element !== this.held) element.pointer = null;
+    for (const element of this.elements.values()) if (element !== this.held || !this.editor.isSearch) element.pointer = null;
     const ids = new Set(handles.map(({ id }) => id));
     for (const [id, element] of this.elements) {
       if (ids.has(id)) continue;
       element.root.remove();
       this.elements.delete(id);
     }
+    this.show(this.player.frame);
+  }
+
+  // Shows handles at other positions until the next answer; places: by id, null for the usual one.
+  place(places) {
+    for (const [id, element] of this.elements) element.pointer = places.get(id) ?? null;
     this.show(this.player.frame);
   }
 

@@ -29,7 +29,7 @@ export class Drawing {
   // scene, data: as in the page, rows unpacked in data.rows; drive: row of the driver, every: its step between two
   // dashes of a trail.
   load(scene, data, drive, every) {
-    Object.assign(this, { scene, data, frames: data.frames, open: new Set(scene.open) });
+    Object.assign(this, { scene, data, drive, every, frames: data.frames, open: new Set(scene.open) });
     // Roles whose elements may extend far beyond the mechanism; the drawing grows for the visible ones.
     this.far = data.roles.filter(({ room }) => room).map(({ id }) => id);
     const title = scene.label ? `${data.name}, ${spaced(scene.label)}` : data.name;
@@ -48,7 +48,9 @@ export class Drawing {
     this.bounds = this.extent();
     // Trails are in ten-thousandths of the drawing, so that few decimals suffice for any size.
     this.fine = 1e4 / max(this.bounds[2] - this.bounds[0], this.bounds[3] - this.bounds[1], 1e-9);
-    for (const mark of this.marks) if (mark.trail) this.drawTrail(mark, drive, every);
+    for (const mark of this.marks) {
+      if (mark.trail) mark.line = make(this.trails, "path", { d: this.trailOf(mark), class: `trail ${mark.role}`, "data-role": mark.role });
+    }
     this.sizePins();
     this.nameAll();
     for (const role of this.hidden) this.toggle(role, false);
@@ -155,7 +157,8 @@ export class Drawing {
   }
 
   // Every second one of equal steps of the drive is drawn: a long dash means a fast point.
-  drawTrail(mark, drive, every) {
+  trailOf(mark) {
+    const { drive, every } = this;
     let d = "", drawn = false;
     for (let k = 1; k < this.frames; k++) {
       const from = abs(drive[k - 1] - drive[0]), to = abs(drive[k] - drive[0]);
@@ -173,7 +176,7 @@ export class Drawing {
         at = next;
       }
     }
-    mark.line = make(this.trails, "path", { d, class: `trail ${mark.role}`, "data-role": mark.role });
+    return d;
   }
 
   known(mark) {
