@@ -1,113 +1,97 @@
-"""The dimensioned drawing of all parts, for reading and measuring, not for cutting."""
+"""The dimensioned drawing of all parts, for making and measuring them, not for cutting."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from itertools import combinations, pairwise
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ..core.errors import harmless
 from ..core.records import record
-from ..core.units import MM, LengthUnit
-from ..model.limits import FitLimits
-from ..model.part import HoleFit, Part
-from ..plane.primitives import Circle, Polyline
-from ..plane.vec import box_of
-from .cut import Cut, shape_box
+from ..core.units import LengthUnit
+from ..model.part import HoleFit
+from ..plane.curve import AbstractCurve, Mirrored, Reversed
+from ..plane.joined import Path
+from ..plane.primitives import Arc, Circle, Polyline, Segment
+from ..plane.vec import Complex
+from .cut import Cut, Loop
+from .dimensions import (
+    AWAY,
+    CENTRE,
+    DIM,
+    LETTER,
+    LINE,
+    PART,
+    WORDS,
+    Dimension,
+    DimensionKind,
+    DrawingCanvas,
+    Shape,
+    length_text,
+    scaled,
+)
+from .drawing_data import gear_data, hole_size, profile_table
 from .job import Job
 from .text import Text, width_of
 
-# Layers of outlines and holes, of dimension lines, and of texts, each with colour index and RGB.
-PART, DIM, WORDS = "PART", "DIM", "TEXT"
-COLOURS = {PART: (7, (0, 0, 0)), DIM: (5, (0, 114, 178)), WORDS: (7, (60, 60, 60))}
-# Heights on paper, mm, of letters, of the title, and from line to line, legible on a workbench.
-LETTER, TITLE, LINE = 3.0, 5.0, 5.0
-# Distance of a dimension line from the part, length of extension lines beyond it, and half a tick, mm on paper.
-AWAY, BEYOND, TICK = 8.0, 1.2, 1.2
-# Margin between parts and around the drawing, mm.
-CLEAR = 12.0
+# Layers with their colour index and RGB.
+COLOURS = {PART: (7, (0, 0, 0)), CENTRE: (1, (213, 94, 0)), DIM: (5, (0, 114, 178)), WORDS: (7, (60, 60, 60))}
+# Height of the title's letters, mm on paper.
+TITLE = 5.0
+# Margin between parts, between the drawing and its frame, and from the frame to the edge of the paper, mm.
+CLEAR, FRAME = 12.0, 10.0
+# Width and height of paper, mm: ISO A4 to A0. Larger drawings have a size of their own.
+PAPERS = ((297.0, 210.0), (420.0, 297.0), (594.0, 420.0), (841.0, 594.0), (1189.0, 841.0))
 # Size on paper, mm, above which the largest part is reduced and below which it is enlarged, and the standard scales.
 LARGEST, SMALLEST = 250.0, 60.0
 STEPS = (5.0, 2.0, 1.0)
-# Largest number of holes whose distances are listed. More form a pattern, for which the cutting drawing is clearer.
-MOST_HOLES = 12
 # Directions and lengths nearer to each other than this, mm, are the same.
 SAME = 1e-6
-
-Shape = tuple[str, Circle | Polyline]
-# Prefix of the number of a hole without a letter.
-NUMBERED = "hole "
+# Angle, rad, below which a contour has no corner.
+SMOOTH = 0.02
+# Largest number of arcs and corners of a contour that are dimensioned, and of one of a gear, whose data have the teeth.
+# One with more is given as a curve, by a table.
+MOST_PIECES, OF_GEARS = 200, 32
+# Largest number of coordinates along an axis that are drawn at their lines. More are listed in a table.
+MOST_ORDINATES = 60
+# Rows of a table in one column.
+ROWS = 36
 
 
 @record(eq=False)
 class DimensionedDrawing:
-    """Shapes with their layers and texts, mm on paper, from the origin to (width, height)."""
+    """Shapes with their layers, texts and dimensions, mm on paper, from the origin to (width, height)."""
 
     shapes: tuple[Shape, ...]
     texts: tuple[Text, ...]
+    dimensions: tuple[Dimension, ...]
     width: float
     height: float
+    scale: float
 
 
 @record(eq=False)
-class _Hole:
-    """A hole with its letter or number, its size in words, and its centre if it is round."""
+class _Contour:
+    """Arcs and corners of a contour, mm: arcs as centre, radius, direction of their middle, and whether to locate."""
 
-    name: str
-    size: str
-    centre: complex | None
+    arcs: tuple[tuple[complex, float, complex, bool], ...]
+    corners: tuple[complex, ...]
 
-
-@record(eq=False)
-class _Cell:
-    """A part with its dimensions about its origin, on paper, and the box around them."""
-
-    shapes: list[Shape]
-    texts: list[Text]
-    unit: LengthUnit = MM
-
-    @property
-    def box(self) -> tuple[complex, complex]:
-        return box_of(np.array([*(shape_box(shape) for _, shape in self.shapes), *(text.box for text in self.texts)]))
-
-    def moved(self, shift: complex) -> _Cell:
-        return _Cell(
-            [(layer, _scaled(shape, 1.0, shift)) for layer, shape in self.shapes],
-            [replace(text, place=text.place + shift) for text in self.texts],
-            self.unit,
+    def turned_into(self, other: _Contour, datum: complex) -> complex | None:
+        """The direction by which a rotation about the datum makes this contour the other; None if none does."""
+        if (len(self.arcs), len(self.corners)) != (len(other.arcs), len(other.corners)):
+            return None
+        mine, its = (
+            np.array([*((c - datum, r) for c, r, _, _ in contour.arcs), *((c - datum, 0) for c in contour.corners)])
+            for contour in (self, other)
         )
-
-    def line(self, *places: complex) -> None:
-        self.shapes.append((DIM, Polyline(np.array(places), is_closed=False)))
-
-    def words(self, words: str, left: complex, height: float = LETTER) -> None:
-        """A text by its left end at half of its height."""
-        self.texts.append(Text(WORDS, words, left, height, starts=True))
-
-    def size(self, start: complex, end: complex, away: complex, length: float) -> None:
-        """A dimension between two points, its line shifted by `away` to a side, with the number outside of it."""
-        side = away / abs(away)
-        # Distance of the dimension line, from the farther of both points.
-        far = max((np.conj(side) * place).real for place in (start, end)) + abs(away)
-        ends = [place + side * (far - (np.conj(side) * place).real) for place in (start, end)]
-        for place, at in zip((start, end), ends):
-            self.line(place + side, at + BEYOND * side)
-            self.line(at - TICK * (1 + 1j), at + TICK * (1 + 1j))
-        self.line(*ends)
-        words = length_text(length, self.unit)
-        half = complex(width_of(words, LETTER), LETTER) / 2
-        middle = (ends[0] + ends[1]) / 2
-        self.texts.append(
-            Text(DIM, words, middle + complex(side.real * (half.real + 1.5), side.imag * (half.imag + 1.5)), LETTER)
-        )
-
-
-def length_text(length: float, unit: LengthUnit = MM) -> str:
-    """A length, mm, in a unit with five digits and without its name, as usual in drawings."""
-    return f"{unit.of(length):.5g}"
+        means = its[:, 0].mean(), mine[:, 0].mean()
+        if min(map(abs, means)) < SAME:
+            return None
+        turn = complex(means[0] / means[1])
+        gaps = np.abs(turn * mine[:, None, 0] - its[:, 0]) + np.abs(mine[:, None, 1] - its[:, 1])
+        near = 1e-4 * float(np.abs(its[:, 0]).max())
+        return turn if abs(abs(turn) - 1) < 1e-4 and np.all(gaps.min(axis=1) < near) else None
 
 
 def drawing_scale(cuts: Sequence[Cut]) -> float:
@@ -126,51 +110,72 @@ def scale_text(scale: float) -> str:
 
 
 def dimensioned_drawing(job: Job) -> DimensionedDrawing:
-    """All parts with dimensions and notes, and the title block below."""
+    """All parts with dimensions and tables in a frame with a title block, on the smallest paper with room for them."""
     scale = drawing_scale(job.exact)
-    # Outlines are drawn as chords, which are equal on every processor; sizes are those of the exact shapes.
-    exact = [high - low for low, high in (cut.box for cut in job.exact)]
-    cells = [_cell(cut, size, scale, _measures(job, cut.part), job.unit) for cut, size in zip(job.solids, exact)]
+    cells = [_cell(job, exact, solid, scale) for exact, solid in zip(job.exact, job.solids)]
     boxes = [cell.box for cell in cells]
+    widest = max((high - low).real for low, high in boxes)
+    title = _title(job, scale)
+    low, high = title.box
+    block, inner = high - low + CLEAR * (1 + 1j), 2 * (FRAME + CLEAR)
+    room = sum((b - a + CLEAR).real * (b - a + CLEAR * 1j).imag for a, b in boxes)
+    own = float(np.ceil(max(widest, block.real, 1.3 * room**0.5) + inner))
+    for width, height in (*PAPERS, (own, np.inf)):
+        if width < max(widest, block.real) + inner:
+            continue
+        places, used = _rows(boxes, width - inner)
+        # The title block is in the lower right corner, also next to parts.
+        right = width - FRAME - CLEAR - block.real
+        ends = [(place + b).real + FRAME + CLEAR for place, (_, b) in zip(places, boxes)]
+        lows = [(place + a).imag for place, (a, _) in zip(places, boxes)]
+        beside = min((low for low, end in zip(lows, ends) if end > right), default=0.0)
+        least = max(used + inner, block.imag - beside + inner)
+        if least <= height:
+            break
+    height = float(np.ceil(least)) if height == np.inf else height
+    page = DrawingCanvas(job.unit)
+    top_left = complex(FRAME + CLEAR, height - FRAME - CLEAR)
+    for cell, place in zip(cells, places):
+        page.take(cell, top_left + place)
+    page.take(title, complex(width - FRAME, FRAME) - complex(high.real, low.imag))
+    across, up = width - 2 * FRAME, height - 2 * FRAME
+    corners = np.array([0, across, complex(across, up), 1j * up])
+    page.shapes.append((DIM, Polyline(corners + FRAME * (1 + 1j))))
+    shapes, texts, dimensions = tuple(page.shapes), tuple(page.texts), tuple(page.dimensions)
+    return DimensionedDrawing(shapes, texts, dimensions, float(width), height, scale)
+
+
+def _rows(boxes: Sequence[tuple[complex, complex]], width: float) -> tuple[list[complex], float]:
+    """Shifts of boxes that place them in rows below y = 0, the highest first, and the height of all rows."""
     sizes = [high - low for low, high in boxes]
-    across = max(*(size.real for size in sizes), 1.3 * float(np.sqrt(sum(size.real * size.imag for size in sizes))))
-    shapes: list[Shape] = []
-    texts: list[Text] = []
-    # Rows from top to bottom, the highest parts first; the first row is below y = 0.
-    x, y, row_height, right = CLEAR, 0.0, 0.0, 0.0
-    for k in sorted(range(len(cells)), key=lambda k: (-round(sizes[k].imag, 3), k)):
-        cell, (low, _), size = cells[k], boxes[k], sizes[k]
-        if x > CLEAR and x + size.real > across + CLEAR:
-            x, y, row_height = CLEAR, y - row_height - CLEAR, 0.0
-        placed = cell.moved(complex(x, y - size.imag) - low)
-        shapes += placed.shapes
-        texts += placed.texts
-        x, row_height, right = x + size.real + CLEAR, max(row_height, size.imag), max(right, x + size.real)
-    title = _title(job, scale, right - CLEAR).moved(complex(CLEAR, y - row_height - CLEAR))
-    page = _Cell([*shapes, *title.shapes], [*texts, *title.texts])
-    low, high = page.box
-    margin = CLEAR * (1 + 1j)
-    page = page.moved(margin - low)
-    end = high - low + 2 * margin
-    return DimensionedDrawing(tuple(page.shapes), tuple(page.texts), float(np.ceil(end.real)), float(np.ceil(end.imag)))
+    places = [0j] * len(boxes)
+    x, y, row_height = 0.0, 0.0, 0.0
+    for k in sorted(range(len(boxes)), key=lambda k: (-round(sizes[k].imag, 3), k)):
+        if x and x + sizes[k].real > width:
+            x, y, row_height = 0.0, y - row_height - CLEAR, 0.0
+        places[k] = complex(x, y - sizes[k].imag) - boxes[k][0]
+        x, row_height = x + sizes[k].real + CLEAR, max(row_height, sizes[k].imag)
+    return places, row_height - y
 
 
-def _title(job: Job, scale: float, width: float) -> _Cell:
+def _title(job: Job, scale: float) -> DrawingCanvas:
     """The title block in a frame whose upper left corner is 0."""
     parts, unit = job.source.parts, job.unit
-    thicknesses = ", ".join(length_text(thickness, unit) for thickness in sorted({part.thickness for part in parts}))
-    cell = _Cell([], [])
     pieces = sum(part.count for part in parts)
+    masses = [part.count * part.mass.mass for part in parts if part.mass]
     lines = [
-        f"sheet of {thicknesses} {unit.name}, scale {scale_text(scale)}",
-        f"sizes in {unit.plural}; parts: {len(parts)}, pieces: {pieces}",
-        "each part seen from above; drawing 1 of 1",
-        *job.title.lines(),
+        f"scale {scale_text(scale)}, sizes in {unit.plural}",
+        "first-angle projection, parts seen from above",
+        "coordinates from the datum 0, holes through",
+        f"parts: {len(parts)}, pieces: {pieces}, sheet 1 of 1",
     ]
+    if len(masses) == len(parts):
+        lines.append(f"mass of all pieces: {sum(masses):.4g} kg")
+    cell = DrawingCanvas(unit)
     name = harmless(job.title.name or job.name)
     cell.words(name, complex(3, -3 - TITLE / 2), TITLE)
     # One column for facts of the drawing, one for entries of the recipe.
-    columns = [lines[:3], lines[3:]]
+    columns = [lines, list(job.title.lines())]
     left, rows, top = 3.0, max(map(len, columns)), -7 - TITLE
     for column in filter(None, columns):
         if left > 3:
@@ -178,158 +183,285 @@ def _title(job: Job, scale: float, width: float) -> _Cell:
         for number, line in enumerate(column):
             cell.words(line, complex(left, top - LETTER / 2 - number * LINE))
         left += 6 + max(width_of(line, LETTER) for line in column)
-    width = max(width, 6 + width_of(name, TITLE), left - 3)
+    width = max(6 + width_of(name, TITLE), left - 3)
     bottom = top - rows * LINE
-    cell.shapes.append((DIM, Polyline(np.array([0, width, complex(width, bottom), complex(0, bottom)]))))
-    if columns[1]:
-        cell.line(complex(0, top + 1), complex(width, top + 1))
+    cell.add(DIM, Polyline(np.array([0, width, complex(width, bottom), complex(0, bottom)])))
+    cell.line(complex(0, top + 1), complex(width, top + 1))
     return cell
 
 
-def _cell(cut: Cut, size: complex, scale: float, measures: Sequence[str], unit: LengthUnit) -> _Cell:
-    """A part with its dimensions, mm: width below, height to the right, distances of holes above, notes in words."""
-    part, loops = cut.part, (*cut.loops, *cut.marks)
-    cell = _Cell([(PART, _scaled(loop.shape, scale, 0j)) for loop in loops if loop.layer != "LABEL"], [], unit)
-    low, high = (corner * scale for corner in cut.box)
-    cell.size(complex(low.real, low.imag), complex(high.real, low.imag), -1j * AWAY, size.real)
-    cell.size(complex(high.real, low.imag), high, AWAY + 0j, size.imag)
-    holes = _holes(cut, unit)
+def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
+    """A part with its views, dimensions and tables."""
+    part, canvas = exact.part, DrawingCanvas(job.unit)
+    curves = (part.outline, *part.holes)
+    data = gear_data(job, part)
+    contours = [_contour(loop, curve, OF_GEARS if data else MOST_PIECES) for loop, curve in zip(exact.loops, curves)]
+    if rack := _rack(exact.loops[0], contours[0]):
+        contours[0] = rack.rest
+    # Curves are drawn as chords, which are equal on every processor.
+    drawn = [fine if contour else coarse for fine, coarse, contour in zip(exact.loops, solid.loops, contours)]
+    for loop in (*drawn, *solid.marks):
+        if loop.layer != "LABEL":
+            canvas.add(PART, scaled(loop.shape, scale))
+    features = _Features(exact, contours, job.unit, bool(data))
+    located, datum = features.located, features.datum
+    for place, radius in dict.fromkeys(located):
+        if radius:
+            canvas.centre_mark(place * scale, radius * scale)
+    if contours[0] is None or data:
+        _side_view(canvas, exact, scale)
+    tables: list[list[Sequence[str]]] = []
+    coordinates = [{round(float(part_of(place - datum)), 6) for place, _ in located} for part_of in (np.real, np.imag)]
+    if max(map(len, coordinates)) > MOST_ORDINATES:
+        tables.append(_point_table(canvas, datum, scale, located))
+    elif max(map(len, coordinates)) > 1:
+        canvas.ordinates(datum, scale, located)
+    kinds: dict[DimensionKind, dict[str, Arcs]] = {"diameter": features.diameters, "radius": features.radii}
+    for kind, groups in kinds.items():
+        for words, circles in groups.items():
+            count = f"{len(circles)} x " if len(circles) > 1 else ""
+            canvas.leader(count + words, [(c * scale, radius * scale, middle) for c, radius, middle in circles], kind)
+    notes: list[str] = []
+    fits = [None, *part.fits, *[None] * len(curves)]
+    for curve, contour, fit in zip(curves, contours, fits):
+        if contour is None and not data and not fit:
+            table, sentence = profile_table(job, part, curve, datum)
+            tables.append(table)
+            notes.append(sentence)
+    low, high = canvas.box
+    left = high.real + AWAY
+    for table in tables:
+        left = _draw_table(canvas, table, complex(left, high.imag))
+    low = canvas.box[0]
+    teeth = rack.lines(datum, job.unit) if rack else ()
+    for number, line in enumerate([*_facts(job, exact), *teeth, *data, *features.patterns, *notes]):
+        canvas.words(line, complex(low.real, low.imag - 2 * LETTER - number * LINE))
+    return canvas
+
+
+def _facts(job: Job, exact: Cut) -> Iterator[str]:
+    """Name, number, thickness, blank, material and mass of a part."""
+    part, unit = exact.part, job.unit
     pieces = "1 piece" if part.count == 1 else f"{part.count} pieces"
-    title = f"{harmless(part.name)}: {pieces}, {length_text(part.thickness, unit)} {unit.name} thick"
-    lines = [title, *_callouts(holes), *_distances(cell, holes, scale, high.imag), *measures]
-    for number, line in enumerate(lines):
-        cell.words(line, complex(low.real, low.imag - AWAY - 3 * LETTER - number * LINE))
-    return cell
+    yield f"{harmless(part.name)}: {pieces}, t = {length_text(part.thickness, unit)}"
+    low, high = exact.box
+    size = " x ".join(length_text(side, unit) for side in ((high - low).real, (high - low).imag))
+    # In parentheses, as it follows from the other dimensions.
+    yield f"blank ({size})"
+    if part.material:
+        mass = f", {part.mass.mass:.4g} kg" if part.mass else ""
+        yield f"{harmless(part.material.name)}{mass}"
 
 
-def _distances(cell: _Cell, holes: Sequence[_Hole], scale: float, top: float) -> list[str]:
-    """Add dimensions between holes of a row above a part, whose upper edge is at `top`, mm on paper.
-
-    The distances for which there is no room are returned as lines of text.
-    """
-    lines: list[str] = []
-    spans: list[tuple[float, float]] = []
-    for (name_1, start), (name_2, end) in _pairs([(h.name, h.centre) for h in holes if h.centre is not None]):
-        distance = abs(end - start)
-        left, right = sorted((start * scale, end * scale), key=lambda place: place.real)
-        # Extension lines of a dimension that starts inside another would cross its number.
-        is_clear = all(not (a + SAME < x < b - SAME) for a, b in spans for x in (left.real, right.real))
-        is_level = (
-            abs((end - start).imag) < SAME and width_of(length_text(distance, cell.unit), LETTER) < scale * distance
-        )
-        if is_level and is_clear and len(spans) < 3:
-            cell.size(left, right, complex(0, top - left.imag + AWAY + len(spans) * (LINE + 1)), distance)
-            spans.append((left.real, right.real))
-        else:
-            lines.append(f"{name_1} to {name_2}: {length_text(distance, cell.unit)}")
-    return lines
+def _has_arcs_only(curve: AbstractCurve) -> bool:
+    """Whether a curve consists of straight lines and arcs."""
+    match curve:
+        case Path():
+            return all(map(_has_arcs_only, curve.pieces))
+        case Mirrored() | Reversed():
+            return _has_arcs_only(curve.curve)
+    return isinstance(curve, Arc | Circle | Polyline | Segment)
 
 
-def _holes(cut: Cut, unit: LengthUnit) -> list[_Hole]:
-    """The holes to describe: those with a fit and all round ones, numbered if they have no letter."""
-    part, loops = cut.part, cut.loops[1:]
-    names, fits = [*part.hole_names, *[""] * len(loops)], [*part.fits, *[None] * len(loops)]
-    holes = []
-    for k, (loop, name, fit) in enumerate(zip(loops, names, fits), 1):
-        circle = loop.shape if isinstance(loop.shape, Circle) else None
-        if circle or fit:
-            size = _size_of(fit, 2 * circle.radius if circle else None, unit)
-            holes.append(_Hole(harmless(name) or f"{NUMBERED}{k}", size, complex(circle.centre) if circle else None))
-    return holes
-
-
-# Forms of holes by their number of flats.
-FORMS = {1: "D dia", 2: "double D dia", 4: "square over corners", 6: "hexagonal over corners"}
-
-
-def _size_of(fit: HoleFit | None, diameter: float | None, unit: LengthUnit) -> str:
-    """Width and purpose of a hole; `diameter` is that of a round one as drawn, mm."""
-    if fit is None:
-        return f"dia {length_text(diameter or 0.0, unit)}"
-    width = length_text(fit.diameter + fit.play if diameter is None else diameter, unit)
-    sizes = [f"dia {width}"]
-    if fit.travel:
-        sizes = [f"slot {width} wide", f"{length_text(fit.travel + fit.diameter + fit.play, unit)} long"]
-    if fit.flat:
-        across = "across flat" if fit.flats == 1 else "between flats"
-        sizes = [f"{FORMS[fit.flats]} {width}", f"{across} {length_text(fit.flat, unit)}"]
-    if any(fit.keyway):
-        sizes.append("keyway {} wide {} deep".format(*(length_text(size, unit) for size in fit.keyway)))
-    if (limits := fit.limits) is not None:
-        hole, _, shaft = fit.iso_fit.partition("/")
-        sizes[0] = sizes[0].replace(width, f"{length_text(fit.diameter, unit)} {hole} {_deviations(limits.hole, unit)}")
-        kinds = (f"shaft {shaft} {_deviations(limits.shaft, unit)}", _clearances(limits, unit)) if shaft else ()
-        return ", ".join([*sizes, *kinds])
-    if not fit.play:
-        return ", ".join(sizes)
-    kind = "press" if fit.is_press or fit.play < 0 else "clearance"
-    return f"{', '.join(sizes)} ({length_text(fit.diameter, unit)}, {kind} {unit.of(fit.play):+.5g})"
-
-
-def _deviations(deviations: tuple[float, float], unit: LengthUnit) -> str:
-    """Upper and lower deviation of a size, mm, in a unit, as usual in drawings."""
-    low, high = (f"{unit.of(value):+.4f}" if unit is MM else f"{unit.of(value):+.5f}" for value in deviations)
-    return "({}/{})".format(*("0" if float(text) == 0 else text.rstrip("0") for text in (high, low)))
-
-
-def _clearances(limits: FitLimits, unit: LengthUnit) -> str:
-    """The least and the largest clearance of a fit in words; negative ones are interferences."""
-    least, largest = (f"{unit.of(value):+.4g}" for value in (limits.least_clearance, limits.largest_clearance))
-    return f"clearance {least} to {largest}"
-
-
-def _callouts(holes: Sequence[_Hole]) -> Iterator[str]:
-    """A line for each size of holes with their number and names."""
-    by_size: dict[str, list[str]] = {}
-    for hole in holes:
-        by_size.setdefault(hole.size, []).append(hole.name)
-    for size, names in by_size.items():
-        yield f"{len(names)} x {size}" + (f" at {', '.join(names)}" if 1 < len(holes) <= MOST_HOLES else "")
-
-
-def _pairs(holes: Sequence[tuple[str, complex]]) -> Iterator[tuple[tuple[str, complex], tuple[str, complex]]]:
-    """Pairs of holes whose distances are dimensioned: all of up to three, else successive ones, letters first."""
-    pairs = list(combinations(holes, 2))
-    if len(holes) > 3:
-        # Holes with letters are joints, whose distances matter most; screws come last.
-        pairs = list(pairwise(sorted(holes, key=lambda hole: hole[0].startswith(NUMBERED))))
-    if len(holes) <= MOST_HOLES:
-        # The longest last and outermost; otherwise extension lines would cross its number.
-        yield from sorted(pairs, key=lambda pair: round(abs(pair[1][1] - pair[0][1]), 6))
-
-
-def _measures(job: Job, part: Part) -> Sequence[str]:
-    """Data for making and measuring a gear, one line each; empty for other parts."""
-    measures, helix = _notes_of(job, part, f"measures_{job.unit.name}"), _notes_of(job, part, "helix")
-    if "teeth" not in measures:
-        return ()
-    lines = [
-        f"teeth {measures['teeth']}, module {length_text(measures['module'])}, "
-        f"pressure angle {length_text(measures['pressure_angle_deg'])} deg",
-        f"profile shift {length_text(measures['profile_shift'])}",
-        *(f"{circle} dia {length_text(2 * measures[f'{circle}_radius'])}" for circle in ("tip", "pitch", "root")),
-    ]
-    if helix:
-        herringbone = ", herringbone" if helix["herringbone"] else ""
-        lines.insert(1, f"helix angle {length_text(helix['helix_angle_deg'])} deg, {helix['hand']} hand{herringbone}")
-    if span := measures.get("span"):
-        lines.append(f"span over {span['teeth']} teeth {length_text(span['measure'])}")
-    for key, words in (("over_pins", "over"), ("between_pins", "between")):
-        if pins := measures.get(key):
-            lines.append(f"{words} pins of dia {length_text(pins['pin_diameter'])}: {length_text(pins['measure'])}")
-    return lines
-
-
-def _notes_of(job: Job, part: Part, key: str) -> Mapping[str, Any]:
-    """Notes on a part, by its name, or for the first part if the notes have a single entry."""
-    notes = job.source.notes.get(key)
-    if not isinstance(notes, Mapping):
-        return {}
-    entry = notes.get(part.name, notes if part is job.source.parts[0] else None)
-    return entry if isinstance(entry, Mapping) else {}
-
-
-def _scaled(shape: Circle | Polyline, scale: float, shift: complex) -> Circle | Polyline:
+def _contour(loop: Loop, curve: AbstractCurve, most: int) -> _Contour | None:
+    """The whole arcs of a contour, and its corners that are not smooth; None of a curve, or if more than `most`."""
+    shape = loop.shape
+    if not _has_arcs_only(curve):
+        return None
     if isinstance(shape, Circle):
-        return Circle(shape.centre * scale + shift, shape.radius * scale)
-    return Polyline(np.asarray(shape.vertices) * scale + shift, shape.bulges, shape.closed)
+        return _Contour(((complex(shape.centre), shape.radius, 1 + 0j, True),), ())
+    z = np.asarray(shape.vertices)
+    bulges = np.zeros(len(z)) if shape.bulges is None else np.asarray(shape.bulges)
+    chord = np.roll(z, -1) - z
+    half = 2 * np.arctan(bulges)
+    first, last = (np.angle(chord * np.exp(sign * 1j * half)) for sign in (-1, 1))
+    turn = np.angle(np.exp(1j * (first - np.roll(last, 1))))
+    is_arc = bulges != 0
+    safe = np.where(is_arc, bulges, 1.0)
+    centre = (z + np.roll(z, -1)) / 2 + 1j * chord * (1 - safe**2) / (4 * safe)
+    radius = np.abs(chord) * (1 + safe**2) / (4 * np.abs(safe))
+    near = 1e-4 * max(np.ptp(z.real), np.ptp(z.imag))
+    same_arc = is_arc & np.roll(is_arc, 1) & (np.abs(centre - np.roll(centre, 1)) < near)
+    same_arc &= (np.abs(radius - np.roll(radius, 1)) < near) & (bulges * np.roll(bulges, 1) > 0)
+    is_corner = np.abs(turn) > SMOOTH
+    starts = np.flatnonzero(is_arc & ~same_arc)
+    arcs = []
+    for start in starts.tolist():
+        end, sweep = start, 2 * half[start]
+        while same_arc[(end + 1) % len(z)] and (end + 1) % len(z) != start:
+            end = (end + 1) % len(z)
+            sweep += 2 * half[end]
+        spoke = z[start] - centre[start]
+        middle = complex(spoke / abs(spoke) * np.exp(0.5j * sweep))
+        located = not (is_corner[start] and is_corner[(end + 1) % len(z)])
+        arcs.append((complex(centre[start]), float(radius[start]), middle, located))
+    if is_arc.any() and not len(starts):
+        arcs = [(complex(centre.mean()), float(radius.mean()), 1 + 0j, True)]
+    if len(arcs) + is_corner.sum() > most:
+        return None
+    return _Contour(tuple(arcs), tuple(z[is_corner].tolist()))
+
+
+@record(eq=False)
+class _Rack:
+    """The teeth of a contour along x: the places of their tip corners in pairs, fillet and flank, and all the rest."""
+
+    tips: Complex
+    fillet: float
+    root: float
+    flank_deg: float
+    rest: _Contour
+
+    def lines(self, datum: complex, unit: LengthUnit) -> Iterator[str]:
+        """The teeth in words, from the datum."""
+        pitch = float((self.tips[-1, 0] - self.tips[0, 0]).real) / (len(self.tips) - 1)
+        first = complex(self.tips[0].mean()) - datum
+        depth, width = float(self.tips[0, 0].imag) - self.root, float((self.tips[0, 1] - self.tips[0, 0]).real)
+        sizes = [length_text(value, unit) for value in (pitch, width, depth, self.fillet, first.real, first.imag)]
+        yield f"teeth {len(self.tips)}, pitch {sizes[0]}, pressure angle {self.flank_deg:.6g} deg"
+        yield f"width at the tip {sizes[1]}, depth {sizes[2]}, fillet R{sizes[3]}"
+        yield f"middle of the first tip at x {sizes[4]}, y {sizes[5]}"
+
+
+def _rack(loop: Loop, contour: _Contour | None) -> _Rack | None:
+    """The teeth of a rack that point up; None if a contour has none."""
+    if contour is None or isinstance(loop.shape, Circle) or len(contour.corners) < OF_GEARS / 2:
+        return None
+    corners = np.array(contour.corners)
+    near = 1e-5 * float(np.ptp(loop.points.real))
+    tips = np.sort(corners[corners.imag > corners.imag.max() - near])
+    if len(tips) < OF_GEARS / 4 or len(tips) % 2:
+        return None
+    pairs = tips.reshape(-1, 2)
+    radii = [round(arc[1], 5) for arc in contour.arcs]
+    fillet = max(radii, key=radii.count, default=0.0)
+    roots = [arc[0].imag - arc[1] for arc in contour.arcs if abs(arc[1] - fillet) < near]
+    if not roots or np.ptp(np.diff(pairs.real.mean(axis=1))) > near or np.ptp(np.diff(pairs.real, axis=1)) > near:
+        return None
+    root = float(np.mean(roots))
+    z = np.asarray(loop.shape.vertices)
+    k = int(np.argmin(np.abs(z - pairs[0, 0])))
+    sides = [other - z[k] for other in (z[k - 1], z[(k + 1) % len(z)])]
+    flank = max(sides, key=lambda side: -side.imag)
+    rest = _Contour(
+        tuple(arc for arc in contour.arcs if arc[0].imag < root),
+        tuple(c for c in contour.corners if c.imag < root + near),
+    )
+    return _Rack(pairs, fillet, root, float(np.degrees(np.arctan2(abs(flank.real), abs(flank.imag)))), rest)
+
+
+def _bore(contour: _Contour) -> complex:
+    """Centre of a bore with flats or a keyway: that of its largest arc."""
+    if not contour.arcs:
+        return complex(np.mean(contour.corners))
+    return max(contour.arcs, key=lambda arc: arc[1])[0]
+
+
+# Centre, radius and direction of the middle of an arc, 0 of a whole circle.
+Arcs = list[tuple[complex, float, complex]]
+
+
+class _Features:
+    """What is dimensioned of a part, mm: places with the radii of circles around them, diameters and radii by words."""
+
+    def __init__(self, exact: Cut, contours: Sequence[_Contour | None], unit: LengthUnit, is_gear: bool) -> None:
+        self.unit = unit
+        self.datum = self._datum(exact, contours)
+        self.located: list[tuple[complex, float]] = [(self.datum, 0.0)]
+        self.diameters: dict[str, Arcs] = {}
+        self.radii: dict[str, Arcs] = {}
+        self.patterns: list[str] = []
+        openings: list[tuple[_Contour, list[float]]] = []
+        fits = [None, *exact.part.fits, *[None] * len(contours)]
+        for loop, contour, fit in zip(exact.loops, contours, fits):
+            if isinstance(loop.shape, Circle):
+                centre, radius = complex(loop.shape.centre), float(loop.shape.radius)
+                self.located.append((centre, radius))
+                self.diameters.setdefault(hole_size(fit, 2 * radius, unit), []).append((centre, radius, 0j))
+            elif contour and fit:
+                self._add_fitted(contour, fit)
+            elif contour and not self._repeats(contour, openings):
+                self._add_contour(contour)
+                openings.append((contour, []))
+            elif contour is None and is_gear and loop is exact.loops[0]:
+                farthest = loop.points[int(np.argmax(np.round(np.abs(loop.points), 6)))]
+                tip = float(np.abs(farthest))
+                self.diameters[f"Ø{length_text(2 * tip, unit)}"] = [(0j, tip, complex(farthest / tip))]
+        for _, turns in openings:
+            if turns:
+                angles = ", ".join(f"{angle:.6g}" for angle in sorted(turns))
+                self.patterns.append(f"opening also turned about the datum by {angles} deg")
+
+    @staticmethod
+    def _datum(exact: Cut, contours: Sequence[_Contour | None]) -> complex:
+        """The origin: the centre of a round outline or of a curve, a round hole or a bore, or the lower left corner."""
+        if isinstance(outline := exact.loops[0].shape, Circle):
+            return complex(outline.centre)
+        if contours[0] is None and exact.loops[1:]:
+            return 0j
+        holes = [complex(loop.shape.centre) for loop in exact.loops[1:] if isinstance(loop.shape, Circle)]
+        fits = zip(contours[1:], exact.part.fits)
+        holes += [_bore(contour) for contour, fit in fits if contour and fit and not fit.travel]
+        return min(holes, key=lambda centre: round(abs(centre), 6), default=exact.box[0])
+
+    def _add_fitted(self, contour: _Contour, fit: HoleFit) -> None:
+        """A slot, located by the centres of its ends, or a bore with flats or a keyway by its own."""
+        ends = sorted(contour.arcs, key=lambda arc: arc[1])[:2] if fit.travel else contour.arcs
+        places = [arc[0] for arc in ends] if fit.travel else [_bore(contour)]
+        radius = max((arc[1] for arc in ends), default=fit.diameter / 2)
+        self.located += [(place, radius) for place in places]
+        self.diameters.setdefault(hole_size(fit, None, self.unit), []).append((places[0], radius, 0j))
+
+    def _add_contour(self, contour: _Contour) -> None:
+        self.located += [(corner, 0.0) for corner in contour.corners]
+        self.located += [(centre, 0.0) for centre, _, _, is_located in contour.arcs if is_located]
+        for centre, radius, middle, _ in contour.arcs:
+            self.radii.setdefault(f"R{length_text(radius, self.unit)}", []).append((centre, radius, middle))
+
+    def _repeats(self, contour: _Contour, openings: Sequence[tuple[_Contour, list[float]]]) -> bool:
+        """Whether an earlier opening, turned about the datum, is this one; its angle is then noted."""
+        for first, turns in openings:
+            if (turn := first.turned_into(contour, self.datum)) is not None:
+                turns.append(round(float(np.degrees(np.angle(turn))) % 360, 6))
+                return True
+        return False
+
+
+def _side_view(canvas: DrawingCanvas, exact: Cut, scale: float) -> None:
+    """The view from the left at the right of the front view: its bore hidden, and the thickness."""
+    low, high = (corner * scale for corner in exact.box)
+    left, thick = high.real + 2 * AWAY, exact.part.thickness * scale
+    corners = [complex(left, low.imag), complex(left + thick, high.imag)]
+    canvas.add(PART, Polyline(np.array([corners[0], corners[0] + thick, corners[1], corners[1] - thick])))
+    for loop in exact.loops[1:]:
+        if isinstance(loop.shape, Circle):
+            a, b = loop.shape.centre.imag - loop.shape.radius, loop.shape.centre.imag + loop.shape.radius
+            for y in (a * scale, b * scale):
+                canvas.line(complex(left, y), complex(left + thick, y), layer=CENTRE)
+    canvas.linear(corners[1] - thick, corners[1], 1j * AWAY, exact.part.thickness)
+
+
+def _point_table(
+    canvas: DrawingCanvas, datum: complex, scale: float, located: Sequence[tuple[complex, float]]
+) -> list[Sequence[str]]:
+    """Coordinates of numbered points, whose numbers are written at them."""
+    places = list({(round(p.real, 6), round(p.imag, 6)): p for p, _ in located}.values())
+    rows: list[Sequence[str]] = [("point", "x", "y")]
+    for number, place in enumerate(places, 1):
+        canvas.label(str(number), place * scale)
+        offset = place - datum
+        rows.append((str(number), *(length_text(value, canvas.unit) for value in (offset.real, offset.imag))))
+    return rows
+
+
+def _draw_table(canvas: DrawingCanvas, rows: Sequence[Sequence[str]], corner: complex) -> float:
+    """Draw rows of a table below its heading from an upper left corner, and return its right end, mm."""
+    heading, left = rows[0], corner.real
+    for start in range(1, len(rows), ROWS):
+        block = [heading, *rows[start : start + ROWS]]
+        for column in range(len(heading)):
+            for number, row in enumerate(block):
+                canvas.words(row[column], complex(left, corner.imag - LETTER / 2 - number * LINE))
+            left += max(width_of(row[column], LETTER) for row in block) + LETTER
+        left += LETTER
+    return left

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Literal
@@ -15,7 +15,7 @@ from ezdxf.colors import DXF_DEFAULT_COLORS, int2rgb
 from ezdxf.document import Drawing
 from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
-from ezdxf.layouts.layout import Modelspace
+from ezdxf.layouts.base import BaseLayout
 
 from ..core.errors import harmless
 from ..core.fields import to_digits
@@ -27,6 +27,8 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, box_of, rounded
 from .cut import FORBIDDEN, LAYERS, LayerStyles, cut, decimals, shape_box
 from .dimensioned import COLOURS, dimensioned_drawing
+from .dimensions import CENTRE, DIM, Dimension, rounded_shape
+from .dimensions import LETTER as SHEET_LETTER
 from .job import Job
 from .layout import Sheet
 from .still import LETTER, SCREEN, Name, Still, frame_at, place_labels, rgb
@@ -34,6 +36,8 @@ from .text import Text
 
 # The number of the old version in files, and the versions that are written.
 R12 = "AC1009"
+# Style of dimensions, and decimals of mm of their places on paper.
+SHEET_STYLE, PAPER_DIGITS = "SHEET", 6
 DxfVersion = Literal["R2000", "R12"]
 
 
@@ -76,11 +80,14 @@ def drawn(
     stamp: str = "",
     unit: LengthUnit = MM,
     version: DxfVersion = "R2000",
+    dimensions: Sequence[Dimension] = (),
+    scale: float = 1.0,
 ) -> bytes:
     """A DXF file of shapes and texts on their layers.
 
     `layers` maps names to colour index and RGB; `extents` and `limits` are the corners of the shapes and of the paper,
-    mm. The stamp is in the dictionary EZDXF_META. unit: of the numbers in the file.
+    mm. The stamp is in the dictionary EZDXF_META. unit: of the numbers in the file. Dimensions are of
+    a part drawn at a scale.
     """
     with _fixed_stamps():
         # The library's default is metres, and programs would read the file 1000 times too large.
@@ -99,12 +106,20 @@ def drawn(
         for layer, shape in shapes:
             _add(space, layer, _in_unit(shape, unit))
         for text in texts:
-            place, height = unit.of(text.place), unit.of(text.height)
-            # In the format two per cent signs start a code.
-            words = text.text.replace("%%", "% %")
-            entity = space.add_text(words, height=height, dxfattribs={"layer": text.layer})
-            align = TextEntityAlignment.MIDDLE_LEFT if text.starts else TextEntityAlignment.MIDDLE_CENTER
-            entity.set_placement((place.real, place.imag), align=align)
+            _add_text(space, text, unit)
+        if dimensions:
+            document.linetypes.add(CENTRE, [unit.of(7.0), *map(unit.of, (4.0, -1.0, 1.0, -1.0))])
+            document.layers.get(CENTRE).dxf.linetype = CENTRE
+            # Numbers are lengths of the part; the lines are on paper at a scale.
+            style = {
+                "dimlfac": 1 / scale,
+                "dimtxt": unit.of(SHEET_LETTER),
+                "dimdec": 3 if unit is MM else 4,
+                "dimzin": 8,
+            }
+            document.dimstyles.new(SHEET_STYLE, dxfattribs=style)
+        for dimension in dimensions:
+            _add_dimension(document, dimension, unit, PAPER_DIGITS)
         # The library copies these from the layout to the header when it writes.
         low, high, *corners = (unit.of(corner) for corner in (*extents, *limits))
         space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
@@ -121,7 +136,7 @@ def _in_unit(shape: Circle | Polyline, unit: LengthUnit) -> Circle | Polyline:
     return Polyline(unit.of(np.asarray(shape.vertices)), shape.bulges, shape.closed)
 
 
-def _add(space: Modelspace, layer: str, shape: Circle | Polyline) -> None:
+def _add(space: BaseLayout, layer: str, shape: Circle | Polyline) -> None:
     attributes = {"layer": layer}
     if isinstance(shape, Circle):
         space.add_circle((shape.centre.real, shape.centre.imag), shape.radius, dxfattribs=attributes)
@@ -166,18 +181,53 @@ def _fixed_stamps() -> Iterator[None]:
 
 
 def sheet(job: Job) -> bytes:
-    """The dimensioned drawing on paper; the title gives its scale."""
+    """The dimensioned drawing on paper, with dimensions that programs can edit; the title gives its scale."""
     page, digits = dimensioned_drawing(job), decimals(job.tolerance)
-    shapes = [(layer, _rounded(shape, digits)) for layer, shape in page.shapes]
+    shapes = [(layer, rounded_shape(shape, digits)) for layer, shape in page.shapes]
     texts = [replace(text, place=rounded(text.place, digits).item()) for text in page.texts]
     paper = 0j, complex(page.width, page.height)
-    return drawn(COLOURS, shapes, texts, paper, paper, unit=job.unit)
+    return drawn(COLOURS, shapes, texts, paper, paper, unit=job.unit, dimensions=page.dimensions, scale=page.scale)
 
 
-def _rounded(shape: Circle | Polyline, digits: int) -> Circle | Polyline:
-    if isinstance(shape, Circle):
-        return Circle(rounded(shape.centre, digits).item(), rounded(shape.radius, digits).item())
-    return Polyline(rounded(shape.vertices, digits), shape.bulges, shape.closed)
+# Types of dimensions in the format; 32: the block belongs to this one alone; 64: of an ordinate along x.
+DIMENSION_TYPES = {"linear": 32, "diameter": 35, "radius": 36, "x": 38 + 64, "y": 38}
+# Tags of the points of each kind, in their order. Those of a diameter and a radius are on the circle.
+POINT_TAGS = {
+    "linear": ("defpoint2", "defpoint3", "defpoint"),
+    "diameter": ("defpoint", "defpoint4"),
+    "radius": ("defpoint", "defpoint4"),
+    "x": ("defpoint", "defpoint2", "defpoint3"),
+    "y": ("defpoint", "defpoint2", "defpoint3"),
+}
+
+
+def _add_dimension(document: Drawing, dimension: Dimension, unit: LengthUnit, digits: int) -> None:
+    """A dimension with its lines and its text in a block, so that it looks the same in every program."""
+    block = document.blocks.new_anonymous_block("D")
+    for line in dimension.lines:
+        _add(block, DIM, _in_unit(rounded_shape(line, digits), unit))
+    _add_text(block, dimension.text, unit)
+    attributes = {"layer": DIM, "dimtype": DIMENSION_TYPES[dimension.kind], "geometry": block.name}
+    attributes |= {"dimstyle": SHEET_STYLE, "text": "" if dimension.measured else dimension.text.text}
+    points = (*dimension.points, dimension.text.place)
+    for tag, point in zip((*POINT_TAGS[dimension.kind], "text_midpoint"), points):
+        place = unit.of(rounded(point, digits).item())
+        attributes[tag] = (place.real, place.imag, 0.0)
+    if dimension.kind == "linear":
+        along = dimension.points[1] - dimension.points[0]
+        attributes["angle"] = round(float(np.degrees(np.angle(along))), 9)
+    document.modelspace().new_entity("DIMENSION", attributes)
+
+
+def _add_text(space: BaseLayout, text: Text, unit: LengthUnit) -> None:
+    place, height = unit.of(text.place), unit.of(text.height)
+    # In the format two per cent signs start a code.
+    words = text.text.replace("%%", "% %")
+    attributes = {"layer": text.layer, "rotation": 90.0} if text.turned else {"layer": text.layer}
+    entity = space.add_text(words, height=height, dxfattribs=attributes)
+    side = "LEFT" if text.starts else "RIGHT" if text.ends else "CENTER"
+    align = TextEntityAlignment[f"MIDDLE_{side}"]
+    entity.set_placement((place.real, place.imag), align=align)
 
 
 # Layers besides those of bodies, which start with BODY, and their colours in the palette.

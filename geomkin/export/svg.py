@@ -12,6 +12,7 @@ from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Real, rounded
 from .cut import LAYERS, LayerStyles
 from .dimensioned import COLOURS, dimensioned_drawing
+from .dimensions import CENTRE, DIM, rounded_shape
 from .job import Job
 from .layout import Sheet
 
@@ -126,14 +127,19 @@ def sheet(job: Job) -> bytes:
         'font-family="sans-serif" style="background:#fff">',
         f"<title>{escape(harmless(job.name))}, the parts with their sizes</title>",
     ]
-    for layer, shape in page.shapes:
-        lines.append(f'{shape_of(shape, page.height, DIGITS)} class="{layer}" stroke="{colours[layer]}"/>')
-    for text in page.texts:
-        place: complex = rounded(text.place.conjugate() + 1j * page.height + 0.5j * text.height, DIGITS).item()
-        anchor = "start" if text.starts else "middle"
+    lines_of_dimensions = [(DIM, line) for dimension in page.dimensions for line in dimension.lines]
+    for layer, shape in (*page.shapes, *lines_of_dimensions):
+        dashes = ' stroke-dasharray="4 1 1 1"' if layer == CENTRE else ""
+        shape = rounded_shape(shape, DIGITS)
+        lines.append(f'{shape_of(shape, page.height, DIGITS)} class="{layer}" stroke="{colours[layer]}"{dashes}/>')
+    for text in (*page.texts, *(dimension.text for dimension in page.dimensions)):
+        place = text.place.conjugate() + 1j * page.height + (0.5 if text.turned else 0.5j) * text.height
+        place = rounded(place, DIGITS).item()
+        anchor = "start" if text.starts else "end" if text.ends else "middle"
+        turn = f' transform="rotate(-90 {place.real:g} {place.imag:g})"' if text.turned else ""
         lines.append(
             f'<text x="{place.real:g}" y="{place.imag:g}" font-size="{text.height / CAPITAL:.3g}" '
-            f'text-anchor="{anchor}" fill="{colours[text.layer]}">{escape(text.text)}</text>'
+            f'text-anchor="{anchor}" fill="{colours[text.layer]}"{turn}>{escape(text.text)}</text>'
         )
     lines.append("</svg>\n")
     return "\n".join(lines).encode("utf-8", "replace")

@@ -39,7 +39,7 @@ class Title:
     material : str
         Material of the parts.
     general_tolerance : str
-        Tolerance of sizes without their own.
+        Tolerance of sizes without their own; of gears, their accuracy class.
     drawn_by : str
         Name of the draughtsman.
     date : str
@@ -55,7 +55,7 @@ class Title:
     number: str = entry("the drawing's number", default="")
     revision: str = entry("the drawing's revision", default="")
     material: str = entry("material of the parts", default="")
-    general_tolerance: str = entry("tolerance of sizes without their own", default="")
+    general_tolerance: str = entry("tolerance of sizes without their own; of gears, their accuracy class", default="")
     drawn_by: str = entry("name of the draughtsman", default="")
     date: str = entry("date of the drawing, as any text", default="")
 
@@ -97,7 +97,8 @@ WIDE, WIDEST = 1.0, 1.5
 class Text:
     """A line of text, with its height of capitals, mm.
 
-    `place` is its middle, mm, or the middle of its left end if `starts`.
+    `place` is its middle, mm, or the middle of its left end if `starts`, of its right end if `ends`. A `turned` one is
+    read from the right.
     """
 
     layer: str
@@ -105,12 +106,16 @@ class Text:
     place: complex
     height: float
     starts: bool = False
+    ends: bool = False
+    turned: bool = False
 
     @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of the largest extent of the text, mm."""
         half = complex(width_of(self.text, self.height), self.height) / 2
-        middle = self.place + half.real if self.starts else self.place
+        along = 1j if self.turned else 1
+        middle = self.place + along * half.real * (self.starts - self.ends)
+        half = complex(half.imag, half.real) if self.turned else half
         return middle - half, middle + half
 
 

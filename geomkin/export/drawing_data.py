@@ -1,0 +1,211 @@
+"""Numbers in words on a drawing: sizes and fits of holes, data of gears and wheels, tables of cams and curves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import harmless
+from ..core.units import MM, LengthUnit
+from ..model.limits import FitLimits
+from ..model.part import HoleFit, Part
+from ..plane.flatten import flatten
+from ..plane.joined import PolarArray
+from ..plane.primitives import Circle
+from ..plane.vec import Complex, Real
+from .dimensions import length_text
+from .job import Job
+
+# Steps, deg, of the table of a profile: the first one from which a cubic curve stays within the tolerance.
+STEPS_DEG = (10, 5, 3, 2, 1)
+# Points of a curve that has no single radius at each angle.
+POINTS = 72
+
+
+def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[list[Sequence[str]], str]:
+    """The table of a curve by polar coordinates, or by points if it has no single radius at each angle."""
+    unit, tolerance = job.unit, job.tolerance
+    dense = flatten(curve, tolerance / 10) - datum
+    piece = curve.count if isinstance(curve, PolarArray) else 1
+    angle = np.unwrap(np.angle(dense))
+    angle = angle if angle[-1] > angle[0] else -angle[::-1]
+    is_star = piece == 1 and np.all(np.diff(angle) > 0) and abs(angle[-1] - angle[0]) > np.pi
+    if not is_star:
+        if piece > 1:
+            share = curve.breaks[-1] / piece
+            points: Complex = np.asarray(curve.point(np.linspace(0, share, POINTS + 1))) - datum
+        else:
+            ring = np.append(dense, dense[0]) if curve.closed else dense
+            length = np.append(0.0, np.cumsum(np.abs(np.diff(ring))))
+            points = np.asarray(np.interp(np.linspace(0, length[-1], POINTS + 1), length, ring), dtype=complex)
+        rows: list[Sequence[str]] = [("point", "x", "y")]
+        rows += [
+            (str(k), *(length_text(value, unit) for value in (point.real, point.imag)))
+            for k, point in enumerate(points.tolist())
+        ]
+        turns = f", one of {piece} equal pitches around the datum" if piece > 1 else ""
+        return rows, f"profile: points of the table, x and y from the datum{turns}"
+    order = np.argsort(np.mod(np.angle(dense), 2 * np.pi))
+    theta, radius = np.mod(np.angle(dense), 2 * np.pi)[order], np.abs(dense)[order]
+    fine = np.radians(np.arange(0, 360, 0.25))
+    exact = np.interp(fine, theta, radius, period=2 * np.pi)
+    for step in STEPS_DEG:
+        deviation = float(np.abs(_cubic(exact[:: 4 * step], 4 * step) - exact).max())
+        if deviation <= tolerance:
+            break
+    lift = _lifts(job, part, step)
+    heading = ["angle", "radius", *(["lift"] if lift else [])]
+    rows = [heading]
+    for k, value in enumerate(exact[:: 4 * step].tolist()):
+        rows.append([str(k * step), length_text(value, unit), *([lift[k]] if lift else [])])
+    base = getattr(curve, "base_radius", None)
+    base = f"base circle radius {length_text(base, unit)}; " if base else ""
+    return rows, (
+        f"{base}radius of the profile by the angle from x, counterclockwise, deg;"
+        f" a cubic curve through the rows is within {unit.of(deviation):.2g}"
+    )
+
+
+def _cubic(radius: Real, between: int) -> Real:
+    """Values between equally spaced ones around a turn: cubic curves through the four nearest."""
+    t = np.arange(between) / between
+    a, b, c, d = (np.roll(radius, shift)[:, None] for shift in (1, 0, -1, -2))
+    value = (
+        -t * (t - 1) * (t - 2) / 6 * a
+        + (t + 1) * (t - 1) * (t - 2) / 2 * b
+        - (t + 1) * t * (t - 2) / 2 * c
+        + (t + 1) * t * (t - 1) / 6 * d
+    )
+    return np.asarray(value.ravel(), dtype=float)
+
+
+def _lifts(job: Job, part: Part, step: int) -> list[str]:
+    """Lift of the follower at cam angles by a step, deg, if the table of the motion has it."""
+    table = job.source.table
+    ids = [column.id for column in table.columns] if table else []
+    if table is None or part.name != "cam" or "lift" not in ids or ids[0] != "cam_angle":
+        return []
+    column = table.column("lift")
+    angle, lift = (np.asarray(c.values, dtype=float) for c in (table.columns[0], column))
+    values = np.interp(np.arange(0, 360, step), np.mod(angle, 360.0), lift, period=360.0)
+    return [f"{value:.4f}".rstrip("0").rstrip(".") + ("" if column.unit == job.unit.name else "°") for value in values]
+
+
+# Forms of holes by their number of flats.
+FORMS = {1: "D Ø", 2: "double D Ø", 4: "square over corners Ø", 6: "hexagonal over corners Ø"}
+
+
+def hole_size(fit: HoleFit | None, diameter: float | None, unit: LengthUnit) -> str:
+    """Width and purpose of a hole; `diameter` is that of a round one as drawn, mm."""
+    if fit is None:
+        return f"Ø{length_text(diameter or 0.0, unit)}"
+    width = length_text(fit.diameter + fit.play if diameter is None else diameter, unit)
+    sizes = [f"Ø{width}"]
+    if fit.travel:
+        sizes = [f"slot {width} wide", f"({length_text(fit.travel + fit.diameter + fit.play, unit)} long)"]
+    if fit.flat:
+        across = "across flat" if fit.flats == 1 else "between flats"
+        sizes = [f"{FORMS[fit.flats]}{width}", f"{across} {length_text(fit.flat, unit)}"]
+    if any(fit.keyway):
+        sizes.append("keyway {} wide {} deep".format(*(length_text(size, unit) for size in fit.keyway)))
+    if (limits := fit.limits) is not None:
+        hole, _, shaft = fit.iso_fit.partition("/")
+        sizes[0] = sizes[0].replace(width, f"{length_text(fit.diameter, unit)} {hole} {_deviations(limits.hole, unit)}")
+        kinds = (f"shaft {shaft} {_deviations(limits.shaft, unit)}", _clearances(limits, unit)) if shaft else ()
+        return ", ".join([*sizes, *kinds])
+    if not fit.play:
+        return ", ".join(sizes)
+    kind = "press" if fit.is_press or fit.play < 0 else "clearance"
+    return f"{', '.join(sizes)} ({length_text(fit.diameter, unit)}, {kind} {unit.of(fit.play):+.5g})"
+
+
+def _deviations(deviations: tuple[float, float], unit: LengthUnit) -> str:
+    """Upper and lower deviation of a size, mm, in a unit, as usual in drawings."""
+    low, high = (f"{unit.of(value):+.4f}" if unit is MM else f"{unit.of(value):+.5f}" for value in deviations)
+    return "({}/{})".format(*("0" if float(text) == 0 else text.rstrip("0") for text in (high, low)))
+
+
+def _clearances(limits: FitLimits, unit: LengthUnit) -> str:
+    """The least and the largest clearance of a fit in words; negative ones are interferences."""
+    least, largest = (f"{unit.of(value):+.4g}" for value in (limits.least_clearance, limits.largest_clearance))
+    return f"clearance {least} to {largest}"
+
+
+def gear_data(job: Job, part: Part) -> list[str]:
+    """The data of a gear as in ISO 1340, or of a wheel of a belt or chain; empty for other parts."""
+    measures, helix = _notes_of(job, part, f"measures_{job.unit.name}"), _notes_of(job, part, "helix")
+    if "teeth" not in measures:
+        return _wheel_data(job, part)
+
+    def size(value: float) -> str:
+        return length_text(value * job.unit.mm, job.unit)
+
+    lines = [
+        f"teeth {measures['teeth']}, module {size(measures['module'])}, "
+        f"pressure angle {measures['pressure_angle_deg']:.6g} deg",
+        f"profile shift coefficient {measures['profile_shift']:.6g}",
+        *(
+            f"{circle} dia {size(2 * measures[f'{circle}_radius'])}"
+            for circle in ("tip", "pitch", "base", "root")
+            # The tip circle of an outline has its diameter in the view.
+            if f"{circle}_radius" in measures and (circle != "tip" or isinstance(part.outline, Circle))
+        ),
+    ]
+    if helix:
+        herringbone = ", herringbone" if helix["herringbone"] else ""
+        lines[0] = lines[0].replace("module", "transverse module")
+        lines[1:1] = [
+            f"helix angle {helix['helix_angle_deg']:.6g} deg, {helix['hand']} hand{herringbone}",
+            f"normal module {length_text(helix['normal_module_mm'], job.unit)}, "
+            f"normal pressure angle {helix['normal_pressure_angle_deg']:.6g} deg, "
+            f"lead {length_text(helix['lead_mm'], job.unit)}",
+        ]
+    if span := measures.get("span"):
+        lines.append(f"span over {span['teeth']} teeth {size(span['measure'])}")
+    for key, words in (("over_pins", "over"), ("between_pins", "between")):
+        if pins := measures.get(key):
+            lines.append(f"{words} pins of dia {size(pins['pin_diameter'])}: {size(pins['measure'])}")
+    return [*lines, *_mates(job, part), f"accuracy: {harmless(job.title.general_tolerance or 'not stated')}"]
+
+
+def _mates(job: Job, part: Part) -> Iterator[str]:
+    """The gears that mesh with a gear, with their teeth and centre distances."""
+    measures = job.source.notes.get(f"measures_{job.unit.name}", {})
+    if not isinstance(measures, Mapping):
+        return
+    for key, mesh in job.source.notes.items():
+        distance = mesh.get("centre_distance_mm") if isinstance(mesh, Mapping) else None
+        if distance is None:
+            continue
+        gears = key.split("_and_") if "_and_" in key else list(measures)
+        if key.startswith("stage_"):
+            gears = [f"{side}_{key.removeprefix('stage_')}" for side in ("driver", "driven")]
+        if part.name in gears and len(gears) == 2:
+            (mate,) = (name for name in gears if name != part.name)
+            teeth = f", {measures[mate]['teeth']} teeth" if mate in measures else ""
+            yield f"mate {harmless(mate)}{teeth}, centre distance {length_text(distance, job.unit)}"
+
+
+def _wheel_data(job: Job, part: Part) -> list[str]:
+    """Teeth and diameters of a sprocket or a toothed pulley, with the profile of its chain or belt."""
+    wheel = _notes_of(job, part, "wheels")
+    if "teeth" not in wheel:
+        return []
+    medium = next((job.source.notes[key] for key in ("belt", "chain") if key in job.source.notes), {})
+    profile = medium.get("profile", "") if isinstance(medium, Mapping) else ""
+    sizes = [(words, wheel[f"{words}_diameter_mm"]) for words in ("pitch", "outer") if f"{words}_diameter_mm" in wheel]
+    return [
+        f"teeth {wheel['teeth']}, profile {profile}",
+        *(f"{words} dia {length_text(value, job.unit)}" for words, value in sizes),
+    ]
+
+
+def _notes_of(job: Job, part: Part, key: str) -> Mapping[str, Any]:
+    """Notes on a part, by its name, or for the first part if the notes have a single entry."""
+    notes = job.source.notes.get(key)
+    if not isinstance(notes, Mapping):
+        return {}
+    entry = notes.get(part.name, notes if part is job.source.parts[0] else None)
+    return entry if isinstance(entry, Mapping) else {}
