@@ -15,6 +15,9 @@ from . import (
     gear as gear,
 )
 from . import (
+    geneva as geneva,
+)
+from . import (
     linkage as linkage,
 )
 from . import (

@@ -57,6 +57,9 @@ KINDS_BY_GROUP.update({
         "parametric-tooth-gears": "geomkin.gear.kinds.conjugate_gears:ParametricToothGearsRecipe",
         "lantern-gears": "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe",
     },
+    "Geneva drives": {
+        "geneva": "geomkin.geneva.kinds.geneva:GenevaRecipe",
+    },
     "belts and chains": {
         "belt-drive": "geomkin.belt.kinds.drives:BeltDriveRecipe",
         "chain-drive": "geomkin.belt.kinds.drives:ChainDriveRecipe",

@@ -41,7 +41,7 @@ NOT_OFFERED = {
     **dict.fromkeys(("bevel", "hypoid", "crown", "miter", "mitre"), "gear-pair"),
     **dict.fromkeys(("screw", "leadscrew", "ballscrew", "nut"), "rack-and-pinion"),
     **dict.fromkeys(("v", "flat", "rope", "cable", "capstan", "ribbed"), "belt-drive"),
-    **dict.fromkeys(("geneva", "maltese", "ratchet", "pawl", "escapement", "indexing"), "disk-cam, with dwells"),
+    **dict.fromkeys(("maltese", "ratchet", "pawl", "escapement", "indexing"), "geneva, or disk-cam with dwells"),
     **dict.fromkeys(("barrel", "cylindrical", "globoid", "groove"), "disk-cam"),
     **dict.fromkeys(("universal", "cardan", "hooke"), "oldham-coupling"),
     **dict.fromkeys(("delta", "hexapod", "stewart", "scara", "robot", "spherical"), "linkage"),

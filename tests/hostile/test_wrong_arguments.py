@@ -52,7 +52,19 @@ STATE = gk.synthesis.BodyState(1 + 0j, 4.0, 10j, -10.0)
 # Every public name of the geometry, the mechanisms, their checks and their parts, with what it names.
 PUBLIC = {
     name: getattr(room, name)
-    for room in (gk.plane, gk.linkage, gk.cam, gk.gear, gk.belt, gk.coupon, gk.synthesis, gk.making, gk.tradeoff, gk)
+    for room in (
+        gk.plane,
+        gk.linkage,
+        gk.cam,
+        gk.gear,
+        gk.belt,
+        gk.geneva,
+        gk.coupon,
+        gk.synthesis,
+        gk.making,
+        gk.tradeoff,
+        gk,
+    )
     for name in dir(room)
     if not name.startswith("_")
     and not inspect.ismodule(getattr(room, name))
@@ -62,6 +74,7 @@ PUBLIC = {
 GOOD = {
     "Arc": {"centre": 0j, "start": 2 + 0j, "sweep": 1.0},
     "BeltLoop": {"wheels": (gk.belt.LoopWheel(0j, 6.0, 20.0), gk.belt.LoopWheel(100 + 0j, 19.0, 60.0)), "pitch": 2.0},
+    "GenevaWheel": {"distance": 60.0, "slots": 4, "pins": 1, "roller": 6.0, "clearance": 0.2, "tip_width": 2.0},
     "LoopWheel": {"centre": 1j, "radius": 6.0, "pitches": 20.0, "is_outside": True, "outer_radius": 8.0},
     "toothed_outline": {"profile": "GT2-2M", "teeth": 20},
     "BodyState": {"velocity": 1 + 2j, "omega": 4.0, "acceleration": 10j, "alpha": -10.0, "position": 1j},

@@ -1,0 +1,200 @@
+"""Geneva drives: published peaks, central differences, polygons that turn past each other, energy, and refusals."""
+
+import numpy as np
+import pytest
+import shapely
+
+import geomkin as gk
+from geomkin.core.errors import DesignError, RecipeError
+from geomkin.geneva.wheel import dwell_share, most_pins
+from geomkin.recipe.load import from_table
+from tests.gallery import marks, named, point, recipe, seen
+
+# Largest speed, acceleration at entry, largest acceleration, its angle in deg, and jerk amidst, by the number of slots.
+PEAKS = {
+    3: (6.4641, 1.7321, 31.392, 4.758, 672.02), 4: (2.4142, 1.0, 5.4070, 11.464, 48.042),
+    5: (1.4259, 0.7265, 2.2988, 17.571, 13.324), 6: (1.0, 0.5774, 1.3496, 22.903, 6.0),
+    8: (0.6199, 0.4142, 0.6998, 31.642, 2.2493), 12: (0.3492, 0.2679, 0.3477, 44.005, 0.800),
+}  # fmt: skip
+# Slots, pins and distance.
+DRIVES = [(3, 1, 100), (3, 4, 100), (4, 1, 60), (4, 3, 60), (5, 3, 80), (7, 2, 80), (12, 2, 120), (24, 2, 250)]
+
+
+def drive(**given):
+    tables = {key: given.pop(key) for key in ("stock", "loads", "drive") if key in given}
+    return from_table({"kind": "geneva", "geneva": {"distance": 60, **given}, **tables})
+
+
+def polygon(z):
+    return shapely.Polygon(np.column_stack([z.real, z.imag]))
+
+
+@pytest.mark.parametrize("slots", PEAKS)
+def test_peaks_are_the_published_ones(slots):
+    wheel = gk.geneva.GenevaWheel(100, slots=slots)
+    velocity, most, entry, jerk = wheel.peaks
+    speed, at_entry, largest, at, amidst = PEAKS[slots]
+    assert (velocity, entry, most, jerk) == pytest.approx((speed, at_entry, largest, amidst), rel=2e-4, abs=6e-4)
+    turn = np.linspace(0, 2 * np.pi, 200_001)
+    first, second = wheel.derivatives(turn)
+    assert np.abs(first).max() == pytest.approx(velocity) and np.abs(second).max() == pytest.approx(most, rel=1e-6)
+    h = 1e-4
+    assert abs(np.diff(wheel.derivatives(np.pi + np.array([-h, h]))[1])[0]) / (2 * h) == pytest.approx(jerk, rel=1e-4)
+    assert abs(np.degrees(turn[np.abs(second).argmax()]) - 180) == pytest.approx(at, abs=3e-3)
+
+
+@pytest.mark.parametrize(("slots", "pins", "distance"), DRIVES)
+def test_derivatives_are_central_differences_and_each_step_is_a_pitch(slots, pins, distance):
+    wheel = gk.geneva.GenevaWheel(distance, slots=slots, pins=pins)
+    turn = np.random.default_rng(1).uniform(-7, 7, 400)
+    h, (angle, _) = 1e-5, wheel.pin_angle(turn)
+    turn = turn[np.abs(np.abs(angle) - wheel.half_motion) > 1e-3]
+    first, second = wheel.derivatives(turn)
+    assert (wheel.rotation(turn + h) - wheel.rotation(turn - h)) / (2 * h) == pytest.approx(first, abs=1e-6)
+    change = (wheel.derivatives(turn + h)[0] - wheel.derivatives(turn - h)[0]) / (2 * h)
+    assert change == pytest.approx(second, abs=1e-4)
+    steps = wheel.rotation(2 * np.pi / pins * np.arange(5))
+    assert steps == pytest.approx(-2 * np.pi / slots * np.arange(5))
+    still = np.linspace(0, 2 * np.pi, 20_000, endpoint=False)
+    assert np.mean(wheel.derivatives(still)[0] == 0) == pytest.approx(wheel.dwell, abs=2e-4)
+
+
+@pytest.mark.parametrize(("slots", "pins", "distance"), DRIVES)
+def test_wheel_clears_disc_and_rollers_and_a_roller_is_in_a_slot(slots, pins, distance):
+    wheel = gk.geneva.GenevaWheel(distance, slots=slots, pins=pins)
+    plate, lock = (gk.flatten(outline, 1e-3) for outline in (wheel.outline, wheel.lock_outline))
+    assert polygon(plate).is_valid and polygon(lock).is_valid
+    for turn in np.radians(np.arange(0, 360 / pins, 3.0 if slots > 9 else 1.0)):
+        turned = polygon(distance - plate * np.exp(1j * wheel.rotation(turn)))
+        direction = np.exp(1j * (turn - np.pi / pins))
+        assert turned.intersection(polygon(lock * direction)).area == 0
+        for place in wheel.pin_places:
+            z = place * direction
+            gap = turned.distance(point(z)) - wheel.roller / 2
+            assert gap > -1e-3
+            if abs(np.angle(z)) < wheel.half_motion - 0.05:
+                assert gap == pytest.approx(wheel.clearance / 2, abs=2e-3)
+
+
+@pytest.mark.parametrize("slots", [3, 4, 6, 12])
+def test_play_of_the_locked_wheel_is_that_of_polygons(slots):
+    wheel = gk.geneva.GenevaWheel(120, slots=slots, clearance=0.4)
+    plate, lock = (gk.flatten(outline, 1e-5) for outline in (wheel.outline, wheel.lock_outline))
+    disc = polygon(-lock)
+    for share, meets in ((0.9, False), (1.1, True)):
+        for side in (1, -1):
+            turned = polygon(120 - plate * np.exp(1j * side * share * wheel.lock_play))
+            assert (turned.intersection(disc).area > 0) == meets
+
+
+@pytest.mark.parametrize("share", [0.75, 2 / 3, 0.5, 0.25])
+def test_a_wanted_dwell_gives_slots_and_pins(share):
+    wheel = gk.geneva.GenevaWheel(100, dwell_share=share)
+    slots, pins = wheel.numbers
+    assert 1 - pins * (slots - 2) / (2 * slots) == pytest.approx(share) == wheel.dwell
+
+
+def test_a_dwell_that_no_wheel_has_names_the_two_nearest():
+    with pytest.raises(RecipeError) as caught:
+        drive(dwell_share=0.45)
+    (problem,) = caught.value.problems
+    near = [float(word) for word in problem.remedy.replace("give ", "").split() if word.startswith("0.")]
+    every = [dwell_share(n, k) for k in range(1, 6) for n in range(3, 25) if k <= most_pins(n)]
+    assert problem.key == "geneva.dwell_share"
+    assert near == pytest.approx([max(s for s in every if s < 0.45), min(s for s in every if s > 0.45)])
+
+
+def test_most_pins_are_the_known_ones():
+    assert [most_pins(n) for n in (3, 4, 5, 6, 8)] == [5, 3, 3, 2, 2]
+
+
+REFUSED = {
+    "geneva.slots": {"slots": 2},
+    "geneva.pins": {"slots": 6, "pins": 3},
+    "geneva.roller": {"slots": 4, "roller": 30},
+    "geneva.tip_width": {"slots": 4, "tip_width": 30},
+    "stock.pin": {"slots": 4, "stock": {"pin": 6}},
+    "loads.torque_n_mm": {"slots": 4, "loads": {}},
+}
+
+
+@pytest.mark.parametrize("key", REFUSED)
+def test_refused_values_are_named(key):
+    with pytest.raises(RecipeError) as caught:
+        drive(**REFUSED[key])
+    assert [problem.key for problem in caught.value.problems] == [key]
+
+
+def test_a_shaft_wider_than_the_locking_disc_has_room_for_is_refused():
+    with pytest.raises(DesignError) as caught:
+        drive(slots=8, stock={"bore": 10}).parts
+    assert caught.value.field == "stock.bore"
+    with pytest.raises(DesignError) as caught:
+        drive(slots=3, stock={"wheel_bore": 20}).parts
+    assert caught.value.field == "stock.wheel_bore"
+
+
+@pytest.mark.parametrize("key", ["roller", "tip_width"])
+def test_the_advised_limit_works(key):
+    with pytest.raises(RecipeError) as caught:
+        drive(slots=4, **{key: 30})
+    most = float(caught.value.problems[0].value)
+    drive(slots=4, **{key: 0.99 * most, **({"tip_width": 0.01} if key == "roller" else {})})
+
+
+def test_torque_does_the_work_of_the_load_and_the_inertia_takes_none():
+    own = recipe("geneva")
+    aspect, wheel = own.aspect("loads"), own.geneva
+    turn = np.pi + np.linspace(-1, 1, 20_001) * wheel.half_motion * (1 - 1e-12)
+    force, torque = aspect.forces(turn)
+    work = np.trapezoid(torque, turn)
+    assert work == pytest.approx(own.loads.torque_n_mm * 2 * np.pi / 4, rel=1e-6)
+    # The force turns the wheel about its axis by the distance of the pin, along the slot's normal.
+    arm = np.abs(wheel.distance - wheel.crank_radius * np.exp(1j * (turn - np.pi)))
+    first, _ = wheel.derivatives(turn)
+    inertia = own.loads.inertia_kg_mm2 + own.body_masses["wheel"].inertia
+    kinetic = inertia * (first * own.drive.speed) ** 2 / 2 * 1e-3
+    change = np.gradient(kinetic, turn) + own.loads.torque_n_mm * np.abs(first)
+    assert force[5:-5] * arm[5:-5] * np.abs(first[5:-5]) == pytest.approx(change[5:-5], abs=0.02)
+
+
+def test_scene_moves_the_parts_that_are_cut():
+    scene = recipe("geneva").scene
+    (roller,) = marks(scene, "circle")
+    for frame in range(0, len(scene.time), 9):
+        wheel, lock = (seen(named(scene, name), frame) for name in ("wheel", "lock"))
+        assert wheel.intersection(lock).area < 1e-9
+        assert wheel.distance(point(roller.place[frame])) >= roller.radius[frame] - 1e-3
+    first, last = (seen(named(scene, "wheel"), frame) for frame in (0, -1))
+    assert first.symmetric_difference(last).area < 1e-6
+
+
+def test_crank_room_is_that_of_polygons():
+    own = recipe("geneva")
+    _, _, crank, _ = own.parts
+    arm = polygon(gk.flatten(crank.outline, 1e-4))
+    rooms = [shapely.affinity.rotate(arm, angle, (0, 0)).distance(shapely.Point(60, 0)) - 5 for angle in range(-20, 21)]
+    (room,) = (check.value for check in own.checks if check.id == "arm_room")
+    assert room == pytest.approx(min(rooms), abs=1e-3)
+
+
+def test_a_shaft_of_a_machine_turns_it_turned_over_and_at_an_angle():
+    pair = {"kind": "gear-pair", "first": {"teeth": 12, "module": 2, "profile_shift": 0.3},
+            "second": {"teeth": 36, "module": 2}}  # fmt: skip
+    own = {"kind": "geneva", "geneva": {"distance": 60, "slots": 4}, "loads": {"torque_n_mm": 100}}
+    placed = {"recipe": own, "turned_by": "pair.second", "angle_deg": 50, "upside_down": True}
+    machine = from_table({"kind": "machine", "mechanisms": {"pair": {"recipe": pair}, "index": placed}})
+    crank, wheel = (named(machine.scene, f"index/{name}") for name in ("crank", "wheel"))
+    turned = np.unwrap(np.angle(wheel.direction / wheel.direction[0]))
+    driver = np.unwrap(np.angle(crank.direction / crank.direction[0]))
+    whole = round(abs(driver[-1]) / (2 * np.pi))
+    assert whole and turned[-1] == pytest.approx(-np.sign(driver[-1]) * whole * np.pi / 2, abs=1e-9)
+    work = np.trapezoid(machine.table["input_torque"], machine.table["driver_angle"] * np.pi / 180)
+    assert abs(work) == pytest.approx(100 * whole * np.pi / 2, rel=0.05)
+
+
+def test_a_crank_that_turns_clockwise_moves_the_wheel_counterclockwise():
+    own = drive(slots=4, drive={"speed_rpm": -30})
+    angle = own.table["wheel_angle"]
+    assert angle[-1] - angle[0] == pytest.approx(90) and np.diff(angle).min() >= -1e-9
+    assert own.table["wheel_velocity"].min() >= 0
