@@ -89,7 +89,8 @@ def entry(
     if units is not None:
         metadata["units"] = units
     if default_factory is not MISSING:
-        return dataclasses.field(default_factory=default_factory, metadata=metadata)
+        # Tables are mutable: they are compared, and a hash leaves them out.
+        return dataclasses.field(default_factory=default_factory, hash=False, metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
 
 
