@@ -119,6 +119,24 @@ def test_the_drawing_follows_the_pointer_before_the_answer_comes(studio):  # noq
     assert np.hypot(at[0] - x - 18, at[1] - y + 18) < 2
 
 
+def test_a_moving_mechanism_stops_while_the_pointer_is_on_a_handle(studio):  # noqa: F811
+    page = studio(FOUR_BAR).page
+    page.click('button[aria-label="Play"]')
+    is_playing = 'document.querySelector(".playing") !== null'
+    # A pivot, which does not move away.
+    x, y = centre(page, "point:rocker_pivot")
+    assert page.evaluate(is_playing)
+    page.mouse.move(x, y)
+    assert not page.evaluate(is_playing) and page.is_visible('[data-handle="point:rocker_pivot"] .tip')
+    # Also after a drag.
+    page.mouse.down()
+    page.mouse.move(x + 5, y)
+    page.mouse.up()
+    page.mouse.move(x, y + 150)
+    settle(page)
+    assert page.evaluate(is_playing) and not page.is_visible('[data-handle="point:rocker_pivot"] .tip')
+
+
 def test_sizes_that_cannot_be_assembled_show_what_fits_and_the_gap(studio):  # noqa: F811
     page = studio(FOUR_BAR).page
     for key, size in (("coupler", "20"), ("rocker", "25")):
