@@ -393,6 +393,7 @@ def test_unsaved_changes_are_offered_again(studio):
     settle(page)
     page.click("#gallery")
     page.click("#drafts button >> nth=0")
+    page.wait_for_selector('#name:text-is("it")')
     settle(page)
     assert value(page, "linkage.crank") == 33
 

@@ -101,6 +101,7 @@ def test_the_drawing_follows_the_pointer_before_the_answer_comes(studio):  # noq
             return fetched(path, options);
         };
     }""")
+    trail = page.locator(".trail.traced").first.get_attribute("d")
     x, y = centre(page, "point:rocker_pin")
     page.mouse.move(x, y)
     page.mouse.down()
@@ -111,12 +112,35 @@ def test_the_drawing_follows_the_pointer_before_the_answer_comes(studio):  # noq
     # The pin of the drawing is there too, and the text is not yet changed.
     pin = page.locator('.mark.pin:has(title:text-is("rocker pin"))').first.bounding_box()
     assert np.hypot(pin["x"] + pin["width"] / 2 - x - 18, pin["y"] + pin["height"] / 2 - y + 18) < 1
+    # The plate of 70 mm is stretched to it, and the path of the coupler point is another one.
+    pivot, stretched = centre(page, "point:rocker_pivot"), page.locator('.body[data-body="rocker"]').first
+    a, b, *_ = map(float, stretched.get_attribute("transform").removeprefix("matrix(").strip(")").split())
+    assert 70 * np.hypot(a, b) == pytest.approx(np.hypot(at[0] - pivot[0], at[1] - pivot[1]), abs=0.5)
+    assert page.locator(".trail.traced").first.get_attribute("d") != trail
     assert page.input_value('[name="linkage.rocker"]') == "70"
     page.mouse.up()
     page.wait_for_timeout(1600)
     settle(page)
     at = centre(page, "point:rocker_pin")
     assert np.hypot(at[0] - x - 18, at[1] - y + 18) < 2
+
+
+def test_a_moving_mechanism_stops_while_the_pointer_is_on_a_handle(studio):  # noqa: F811
+    page = studio(FOUR_BAR).page
+    page.click('button[aria-label="Play"]')
+    is_playing = 'document.querySelector(".playing") !== null'
+    # A pivot, which does not move away.
+    x, y = centre(page, "point:rocker_pivot")
+    assert page.evaluate(is_playing)
+    page.mouse.move(x, y)
+    assert not page.evaluate(is_playing) and page.is_visible('[data-handle="point:rocker_pivot"] .tip')
+    # Also after a drag.
+    page.mouse.down()
+    page.mouse.move(x + 5, y)
+    page.mouse.up()
+    page.mouse.move(x, y + 150)
+    settle(page)
+    assert page.evaluate(is_playing) and not page.is_visible('[data-handle="point:rocker_pivot"] .tip')
 
 
 def test_sizes_that_cannot_be_assembled_show_what_fits_and_the_gap(studio):  # noqa: F811

@@ -53,7 +53,9 @@ export async function showGallery(editor) {
     const act = (label, does) => make(item, "button", { type: "button" }, label).addEventListener("click", does);
     act(`${name}, ${new Date(+draft.id).toLocaleString()}`, async () => {
       dialog.close();
-      if (draft.recipe) { const { text, base } = await post("open", { recipe: draft.recipe }); editor.load(text, draft.recipe, base); }
+      const opened = draft.recipe ? await editor.latest(post("open", { recipe: draft.recipe })) : {};
+      if (!opened) return;
+      if (draft.recipe) editor.load(opened.text, draft.recipe, opened.base);
       editor.restore(draft);
     });
     act("Discard", () => { forget(draft.id); item.remove(); });

@@ -108,10 +108,26 @@ export class Handles {
       make(root, "path", { class: "knob", d: "M-7 0 0-7 7 0 0 7z" });
     }
     make(root, "title");
+    make(root, "text", { class: "tip", x: 12, y: -10 });
+    this.stopAt(root);
     root.addEventListener("keydown", (event) => this.key(element, event));
     this.followPointer(element);
     this.elements.set(handle.id, element);
     return element;
+  }
+
+  // A moving mechanism stops while the pointer is on a handle, so that it can be taken.
+  stopAt(root) {
+    let isStopped = false;
+    root.addEventListener("pointerenter", () => {
+      if (!this.player.playing) return;
+      isStopped = true;
+      this.player.play(false);
+    });
+    root.addEventListener("pointerleave", () => {
+      if (isStopped) this.player.play(true);
+      isStopped = false;
+    });
   }
 
   describe({ root, handle }) {
@@ -120,6 +136,7 @@ export class Handles {
     Object.assign(root.dataset, { handle: id, keys: keys.join("|") });
     root.setAttribute("aria-label", text);
     root.setAttribute("aria-disabled", locked);
+    root.querySelector(".tip").textContent = label;
     root.querySelector("title").textContent = `${text}. Drag it, or use the arrow keys; Shift snaps.`;
   }
 

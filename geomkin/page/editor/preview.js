@@ -198,6 +198,21 @@ function solved(rows) {
   return found;
 }
 
+const px4 = (value) => value.toFixed(4);
+
+// The affine map [a, b, c, d, e, f] of a plate, as in SVG, that takes the first of its points, the farthest one from it, and
+// the one farthest from their line to new places; of points in a line it keeps the width.
+function affine(before, now) {
+  const [p, q] = [before[0], now[0]], from = before.map(([u, v]) => [u - p[0], v - p[1]]), to = now.map(([u, v]) => [u - q[0], v - q[1]]);
+  const best = (measure) => from.reduce((k, _, other) => (measure(from[other]) > measure(from[k]) ? other : k), 0);
+  const one = best(([u, v]) => hypot(u, v)), [m, n] = from[one], [r, t] = to[one], long = hypot(m, n) || 1;
+  const two = best(([u, v]) => abs(m * v - n * u)), off = (m * from[two][1] - n * from[two][0]) / long;
+  const isLine = abs(off) < 1e-3 * long, ratio = hypot(r, t) || 1;
+  const [[g, h], [i, j]] = isLine ? [[-n / long, m / long], [-t / ratio, r / ratio]] : [from[two], to[two]], area = m * h - n * g || 1;
+  const [a, c, b, d] = [(r * h - i * n) / area, (i * m - r * g) / area, (t * h - j * n) / area, (j * m - t * g) / area];
+  return [a, b, c, d, q[0] - a * p[0] - c * p[1], q[1] - b * p[0] - d * p[1]];
+}
+
 // The linkage in the drawing as it is previewed.
 export class Preview {
   constructor(player, handles) {
@@ -254,6 +269,18 @@ export class Preview {
     for (const [mark, index] of this.marks) [mark.x[frame], mark.y[frame]] = linkage.place(index, numbers, poses);
     this.handles.place(this.places(numbers, poses));
     drawing.show(frame, true);
+    poses.forEach((pose, k) => this.stretch(k, numbers, pose));
+  }
+
+  // Stretches the plates of a body so that its points are where they are now.
+  stretch(body, numbers, [x, y, turn]) {
+    const { linkage, drawing: { s, tx, ty } } = this, on = [...linkage.points.keys()].filter((index) => linkage.points[index][0] === body && linkage.points[index][1]);
+    const [before, now] = [linkage.numbers, numbers].map((from) => on.map((index) => [from[3 + 2 * index], from[4 + 2 * index]]));
+    if (now.every(([u, v], k) => u === before[k][0] && v === before[k][1])) return;
+    const [a, b, c, d, e, f] = affine(before, now), [p, q] = [cos(turn), sin(turn)];
+    const across = (u, v) => px4(s * (p * u - q * v)), up = (u, v) => px4(-s * (q * u + p * v));
+    const moved = [across(a, b), up(a, b), across(c, d), up(c, d), px(tx + s * (x + p * e - q * f)), px(ty - s * (y + q * e + p * f))];
+    for (const { group } of this.bodies[body]) group.setAttribute("transform", `matrix(${moved.join(" ")})`);
   }
 
   // Draws the paths of traced points for other numbers. Between some frames the change of a path is nearly linear.
