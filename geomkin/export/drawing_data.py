@@ -142,6 +142,7 @@ def gear_data(job: Job, part: Part) -> list[str]:
     def size(value: float) -> str:
         return length_text(value * job.unit.mm, job.unit)
 
+    name = job.unit.name
     lines = [
         f"teeth {measures['teeth']}, module {size(measures['module'])}, "
         f"pressure angle {measures['pressure_angle_deg']:.6g} deg",
@@ -158,9 +159,9 @@ def gear_data(job: Job, part: Part) -> list[str]:
         lines[0] = lines[0].replace("module", "transverse module")
         lines[1:1] = [
             f"helix angle {helix['helix_angle_deg']:.6g} deg, {helix['hand']} hand{herringbone}",
-            f"normal module {length_text(helix['normal_module_mm'], job.unit)}, "
+            f"normal module {size(helix[f'normal_module_{name}'])}, "
             f"normal pressure angle {helix['normal_pressure_angle_deg']:.6g} deg, "
-            f"lead {length_text(helix['lead_mm'], job.unit)}",
+            f"lead {size(helix[f'lead_{name}'])}",
         ]
     if span := measures.get("span"):
         lines.append(f"span over {span['teeth']} teeth {size(span['measure'])}")
@@ -176,7 +177,7 @@ def _mates(job: Job, part: Part) -> Iterator[str]:
     if not isinstance(measures, Mapping):
         return
     for key, mesh in job.source.notes.items():
-        distance = mesh.get("centre_distance_mm") if isinstance(mesh, Mapping) else None
+        distance = mesh.get(f"centre_distance_{job.unit.name}") if isinstance(mesh, Mapping) else None
         if distance is None:
             continue
         gears = key.split("_and_") if "_and_" in key else list(measures)
@@ -185,7 +186,7 @@ def _mates(job: Job, part: Part) -> Iterator[str]:
         if part.name in gears and len(gears) == 2:
             (mate,) = (name for name in gears if name != part.name)
             teeth = f", {measures[mate]['teeth']} teeth" if mate in measures else ""
-            yield f"mate {harmless(mate)}{teeth}, centre distance {length_text(distance, job.unit)}"
+            yield f"mate {harmless(mate)}{teeth}, centre distance {length_text(distance * job.unit.mm, job.unit)}"
 
 
 def _wheel_data(job: Job, part: Part) -> list[str]:
@@ -195,7 +196,8 @@ def _wheel_data(job: Job, part: Part) -> list[str]:
         return []
     medium = next((job.source.notes[key] for key in ("belt", "chain") if key in job.source.notes), {})
     profile = medium.get("profile", "") if isinstance(medium, Mapping) else ""
-    sizes = [(words, wheel[f"{words}_diameter_mm"]) for words in ("pitch", "outer") if f"{words}_diameter_mm" in wheel]
+    keys = {words: f"{words}_diameter_{job.unit.name}" for words in ("pitch", "outer")}
+    sizes = [(words, wheel[key] * job.unit.mm) for words, key in keys.items() if key in wheel]
     return [
         f"teeth {wheel['teeth']}, profile {profile}",
         *(f"{words} dia {length_text(value, job.unit)}" for words, value in sizes),

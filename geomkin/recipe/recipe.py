@@ -18,7 +18,7 @@ from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..core.units import Units, in_sentences
-from ..model.check import Check
+from ..model.check import Check, WorkedFormula
 from ..model.corner_relief import relieved
 from ..model.material import Mass
 from ..model.motor import RotatingBody
@@ -162,6 +162,11 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line each; empty if the kind has none."""
+        return ()
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Formulas with their numbers put in, from which the results follow by hand; empty if the kind has none."""
         return ()
 
     @cached_property
@@ -387,6 +392,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def bought(self) -> tuple[Bought, ...]:
         return self.design.bought
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        return self.design.formulas
 
     @property
     def steps(self) -> tuple[str, ...]:
