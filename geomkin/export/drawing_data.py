@@ -28,9 +28,10 @@ def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[lis
     """The table of a curve by polar coordinates, or by points if it has no single radius at each angle."""
     unit, tolerance = job.unit, job.tolerance
     dense = flatten(curve, tolerance / 10) - datum
+    dense = dense[np.abs(dense - np.roll(dense, 1)) > 1e-9 * np.abs(dense).max()]
     piece = curve.count if isinstance(curve, PolarArray) else 1
     angle = np.unwrap(np.angle(dense))
-    angle = angle if angle[-1] > angle[0] else -angle[::-1]
+    angle = angle if angle[-1] > angle[0] else -angle
     is_star = piece == 1 and np.all(np.diff(angle) > 0) and abs(angle[-1] - angle[0]) > np.pi
     if not is_star:
         if piece > 1:
@@ -43,7 +44,7 @@ def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[lis
         rows: list[Sequence[str]] = [("point", "x", "y")]
         rows += [
             (str(k), *(length_text(value, unit) for value in (point.real, point.imag)))
-            for k, point in enumerate(points.tolist())
+            for k, point in enumerate(points[: POINTS if curve.closed and piece == 1 else None].tolist())
         ]
         turns = f", one of {piece} equal pitches around the datum" if piece > 1 else ""
         return rows, f"profile: points of the table, x and y from the datum{turns}"

@@ -20,7 +20,7 @@ from tests.campaign import by_default
 
 RECIPES = sorted((Path(__file__).parent.parent.parent / "recipes").glob("*.toml"))
 # Largest distance on paper, mm, of what is drawn at the same place; numbers are rounded to 0.0005 mm.
-SAME, ROUNDING = 1e-3, 6e-4
+SAME, ROUNDING = 3e-3, 6e-4
 NUMBER = r"[-+]?[\d.]+(?:e-?\d+)?"
 
 
