@@ -61,10 +61,11 @@ def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[lis
     rows = [heading]
     for k, value in enumerate(exact[:: 4 * step].tolist()):
         rows.append([str(k * step), length_text(value, unit), *([lift[k]] if lift else [])])
+    follower = " lift by the rotation of the cam, deg;" if lift else ""
     base = getattr(curve, "base_radius", None)
     base = f"base circle radius {length_text(base, unit)}; " if base else ""
     return rows, (
-        f"{base}radius of the profile by the angle from x, counterclockwise, deg;"
+        f"{base}radius of the profile by the angle from x, counterclockwise, deg;{follower}"
         f" a cubic curve through the rows is within {unit.of(deviation):.2g}"
     )
 

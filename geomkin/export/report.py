@@ -157,7 +157,9 @@ def _blocks(job: Job) -> Iterator[Block]:
         yield ReportTable((tuple(c.id for c in columns), *zip(*(map(str, c.values.tolist()) for c in columns))))
     yield Heading("Certificate")
     hashed = f"{harmless(job.stamp)}. " if job.stamp else ""
-    yield Paragraph(f"{hashed}`geomkin run --verify` measures each file against the exact curves of the recipe.")
+    yield Paragraph(
+        f"{hashed}The command geomkin run --verify measures each file against the exact curves of the recipe."
+    )
     yield Paragraph("Checked by: ______________________    Date: ______________")
 
 

@@ -43,7 +43,9 @@ class Drawn:
         job = Job("a", source, recipe.files.tolerance)
         document = ezdxf.read(io.StringIO(sheet(job).decode("cp1252")))
         assert not document.audit().errors
-        space = document.modelspace()
+        space, header = document.modelspace(), document.header
+        ends = [complex(*header[name][:2]) for name in ("$EXTMIN", "$EXTMAX", "$LIMMAX")]
+        assert all(0 < z.real < w.real and 0 < z.imag < w.imag for z, w in zip(ends, ends[1:]))
         self.texts = [(t.dxf.text, planar(t.get_placement()[1])) for t in space.query("TEXT")]
         self.loops = [entity for entity in space if entity.dxf.layer == "PART"]
         self.axes = {"x": [], "y": []}
