@@ -106,6 +106,11 @@ class _InSentences:
         for name in vars(cls).keys() & TEXTS:
             setattr(cls, name, _in_sentences(vars(cls)[name]))
 
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Formulas with their numbers put in, from which the results follow by hand; empty if the kind has none."""
+        return ()
+
 
 class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC):
     """A recipe: a frozen dataclass of keyword arguments, with all results as properties.
@@ -162,11 +167,6 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line each; empty if the kind has none."""
-        return ()
-
-    @property
-    def formulas(self) -> tuple[WorkedFormula, ...]:
-        """Formulas with their numbers put in, from which the results follow by hand; empty if the kind has none."""
         return ()
 
     @cached_property
