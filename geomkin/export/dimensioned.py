@@ -208,6 +208,8 @@ def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
     for place, radius in dict.fromkeys(located):
         if radius:
             canvas.centre_mark(place * scale, radius * scale)
+    if data and len(located) == 1:
+        canvas.centre_mark(datum * scale, 0.0)
     if contours[0] is None or data:
         _side_view(canvas, exact, scale)
     tables: list[list[Sequence[str]]] = []

@@ -31,7 +31,7 @@ ARC_DIRECTIONS_DEG = (-30, 30, -60, 60, 180, 150, -150)
 # Circles of a group that are tried for its leader. More take longer without a visibly better place.
 TRIED = 6
 # Tolerance of chords, mm on paper, when texts avoid lines, and the least distance of a text from a line.
-CHORDS, CLEARANCE = 0.1, 0.5
+CHORDS, CLEARANCE = 0.1, 0.9
 
 Shape = tuple[str, Circle | Polyline]
 DimensionKind = Literal["linear", "x", "y", "diameter", "radius"]
@@ -79,7 +79,7 @@ def length_text(length: float, unit: LengthUnit = MM) -> str:
     """A length, mm, in a unit and without its name: three decimals of mm, four of an inch, or four digits."""
     value = unit.of(length)
     if abs(value) < 1:
-        return f"{value:.4g}" if abs(value) > 1e-12 else "0"
+        return f"{value:.4g}" if abs(value) > 1e-9 else "0"
     return f"{value:.{3 if unit is MM else 4}f}".rstrip("0").rstrip(".")
 
 
@@ -154,25 +154,25 @@ class DrawingCanvas:
         for axis in axes:
             # Along the axis, and across it from the part to the numbers, which are below or to the left.
             along, across = (1, 1j) if axis == "x" else (1j, 1)
-            groups: dict[float, list[tuple[complex, float]]] = {}
+            # Coordinates with one number share it.
+            groups: dict[str, list[tuple[complex, float]]] = {}
             for place, radius in features:
                 offset = place - datum
-                value = round(offset.real if axis == "x" else offset.imag, 6) + 0.0
-                groups.setdefault(value, []).append((place, radius))
-            values = sorted(groups)
+                value = offset.real if axis == "x" else offset.imag
+                groups.setdefault(length_text(value, self.unit), []).append((place, radius))
+            values = sorted(groups, key=float)
             first = [min(groups[v], key=lambda f: (f[0].imag if axis == "x" else f[0].real) - f[1]) for v in values]
             positions = np.array([(place.real if axis == "x" else place.imag) * scale for place, _ in first])
             spread = _spread(positions, LETTER + 1.8)
             edge = (low.imag if axis == "x" else low.real) - AWAY / 2
             # An angle of at most 45 degrees keeps the lines apart from each other's numbers.
             jog = max(2.0, float(np.abs(spread - positions).max(initial=0.0)))
-            for value, (place, radius), start, end in zip(values, first, positions.tolist(), spread.tolist()):
+            for words, (place, radius), start, end in zip(values, first, positions.tolist(), spread.tolist()):
                 across_place = (place.imag if axis == "x" else place.real) * scale
                 clear = radius * scale + OVER + GAP if radius else GAP
                 points = [start * along + max(across_place - clear, edge) * across]
                 points += [start * along + edge * across, end * along + (edge - jog) * across]
                 points.append(end * along + (edge - jog - 2) * across)
-                words = length_text(value, self.unit)
                 text = Text(DIM, words, points[-1] - across, LETTER, ends=True, turned=axis == "x")
                 line = Polyline(np.array(points), is_closed=False)
                 ends = (datum * scale, place * scale, points[-1])
@@ -192,7 +192,7 @@ class DrawingCanvas:
                     bend = touch + distance * direction
                     side = 1.0 if direction.real >= 0 else -1.0
                     end = bend + 2 * side
-                    text = Text(DIM, words, end + 0.8 * side, LETTER, starts=side > 0, ends=side < 0)
+                    text = Text(DIM, words, end + 1.5 * side, LETTER, starts=side > 0, ends=side < 0)
                     if not self.is_free(text) or (is_strict and self._crosses_text((touch, bend, end))):
                         continue
                     arrow = 2 * (bend - touch) / abs(bend - touch)

@@ -28,9 +28,10 @@ def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[lis
     """The table of a curve by polar coordinates, or by points if it has no single radius at each angle."""
     unit, tolerance = job.unit, job.tolerance
     dense = flatten(curve, tolerance / 10) - datum
+    dense = dense[np.abs(dense - np.roll(dense, 1)) > 1e-9 * np.abs(dense).max()]
     piece = curve.count if isinstance(curve, PolarArray) else 1
     angle = np.unwrap(np.angle(dense))
-    angle = angle if angle[-1] > angle[0] else -angle[::-1]
+    angle = angle if angle[-1] > angle[0] else -angle
     is_star = piece == 1 and np.all(np.diff(angle) > 0) and abs(angle[-1] - angle[0]) > np.pi
     if not is_star:
         if piece > 1:
@@ -43,7 +44,7 @@ def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[lis
         rows: list[Sequence[str]] = [("point", "x", "y")]
         rows += [
             (str(k), *(length_text(value, unit) for value in (point.real, point.imag)))
-            for k, point in enumerate(points.tolist())
+            for k, point in enumerate(points[: POINTS if curve.closed and piece == 1 else None].tolist())
         ]
         turns = f", one of {piece} equal pitches around the datum" if piece > 1 else ""
         return rows, f"profile: points of the table, x and y from the datum{turns}"
@@ -60,10 +61,11 @@ def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[lis
     rows = [heading]
     for k, value in enumerate(exact[:: 4 * step].tolist()):
         rows.append([str(k * step), length_text(value, unit), *([lift[k]] if lift else [])])
+    follower = " lift by the rotation of the cam, deg;" if lift else ""
     base = getattr(curve, "base_radius", None)
     base = f"base circle radius {length_text(base, unit)}; " if base else ""
     return rows, (
-        f"{base}radius of the profile by the angle from x, counterclockwise, deg;"
+        f"{base}radius of the profile by the angle from x, counterclockwise, deg;{follower}"
         f" a cubic curve through the rows is within {unit.of(deviation):.2g}"
     )
 
@@ -142,6 +144,7 @@ def gear_data(job: Job, part: Part) -> list[str]:
     def size(value: float) -> str:
         return length_text(value * job.unit.mm, job.unit)
 
+    name = job.unit.name
     lines = [
         f"teeth {measures['teeth']}, module {size(measures['module'])}, "
         f"pressure angle {measures['pressure_angle_deg']:.6g} deg",
@@ -158,9 +161,9 @@ def gear_data(job: Job, part: Part) -> list[str]:
         lines[0] = lines[0].replace("module", "transverse module")
         lines[1:1] = [
             f"helix angle {helix['helix_angle_deg']:.6g} deg, {helix['hand']} hand{herringbone}",
-            f"normal module {length_text(helix['normal_module_mm'], job.unit)}, "
+            f"normal module {size(helix[f'normal_module_{name}'])}, "
             f"normal pressure angle {helix['normal_pressure_angle_deg']:.6g} deg, "
-            f"lead {length_text(helix['lead_mm'], job.unit)}",
+            f"lead {size(helix[f'lead_{name}'])}",
         ]
     if span := measures.get("span"):
         lines.append(f"span over {span['teeth']} teeth {size(span['measure'])}")
@@ -176,7 +179,7 @@ def _mates(job: Job, part: Part) -> Iterator[str]:
     if not isinstance(measures, Mapping):
         return
     for key, mesh in job.source.notes.items():
-        distance = mesh.get("centre_distance_mm") if isinstance(mesh, Mapping) else None
+        distance = mesh.get(f"centre_distance_{job.unit.name}") if isinstance(mesh, Mapping) else None
         if distance is None:
             continue
         gears = key.split("_and_") if "_and_" in key else list(measures)
@@ -185,7 +188,7 @@ def _mates(job: Job, part: Part) -> Iterator[str]:
         if part.name in gears and len(gears) == 2:
             (mate,) = (name for name in gears if name != part.name)
             teeth = f", {measures[mate]['teeth']} teeth" if mate in measures else ""
-            yield f"mate {harmless(mate)}{teeth}, centre distance {length_text(distance, job.unit)}"
+            yield f"mate {harmless(mate)}{teeth}, centre distance {length_text(distance * job.unit.mm, job.unit)}"
 
 
 def _wheel_data(job: Job, part: Part) -> list[str]:
@@ -195,7 +198,8 @@ def _wheel_data(job: Job, part: Part) -> list[str]:
         return []
     medium = next((job.source.notes[key] for key in ("belt", "chain") if key in job.source.notes), {})
     profile = medium.get("profile", "") if isinstance(medium, Mapping) else ""
-    sizes = [(words, wheel[f"{words}_diameter_mm"]) for words in ("pitch", "outer") if f"{words}_diameter_mm" in wheel]
+    keys = {words: f"{words}_diameter_{job.unit.name}" for words in ("pitch", "outer")}
+    sizes = [(words, wheel[key] * job.unit.mm) for words, key in keys.items() if key in wheel]
     return [
         f"teeth {wheel['teeth']}, profile {profile}",
         *(f"{words} dia {length_text(value, job.unit)}" for words, value in sizes),

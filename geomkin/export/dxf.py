@@ -26,7 +26,7 @@ from ..plane.flatten import flatten
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, box_of, rounded
 from .cut import FORBIDDEN, LAYERS, LayerStyles, cut, decimals, shape_box
-from .dimensioned import COLOURS, dimensioned_drawing
+from .dimensioned import COLOURS, FRAME, dimensioned_drawing
 from .dimensions import CENTRE, DIM, Dimension, rounded_shape
 from .dimensions import LETTER as SHEET_LETTER
 from .job import Job
@@ -120,9 +120,12 @@ def drawn(
             document.dimstyles.new(SHEET_STYLE, dxfattribs=style)
         for dimension in dimensions:
             _add_dimension(document, dimension, unit, PAPER_DIGITS)
-        # The library copies these from the layout to the header when it writes.
+        # The library copies these from the layout to the header when it writes, except extents that begin at 0, 0.
         low, high, *corners = (unit.of(corner) for corner in (*extents, *limits))
-        space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
+        document.header["$EXTMIN"], document.header["$EXTMAX"] = ends = tuple(
+            (z.real, z.imag, 0.0) for z in (low, high)
+        )
+        space.reset_extents(*ends)
         space.reset_limits(*((corner.real, corner.imag) for corner in corners))
         return _bytes(document)
 
@@ -185,8 +188,17 @@ def sheet(job: Job) -> bytes:
     page, digits = dimensioned_drawing(job), decimals(job.tolerance)
     shapes = [(layer, rounded_shape(shape, digits)) for layer, shape in page.shapes]
     texts = [replace(text, place=rounded(text.place, digits).item()) for text in page.texts]
-    paper = 0j, complex(page.width, page.height)
-    return drawn(COLOURS, shapes, texts, paper, paper, unit=job.unit, dimensions=page.dimensions, scale=page.scale)
+    paper, frame = complex(page.width, page.height), FRAME * (1 + 1j)
+    return drawn(
+        COLOURS,
+        shapes,
+        texts,
+        (frame, paper - frame),
+        (0j, paper),
+        unit=job.unit,
+        dimensions=page.dimensions,
+        scale=page.scale,
+    )
 
 
 # Types of dimensions in the format; 32: the block belongs to this one alone; 64: of an ordinate along x.

@@ -10,7 +10,7 @@ from typing import Literal, Protocol
 from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.units import MM, LengthUnit
-from ..model.check import Check
+from ..model.check import Check, WorkedFormula
 from ..model.corner_relief import relieved
 from ..model.part import Bought, Part
 from ..model.scene import Scene
@@ -48,6 +48,9 @@ class Source(Protocol):
     @property
     def steps(self) -> tuple[str, ...]: ...
 
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]: ...
+
 
 @record(eq=False)
 class StaticSource:
@@ -61,6 +64,7 @@ class StaticSource:
     notes: Mapping[str, object] = field(default_factory=dict)
     bought: tuple[Bought, ...] = ()
     steps: tuple[str, ...] = ()
+    formulas: tuple[WorkedFormula, ...] = ()
 
 
 @record(eq=False)

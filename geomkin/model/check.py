@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite, isnan
@@ -131,3 +132,57 @@ class Check:
         if self.expected:
             return f"{text}; expected: {harmless(self.expected)}"
         return f"{text}: {self.advice}" if self.advice else text
+
+
+@record
+class WorkedFormula:
+    """A formula with its numbers put in, by which a reader checks a result by hand.
+
+    Parameters
+    ----------
+    name, symbol : str
+        The result and its symbol.
+    expression : str
+        The formula in symbols.
+    substituted : str
+        The same with the numbers put in.
+    value : float
+        The result, from the exact numbers.
+    unit : str
+        Unit of the result and of lengths in the formula; angles are in deg.
+    source : str
+        Where the formula is from.
+    """
+
+    name: str
+    symbol: str
+    expression: str
+    substituted: str
+    value: AnyNumber
+    unit: str
+    source: str
+
+
+class WorkedFormulas:
+    """Formulas that are worked one after another, each with the results of those before it.
+
+    Parameters
+    ----------
+    source : str
+        Where the formulas are from.
+    numbers : mapping of str to float
+        Given numbers by symbol.
+    """
+
+    def __init__(self, source: str, numbers: Mapping[str, float]) -> None:
+        self.source, self.numbers = source, dict(numbers)
+        self.formulas: list[WorkedFormula] = []
+
+    def add(self, name: str, symbol: str, template: str, value: float, unit: str = "") -> float:
+        """A formula as a template with `{symbol}` for each number and spaces for products; returns its value."""
+        template = re.sub(r"(?<=[}\d)]) (?!deg)(?=[{(a-z])", " * ", template)
+        digits = {key: f"({n:.7g})" if n < 0 else f"{n:.7g}" for key, n in self.numbers.items()}
+        symbols, substituted = template.format(**{key: key for key in digits}), template.format(**digits)
+        self.formulas.append(WorkedFormula(name, symbol, symbols, substituted, float(value), unit, self.source))
+        self.numbers[symbol] = float(value)
+        return float(value)

@@ -18,7 +18,7 @@ from ..core.records import record
 from ..core.reprs import moving_picture
 from ..core.scaling import with_lengths
 from ..core.units import Units, in_sentences
-from ..model.check import Check
+from ..model.check import Check, WorkedFormula
 from ..model.corner_relief import relieved
 from ..model.material import Mass
 from ..model.motor import RotatingBody
@@ -115,6 +115,11 @@ class _InSentences:
         super().__init_subclass__()
         for name in vars(cls).keys() & TEXTS:
             setattr(cls, name, _in_sentences(vars(cls)[name]))
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Formulas with their numbers put in, from which the results follow by hand; empty if the kind has none."""
+        return ()
 
 
 class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC):
@@ -402,6 +407,10 @@ class AbstractGoal(AbstractRecipe):
     @property
     def bought(self) -> tuple[Bought, ...]:
         return self.design.bought
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        return self.design.formulas
 
     @property
     def steps(self) -> tuple[str, ...]:

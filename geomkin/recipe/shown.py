@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from ..core.units import MM, UNITS
-from ..model.check import Check
+from ..model.check import Check, WorkedFormula
 from ..model.in_unit import check_in, scene_in, table_in
 from ..model.part import Bought, Part
 from ..model.scene import Scene
@@ -84,6 +84,11 @@ class ShownRecipe:
     def steps(self) -> tuple[str, ...]:
         """Assembly steps."""
         return tuple(self.unit.text(step, keeps_mm=True) for step in self.recipe.steps)
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Formulas with their numbers put in."""
+        return self.recipe.formulas
 
     @property
     def quantities(self) -> Mapping[str, str]:

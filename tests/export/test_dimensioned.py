@@ -31,7 +31,7 @@ def read(path):
     return ezdxf.readfile(path).modelspace()
 
 
-LEGIBLE = ["walking-leg", "whitworth", "lantern", "herringbone-pair", "fit-test"]
+LEGIBLE = ["whitworth", "lantern", "herringbone-pair", "fit-test"]
 
 
 @pytest.mark.parametrize("name", by_default(sorted(path.stem for path in RECIPES.glob("*.toml")), LEGIBLE))
@@ -123,7 +123,8 @@ def test_all_holes_of_a_recipe_are_as_wide_and_as_long_as_their_callouts(name, t
     for part in recipe.parts:
         lines = callouts(part, tmp_path)
         if isinstance(part.outline, Circle):
-            lines.remove(f"1 x Ø{2 * part.outline.radius:.5g}")
+            outer = f"1 x Ø{2 * part.outline.radius:.5g}"
+            lines = [line for line in lines if line != outer]
         for line in lines:
             count, *sizes = re.match(
                 r"(\d+) x (?:D )?(?:Ø|slot )([\d.]+)(?:(?: wide)?, (?:across flat |\()?([\d.]+))?", line

@@ -9,13 +9,15 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+import numpy as np
+
 from ...core.errors import DesignError
 from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import UNITS, mm
 from ...making.assembly import Assembly, BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
-from ...model.check import Check
+from ...model.check import Check, WorkedFormula, WorkedFormulas
 from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
@@ -203,6 +205,32 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
         mesh = mesh_notes(self.design, self.helix, self.face_width)
         return self.mesh_notes({"pair": mesh}, sizes), assembly_summary(self)
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """The circles of both gears, and the working pressure angle and contact ratio of external ones."""
+        pair, unit = self.design, UNITS[self.units]
+        gears, alpha = (pair.first, pair.second), float(np.degrees(pair.first.pressure_angle))
+        m, a = float(unit.of(pair.module)), float(unit.of(pair.centre_distance))
+        r_a = [float(unit.of(gear.tip_radius)) for gear in gears]
+        given = {"m": m, "alpha": alpha, "a": a, "r_a1": r_a[0], "r_a2": r_a[1], "pi": np.pi}
+        worked = WorkedFormulas("ISO 21771", given | {"z_1": gears[0].teeth, "z_2": gears[1].teeth})
+        cos, r_b = np.cos(np.radians(alpha)), []
+        for k, gear in enumerate(gears, 1):
+            worked.add(f"pitch diameter of gear {k}", f"d_{k}", f"{{m}} {{z_{k}}}", m * gear.teeth, unit.name)
+            template, value = f"{{m}} {{z_{k}}} cos({{alpha}} deg) / 2", m * gear.teeth * cos / 2
+            r_b.append(worked.add(f"base radius of gear {k}", f"r_b{k}", template, value, unit.name))
+        worked.add("teeth of gear 2 for each of gear 1", "i", "{z_2} / {z_1}", gears[1].teeth / gears[0].teeth)
+        if not pair.is_internal:
+            template, value = "arccos(({r_b1} + {r_b2}) / {a})", np.degrees(np.arccos(sum(r_b) / a))
+            working = np.radians(worked.add("working pressure angle", "alpha_w", template, value, "deg"))
+            path = sum(np.sqrt(tip * tip - base * base) for tip, base in zip(r_a, r_b)) - a * np.sin(working)
+            value = path / (np.pi * m * cos)
+            template = "(sqrt({r_a1}^2 - {r_b1}^2) + sqrt({r_a2}^2 - {r_b2}^2) - {a} sin({alpha_w} deg))"
+            # Undercut shortens the flanks: contact then ends before the tip circles.
+            if abs(value - pair.contact_ratio) < 1e-9:
+                worked.add("contact ratio", "epsilon", f"{template} / ({{pi}} {{m}} cos({{alpha}} deg))", value)
+        return tuple(worked.formulas)
 
 
 @record(kw_only=True)

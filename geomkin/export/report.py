@@ -1,0 +1,214 @@
+"""The report of a recipe as Markdown and as PDF, with its drawing, and the drawing alone as PDF. Typst sets PDF."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import DesignError, harmless
+from ..core.records import record
+from .job import Job
+from .scene_svg import assembly_picture
+from .svg import sheet
+from .tables import bill, write_plots
+from .text import capital, number
+
+# Name of the package that sets PDF, an extra of this one, and how to get it.
+TYPST, INSTALL = "typst", "pip install geomkin[report]"
+# Significant digits of results.
+DIGITS = 6
+
+
+@record(eq=False)
+class Heading:
+    """A heading of the report."""
+
+    words: str
+
+
+@record(eq=False)
+class Paragraph:
+    """A line or a text of the report."""
+
+    words: str
+
+
+@record(eq=False)
+class Listing:
+    """Text whose lines are kept as they are."""
+
+    words: str
+
+
+@record(eq=False)
+class ReportTable:
+    """A table of the report, its heads first."""
+
+    rows: tuple[tuple[str, ...], ...]
+
+
+@record(eq=False)
+class Figure:
+    """A picture of the report, SVG, with the name of its file."""
+
+    name: str
+    caption: str
+    content: bytes
+
+
+Block = Heading | Paragraph | Listing | ReportTable | Figure
+
+
+def write_markdown(job: Job) -> dict[str, bytes]:
+    """The report as Markdown, with its pictures in files of their own."""
+    blocks = list(_blocks(job))
+    lines = [_in_markdown(block) for block in blocks]
+    text = f"# {harmless(job.title.name or job.name)}: report\n\n" + "\n\n".join(lines) + "\n"
+    pictures = {block.name: block.content for block in blocks if isinstance(block, Figure)}
+    return {f"{job.name}-report.md": text.encode("utf-8", "replace")} | pictures
+
+
+def write_report(job: Job) -> dict[str, bytes]:
+    """The report as PDF and as Markdown."""
+    typst, blocks = _typst(), list(_blocks(job))
+    title = f"{job.title.name or job.name}: report"
+    source = "\n\n".join(
+        [
+            f"#set document(title: {_quoted(title)}, date: none)",
+            '#set page(paper: "a4", margin: 20mm, numbering: "1 / 1")',
+            '#set text(font: "Libertinus Serif", size: 10pt)',
+            '#set heading(numbering: "1")',
+            f'#align(center, text(size: 18pt, weight: "bold", {_quoted(title)}))',
+            *map(_in_typst, blocks),
+        ]
+    )
+    pictures = {block.name: block.content for block in blocks if isinstance(block, Figure)}
+    return {f"{job.name}-report.pdf": _pdf(typst, source, pictures)} | write_markdown(job)
+
+
+def sheet_pdf(job: Job) -> bytes:
+    """The dimensioned drawing as PDF on paper of its size."""
+    drawing = sheet(job)
+    width, height = re.findall(r'(?:width|height)="([\d.]+(?:mm|in))"', drawing.decode())[:2]
+    lines = (
+        f"#set document(title: {_quoted(job.name)}, date: none)",
+        f"#set page(width: {width}, height: {height}, margin: 0mm)",
+        f'#image("sheet.svg", width: {width}, height: {height})',
+    )
+    return _pdf(_typst(), "\n".join(lines), {"sheet.svg": drawing})
+
+
+def _typst() -> Any:
+    try:
+        return import_module(TYPST)
+    except ImportError:
+        problem = f"names a format of PDF, which the package {TYPST} sets, and it is not installed"
+        remedy = f"install it by `{INSTALL}`, or name report-md for Markdown and sheet-svg for the drawing"
+        raise DesignError("write", problem, remedy, "conflict") from None
+
+
+def _pdf(typst: Any, source: str, pictures: dict[str, bytes]) -> bytes:
+    """A document of the package's own fonts only, so that it is the same on every machine."""
+    files = {"main": source.encode()} | pictures
+    content: bytes = typst.compile(files, format="pdf", ignore_system_fonts=True, timestamp=0)
+    return content
+
+
+def _blocks(job: Job) -> Iterator[Block]:
+    """The report in its order: inputs, formulas, results, checks, plots, drawing, bill, assembly, certificate."""
+    source, unit = job.source, job.unit
+    if job.about:
+        yield Paragraph(harmless(job.about))
+    yield Heading("Inputs")
+    yield Paragraph("The recipe with all its values. The results below follow from it.")
+    yield Listing(job.recipe())
+    if source.formulas:
+        yield Heading("Formulas with the numbers put in")
+        for k, formula in enumerate(source.formulas, 1):
+            yield Paragraph(f"({k}) {capital(formula.name)}, by {formula.source}:")
+            value = f"{formula.value:.{DIGITS}g} {formula.unit}".strip()
+            yield Listing(f"{formula.symbol} = {formula.expression}\n  = {formula.substituted}\n  = {value}")
+    if source.table is not None:
+        yield Heading("Results")
+        yield Paragraph("The least and the largest value of each quantity over the motion; the table of files has all.")
+        yield ReportTable((("quantity", "unit", "least", "largest"), *_extremes(job)))
+    if source.checks:
+        yield Heading("Checks")
+        yield ReportTable((("check", "value", "limit", "unit", "verdict"), *_checks(job)))
+    if source.scene is not None:
+        yield Heading("Plots")
+        for k, (name, content) in enumerate(write_plots(job).items(), 1):
+            caption = name.removeprefix(f"{job.name}-").removesuffix("-plot.svg").replace("-", " ")
+            yield Figure(f"{job.name}-report-plot-{k}.svg", capital(caption), content)
+        yield Heading("Assembly")
+        yield Figure(f"{job.name}-report-assembly.svg", "The parts in place", assembly_picture(job))
+        for step in source.steps:
+            yield Paragraph(f"- {harmless(step)}")
+    if source.parts:
+        yield Heading("Drawing")
+        yield Figure(f"{job.name}-report-drawing.svg", f"Dimensions in {unit.plural}", sheet(job))
+        yield Heading("Bill of materials")
+        columns = [column for column in bill(job).columns if column.id in ("item", "count", "joints")]
+        yield ReportTable((tuple(c.id for c in columns), *zip(*(map(str, c.values.tolist()) for c in columns))))
+    yield Heading("Certificate")
+    hashed = f"{harmless(job.stamp)}. " if job.stamp else ""
+    yield Paragraph(
+        f"{hashed}The command geomkin run --verify measures each file against the exact curves of the recipe."
+    )
+    yield Paragraph("Checked by: ______________________    Date: ______________")
+
+
+def _extremes(job: Job) -> Iterator[tuple[str, ...]]:
+    """The least and the largest finite value of each column."""
+    for column in job.table.columns:
+        values = np.asarray(column.values)
+        if values.dtype.kind in "iuf" and np.isfinite(values.astype(float)).any():
+            finite = values[np.isfinite(values.astype(float))]
+            ends = (f"{float(end) + 0.0:.{DIGITS}g}" for end in (finite.min(), finite.max()))
+            yield (column.id.replace("_", " "), column.unit, *ends)
+
+
+def _checks(job: Job) -> Iterator[tuple[str, ...]]:
+    for check in job.source.checks:
+        verdict = "passed" if check.passed else f"failed as expected: {check.expected}" if check.expected else "failed"
+        value, limit = (number(size, check.digits(4)) for size in (check.value, check.limit))
+        yield capital(check.name), value, f"{check.side} {limit}", check.unit, verdict
+
+
+def _in_markdown(block: Block) -> str:
+    match block:
+        case Heading():
+            return f"## {block.words}"
+        case Listing():
+            return f"```\n{block.words.strip()}\n```"
+        case Figure():
+            return f"![{block.caption}]({block.name})"
+        case ReportTable():
+            rows = [" | ".join(cell.replace("|", "\\|") for cell in row) for row in block.rows]
+            return "\n".join(f"| {row} |" for row in (rows[0], " | ".join(["---"] * len(block.rows[0])), *rows[1:]))
+    return block.words
+
+
+def _in_typst(block: Block) -> str:
+    match block:
+        case Heading():
+            return f"#heading({_quoted(block.words)})"
+        case Listing():
+            return f"#block(breakable: true, raw(block: true, {_quoted(block.words.strip())}))"
+        case Figure():
+            # A drawing is as wide as the page, and never higher.
+            return f"#figure(image({_quoted(block.name)}, width: 100%), caption: {_quoted(block.caption)})"
+        case ReportTable():
+            cells = ", ".join(_quoted(cell) for row in block.rows for cell in row)
+            return f"#table(columns: {len(block.rows[0])}, stroke: 0.4pt, {cells})"
+    return f"#par({_quoted(block.words)})"
+
+
+def _quoted(words: str) -> str:
+    """A text as a string of Typst, which has the escapes of JSON for these characters."""
+    return re.sub(r"\\u([0-9a-f]{4})", r"\\u{\1}", json.dumps(harmless(words) if "\n" not in words else words))

@@ -1,0 +1,108 @@
+"""The report: its formulas evaluated from their written numbers, against the table of the motion; its files."""
+
+import re
+from math import acos, atan2, cos, degrees, radians, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geomkin as gk
+from geomkin.export import report
+from geomkin.export.formats import WRITERS
+
+RECIPES = Path(__file__).parent.parent.parent / "recipes"
+FOUR_BAR = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}
+
+
+def by_hand(formula):
+    """The value of a formula from the numbers in its text, with angles in deg."""
+    text = re.sub(r"(\(-[\d.e-]+\)|[\d.][\d.e-]*) deg", r"radians(\1)", formula.substituted).replace("^", "**")
+    names = {
+        "radians": radians, "sqrt": sqrt, "sin": sin, "cos": cos,
+        "arccos": lambda value: degrees(acos(value)), "atan2": lambda y, x: degrees(atan2(y, x)),
+    }  # fmt: skip
+    return eval(text, {"__builtins__": {}}, names)
+
+
+FORMS = {
+    "plain": {},
+    "other branch": {"branch": -1},
+    "inches, turned": {"units": "in", "linkage": {"ground_angle_deg": 25}},
+    "accelerated": {"drive": {"speed_rpm": 30, "acceleration_rad_per_s2": 3}},
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_numbers_of_a_four_bar_by_hand_are_those_of_its_table(form):
+    further = dict(FORMS[form])
+    linkage = {**FOUR_BAR["linkage"], "coupler_point": [40, 25], **further.pop("linkage", {})}
+    recipe = gk.load({**FOUR_BAR, "linkage": linkage, **further})
+    formulas = {formula.symbol: formula for formula in recipe.formulas}
+    for formula in formulas.values():
+        assert by_hand(formula) == pytest.approx(formula.value, rel=1e-5, abs=1e-4)
+    row, scale = len(recipe.table.columns[0].values) // 6, 25.4 if recipe.units == "in" else 1.0
+    turn = linkage.get("ground_angle_deg", 0)
+    expected = {"mu": "transmission_angle", "omega_c": "rocker_omega", "omega_b": "coupler_omega"}
+    for symbol, column in expected.items():
+        value = recipe.table[column][row]
+        assert formulas[symbol].value == pytest.approx(
+            min(value, 180 - value) if symbol == "mu" and value > 90 else value
+        )
+    for symbol, column in {"phi": "rocker_angle", "beta": "coupler_angle"}.items():
+        assert (formulas[symbol].value + turn - recipe.table[column][row]) % 360 == pytest.approx(0, abs=1e-9) or (
+            360 - (formulas[symbol].value + turn - recipe.table[column][row]) % 360
+        ) == pytest.approx(0, abs=1e-9)
+    place = complex(formulas["x"].value, formulas["y"].value) * scale * np.exp(1j * np.radians(turn))
+    assert place == pytest.approx(complex(recipe.table["coupler_point_x"][row], recipe.table["coupler_point_y"][row]))
+
+
+@pytest.mark.parametrize("units", ["mm", "in"])
+def test_numbers_of_gears_by_hand_are_those_of_the_pair(units):
+    data = {
+        "kind": "gear-pair",
+        "units": units,
+        "first": {"teeth": 18, "module": 3},
+        "second": {"teeth": 24, "module": 3},
+    }
+    recipe = gk.load(data)
+    formulas = {formula.symbol: formula for formula in recipe.formulas}
+    for formula in formulas.values():
+        assert by_hand(formula) == pytest.approx(formula.value, rel=1e-5, abs=1e-4)
+    assert formulas["epsilon"].value == pytest.approx(recipe.design.contact_ratio)
+    assert formulas["d_2"].value == pytest.approx(72)
+
+
+def test_markdown_has_each_check_and_each_formula_and_its_pictures(tmp_path):
+    recipe = gk.load(RECIPES / "crank-rocker.toml")
+    files = gk.write(recipe, tmp_path / "a-report.md")
+    text = (tmp_path / "a-report.md").read_text()
+    for formula in recipe.formulas:
+        assert formula.substituted in text
+    assert all(check.name[1:].replace("_", " ") in text for check in recipe.checks)
+    assert gk.load(text.split("```")[1].strip()) == recipe
+    named = set(re.findall(r"\]\((.+\.svg)\)", text))
+    assert named == {path.name for path in files} - {"a-report.md"} and len(named) > 4
+
+
+def test_without_the_package_a_pdf_is_refused_by_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "TYPST", "typst_that_is_missing")
+    recipe = gk.load(RECIPES / "spur-gear.toml")
+    for name in ("report", "sheet-pdf"):
+        tail = WRITERS[name].tail
+        with pytest.raises(gk.DesignError) as refused:
+            gk.write(recipe, tmp_path / f"a{tail}")
+        assert refused.value.field == "write" and "geomkin[report]" in str(refused.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_pdf_is_the_same_on_each_run(tmp_path):
+    pytest.importorskip("typst")
+    recipe = gk.load({**FOUR_BAR, "files": {"title": {"name": 'a "quoted" # name'}}})
+    for tail in ("-report.pdf", "-sheet.pdf"):
+        contents = []
+        for folder in ("1", "2"):
+            (tmp_path / folder).mkdir(exist_ok=True)
+            gk.write(recipe, tmp_path / folder / f"a{tail}")
+            contents.append((tmp_path / folder / f"a{tail}").read_bytes())
+        assert contents[0] == contents[1] and contents[0].startswith(b"%PDF")
