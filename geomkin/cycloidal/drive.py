@@ -127,10 +127,12 @@ class CycloidalDrive:
             problem = f"found {mm(self.eccentricity):g}, with which the epitrochoid of {self.pins} pins has loops"
             remedy = f"give less than {mm(most):down}, or a larger circle"
             raise DesignError("eccentricity", problem, remedy, "conflict", inside(most, 1))
-        widest = 2 * min(self.least_radius, radius * float(np.sin(np.pi / self.pins))) - 2 * self.clearance
+        half_pitch = radius * float(np.sin(np.pi / self.pins))
+        widest = 2 * min(self.least_radius, half_pitch) - 2 * self.clearance
         if self.pin >= widest:
-            what = "the pins cut into each other" if widest > 2 * self.least_radius - 2 * self.clearance - 1e-9 else ""
-            problem = f"found {mm(self.pin):g}, with which {what or 'the profile of the disc is undercut'}"
+            is_undercut = self.least_radius < half_pitch
+            what = "the profile of the disc is undercut" if is_undercut else "the pins leave no room between them"
+            problem = f"found {mm(self.pin):g}, with which {what}"
             smaller = f"give less than {mm(widest):down}, or a" if widest > 0 else "give a"
             remedy = f"{smaller} smaller eccentricity or a larger circle"
             raise DesignError("pin", problem, remedy, "conflict", inside(widest, 1) if widest > 0 else None)

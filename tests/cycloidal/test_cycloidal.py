@@ -155,3 +155,12 @@ def test_a_machine_turns_a_crank_by_the_output():
     fast, slow = ((angle - angle[0])[-1] for angle in turns.values())
     assert abs(fast) > 1 and slow == pytest.approx(-fast / 10)
     assert np.abs(machine.table["input_torque"]) == pytest.approx(500 / 10 / 3)
+
+
+def test_pins_that_meet_and_an_undercut_profile_are_two_refusals():
+    def refusal(**sizes):
+        with pytest.raises(gk.DesignError) as caught:
+            sized(**{"pins": 11, "circle": 100, "pin": 8, "eccentricity": 3, **sizes})
+        return caught.value.problem.partition("with which")[2]
+
+    assert refusal(eccentricity=4.5) != refusal(pin=29, eccentricity=1)
