@@ -9,6 +9,9 @@ from . import (
     coupon as coupon,
 )
 from . import (
+    cycloidal as cycloidal,
+)
+from . import (
     export as export,
 )
 from . import (

@@ -57,6 +57,9 @@ KINDS_BY_GROUP.update({
         "parametric-tooth-gears": "geomkin.gear.kinds.conjugate_gears:ParametricToothGearsRecipe",
         "lantern-gears": "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe",
     },
+    "cycloidal drives": {
+        "cycloidal-drive": "geomkin.cycloidal.kinds.cycloidal_drive:CycloidalDriveRecipe",
+    },
     "Geneva drives": {
         "geneva": "geomkin.geneva.kinds.geneva:GenevaRecipe",
     },

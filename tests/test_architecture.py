@@ -20,7 +20,7 @@ ORDER = (
     ("model",),
     ("export",),
     ("page", "recipe", "making"),
-    ("linkage", "cam", "gear", "belt", "geneva", "coupon"),
+    ("linkage", "cam", "gear", "belt", "geneva", "cycloidal", "coupon"),
     ("synthesis",),
     ("machine",),
     ("build",),
@@ -30,7 +30,7 @@ ORDER = (
     ("__init__", "__main__"),
 )
 RANK = {name: k for k, row in enumerate(ORDER) for name in row}
-MECHANISMS = {"linkage", "cam", "gear", "belt", "geneva", "coupon", "synthesis"}
+MECHANISMS = {"linkage", "cam", "gear", "belt", "geneva", "cycloidal", "coupon", "synthesis"}
 # What the analysis of a mechanism may import, and what its checks, parts and scenes may.
 ANALYSIS = {"core", "plane", "model"}
 FABRICATION = ANALYSIS | {"export", "making"}

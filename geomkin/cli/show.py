@@ -75,7 +75,7 @@ def explain(words: tuple[str, ...]) -> None:
         known = [*CHECKS, *TERMS]
         remedy = f"{did_you_mean(text, known)}the terms are {', '.join(TERMS)}"
         raise click.BadParameter(f"nothing is known of {printable(text)!r}; {remedy}", param_hint="ID_OR_TERM")
-    click.echo(harmless(found))
+    click.echo("\n".join(map(harmless, found.split("\n"))))
 
 
 @click.command("list")

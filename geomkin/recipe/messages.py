@@ -37,7 +37,7 @@ RENAMED = {
 
 # Mechanisms that no kind makes, by a word of their names, and the kinds that come nearest.
 NOT_OFFERED = {
-    **dict.fromkeys(("worm", "harmonic", "cycloidal", "cycloid"), "planetary or gear-train"),
+    **dict.fromkeys(("worm", "harmonic"), "planetary or cycloidal-drive"),
     **dict.fromkeys(("bevel", "hypoid", "crown", "miter", "mitre"), "gear-pair"),
     **dict.fromkeys(("screw", "leadscrew", "ballscrew", "nut"), "rack-and-pinion"),
     **dict.fromkeys(("v", "flat", "rope", "cable", "capstan", "ribbed"), "belt-drive"),

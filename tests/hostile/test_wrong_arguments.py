@@ -59,6 +59,7 @@ PUBLIC = {
         gk.gear,
         gk.belt,
         gk.geneva,
+        gk.cycloidal,
         gk.coupon,
         gk.synthesis,
         gk.making,
@@ -74,6 +75,7 @@ PUBLIC = {
 GOOD = {
     "Arc": {"centre": 0j, "start": 2 + 0j, "sweep": 1.0},
     "BeltLoop": {"wheels": (gk.belt.LoopWheel(0j, 6.0, 20.0), gk.belt.LoopWheel(100 + 0j, 19.0, 60.0)), "pitch": 2.0},
+    "CycloidalDrive": {"pins": 11, "circle": 100.0, "pin": 8.0, "eccentricity": 3.0, "discs": 2, "output_pins": 4},
     "GenevaWheel": {"distance": 60.0, "slots": 4, "pins": 1, "roller": 6.0, "clearance": 0.2, "tip_width": 2.0},
     "LoopWheel": {"centre": 1j, "radius": 6.0, "pitches": 20.0, "is_outside": True, "outer_radius": 8.0},
     "toothed_outline": {"profile": "GT2-2M", "teeth": 20},

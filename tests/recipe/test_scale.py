@@ -31,7 +31,8 @@ def test_linkages_and_cams_take_it_and_gears_do_not():
     assert set(KINDS) - set(SCALED) == {
         name
         for name in KINDS
-        if "gear" in name or name.endswith("-drive") or name in ("rack-and-pinion", "planetary", "fit-test", "machine")
+        if "gear" in name
+        or name in ("belt-drive", "chain-drive", "rack-and-pinion", "planetary", "fit-test", "machine")
     }
     defined = schema_of_all()["$defs"]
     for name in KINDS:
@@ -86,7 +87,7 @@ def lengths_of(thing, path=""):
 PLAIN = (
     "deg", "rpm", "rad", "branch", "choose", "seed", "time_limit", "ratio", "rows", "columns", "chosen", "degree", "decimals",
     "count", "masses.crank", "masses.coupler", "masses.slider", "density", "coefficients", "x_start", "x_end", "points",
-    "intervals", "jerk_limit", "gravity", "kg", "bars", "slots", "pins", "share",
+    "intervals", "jerk_limit", "gravity", "kg", "bars", "slots", "pins", "discs", "share",
 )  # fmt: skip
 
 
@@ -108,6 +109,8 @@ def test_each_number_of_a_recipe_is_multiplied_or_stays(name):
                 assert after[key] == value
             elif name in ("body-guidance", "burmester-curves") and ".poses[" in key:
                 assert after[key] == (value if key.endswith("[2]") else 2 * value), key
+            elif end == "inertia_kg_mm2":
+                assert after[key] == pytest.approx(4 * value), key
             elif key.startswith(".wanted.points[") or not any(
                 end.endswith(word) or end.startswith(f"{word}[") or word in end.split("_") or key.endswith(word)
                 for word in PLAIN

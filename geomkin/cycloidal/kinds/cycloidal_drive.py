@@ -1,0 +1,286 @@
+"""Recipe of a cycloidal drive, its checks, and its loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from functools import cached_property
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from ...core.fields import entry, quantity, to_digits
+from ...core.records import record
+from ...core.units import mm
+from ...making.assembly import Assembly, BaseStock
+from ...making.materials import MATERIALS
+from ...model.check import Check
+from ...model.material import hertz_pressure
+from ...model.motor import RotatingBody
+from ...model.part import Part
+from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, point_handle
+from ...model.table import Column, Table
+from ...plane.primitives import Circle
+from ...plane.vec import Real
+from ...recipe.aspect import AbstractAspect
+from ...recipe.composed import AbstractComposedRecipe
+from ...recipe.recipe import assembly_summary
+from ...recipe.settings import Drive, Files
+from ..drive import CycloidalDrive
+from ..parts import CycloidalPlates, CycloidalStock
+
+# Largest share of the eccentricity with which the epitrochoid has cusps; makers use 0.5 to 0.8.
+MOST_SHORTENING = 0.8
+# Share of the torque that one of two discs carries at most (handbooks).
+SHARE_OF_TWO = 0.55
+# Least ratio of the pressure at which the disc yields below the surface to the Hertz pressure; chosen here.
+LEAST_CONTACT_SAFETY = 1.0
+# Frames of the drawing, at least those of a turn of the input.
+FRAMES, FRAMES_PER_TURN, MOST_TURNS_DRAWN = 240, 24, 20
+# Positions of the input, over the passage of a pin, at which forces are compared.
+POSITIONS = 200
+
+
+@record(checked=True, kw_only=True)
+class CycloidalLoads:
+    """Torque of the output.
+
+    Parameters
+    ----------
+    torque_n_mm : float
+        Torque against the rotation of the output, N mm.
+    """
+
+    torque_n_mm: float = quantity(
+        "torque against the rotation of the output", "N mm", above=0, at_most=1e12, example=2000
+    )
+
+
+@record(kw_only=True)
+class CycloidalDriveRecipe(AbstractComposedRecipe):
+    """A cycloidal drive: a disc of lobes on an eccentric that rolls in a ring of pins, and turns an output slowly back.
+
+    Parameters
+    ----------
+    cycloidal : CycloidalDrive
+        Pins, eccentricity, discs and output pins.
+    drive : Drive, optional
+        How the input turns.
+    loads : CycloidalLoads, optional
+        Torque of the output, for the forces of the pins.
+    stock : CycloidalStock, optional
+        Sheet, bore of the eccentric, and motor.
+    base : BaseStock, optional
+        The plate that holds the ring of pins.
+    files : Files, optional
+        Formats and tolerance of the files.
+    """
+
+    can_be_scaled: ClassVar[bool] = True
+
+    kind: Literal["cycloidal-drive"] = "cycloidal-drive"
+    cycloidal: CycloidalDrive = entry("pins, eccentricity, discs and output pins")
+    drive: Drive = entry("how the input turns", default=Drive())
+    loads: CycloidalLoads | None = entry("torque of the output, for the forces of the pins", default=None)
+    stock: CycloidalStock = entry("sheet, bore of the eccentric, and motor", default=CycloidalStock())
+    base: BaseStock = entry("the plate that holds the ring of pins", default=BaseStock())
+    files: Files = entry("formats and tolerance of the files", default=Files())
+
+    def __post_init__(self) -> None:
+        self.drive.check_rows(self.cycloidal.lobes)
+        for aspect in self.aspects:
+            aspect.check()
+
+    @property
+    def made(self) -> CycloidalDriveRecipe:
+        return self
+
+    @property
+    def design(self) -> CycloidalDrive:
+        return self.cycloidal
+
+    @cached_property
+    def plates(self) -> CycloidalPlates:
+        """The plates and the pins between them."""
+        return CycloidalPlates(self.cycloidal, self.stock, self.base)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        return self.plates.parts
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Shaft, pins, glue, and the steps of assembly."""
+        return self.plates.assembly
+
+    def columns(self, turn: Real) -> Iterator[Column]:
+        """Rotations of input and output, deg, at rotations of the input, rad."""
+        yield Column("input_angle", "deg", "rotation of the input", np.degrees(turn))
+        yield Column("output_angle", "deg", "rotation of the output", np.degrees(turn) / self.cycloidal.ratio)
+
+    @property
+    def own_table(self) -> Table:
+        return Table(tuple(self.columns(self.drive.angles * np.sign(self.drive.speed))))
+
+    @property
+    def own_scene(self) -> Scene:
+        """Until the output is where it began or, with a large ratio, for some turns of the input."""
+        turns = min(self.cycloidal.lobes, MOST_TURNS_DRAWN)
+        frames = max(FRAMES, FRAMES_PER_TURN * turns)
+        turn = 2 * np.pi * turns * np.arange(frames + 1) / frames * np.sign(self.drive.speed)
+        return replace(self._scene(turn, turn / self.drive.speed), cyclic=turns == self.cycloidal.lobes)
+
+    def scene_at(self, turn: Real) -> Scene:
+        return self._scene(turn, turn * 0)
+
+    def _scene(self, turn: Real, time: Real) -> Scene:
+        drive, still = self.cycloidal, turn * 0j
+        table = Table(tuple(self.columns(turn)))
+        for aspect in self.aspects:
+            table = Table((*table.columns, *aspect.columns(table)))
+        ring = SceneCurve(Circle(0j, drive.circle / 2), "construction", "circle of the pins")
+        rolling = drive.eccentricity * drive.pins
+        pitch = SceneCurve(Circle(0j, rolling), "pitch", "pitch circle of the ring")
+        own = SceneCurve(Circle(0j, rolling - drive.eccentricity), "pitch", "pitch circle of the disc", "disc")
+        places = drive.circle / 2 * np.exp(2j * np.pi * np.arange(drive.pins) / drive.pins)
+        rows = [("contact", still + z, drive.pin) for z in places]
+        outputs = drive.output_circle / 2 * np.exp(2j * np.pi * np.arange(drive.output_pins) / drive.output_pins)
+        rows += [("contact", np.exp(-1j * turn / drive.lobes) * z, drive.output_pin) for z in outputs]
+        marks = [
+            SceneMark("circle", place, "contact", "pin", radius=np.full(turn.shape, diameter / 2))
+            for _, place, diameter in rows
+        ]
+        axis = SceneMark("fixed pin", still, "construction", "axis of input and output")
+        plots = (Plot("rotation of the output", ("output_angle",)),)
+        ok = np.ones(turn.shape, bool)
+        return Scene(table, time, ok, tuple(self.plates.bodies(turn)), (ring, pitch, own), (axis, *marks), plots)
+
+    @property
+    def rotating_bodies(self) -> Mapping[str, RotatingBody]:
+        """The input, whose discs are not round, and the output."""
+        return {
+            "input": RotatingBody(0j, Fraction(1)),
+            "output": RotatingBody(0j, Fraction(1, self.cycloidal.ratio), is_wheel=True),
+        }
+
+    @property
+    def own_checks(self) -> tuple[Check, ...]:
+        drive = self.cycloidal
+        most = MOST_SHORTENING * drive.circle / (2 * drive.pins)
+        words = "eccentricity over that with which the profile has cusps"
+        advice = f"give a cycloidal.eccentricity of at most {mm(most):down}, or a larger cycloidal.circle"
+        return (Check("shortening", words, drive.shortening, "at most", MOST_SHORTENING, "", advice),)
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        drive, turn = self.cycloidal, np.radians(self.scene.drive.values)
+        axis, _ = drive.disc_pose(turn, 0)
+        return (
+            circle_handle("cycloidal.circle", radius=drive.circle / 2, label="circle of the pins"),
+            circle_handle("cycloidal.pin", radius=drive.pin / 2, centre=drive.circle / 2 + 0j, label="pin of the ring"),
+            circle_handle("cycloidal.output_circle", radius=drive.output_circle / 2, label="circle of output pins"),
+            circle_handle("cycloidal.eccentric", radius=drive.eccentric / 2, centre=axis),
+            point_handle("cycloidal.eccentricity", at=axis, label="axis of the disc"),
+        )
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        drive = self.cycloidal
+        return {
+            "ratio": f"{drive.ratio}",
+            "least radius of curvature": f"{mm(drive.least_radius):.4g}",
+            "holes for the output pins": f"{mm(drive.output_hole):.5g}",
+        }
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """Ratio, and the room that the pins leave before the profile is undercut."""
+        drive = self.cycloidal
+        room = drive.least_radius - drive.pin / 2 - drive.clearance
+        return (
+            f"{drive.lobes} turns of the input turn the output once, the other way",
+            f"pins may be {mm(2 * room):.4g} thicker until the profile is undercut",
+        )
+
+    @property
+    def forces_missing(self) -> str:
+        if self.aspect("loads"):
+            return ""
+        return "The forces of the pins and the torque on the input are computed with the table loads."
+
+    @property
+    def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
+        drive = self.cycloidal
+        own = {
+            "ratio": drive.ratio,
+            "lobes": drive.lobes,
+            "shortening": to_digits(drive.shortening),
+            "least_radius_mm": to_digits(drive.least_radius),
+            "root_radius_mm": to_digits(drive.root_radius),
+            "output_hole_mm": to_digits(drive.output_hole),
+        }
+        return {"cycloidal": own}, assembly_summary(self)
+
+
+@record(eq=False)
+class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads]):
+    """Forces of the pins, without friction, for a rigid disc and equal pins without clearance."""
+
+    key = "loads"
+
+    @property
+    def most_columns(self) -> int:
+        return 1
+
+    @property
+    def disc_torque(self) -> float:
+        """Largest torque that one disc carries, N mm."""
+        return self.given.torque_n_mm * (1.0 if self.mechanism.cycloidal.discs == 1 else SHARE_OF_TWO)
+
+    def columns(self, table: Table) -> Iterator[Column]:
+        force, _ = self.mechanism.cycloidal.pin_forces(self.disc_torque, np.radians(table["input_angle"]))
+        yield Column("pin_force", "N", "largest force of a pin of the ring", force.max(axis=-1))
+
+    def plots(self, table: Table) -> Iterator[Plot]:
+        yield Plot("largest force of a pin of the ring", ("pin_force",))
+
+    @cached_property
+    def largest(self) -> tuple[float, float, float, float]:
+        """Largest force of a pin and on the eccentric, N, force of an output pin, N, and Hertz pressure, N/mm2."""
+        recipe = self.mechanism
+        drive, stock = recipe.cycloidal, recipe.stock
+        turn = np.linspace(0, 2 * np.pi / drive.pins * drive.lobes, POSITIONS)
+        force, bearing = drive.pin_forces(self.disc_torque, turn)
+        output = 8 * self.disc_torque / (drive.output_pins * drive.output_circle)
+        pressure = np.nan
+        if stock.material is not None and stock.material.modulus:
+            curvature = drive.contact_curvature(turn)
+            steel = MATERIALS["steel-C45"]
+            pressure = float(hertz_pressure(force, stock.thickness, curvature, stock.material, steel).max())
+        return float(force.max()), float(bearing.max()), output, pressure
+
+    @property
+    def checks(self) -> Iterator[Check]:
+        material, pressure = self.mechanism.stock.material, self.largest[-1]
+        if material is not None and pressure > 0 and np.isfinite(material.yielding_pressure):
+            words = f"pressure at which {material.name} yields over that of disc and pin"
+            advice = "give a smaller loads.torque_n_mm, a thicker stock.thickness, or a larger cycloidal.circle"
+            safety = material.yielding_pressure / pressure
+            yield Check("contact_safety", words, safety, "at least", LEAST_CONTACT_SAFETY, "", advice)
+
+    @property
+    def entries(self) -> Mapping[str, object]:
+        force, bearing, output, pressure = self.largest
+        torque = self.given.torque_n_mm / self.mechanism.cycloidal.lobes
+        own = {"pin_force_N": force, "eccentric_force_N": bearing, "output_pin_force_N": output}
+        own |= {"input_torque_n_mm": torque} | ({"contact_pressure_N_per_mm2": pressure} if pressure > 0 else {})
+        return {"loads": {name: to_digits(value) for name, value in own.items()}}
+
+    def torque_at(self, turn: Real) -> Real:
+        torque = self.given.torque_n_mm / self.mechanism.cycloidal.lobes
+        return np.full(turn.shape, np.copysign(torque, self.mechanism.setting.speed or 1.0))
+
+
+# Set here, since the aspect names the class of its recipe.
+CycloidalDriveRecipe.aspect_kinds = (CycloidalLoadsAspect,)
