@@ -149,7 +149,8 @@ def the_csv_file_has_every_number_of_the_table(own, folder):
             assert written == pytest.approx(known, rel=1e-9, abs=1e-9, nan_ok=True), header
             assert k or np.all(np.diff(written) > 0)
     page = folder / f"{own.name}.html"
-    assert not page.exists() or page.stat().st_size < 270_000
+    # A linkage of eight bars has twice the bodies, joints and plots of a leg.
+    assert not page.exists() or page.stat().st_size < (330_000 if own.kind == "path-generator" else 270_000)
 
 
 def words_and_numbers(held):

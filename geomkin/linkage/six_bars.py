@@ -39,7 +39,7 @@ class StephensonSixBar(AbstractLinkage):
     )
     output: float = quantity("output link, from its pivot to its pin", "mm", above=0, at_most=FARTHEST, example=90)
     output_pivot: ComplexPoint = entry(
-        "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=100 + 100j
+        "ground pivot of the output link, from the crank pivot, [x, y] in mm", example=130 + 100j
     )
     points: BodyPoints = points_entry()
 

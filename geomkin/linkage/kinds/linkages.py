@@ -83,6 +83,8 @@ class LinkageAdditions(JointAdditions):
             yield "loads.carried"
         if linkage.driver_pivot is None:
             yield from ("loads.motor", "loads.motors", "loads.run", "stock.motor")
+        if linkage.driven_slider is None:
+            yield "loads.actuator"
         if not names["bodies"]:
             yield "loads.counterweights"
         if not names["slide"]:
