@@ -12,6 +12,7 @@ from ..core.arguments import PositiveInt, checked
 from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..plane.primitives import Polyline
+from ..plane.vec import spaced_directions
 
 # Half of a gap, from its middle at the bottom to the tip circle: points with the axis at 0 and the middle of the gap on
 # +y, x not below 0, and the centre of the arc that leads to each point; None for a straight line.
@@ -301,7 +302,7 @@ def toothed_outline(profile: str, teeth: PositiveInt) -> Polyline:
     bottom = np.tan(2 * np.arctan(bulges[0]))
     run = [*(-b for b in bulges[:0:-1]), -bottom, *(-b for b in bulges[1:])]
     gap = np.array([*right, *left])
-    turns = np.exp(2j * np.pi * np.arange(teeth) / teeth)
+    turns = spaced_directions(teeth)
     return Polyline((turns[:, None] * gap).ravel(), np.tile([*run, tip], teeth))
 
 

@@ -14,7 +14,7 @@ from ..core.records import record
 from ..core.units import mm
 from ..plane.curve import AbstractCurve
 from ..plane.joined import PolarArray
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex, Real, spaced_directions
 
 # Numbers of pins: with more no size that fits a machine has pins thick enough to cut.
 FEWEST_PINS, MOST_PINS, MOST_OUTPUT_PINS = 4, 120, 24
@@ -222,7 +222,7 @@ class CycloidalDrive:
         """
         turn = np.asarray(turn, dtype=float)[..., None]
         axis = self.eccentricity * np.exp(1j * turn)
-        pins = self.circle / 2 * np.exp(2j * np.pi * np.arange(self.pins) / self.pins)
+        pins = self.circle / 2 * spaced_directions(self.pins)
         # All normals pass through the rolling point of the pitch circles.
         normal = pins - self.pins * axis
         normal = normal / np.abs(normal)

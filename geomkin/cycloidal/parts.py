@@ -27,7 +27,7 @@ from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.curve import Mirrored
 from ..plane.primitives import Circle
-from ..plane.vec import Real
+from ..plane.vec import Real, spaced_directions
 from .drive import CycloidalDrive
 
 
@@ -64,7 +64,7 @@ class CycloidalPlates:
         return (self.drive.output_circle + self.drive.output_pin) / 2 + self.stock.edge
 
     def _pins(self, count: int, circle: float, turn: float = 0.0) -> tuple[complex, ...]:
-        return tuple((circle / 2 * np.exp(1j * (turn + 2 * np.pi * np.arange(count) / count))).tolist())
+        return tuple((circle / 2 * np.exp(1j * turn) * spaced_directions(count)).tolist())
 
     def _disc(self, turn: float) -> Part:
         """A disc whose holes are turned back by an angle against its lobes."""

@@ -156,11 +156,11 @@ class DrawingCanvas:
             along, across = (1, 1j) if axis == "x" else (1j, 1)
             # Coordinates with one number share it.
             groups: dict[str, list[tuple[complex, float]]] = {}
-            for place, radius in features:
+            for place, radius in sorted(features, key=lambda f: f[0].real if axis == "x" else f[0].imag):
                 offset = place - datum
                 value = offset.real if axis == "x" else offset.imag
                 groups.setdefault(length_text(value, self.unit), []).append((place, radius))
-            values = sorted(groups, key=float)
+            values = list(groups)
             first = [min(groups[v], key=lambda f: (f[0].imag if axis == "x" else f[0].real) - f[1]) for v in values]
             positions = np.array([(place.real if axis == "x" else place.imag) * scale for place, _ in first])
             spread = _spread(positions, LETTER + 1.8)

@@ -30,6 +30,7 @@ from ..making.motors import HEADS, MountedMotorKey
 from ..model.part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, rounded_hull
+from ..plane.vec import spaced_directions
 from .helix import Helix
 from .parts import AbstractMated, GearStock, RingStock
 from .planetary import Member, PlanetarySet
@@ -242,7 +243,7 @@ def carrier(
         The plate, of the body "carrier", with the sun's axis at the origin.
     """
     sun, planet = diameters
-    around = 1j * gears.inner.centre_distance * np.exp(2j * np.pi * np.arange(gears.planets) / gears.planets)
+    around = 1j * gears.inner.centre_distance * spaced_directions(gears.planets)
     outline: AbstractCurve = rounded_hull([0j, *around], max(diameters) / 2 + margin)
     holes = [*bore(sun, 0.0, 2 * gears.inner.centre_distance - planet, "sun_stock.bore")]
     holes += [Circle(complex(z), planet / 2) for z in around if planet]

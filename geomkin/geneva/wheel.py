@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 from math import gcd
 
@@ -16,7 +15,7 @@ from ..core.units import mm
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path, PolarArray
 from ..plane.primitives import Arc, Segment
-from ..plane.vec import Real
+from ..plane.vec import Complex, Real, spaced_directions
 
 # Most slots and pins. With more the tips of the wheel are too thin to cut at any size that fits a machine.
 MOST_SLOTS, MOST_PINS = 24, 5
@@ -270,10 +269,9 @@ class GenevaWheel:
         return PolarArray(Path(pieces), pins)
 
     @property
-    def pin_places(self) -> Iterator[complex]:
+    def pin_places(self) -> Complex:
         """Pins about the crank's axis, mm, the first one on +x."""
-        pins = self.numbers[1]
-        return (complex(self.crank_radius * np.exp(2j * np.pi * j / pins)) for j in range(pins))
+        return self.crank_radius * spaced_directions(self.numbers[1])
 
 
 def _share_of(pair: tuple[int, int]) -> tuple[float, int]:

@@ -13,7 +13,7 @@ from ..core.records import record
 from ..core.units import mm
 from ..model.part import HoleFit
 from ..plane.primitives import Circle
-from ..plane.vec import direction_deg
+from ..plane.vec import direction_deg, spaced_directions
 from .assembly import Bill
 from .bores import SMALLEST
 from .fasteners import Fastener, ThreadDiameter, screw_text, size_of
@@ -69,7 +69,7 @@ class Attachment:
     @property
     def at_screws(self) -> tuple[complex, ...]:
         """Positions of the screws from its middle, mm."""
-        circle = (self.bolt_circle or 0.0) / 2 * np.exp(2j * np.pi * np.arange(self.bolts) / max(1, self.bolts))
+        circle = (self.bolt_circle or 0.0) / 2 * spaced_directions(self.bolts)
         plain = [*self.holes, *circle.tolist()] or ([] if self.bore else [0j])
         return tuple((np.array(plain, dtype=complex) * direction_deg(self.angle_deg)).tolist())
 

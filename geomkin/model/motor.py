@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.arguments import AnyFloat, ArgumentType, checked, numbers
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, entry, quantity
+from ..core.fields import FARTHEST, entry, inside, quantity
 from ..core.names import VisibleText
 from ..core.records import record
 from ..core.units import mm
@@ -31,7 +31,7 @@ def _is_row(value: object) -> bool:
 _Row = Annotated[Real, ArgumentType(_is_row, "a one-dimensional array of real numbers")]
 
 
-def root_mean_square(values: Real, over: Real) -> float:
+def effective_value(values: Real, over: Real) -> float:
     """Root mean square of values over a quantity that rises or falls, by trapezoids; nan values are left out."""
     known = np.isfinite(values)
     if not known.any():
@@ -85,7 +85,7 @@ class MotorDuty:
     @cached_property
     def rms_torque(self) -> float:
         """Root mean square of the torque over the angle, N mm; at a constant speed that over time."""
-        return root_mean_square(self.torque, self.angle)
+        return effective_value(self.torque, self.angle)
 
     @property
     def peak_speed_rpm(self) -> float:
@@ -293,8 +293,8 @@ class LinearActuator:
     def __post_init__(self) -> None:
         if self.full_load_speed >= self.no_load_speed:
             problem = f"found {mm(self.full_load_speed, unit='mm/s'):g}, not less than no_load_speed"
-            remedy = f"give less than {mm(self.no_load_speed, unit='mm/s'):g}"
-            raise DesignError("full_load_speed", problem, remedy, "conflict", self.no_load_speed)
+            remedy = f"give less than {mm(self.no_load_speed, unit='mm/s'):down}"
+            raise DesignError("full_load_speed", problem, remedy, "conflict", inside(self.no_load_speed, 1))
 
     @checked
     def force_at(self, speed: AnyFloat) -> Real:

@@ -15,7 +15,7 @@ from ..core.errors import DesignError
 from ..core.records import record
 from ..core.units import mm
 from .curve import AbstractCurve, Mirrored, Reversed, curvature_from_derivatives
-from .vec import Complex, Real, Whole
+from .vec import Complex, Real, Whole, spaced_directions
 
 # Largest distance between the ends of neighbouring pieces, as a share of their distance from the origin.
 GAP = 1e-9
@@ -168,7 +168,7 @@ class PolarArray(AbstractCurve):
     @cached_property
     def turns(self) -> Complex:
         """Direction of each copy, unit complex, (count,)."""
-        turns: Complex = np.exp(2j * np.pi * np.arange(self.count) / self.count)
+        turns: Complex = spaced_directions(self.count)
         return turns
 
     @cached_property

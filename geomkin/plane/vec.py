@@ -105,6 +105,11 @@ def cross(a: ArrayLike, b: ArrayLike) -> Real:
     return product.imag
 
 
+def spaced_directions(count: int) -> Complex:
+    """So many directions at equal angles, counterclockwise from +x, shape (count,)."""
+    return np.asarray(np.exp(2j * np.pi * np.arange(count) / count))
+
+
 def direction_deg(angle: ArrayLike) -> Complex:
     """Direction at an angle in degrees, counterclockwise from +x; exact at multiples of 90."""
     angle = np.asarray(angle, dtype=float)

@@ -9,11 +9,12 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from ..model.check import Check
+from ..model.part import Part
 from ..model.scene import Scene, plottable
 from ..model.table import Table
 from ..plane.vec import Real
 from .aspect import AbstractAspect
-from .recipe import AbstractAssembledRecipe
+from .recipe import AbstractAssembledRecipe, AssemblyLike
 
 AspectKinds = tuple[type[AbstractAspect[Any, Any]], ...]
 
@@ -28,9 +29,9 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
     aspect_kinds: ClassVar[AspectKinds]
 
     @property
-    @abstractmethod
     def made(self) -> Any:
         """The mechanism in its setting, as the aspects take it."""
+        return self
 
     @cached_property
     def aspects(self) -> tuple[Any, ...]:
@@ -73,7 +74,10 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def table(self) -> Table:
-        table = self.own_table
+        return self.with_aspects(self.own_table)
+
+    def with_aspects(self, table: Table) -> Table:
+        """A table of the mechanism alone with the columns of the aspects."""
         for aspect in self.aspects:
             table = Table((*table.columns, *aspect.columns(table)))
         return table
@@ -103,3 +107,28 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
     def torque_at(self, turn: Real) -> Real | None:
         torques = [torque for aspect in self.aspects if (torque := aspect.torque_at(turn)) is not None]
         return sum(torques[1:], torques[0]) if torques else None
+
+
+class AbstractPlatesRecipe(AbstractComposedRecipe):
+    """A recipe of a mechanism of plates on a base, such as a belt drive, with one aspect of loads."""
+
+    # Sentence on what is computed with the table `loads`.
+    without_loads: ClassVar[str]
+
+    @property
+    @abstractmethod
+    def plates(self) -> Any:
+        """The plates: `parts`, and `assembly` with what is bought and the steps."""
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        return self.plates.parts  # type: ignore[no-any-return]
+
+    @cached_property
+    def assembly(self) -> AssemblyLike:
+        """What is bought, and the steps of assembly."""
+        return self.plates.assembly  # type: ignore[no-any-return]
+
+    @property
+    def forces_missing(self) -> str:
+        return "" if self.aspect("loads") else self.without_loads

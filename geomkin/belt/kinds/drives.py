@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ...core.records import record
 from ...core.units import mm
-from ...making.assembly import Assembly, BaseStock
+from ...making.assembly import BaseStock
 from ...making.motors import (
     MOTORS,
     MotorKey,
@@ -28,12 +28,11 @@ from ...making.motors import (
 )
 from ...model.check import Check
 from ...model.motor import RPM, Motor, MotorDuty, RotatingBody
-from ...model.part import Part
 from ...model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle
 from ...model.table import Table
 from ...plane.vec import Real
 from ...recipe.aspect import AbstractAspect
-from ...recipe.composed import AbstractComposedRecipe
+from ...recipe.composed import AbstractPlatesRecipe
 from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Files
 from ..drive import LoopDrive, LoopTensions, Pulley, loop_drive
@@ -57,17 +56,7 @@ ARROW = 0.3
 
 @record(checked=True)
 class Belt:
-    """A timing belt.
-
-    Parameters
-    ----------
-    profile : str
-        Profile of belt and pulleys.
-    width : float, optional
-        Width of the belt, mm.
-    teeth : int, optional
-        Number of teeth of the closed belt; if omitted, the number with which the last pulley moves least.
-    """
+    """A timing belt."""
 
     profile: Literal["GT2-2M", "GT2-3M", "HTD-3M", "HTD-5M", "HTD-8M", "T2.5", "T5", "T10", "MXL", "XL"] = entry(
         "profile of belt and pulleys", default="GT2-2M"
@@ -81,15 +70,7 @@ class Belt:
 
 @record(checked=True)
 class Chain:
-    """A roller chain.
-
-    Parameters
-    ----------
-    profile : str
-        Chain by ISO 606 or ASME B29.1.
-    links : int, optional
-        Number of links of the closed chain, even; if omitted, the number with which the last sprocket moves least.
-    """
+    """A roller chain."""
 
     profile: Literal["04B", "05B", "06B", "08B", "25", "35", "40"] = entry(
         "chain by ISO 606 or, with two digits alone, ASME B29.1", default="06B"
@@ -110,21 +91,7 @@ Torque = Annotated[float, between(0, 1e12)]
 
 @record(checked=True, kw_only=True)
 class LoopLoads:
-    """Torques against which the driven wheels turn.
-
-    Parameters
-    ----------
-    torques_n_mm : tuple of float
-        Torque against the rotation of each toothed wheel after the driver, in order, N mm.
-    slack_tension_n : float, optional
-        Tension of the slack strand, N; by default a quarter of the pull for a belt, 0 for a chain.
-    allowed_tension_n : float, optional
-        Tension that belt or chain carries, from its maker, N; not checked if omitted.
-    speed_rpm : float, optional
-        Speed of the driver, rpm; in a machine that of the machine.
-    motor : Motor, optional
-        Motor on the driver's shaft; by default the mounted one, or the lightest that suffices.
-    """
+    """Torques against which the driven wheels turn."""
 
     torques_n_mm: tuple[Torque, ...] = entry(
         "torque against the rotation of each toothed wheel after the driver, in order",
@@ -160,9 +127,12 @@ class LoopAdditions(Additions):
             yield {f"{key}[{len(recipe.given_wheels)}]": idler}
 
 
-class AbstractLoopRecipe(AbstractComposedRecipe):
+class AbstractLoopRecipe(AbstractPlatesRecipe):
     """Base class of recipes of a loop round toothed wheels."""
 
+    without_loads: ClassVar[str] = (
+        "Wheels are balanced about their axes; tensions and shaft loads are computed with the table loads."
+    )
     additions: ClassVar[Additions] = LoopAdditions(("stock.motor",))
     # Key of the belt or chain, of the wheels, and of the number of teeth or links; step of this number.
     loop_name: ClassVar[str]
@@ -183,10 +153,6 @@ class AbstractLoopRecipe(AbstractComposedRecipe):
         self.plates.check()
         for aspect in self.aspects:
             aspect.check()
-
-    @property
-    def made(self) -> Self:
-        return self
 
     @property
     def _given(self) -> Any:
@@ -220,15 +186,6 @@ class AbstractLoopRecipe(AbstractComposedRecipe):
         """Stocks of the wheels and the plate that holds them."""
         stocks = self.stock, self.first_stock, self.base
         return LoopPlates(self.design, *stocks, self.loop_name, self.wheels_key, self.loop_item)
-
-    @cached_property
-    def parts(self) -> tuple[Part, ...]:
-        return self.plates.parts
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """Shafts, collars, the belt or chain, and the steps of assembly."""
-        return self.plates.assembly
 
     @property
     def own_table(self) -> Table:
@@ -291,12 +248,6 @@ class AbstractLoopRecipe(AbstractComposedRecipe):
             f"{last} at x {mm(axis.real + 0.0):.6g}, y {mm(axis.imag + 0.0):.6g}{moved}",
             *((f"torque on the driver {loads.tensions.driver_torque:.4g} N mm",) if loads else ()),
         )
-
-    @property
-    def forces_missing(self) -> str:
-        if self.aspect("loads"):
-            return ""
-        return "Wheels are balanced about their axes; tensions and shaft loads are computed with the table loads."
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
@@ -427,23 +378,6 @@ class BeltDriveRecipe(AbstractLoopRecipe):
     """A timing belt round toothed pulleys and idlers: pulleys with flanges, and the plate that holds their shafts.
 
     The last pulley is moved on its line from the first one, so that the belt fits.
-
-    Parameters
-    ----------
-    belt : Belt
-        Profile, width and teeth of the belt.
-    pulleys : tuple of Pulley
-        The pulleys in the order in which the belt passes them counterclockwise, the driver first.
-    stock : PulleyStock, optional
-        Sheet, bore and flanges of all pulleys.
-    first_stock : PulleyStock, optional
-        Those of the driver, if different.
-    base : BaseStock, optional
-        The plate that holds the shafts.
-    loads : LoopLoads, optional
-        Torques on the driven pulleys, for tensions and shaft loads.
-    files : Files, optional
-        Formats and tolerance of the files.
     """
 
     loop_name, wheels_key, count_word, slack_share = "belt", "pulleys", "teeth", SLACK_SHARE
@@ -488,23 +422,6 @@ class ChainDriveRecipe(AbstractLoopRecipe):
     """A roller chain round sprockets by ISO 606: sprockets, and the plate that holds their shafts.
 
     The last sprocket is moved on its line from the first one, so that the chain fits.
-
-    Parameters
-    ----------
-    chain : Chain
-        Profile and links of the chain.
-    sprockets : tuple of Pulley
-        The sprockets in the order in which the chain passes them counterclockwise, the driver first.
-    stock : SprocketStock, optional
-        Sheet and bore of all sprockets.
-    first_stock : SprocketStock, optional
-        Those of the driver, if different.
-    base : BaseStock, optional
-        The plate that holds the shafts.
-    loads : LoopLoads, optional
-        Torques on the driven sprockets, for tensions and shaft loads.
-    files : Files, optional
-        Formats and tolerance of the files.
     """
 
     loop_name, wheels_key, count_word, count_step = "chain", "sprockets", "links", 2

@@ -15,7 +15,7 @@ from ...making.assembly import Assembly, BaseStock
 from ...making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
 from ...model.check import Check, Suggestion
 from ...model.material import Mass, Material
-from ...model.motor import Motor, MotorDuty, root_mean_square
+from ...model.motor import Motor, MotorDuty, effective_value
 from ...model.part import Part
 from ...model.scene import Limit, Plot, Scene, SceneMark, drawn_at
 from ...model.table import Column, Table
@@ -335,7 +335,7 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
         peak, at = self.peak_torque
         if np.isfinite(peak):
             size = float(self.forces_at(np.radians([at])).torque[0])
-            rms = to_digits(root_mean_square(torque, self.angles))
+            rms = to_digits(effective_value(torque, self.angles))
             result["camshaft_torque_N_mm"] = {"peak": to_digits(size), "peak_at_deg": to_digits(at, 5), "rms": rms}
         for name, values, ends in (
             ("contact_force_N", self.contact, ("least", "largest")),

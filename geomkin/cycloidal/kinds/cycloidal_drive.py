@@ -13,18 +13,17 @@ import numpy as np
 from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import mm
-from ...making.assembly import Assembly, BaseStock
+from ...making.assembly import BaseStock
 from ...making.materials import MATERIALS
 from ...model.check import Check
 from ...model.material import hertz_pressure
 from ...model.motor import RotatingBody
-from ...model.part import Part
 from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, point_handle
 from ...model.table import Column, Table
 from ...plane.primitives import Circle
-from ...plane.vec import Real
+from ...plane.vec import Real, spaced_directions
 from ...recipe.aspect import AbstractAspect
-from ...recipe.composed import AbstractComposedRecipe
+from ...recipe.composed import AbstractPlatesRecipe
 from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Drive, Files
 from ..drive import CycloidalDrive
@@ -44,13 +43,7 @@ POSITIONS = 200
 
 @record(checked=True, kw_only=True)
 class CycloidalLoads:
-    """Torque of the output.
-
-    Parameters
-    ----------
-    torque_n_mm : float
-        Torque against the rotation of the output, N mm.
-    """
+    """Torque of the output."""
 
     torque_n_mm: float = quantity(
         "torque against the rotation of the output", "N mm", above=0, at_most=1e12, example=2000
@@ -58,25 +51,12 @@ class CycloidalLoads:
 
 
 @record(kw_only=True)
-class CycloidalDriveRecipe(AbstractComposedRecipe):
-    """A cycloidal drive: a disc of lobes on an eccentric that rolls in a ring of pins, and turns an output slowly back.
+class CycloidalDriveRecipe(AbstractPlatesRecipe):
+    """A cycloidal drive: a disc of lobes on an eccentric that rolls in a ring of pins and turns an output slowly."""
 
-    Parameters
-    ----------
-    cycloidal : CycloidalDrive
-        Pins, eccentricity, discs and output pins.
-    drive : Drive, optional
-        How the input turns.
-    loads : CycloidalLoads, optional
-        Torque of the output, for the forces of the pins.
-    stock : CycloidalStock, optional
-        Sheet, bore of the eccentric, and motor.
-    base : BaseStock, optional
-        The plate that holds the ring of pins.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
-
+    without_loads: ClassVar[str] = (
+        "The forces of the pins and the torque on the input are computed with the table loads."
+    )
     can_be_scaled: ClassVar[bool] = True
 
     kind: Literal["cycloidal-drive"] = "cycloidal-drive"
@@ -93,10 +73,6 @@ class CycloidalDriveRecipe(AbstractComposedRecipe):
             aspect.check()
 
     @property
-    def made(self) -> CycloidalDriveRecipe:
-        return self
-
-    @property
     def design(self) -> CycloidalDrive:
         return self.cycloidal
 
@@ -104,15 +80,6 @@ class CycloidalDriveRecipe(AbstractComposedRecipe):
     def plates(self) -> CycloidalPlates:
         """The plates and the pins between them."""
         return CycloidalPlates(self.cycloidal, self.stock, self.base)
-
-    @property
-    def parts(self) -> tuple[Part, ...]:
-        return self.plates.parts
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """Shaft, pins, glue, and the steps of assembly."""
-        return self.plates.assembly
 
     def columns(self, turn: Real) -> Iterator[Column]:
         """Rotations of input and output, deg, at rotations of the input, rad."""
@@ -136,16 +103,14 @@ class CycloidalDriveRecipe(AbstractComposedRecipe):
 
     def _scene(self, turn: Real, time: Real) -> Scene:
         drive, still = self.cycloidal, turn * 0j
-        table = Table(tuple(self.columns(turn)))
-        for aspect in self.aspects:
-            table = Table((*table.columns, *aspect.columns(table)))
+        table = self.with_aspects(Table(tuple(self.columns(turn))))
         ring = SceneCurve(Circle(0j, drive.circle / 2), "construction", "circle of the pins")
         rolling = drive.eccentricity * drive.pins
         pitch = SceneCurve(Circle(0j, rolling), "pitch", "pitch circle of the ring")
         own = SceneCurve(Circle(0j, rolling - drive.eccentricity), "pitch", "pitch circle of the disc", "disc")
-        places = drive.circle / 2 * np.exp(2j * np.pi * np.arange(drive.pins) / drive.pins)
+        places = drive.circle / 2 * spaced_directions(drive.pins)
         rows = [("contact", still + z, drive.pin) for z in places]
-        outputs = drive.output_circle / 2 * np.exp(2j * np.pi * np.arange(drive.output_pins) / drive.output_pins)
+        outputs = drive.output_circle / 2 * spaced_directions(drive.output_pins)
         rows += [("contact", np.exp(-1j * turn / drive.lobes) * z, drive.output_pin) for z in outputs]
         marks = [
             SceneMark("circle", place, "contact", "pin", radius=np.full(turn.shape, diameter / 2))
@@ -202,12 +167,6 @@ class CycloidalDriveRecipe(AbstractComposedRecipe):
             f"{drive.lobes} turns of the input turn the output once, the other way",
             f"pins may be {mm(2 * room):.4g} thicker until the profile is undercut",
         )
-
-    @property
-    def forces_missing(self) -> str:
-        if self.aspect("loads"):
-            return ""
-        return "The forces of the pins and the torque on the input are computed with the table loads."
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:

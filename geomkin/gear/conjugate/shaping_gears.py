@@ -17,7 +17,7 @@ from ...plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ...plane.flatten import direction, flatten
 from ...plane.joined import Path, PolarArray, Spline
 from ...plane.primitives import Arc, Circle, Segment
-from ...plane.vec import Pose
+from ...plane.vec import Pose, spaced_directions
 from ..contract import AbstractGear, AbstractShaper
 from ..cutters import Settled, diametral_pitch, module, settle_module
 from ..spur import toothed
@@ -438,7 +438,7 @@ class LanternPinion(AbstractShaper):
     @property
     def circles(self) -> tuple[Circle, ...]:
         """The circles of all pins, mm."""
-        places = 1j * self.pitch_radius * np.exp(2j * np.pi * np.arange(self.pins) / self.pins)
+        places = 1j * self.pitch_radius * spaced_directions(self.pins)
         return tuple(Circle(complex(z), self.pin_diameter / 2) for z in places)
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -53,10 +53,6 @@ class AbstractLoadedRecipe(AbstractComposedRecipe):
 
     # Why there are no forces without loads.
     without_loads: ClassVar[str] = ONLY_WITH_LOADS
-
-    @property
-    def made(self) -> Self:
-        return self
 
     @abstractmethod
     def loaded(self, loads: Any) -> LoadedMeshes | None:

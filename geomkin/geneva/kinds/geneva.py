@@ -10,19 +10,18 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
+from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import mm
-from ...making.assembly import Assembly, BaseStock
+from ...making.assembly import BaseStock
 from ...model.check import Check
 from ...model.motor import RotatingBody
-from ...model.part import Part
 from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, point_handle
 from ...model.table import Column, Table
 from ...plane.primitives import Circle
 from ...plane.vec import Real
 from ...recipe.aspect import AbstractAspect
-from ...recipe.composed import AbstractComposedRecipe
+from ...recipe.composed import AbstractPlatesRecipe
 from ...recipe.recipe import assembly_summary
 from ...recipe.settings import Drive, Files
 from ..parts import GenevaPlates, GenevaStock
@@ -38,17 +37,7 @@ FRAMES_PER_TURN, FRAMES = 90, 360
 
 @record(checked=True, kw_only=True)
 class GenevaLoads:
-    """What the wheel turns.
-
-    Parameters
-    ----------
-    torque_n_mm : float, optional
-        Torque against its rotation while it moves, N mm.
-    inertia_kg_mm2 : float, optional
-        Moment of inertia of what turns with it, besides the plate itself, kg mm2.
-    allowed_force_n : float, optional
-        Force that a pin carries, N; not checked if omitted.
-    """
+    """What the wheel turns."""
 
     torque_n_mm: float = quantity(
         "torque against the rotation of the wheel while it moves", "N mm", default=0.0, at_least=0, at_most=FARTHEST,
@@ -64,25 +53,12 @@ class GenevaLoads:
 
 
 @record(kw_only=True)
-class GenevaRecipe(AbstractComposedRecipe):
-    """A Geneva drive: a crank whose pins turn a slotted wheel by steps, and a disc that locks the wheel between them.
+class GenevaRecipe(AbstractPlatesRecipe):
+    """A Geneva drive: a crank whose pins turn a slotted wheel by steps, and a disc that locks it between them."""
 
-    Parameters
-    ----------
-    geneva : GenevaWheel
-        Distance, slots or share of dwell, pins and clearances.
-    drive : Drive, optional
-        How the crank turns.
-    loads : GenevaLoads, optional
-        What the wheel turns, for the force on the pins and the torque on the crank.
-    stock : GenevaStock, optional
-        Sheet, bores and motor, and the pins of the crank.
-    base : BaseStock, optional
-        The plate that holds the shafts.
-    files : Files, optional
-        Formats and tolerance of the files.
-    """
-
+    without_loads: ClassVar[str] = (
+        "The force on the pins and the torque on the crank are computed with the table loads."
+    )
     can_be_scaled: ClassVar[bool] = True
 
     kind: Literal["geneva"] = "geneva"
@@ -102,10 +78,6 @@ class GenevaRecipe(AbstractComposedRecipe):
             aspect.check()
 
     @property
-    def made(self) -> GenevaRecipe:
-        return self
-
-    @property
     def design(self) -> GenevaWheel:
         return self.geneva
 
@@ -113,15 +85,6 @@ class GenevaRecipe(AbstractComposedRecipe):
     def plates(self) -> GenevaPlates:
         """The plates and their shafts."""
         return GenevaPlates(self.geneva, self.stock, self.base)
-
-    @property
-    def parts(self) -> tuple[Part, ...]:
-        return self.plates.parts
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """Shafts, collars, pins and rollers, and the steps of assembly."""
-        return self.plates.assembly
 
     @property
     def rates(self) -> tuple[float, float]:
@@ -163,9 +126,7 @@ class GenevaRecipe(AbstractComposedRecipe):
 
     def _scene(self, turn: Real, time: Real) -> Scene:
         wheel, still = self.geneva, turn * 0j
-        table = Table(tuple(self.columns(turn)))
-        for aspect in self.aspects:
-            table = Table((*table.columns, *aspect.columns(table)))
+        table = self.with_aspects(Table(tuple(self.columns(turn))))
         path = SceneCurve(Circle(0j, wheel.crank_radius), "construction", "path of the pins")
         size = dimension(0j, wheel.distance + 0j, f"{mm(wheel.distance):.5g} distance of the axes")
         direction = self.plates.crank_direction(turn)
@@ -197,7 +158,7 @@ class GenevaRecipe(AbstractComposedRecipe):
     def own_checks(self) -> tuple[Check, ...]:
         wheel, room = self.geneva, self.plates.arm_room
         play = float(np.degrees(wheel.lock_play))
-        smaller = rounded_down(wheel.clearance * MOST_PLAY / play, 3) if play else "0"
+        most = wheel.clearance * MOST_PLAY / play if play else wheel.clearance
         return (
             Check(
                 "indexing_acceleration", "largest acceleration of the wheel, over the square of the crank's speed",
@@ -205,7 +166,7 @@ class GenevaRecipe(AbstractComposedRecipe):
             ),
             Check(
                 "lock_play", "play of the locked wheel to either side", play, "at most", MOST_PLAY, "deg",
-                f"give a geneva.clearance of at most {mm(float(smaller)):g}",
+                f"give a geneva.clearance of at most {mm(most):down}",
             ),
             Check(
                 "arm_room", "distance of the crank from the collar on the wheel's shaft", room, "at least", 0, "mm",
@@ -240,12 +201,6 @@ class GenevaRecipe(AbstractComposedRecipe):
             f"wheel over crank: speed up to {velocity:.4g}, acceleration up to {acceleration:.4g} and a jump of "
             f"{entry_jump:.4g} as a pin enters, over the square of the crank's speed",
         )
-
-    @property
-    def forces_missing(self) -> str:
-        if self.aspect("loads"):
-            return ""
-        return "The force on the pins and the torque on the crank are computed with the table loads."
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:

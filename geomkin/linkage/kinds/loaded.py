@@ -21,7 +21,7 @@ from ...making.motors import (
     smallest_motor,
 )
 from ...model.check import Check
-from ...model.motor import Motor, MotorDuty, root_mean_square
+from ...model.motor import Motor, MotorDuty, effective_value
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
 from ...plane.vec import Real, without_rounding
@@ -277,7 +277,7 @@ class LoadsAspect(AbstractLinkageForces):
                 result[key] = {
                     "peak": to_digits(np.copysign(peak, at_frames[nearest])),
                     f"peak_at_{unit}": to_digits(in_driver_unit(motion, drive), 6),
-                    "rms": to_digits(root_mean_square(values, self.dense[0].drive)),
+                    "rms": to_digits(effective_value(values, self.dense[0].drive)),
                 }
         result["largest_pin_force_N"] = {
             pin: to_digits(self.peaks[pin][0]) for pin in self.linkage.pins if np.isfinite(self.peaks[pin][0])

@@ -18,7 +18,7 @@ from ...model.part import HoleFit, Part
 from ...plane.curve import AbstractCurve
 from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
-from ...plane.vec import Complex, Mask, cross
+from ...plane.vec import Complex, Mask, cross, spaced_directions
 from ..assembly_failures import assembly_error
 from ..dynamics.wrenches import known_place
 from ..joints.joint import AbstractJoint
@@ -32,7 +32,7 @@ from .stock import LinkAttachment, LinkStock
 # lets the plate tilt and jam.
 APART = 2.0
 # Directions of the corners by which an outline goes round a wide hole; each is rounded with half of the bar's width.
-CIRCLE = np.exp(2j * np.pi * np.arange(16) / 16)
+CIRCLE = spaced_directions(16)
 
 
 Opening = Sequence[complex]
