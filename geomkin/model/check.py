@@ -5,16 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isfinite, isnan
+from math import isnan
 from typing import Annotated, Literal
 
-from ..core.arguments import REAL, ArgumentType
+from ..core.arguments import LARGEST, REAL, ArgumentType
 from ..core.errors import harmless
 from ..core.fields import to_digits
 from ..core.records import record
 from ..core.reprs import clipped
 from ..core.units import as_sentences
-from ..plane.vec import rounded, without_rounding
+from ..plane.vec import NOTHING, rounded
 
 # May be nan or infinite.
 AnyNumber = Annotated[
@@ -83,7 +83,7 @@ class Check:
 
     def __post_init__(self) -> None:
         as_sentences(self, "name", "advice")
-        if self.value and isfinite(self.limit) and not without_rounding(self.value, abs(self.limit)):
+        if self.value and abs(self.limit) < LARGEST and abs(self.value) <= NOTHING * abs(self.limit):
             object.__setattr__(self, "value", 0.0)
 
     @property

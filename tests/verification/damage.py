@@ -6,6 +6,7 @@ import json
 import re
 import struct
 import zipfile
+from importlib.util import find_spec
 
 import geomkin as gk
 from geomkin.export.formats import WRITERS
@@ -71,8 +72,10 @@ def wrong(folder):
 def made_in_every_format(recipe, name, out):
     """Make a recipe in every format that its kind has; its folder."""
     scene = [name for name in WRITERS if WRITERS[name].needs == "scene"]
+    # Formats of an extra are made where it is installed.
+    missing = [name for name in WRITERS if not all(map(find_spec, WRITERS[name].packages))]
     for dropped in ([], ["step"], scene, [*scene, "step"], [*scene, "step", "csv"]):
-        write = [name for name in WRITERS if name not in dropped]
+        write = [name for name in WRITERS if name not in [*dropped, *missing]]
         try:
             gk.make(gk.load({**recipe, "files": {**recipe.get("files", {}), "write": write}}).with_name(name), out)
         except gk.GeomkinError:
@@ -338,8 +341,23 @@ def package(content, rng):
     return stream.getvalue(), order
 
 
-TEXTS = {".svg": xml, ".html": xml, ".dxf": dxf, ".step": step, ".json": js, ".csv": cells, ".toml": lines}
-BINARY = {".stl": stl, ".glb": glb, ".3mf": package}
+def one_byte(content, rng):
+    """One byte of a file."""
+    k = rng.randrange(len(content))
+    return content[:k] + bytes([content[k] ^ 1]) + content[k + 1 :], f"byte {k}"
+
+
+TEXTS = {
+    ".svg": xml,
+    ".html": xml,
+    ".dxf": dxf,
+    ".step": step,
+    ".json": js,
+    ".csv": cells,
+    ".toml": lines,
+    ".md": lines,
+}
+BINARY = {".stl": stl, ".glb": glb, ".3mf": package, ".pdf": one_byte}
 
 
 def damaged(path, rng):
