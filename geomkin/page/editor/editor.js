@@ -266,6 +266,7 @@ class Editor {
       // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
       if (reply && texts === this.texts) await this.show(reply, change.set ?? {});
+      else if (!reply && !this.queued) this.announce("The search was stopped, and the recipe is as before");
     } catch (error) { if (texts === this.texts) this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
