@@ -119,7 +119,7 @@ class Planner:
 
     def slide(self, slider: Slider, body: str, sense: int = 1) -> None:
         """Place a body of known direction by the driven slider, relative to the slider's other body."""
-        other = _other(slider, body)
+        other = _other_body(slider, body)
         local, through, direction = _stroke_line(slider, other)
         self.placements.append(PrismaticInput(body, local, Anchor(other, through), SlideAxis(other, sense * direction)))
         self.placed.add(body)
@@ -339,7 +339,9 @@ class Planner:
         return ActuatorBar(start, _stroke_line(self.actuator, end)[2])
 
     def rails_to_placed(self, body: str) -> list[AbstractSlide]:
-        return [slide for slide in self.linkage.slides if body in slide.bodies and _other(slide, body) in self.placed]
+        return [
+            slide for slide in self.linkage.slides if body in slide.bodies and _other_body(slide, body) in self.placed
+        ]
 
     def inner_pins(self, one: str, two: str) -> list[tuple[str, tuple[str, str], Arms]]:
         """Connections from `one` to `two` over pins that are not placed yet: name, the two pins, arms between them.
@@ -365,17 +367,17 @@ class Planner:
         # The line of a slot turns with the body of the slot alone.
         if not isinstance(slide, Slider):
             return SlideAxis(slide.along, slide.direction)
-        other = _other(slide, body)
+        other = _other_body(slide, body)
         return SlideAxis(other, _line_on(slide, other)[2])
 
     def start(self, slider: AbstractSlide, body: str, arms: Arms) -> Anchor:
         """Position of the body's origin, plus `arms`, when the body's point is at the rail's own point."""
-        other = _other(slider, body)
+        other = _other_body(slider, body)
         local, through = _points_on(slider, other)
         return Anchor(other, through, ((body, -local), *arms))
 
 
-def _other(slider: AbstractSlide, body: str) -> str:
+def _other_body(slider: AbstractSlide, body: str) -> str:
     return slider.along if body == slider.body else slider.body
 
 

@@ -155,7 +155,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
             aspect.check()
 
     @property
-    def _given(self) -> Any:
+    def _loop_table(self) -> Any:
         """The table of the belt or chain."""
         return getattr(self, self.loop_name)
 
@@ -167,7 +167,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     @property
     def profile(self) -> AbstractProfile:
         """Sizes of the belt or chain."""
-        return PROFILES[self._given.profile]
+        return PROFILES[self._loop_table.profile]
 
     @property
     @abstractmethod
@@ -178,7 +178,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     def design(self) -> LoopDrive:
         """The wheels in their places, and the loop that fits."""
         keys = self.wheels_key, f"{self.loop_name}.{self.count_word}"
-        count, flange = getattr(self._given, self.count_word), self.stock.flange_height
+        count, flange = getattr(self._loop_table, self.count_word), self.stock.flange_height
         return loop_drive(self.profile, self.given_wheels, count, self.count_step, flange, keys)
 
     @property
