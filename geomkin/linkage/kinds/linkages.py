@@ -29,6 +29,7 @@ from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
 from ..motion import motion_table
 from ..parts.counterweight_plates import RoundEnd
+from ..parts.flywheel import Flywheel
 from ..parts.layers import passed_attachments
 from ..parts.stack import MOTOR_PLATE
 from ..parts.stock import LinkStock
@@ -118,12 +119,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         branch, given = branch_of(self.branch, self.branches), partial(getattr, self)
         columns = given("coefficients", False), given("effective_components", False)
         driven = (self.linkage, branch, self.input_range, self.setting, *columns, UNITS[self.units])
-        made = MadeLinkage(*driven, self.stock, given("copies", ()), given("foot", None), self._round_ends)
+        plates = given("copies", ()), given("foot", None), self._round_ends, self._flywheel
+        made = MadeLinkage(*driven, self.stock, *plates)
         loads = given("loads", None)
         return replace(made, given_masses=loads.given_masses, carried=loads.carried) if loads else made
 
     def _round_ends(self) -> dict[str, RoundEnd]:
         return {body: end for aspect in self.aspects for body, end in aspect.round_ends.items()}
+
+    def _flywheel(self) -> Flywheel | None:
+        return next((wheel for aspect in self.aspects if (wheel := aspect.flywheel)), None)
 
     @property
     def assembly(self) -> MadeLinkage:
@@ -171,10 +176,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         stock, stack, linkage = self.stock, self.made.stack, self.linkage.linkage
         if stock.motor is not None:
             crank, pivot = linkage.driver, complex(linkage.bodies[linkage.driver][str(linkage.driver_pivot)])
-            layer = next(layer for name, layer in stack.layers.items() if stack.plates[name].body == crank)
+            layers = [layer for name, layer in stack.layers.items() if stack.plates[name].body == crank]
             attached = (item for item, middle in stack.plates[crank].attached if are_equal(middle, pivot))
-            below = (layer + stack.motor_plates) * stock.thickness
-            yield engagement_check(stock.motor, stock.thickness + hub_thickness(attached), below)
+            below = (min(layers) + stack.motor_plates) * stock.thickness
+            yield engagement_check(stock.motor, len(layers) * stock.thickness + hub_thickness(attached), below)
 
     def _attachment_check(self) -> Check:
         made = self.made

@@ -175,7 +175,7 @@ class LinkPlate:
 
     openings: by pin or point, one point, mm, for a hole, two for a slot's ends. seat: a motor's holes in it. rim:
     points of a counterweight that the outline encloses, complex mm. attached: what is screwed to it, with its middle.
-    attached_rim: points that the outline encloses round the holes of these.
+    attached_rim: points that the outline encloses round the holes of these. disc: that it is, if it is of a flywheel.
     """
 
     body: str
@@ -184,6 +184,7 @@ class LinkPlate:
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
     attached: tuple[tuple[LinkAttachment, complex], ...] = ()
     attached_rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
+    disc: Circle | None = None
 
     @property
     def centres(self) -> Complex:
@@ -195,12 +196,20 @@ class LinkPlate:
     def section_points(self) -> Complex:
         """Points between which the plate is loaded, complex mm: the same, with the middle of a counterweight."""
         holes = self.centres[: len(self.centres) - len(self.rim)]
-        return np.unique(np.append(holes, self.rim.mean()) if self.rim.size else holes)
+        return np.unique(np.append(holes, self.rim.mean()) if self.rim.size and not self.disc else holes)
 
     @property
     def hull(self) -> Complex:
         """Their convex hull, counterclockwise."""
         return np.array(convex_hull(self.centres))
+
+    def outline(self, half: float) -> AbstractCurve:
+        """The outline, at half of a bar's width, mm, round all centres."""
+        holes = [place for places in self.openings.values() for place in places]
+        disc = self.disc
+        if disc and all(abs(place - disc.centre) + half <= disc.radius for place in holes):
+            return disc
+        return rounded_hull(self.centres, half)
 
     @property
     def taken(self) -> list[list[complex]]:
@@ -272,13 +281,10 @@ class LinkPlate:
         holes += attached_holes(self.attached, stock.clearance)
         fits += (fit for item, middle in self.attached for _, fit in item.openings(middle, stock.clearance))
         hole_letters += [""] * (len(holes) - len(hole_letters))
-        outline, hole_names = (
-            rounded_hull(self.centres, stock.bar_width / 2),
-            tuple(hole_letters) if any(hole_letters) else (),
-        )
+        hole_names = tuple(hole_letters) if any(hole_letters) else ()
         return Part(
             name,
-            outline,
+            self.outline(stock.bar_width / 2),
             tuple(holes),
             stock.thickness,
             marks=self.seat.marks if self.seat else (),
@@ -313,10 +319,14 @@ class Pin:
 
 @record(eq=False)
 class LinkAssembly:
-    """Plates by name, in the order of the linkage's bodies, and the pins that join them."""
+    """Plates by name, in the order of the linkage's bodies, and the pins that join them.
+
+    pack: plates that lie on one another, without others between them.
+    """
 
     plates: Mapping[str, LinkPlate]
     pins: tuple[Pin, ...]
+    pack: tuple[str, ...] = ()
 
 
 def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:

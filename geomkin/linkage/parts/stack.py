@@ -250,14 +250,14 @@ class Stack:
 
     def _on_motor(self, pin: PinSpan) -> str:
         """How the crank is fixed on a motor's shaft, the only support if layers below it are empty."""
-        low, crank = (next(name for name in pin.holes if self.layers[name] == layer) for layer in (pin.first, pin.last))
-        crossed = pin.last - pin.first - 1
-        height = f", {mm(crossed * pin.length / (crossed + 2)):.6g} above {low}" if crossed else ""
-        seat = self.plates[crank].seat
+        low, *turning = sorted(pin.holes, key=self.layers.__getitem__)
+        crossed, sheets = self.layers[turning[0]] - pin.first - 1, pin.last - pin.first + 1
+        height = f", {mm(crossed * pin.length / sheets):.6g} above {low}" if crossed else ""
+        seat = self.plates[turning[0]].seat
         fit = seat.fits[0] if seat else None
         fixed = ", flat on flat" if fit and fit.flat else ""
         fixed += "" if fit and (fit.is_press or fit.play < 0) else ", and glue it"
-        return f"{crank} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
+        return f"{', '.join(turning)} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
 
     def _uncovered_layers(self, pin: PinSpan) -> set[int]:
         """Layers that a pin crosses without a plate or spacer."""
@@ -444,6 +444,8 @@ def _order(meetings: Meetings, carried: Carried, clean: bool = True) -> Order | 
         )
         for pin in pins
     ]
+    if pack := sum(bits[name] for name in meetings.assembly.pack):
+        passing.append(Passing(pack, bottom=False, top=False, hits=sum(bits.values()) & ~pack))
     return order(meets, passing, clean)
 
 
