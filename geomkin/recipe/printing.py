@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, Literal
 
 from ..core.errors import DesignError
 from ..core.field_visitor import Number, with_numbers
-from ..core.fields import quantity
+from ..core.fields import entry, quantity
 from ..core.records import record
 from ..core.units import marked, mm
 
@@ -41,6 +41,9 @@ class Printing:
         at_least=0,
         at_most=MOST,
     )
+    pins: Literal["bought", "snap"] = entry(
+        "pins, screws and shafts that are bought, or printed pins that snap into the plates", default="bought"
+    )
 
 
 def apply_clearance(recipe: Any) -> None:
@@ -51,6 +54,9 @@ def apply_clearance(recipe: Any) -> None:
     if recipe.printing is None:
         return
     gap = recipe.printing.clearance
+    if recipe.printing.pins == "snap" and not recipe.takes_snap_pins:
+        problem = f"found snap, but a {recipe.kind} has no printed pins"
+        raise DesignError("printing.pins", problem, 'give "bought", or omit it', "conflict")
 
     def changed(number: Number) -> Any:
         if not (share := number.declared.about.get("printed", 0.0)):

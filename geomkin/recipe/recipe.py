@@ -159,6 +159,8 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     can_be_scaled: ClassVar[bool] = False
     # Whether it takes the key `workshop`; a recipe of several recipes leaves it to these.
     takes_workshop: ClassVar[bool] = True
+    # Whether its pins can be printed.
+    takes_snap_pins: ClassVar[bool] = False
     # A sentence that a template adds to the description of the kind.
     advice: ClassVar[str] = ""
     additions: ClassVar[Additions] = Additions()
@@ -166,6 +168,11 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving_picture
+
+    @property
+    def has_snap_pins(self) -> bool:
+        """Whether pins are printed."""
+        return self.printing is not None and self.printing.pins == "snap"
 
     @property
     def is_in_own_file(self) -> bool:
@@ -498,6 +505,10 @@ class AssemblyLike(Protocol):
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line each."""
 
+    @property
+    def snap_checks(self) -> tuple[Check, ...]:
+        """Checks of printed pins."""
+
 
 class AbstractAssembledRecipe(AbstractRecipe):
     """A recipe of gears or of a cam, whose items to buy and assembly steps come from one `assembly`."""
@@ -513,6 +524,8 @@ class AbstractAssembledRecipe(AbstractRecipe):
         for stock in (getattr(self, field.name) for field in dataclasses.fields(self) if is_stock(field.name)):
             if hasattr(stock, "engagement_checks"):
                 yield from stock.engagement_checks(getattr(self, "base", None) is not None)
+        if self.has_snap_pins:
+            yield from self.assembly.snap_checks
 
     @property
     def attached(self) -> Iterator[tuple[str, Any, float, int]]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, ClassVar
 
+from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
 from ...core.units import UNITS
@@ -104,10 +105,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         CopiesAspect,
     )
     additions: ClassVar[Additions] = LinkageAdditions()
+    takes_snap_pins: ClassVar[bool] = True
     stock: LinkStock
 
     def __post_init__(self) -> None:
         self.check_stroke()
+        if self.has_snap_pins and any(getattr(self, key, None) for key in ("copies", "foot")):
+            problem = "found snap, but copies share rods"
+            raise DesignError("printing.pins", problem, 'give "bought", or omit copies and foot', "conflict")
         self.input_range.check_rows(self.made.most_columns + sum(aspect.most_columns for aspect in self.aspects))
         for aspect in self.aspects:
             aspect.check()
@@ -118,7 +123,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         branch, given = branch_of(self.branch, self.branches), partial(getattr, self)
         columns = given("coefficients", False), given("effective_components", False)
         driven = (self.linkage, branch, self.input_range, self.setting, *columns, UNITS[self.units])
-        made = MadeLinkage(*driven, self.stock, given("copies", ()), given("foot", None), self._round_ends)
+        stock = self.stock.snapped if self.has_snap_pins else self.stock
+        made = MadeLinkage(*driven, stock, given("copies", ()), given("foot", None), self._round_ends)
         loads = given("loads", None)
         return replace(made, given_masses=loads.given_masses, carried=loads.carried) if loads else made
 
@@ -175,6 +181,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
             attached = (item for item, middle in stack.plates[crank].attached if are_equal(middle, pivot))
             below = (layer + stack.motor_plates) * stock.thickness
             yield engagement_check(stock.motor, stock.thickness + hub_thickness(attached), below)
+        if self.has_snap_pins:
+            yield from self.made.snap_checks
 
     def _attachment_check(self) -> Check:
         made = self.made
