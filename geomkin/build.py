@@ -213,7 +213,7 @@ def computed(
         contents = {file: content for files in written.values() for file, content in files.items()}
         found_file = {}
         if isinstance(recipe, AbstractGoal):
-            found_recipe = dataclasses.replace(recipe.design, units=recipe.units)
+            found_recipe = dataclasses.replace(recipe.design, units=recipe.units, printing=recipe.printing)
             found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
         contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
         facts, remarks = _facts(results), results.remarks
@@ -364,6 +364,8 @@ def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
         return job
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     unit, about = UNITS[source.units], ShownRecipe(source).introduction
+    if (printing := source.printing) is not None:
+        job = dataclasses.replace(job, growth=printing.growth, foot=printing.foot)
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp, unit=unit)
 
 

@@ -90,6 +90,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        self._print_mechanisms()
         names = list(self.mechanisms)
         if not 1 < len(names) <= MOST_MECHANISMS:
             raise DesignError("mechanisms", f"found {len(names)}", f"give 2 to {MOST_MECHANISMS}", "out-of-range")
@@ -116,6 +117,22 @@ class MachineRecipe(AbstractAssembledRecipe):
         if not any(isinstance(recipe, AbstractGoal) for recipe in alone(self.mechanisms).values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
+
+    def _print_mechanisms(self) -> None:
+        """Print all mechanisms as the machine is printed."""
+        printed = {}
+        for name, mechanism in self.mechanisms.items():
+            if (inner := mechanism.recipe).printing == self.printing:
+                continue
+            if self.printing is None:
+                remedy = "give the table printing of the machine, which is that of all its mechanisms"
+                raise DesignError(f"mechanisms.{name}.recipe.printing", "is given", remedy, "conflict")
+            with errors_of(name):
+                recipe = replace(inner, printing=self.printing).with_name(inner.name)
+            object.__setattr__(recipe, "loaded_table", inner.loaded_table)
+            printed[name] = replace(mechanism, recipe=recipe)
+        if printed:
+            object.__setattr__(self, "mechanisms", {**self.mechanisms, **printed})
 
     @cached_property
     def recipes(self) -> Mapping[str, AbstractRecipe]:

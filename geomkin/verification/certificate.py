@@ -296,9 +296,8 @@ class Expected:
         """The parts with their exact curves."""
         files, parts = self.recipe.files, self.recipe.parts
         numbers = range(1, len(parts) + 1) if files.labels else [0] * len(parts)
-        return tuple(
-            exact_part(part, files.kerf, files.tolerance, files.cutter, number) for part, number in zip(parts, numbers)
-        )
+        printing = self.recipe.printing
+        return tuple(exact_part(part, files, printing, number) for part, number in zip(parts, numbers))
 
     def named(self, name: str) -> ExactPart:
         """The part of this name."""

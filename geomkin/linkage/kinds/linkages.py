@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, ClassVar
 
+from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
 from ...core.units import UNITS
@@ -105,10 +106,14 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         CopiesAspect,
     )
     additions: ClassVar[Additions] = LinkageAdditions()
+    takes_snap_pins: ClassVar[bool] = True
     stock: LinkStock
 
     def __post_init__(self) -> None:
         self.check_stroke()
+        if self.has_snap_pins and any(getattr(self, key, None) for key in ("copies", "foot")):
+            problem = "found snap, but copies share rods"
+            raise DesignError("printing.pins", problem, 'give "bought", or omit copies and foot', "conflict")
         self.input_range.check_rows(self.made.most_columns + sum(aspect.most_columns for aspect in self.aspects))
         for aspect in self.aspects:
             aspect.check()
@@ -120,7 +125,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         columns = given("coefficients", False), given("effective_components", False)
         driven = (self.linkage, branch, self.input_range, self.setting, *columns, UNITS[self.units])
         plates = given("copies", ()), given("foot", None), self._round_ends, self._flywheel
-        made = MadeLinkage(*driven, self.stock, *plates)
+        made = MadeLinkage(*driven, self.stock.snapped if self.has_snap_pins else self.stock, *plates)
         loads = given("loads", None)
         return replace(made, given_masses=loads.given_masses, carried=loads.carried) if loads else made
 
@@ -180,6 +185,8 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
             attached = (item for item, middle in stack.plates[crank].attached if are_equal(middle, pivot))
             below = (min(layers) + stack.motor_plates) * stock.thickness
             yield engagement_check(stock.motor, len(layers) * stock.thickness + hub_thickness(attached), below)
+        if self.has_snap_pins:
+            yield from self.made.snap_checks
 
     def _attachment_check(self) -> Check:
         made = self.made
