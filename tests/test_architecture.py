@@ -24,7 +24,7 @@ ORDER = (
     ("synthesis",),
     ("machine",),
     ("build",),
-    ("sweeps", "tradeoff", "optimisation", "studio", "verification"),
+    ("sweeps", "tradeoff", "optimisation", "studio", "verification", "foreign"),
     ("cli",),
     ("face",),
     ("__init__", "__main__"),

@@ -1,4 +1,4 @@
-"""The commands that print or show something: check, columns, explain, list, new, schema, studio."""
+"""The commands that print or show something: check, columns, explain, import, list, new, schema, studio."""
 
 from __future__ import annotations
 
@@ -76,6 +76,20 @@ def explain(words: tuple[str, ...]) -> None:
         remedy = f"{did_you_mean(text, known)}the terms are {', '.join(TERMS)}"
         raise click.BadParameter(f"nothing is known of {printable(text)!r}; {remedy}", param_hint="ID_OR_TERM")
     click.echo("\n".join(map(harmless, found.split("\n"))))
+
+
+@click.command("import")
+@click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+def import_command(file: Path) -> None:
+    """Print a recipe with the linkage of a FILE of pylinkage, PMKS+ or Linkage.
+
+    FILE is JSON of pylinkage, a text file with a link that PMKS+ shares, or a .linkage2 file. What is not understood is
+    refused by name.
+    """
+    from ..foreign.reading import imported
+
+    with ended_if_refused(file):
+        click.echo(imported(file), nl=False)
 
 
 @click.command("list")
