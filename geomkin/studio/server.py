@@ -35,6 +35,7 @@ from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.template import template
+from .building import EMPTY
 from .edit import Draft, answer
 from .form import recipe_form
 from .workspace import BackgroundJob, ConflictError, Jobs, Workspace, join_all
@@ -57,7 +58,7 @@ AT_ONCE = 0.4
 # Seconds for which a request for changes of a file waits, and between two looks at it.
 LONGEST_WAIT, LOOK = 25.0, 0.3
 # Types of the optional parts of a request for an answer.
-REQUEST: dict[str, type] = {"set": dict, "drag": dict, "add": str, "locks": list, "lane": str}
+REQUEST: dict[str, type] = {"set": dict, "drag": dict, "build": dict, "add": str, "locks": list, "lane": str}
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors "
@@ -153,6 +154,8 @@ class Studio:
                 options = body.get("options") or []
                 if not isinstance(options, list) or not all(isinstance(option, str) for option in options):
                     raise _RefusedError(HTTPStatus.BAD_REQUEST, "options has the wrong form", "give a list of texts")
+                if body.get("kind") == "":
+                    return {"text": EMPTY}
                 return {"text": self._known_kind(body, lambda kind: template(recipe_class(kind), options))}
             case "make":
                 id, _ = self.jobs.start(partial(self._made, _text(body, "text"), _text(body, "recipe")))

@@ -146,3 +146,93 @@ def test_a_gear_pair_gets_a_given_centre_distance(hand):
     pair = mouse.saved().design
     assert pair.centre_distance == pytest.approx(wanted, abs=0.05) and pair.second.teeth > 24
     assert pair.first.module == pair.second.module == 3 and not pair.interferences
+
+
+def on_stage(page, x, y):
+    """Where a place, mm, is in the window."""
+    find = """([x, y]) => {
+        const svg = document.querySelector("#player .drawing"), box = svg.getBoundingClientRect();
+        const matrix = svg.querySelector(".world").transform.baseVal.consolidate().matrix;
+        return [box.left + matrix.e + matrix.a * x, box.top + matrix.f + matrix.d * y];
+    }"""
+    return page.evaluate(find, [x, y])
+
+
+# A Klann leg in one position, mm.
+KLANN = {
+    "O": (0, 0),
+    "upper": (-39, 75),
+    "lower": (-32, -18),
+    "crank": (7, 17),
+    "elbow": (-26, 5),
+    "hip": (-42, 35),
+    "knee": (-118, 33),
+    "foot": (-92, -65),
+}
+
+
+def middle(one, other):
+    return tuple((a + b) / 2 for a, b in zip(one, other))
+
+
+class Builder(Hand):
+    """A hand that builds a linkage."""
+
+    def count(self):
+        self.gestures += 1
+        assert self.gestures < 40
+
+    def use(self, tool, *places):
+        """Chooses a tool and clicks at places, mm."""
+        self.click(f'[data-tool="{tool}"]')
+        for place in places:
+            self.count()
+            self.page.mouse.move(*on_stage(self.page, *place))
+            self.page.mouse.click(*on_stage(self.page, *place))
+            settle(self.page)
+
+
+@pytest.fixture
+def empty_stage(studio):  # noqa: F811
+    def start(**options):
+        builder = Builder(studio("", viewport={"width": 1280, "height": 720}, **options))
+        builder.click("text=empty linkage")
+        builder.page.wait_for_selector('[data-tool="pivot"][aria-pressed="true"]')
+        return builder
+
+    return start
+
+
+def test_a_klann_leg_is_built_from_an_empty_stage(empty_stage):
+    hand = empty_stage()
+    places = KLANN
+    hand.use("pivot", places["O"], places["upper"], places["lower"])
+    hand.use("bar", places["O"], places["crank"])
+    hand.use("dyad", places["crank"], places["lower"], places["elbow"])
+    hand.use("trace", middle(places["crank"], places["elbow"]), places["hip"])
+    hand.use("dyad", places["hip"], places["upper"], places["knee"])
+    hand.use("trace", middle(places["hip"], places["knee"]), places["foot"])
+    page = hand.page
+    assert page.locator("#tools b").inner_text().startswith("1 degree of freedom")
+    hand.use("rename", places["foot"])
+    page.keyboard.type("foot")
+    hand.click("#rename-dialog button >> nth=0")
+    hand.click("#save")
+    page.keyboard.type("klann")
+    hand.click("#name-dialog button >> nth=0")
+    page.wait_for_selector("#dirty", state="hidden")
+    # The saved leg turns fully, and is that of the clicks, rounded to the grid of a pixel.
+    motion = gk.load(hand.editor.file.with_name("klann.toml")).motion
+    assert motion.assembled.all() and len(motion.linkage.bodies) == 6
+    at = {name: complex(*place) for name, place in places.items()}
+    bodies = ["crank O crank", "coupler crank elbow hip", "rocker lower elbow", "leg hip knee foot", "arm upper knee"]
+    linkage = gk.Linkage(
+        {"ground": {name: at[name] for name in ("O", "upper", "lower")}}
+        | {body: {name: at[name] for name in names} for body, *names in map(str.split, bodies)},
+        "crank",
+    )
+    apart = gk.move(linkage, motion.drive, {"elbow": -1}).point("foot").position
+    assert np.abs(motion.point("foot").position - apart).max() < 3
+    # It steps: it lifts its foot, and for a third of a turn its height hardly changes.
+    height = motion.point("foot").position.imag
+    assert np.ptp(height) > 40 and (height < height.min() + 5).mean() > 1 / 3

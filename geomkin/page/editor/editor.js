@@ -10,11 +10,14 @@ import { Handles } from "./handles.js";
 import { History } from "./history.js";
 import { Preview } from "./preview.js";
 import { finished, get, post } from "./server.js";
+import { Tools } from "./tools.js";
 
 // Time without input after which checks are requested, ms.
 const PAUSE = 150;
 // Time for which the pointer rests before a search starts, ms.
 const REST = 200;
+// Free room around a linkage that is built, as a share of its size.
+const ROOM = 0.3;
 // Largest time between presses of arrow keys on one handle that form one step of undo, ms.
 const ONE_STEP = 1000;
 const at = (id) => document.getElementById(id);
@@ -27,6 +30,7 @@ class Editor {
     Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [], checked: [] });
     this.history = new History((undo, redo) => { at("undo").disabled = !undo; at("redo").disabled = !redo; });
     this.form = new Form(at("form"), this);
+    this.tools = new Tools(at("tools"), this);
     const acts = {
       gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
@@ -35,6 +39,7 @@ class Editor {
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
     for (const button of document.querySelectorAll("[data-panel]")) button.addEventListener("click", () => this.fold(button.dataset.panel));
+    at("build").addEventListener("click", () => this.showTools(at("tools").hidden));
     at("badge").addEventListener("click", () => {
       this.fold("form", false);
       at("quantities-part").open = true;
@@ -72,6 +77,18 @@ class Editor {
     this.player?.fit(true);
   }
 
+  // Shows the tools that build a linkage, with room around it, or hides them.
+  showTools(isShown) {
+    at("tools").hidden = !isShown;
+    at("build").setAttribute("aria-pressed", isShown);
+    document.body.classList.toggle("building", isShown);
+    if (!isShown) this.tools.choose("move");
+    if (!this.player) return;
+    const [drawing] = this.player.drawings, [left, low, right, high] = drawing.bounds, free = ROOM * Math.max(right - left, high - low);
+    drawing.room = isShown ? [left - free, low - free, right + free, high + free] : null;
+    this.fold("plots", isShown);
+  }
+
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
 
   async open(recipe) {
@@ -100,6 +117,18 @@ class Editor {
   async startNew(kind) {
     const started = await this.latest(post("new", { kind }));
     if (started) this.load(started.text, "", "");
+  }
+
+  // Starts a linkage without links, with the tools that build it.
+  async startEmpty() {
+    await this.startNew("");
+    this.whenIdle(() => {
+      this.showTools(true);
+      // The sheet has room enough.
+      this.player.drawings[0].room = this.player.drawings[0].bounds;
+      this.player.fit(true);
+      this.tools.choose("pivot");
+    });
   }
 
   // The answer to a request for another text; null if another one was requested since.
@@ -150,6 +179,18 @@ class Editor {
     this.history.begin(this.text);
     this.ask({ add: key });
     this.whenIdle(() => { this.history.end(this.text); document.querySelector(`#form details[data-key^="${CSS.escape(key)}"]`)?.scrollIntoView({ block: "nearest" }); });
+  }
+
+  // Makes an edit of the linkage that is built, one after the other.
+  build(edit) {
+    this.close();
+    if (this.busy) { this.whenIdle(() => this.build(edit)); return; }
+    this.history.begin(this.text);
+    this.ask({ build: { frame: this.player.frame, step: this.handles.onDrawing.pixel, ...edit } });
+    this.whenIdle(() => {
+      this.history.end(this.text);
+      if (!this.player.drawings[0].isInside) this.player.fit(true);
+    });
   }
 
   close() {
@@ -322,7 +363,7 @@ class Editor {
     this.showProblems(reply.problems);
     this.showQuantities(reply.quantities);
     at("limit").hidden = !reply.limit;
-    at("limit").textContent = reply.limit ? `${reply.limit.reason} (${reply.limit.keys.join(", ")})` : "";
+    at("limit").textContent = reply.limit ? `${reply.limit.reason}${reply.limit.keys.length ? ` (${reply.limit.keys.join(", ")})` : ""}` : "";
     this.showState();
   }
 
@@ -335,7 +376,10 @@ class Editor {
     Object.assign(this, { kind, tables });
   }
 
-  showScene({ scene, handles, preview }) {
+  showScene(reply) {
+    const { scene, handles, preview, structure, unfinished } = reply, wasUnfinished = document.body.classList.contains("unfinished");
+    document.body.classList.toggle("unfinished", unfinished !== "");
+    at("build").hidden = !structure;
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
@@ -343,6 +387,7 @@ class Editor {
       this.handles = new Handles(this.player, this);
       this.ghost = new Ghost(this.player.drawings[0]);
       this.preview = new Preview(this.player, this.handles);
+      this.tools.mount();
     } else {
       this.player.replace(scene);
       if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }
@@ -358,6 +403,9 @@ class Editor {
     this.isJustLoaded = false;
     this.ghost.load(this.isDirty ? this.savedScene : null);
     this.showChoice(scene.choice);
+    this.tools.load(reply);
+    if (!structure && !at("tools").hidden) this.showTools(false);
+    if (wasUnfinished && structure && !unfinished && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(true);
   }
 
   // Shows the gap of a mechanism that cannot be assembled. Its values are those of the last scene and what was set since.
@@ -605,6 +653,7 @@ class Editor {
 
   key(event) {
     if (event.key === "Escape" && this.handles?.held) { this.handles.cancel(); return; }
+    if (event.key === "Escape" && !document.querySelector("dialog[open]") && this.tools.cancel()) return;
     if (!(event.ctrlKey || event.metaKey) || event.altKey || document.querySelector("dialog[open]")) return;
     const act = { s: () => this.save(), z: () => this.travel(event.shiftKey ? "redo" : "undo"), y: () => this.travel("redo") }[event.key.toLowerCase()];
     if (!act) return;
