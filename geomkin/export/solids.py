@@ -128,7 +128,7 @@ TURN = 9
 def assembly_package(job: Job) -> bytes:
     """The assembled parts, mm, z up, moved as one so that no coordinate is negative, as slicers expect."""
     _, placed = in_place(job)
-    meshes = [solid(solid_cut(placement.part, job.tolerance)) for placement in placed]
+    meshes = [solid(job.printed_cut(placement.part)) for placement in placed]
     unit = job.unit
     objects = [mesh_object(k, one.name, mesh, unit) for k, (one, mesh) in enumerate(zip(placed, meshes), 1)]
     parts = "".join(

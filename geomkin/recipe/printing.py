@@ -10,9 +10,16 @@ from ..core.field_visitor import Number, with_numbers
 from ..core.fields import entry, quantity
 from ..core.records import record
 from ..core.units import marked, mm
+from ..model.check import Check
 
 # Largest widening and chamfer of prints, mm. Nozzles are at most 2 mm wide; a larger number is a mistake of units.
 MOST = 2.0
+# Least gap of parts that are printed in place, mm: printers join what is nearer; chosen here. 0.2 is safer.
+LEAST_GAP = 0.1
+# The one assembly step.
+PRINT_IN_PLACE = (
+    "print the file of the format assembly-3mf as it is; turn the parts until they are free; supply shafts for bores"
+)
 
 
 def growth(default: float | None) -> Any:
@@ -44,6 +51,9 @@ class Printing:
     pins: Literal["bought", "snap"] = entry(
         "pins, screws and shafts that are bought, or printed pins that snap into the plates", default="bought"
     )
+    in_place: bool = entry(
+        "print the assembly in one piece, by the format assembly-3mf; its parts must not touch", default=False
+    )
 
 
 def apply_clearance(recipe: Any) -> None:
@@ -57,6 +67,12 @@ def apply_clearance(recipe: Any) -> None:
     if recipe.printing.pins == "snap" and not recipe.takes_snap_pins:
         problem = f"found snap, but a {recipe.kind} has no printed pins"
         raise DesignError("printing.pins", problem, 'give "bought", or omit it', "conflict")
+    if recipe.printing.in_place and not recipe.prints_in_place:
+        problem = f"found true, but the parts of a {recipe.kind} are not held by each other in one layer"
+        raise DesignError("printing.in_place", problem, "omit it", "conflict")
+    if recipe.printing.in_place and getattr(recipe, "base", None) is not None:
+        problem = "found true, but the gears would be printed onto a base"
+        raise DesignError("printing.in_place", problem, "omit it, or base", "conflict")
 
     def changed(number: Number) -> Any:
         if not (share := number.declared.about.get("printed", 0.0)):
@@ -76,3 +92,18 @@ def apply_clearance(recipe: Any) -> None:
             except DesignError as error:
                 problem = f"found {mm(gap):g}, with which {key}.{error.field}: {marked(error.problem)}"
                 raise DesignError("printing.clearance", problem, "give a smaller one", "conflict") from None
+
+
+def gap_check(recipe: Any) -> Check:
+    """Check of the smallest gap between the parts of an assembly that is printed in one piece, where it is printed."""
+    # Imported only if needed, since the readers of recipes need no solids.
+    from ..export.in_place_gap import smallest_gap
+    from ..export.job import Job
+    from ..export.still import in_place
+
+    files = recipe.files
+    _, placed = in_place(Job(recipe.name, recipe, files.tolerance, assembly_at=files.assembly_at))
+    gap = smallest_gap(placed, files.tolerance)
+    size, parts = (gap.size, " and ".join(gap.parts)) if gap else (float("inf"), "a single part")
+    advice = f"of {parts}: give a larger printing.clearance, and no part that lies on another, such as a carrier"
+    return Check("gap_in_place", "smallest gap of parts in place", size, "at least", LEAST_GAP, "mm", advice)

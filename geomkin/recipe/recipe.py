@@ -27,7 +27,7 @@ from ..model.scene import Candidate, Scene
 from ..model.table import Table
 from ..model.thin_features import ADVICE, beam_checks, thinnest_walls, wall_checks
 from ..plane.vec import Real
-from .printing import Printing, apply_clearance
+from .printing import PRINT_IN_PLACE, Printing, apply_clearance, gap_check
 from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable
 
@@ -159,8 +159,9 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     can_be_scaled: ClassVar[bool] = False
     # Whether it takes the key `workshop`; a recipe of several recipes leaves it to these.
     takes_workshop: ClassVar[bool] = True
-    # Whether its pins can be printed.
+    # Whether its pins can be printed, and whether it can be printed as it is assembled.
     takes_snap_pins: ClassVar[bool] = False
+    prints_in_place: ClassVar[bool] = False
     # A sentence that a template adds to the description of the kind.
     advice: ClassVar[str] = ""
     additions: ClassVar[Additions] = Additions()
@@ -173,6 +174,11 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     def has_snap_pins(self) -> bool:
         """Whether pins are printed."""
         return self.printing is not None and self.printing.pins == "snap"
+
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the assembly is printed in one piece."""
+        return self.printing is not None and self.printing.in_place
 
     @property
     def is_in_own_file(self) -> bool:
@@ -526,6 +532,8 @@ class AbstractAssembledRecipe(AbstractRecipe):
                 yield from stock.engagement_checks(getattr(self, "base", None) is not None)
         if self.has_snap_pins:
             yield from self.assembly.snap_checks
+        if self.is_in_place:
+            yield gap_check(self)
 
     @property
     def attached(self) -> Iterator[tuple[str, Any, float, int]]:
@@ -546,7 +554,7 @@ class AbstractAssembledRecipe(AbstractRecipe):
             for plate, item, sheet, count in self.attached
             for name, number in item.bill(sheet)
         )
-        return (*self.assembly.bought, *own)
+        return (*(() if self.is_in_place else self.assembly.bought), *own)
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:
@@ -554,4 +562,5 @@ class AbstractAssembledRecipe(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return (*(item.step(plate) for plate, item, *_ in self.attached), *self.assembly.steps)
+        steps = (PRINT_IN_PLACE,) if self.is_in_place else self.assembly.steps
+        return (*(item.step(plate) for plate, item, *_ in self.attached), *steps)

@@ -310,6 +310,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
 
     pair = InternalGearPair
 
+    prints_in_place: ClassVar[bool] = True
     kind: Literal["internal-gear-pair"] = "internal-gear-pair"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(18, 2))
     ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))
