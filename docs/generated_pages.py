@@ -8,8 +8,8 @@ from pathlib import Path
 from published import published_pages
 
 import geomkin as gk
-from geomkin.cli.explanations import CHECKS, TERMS
 from geomkin.core.reprs import clipped
+from geomkin.model.explanations import CHECKS, REFUSALS, TERMS
 from geomkin.recipe.kinds import all_kinds, gallery, recipe_class
 from geomkin.recipe.template import schema
 
@@ -84,7 +84,8 @@ def checks_page() -> str:
     for id, entry in CHECKS.items():
         text += f"\n({id})=\n## {entry['name']}\n\n`{id}`: {entry['meaning']}\n\n"
         text += f"- Limit: {entry['limit']}\n- Remedy: {entry['remedy']}\n"
-    return text
+    text += "\n# Refusals: why a recipe is not made\n\nThe id is in the JSON of `--json`, and in `error.problems` in Python.\n"
+    return text + "".join(f"\n## {id}\n\n{about}\n" for id, about in REFUSALS.items())
 
 
 def python_page() -> str:

@@ -74,6 +74,10 @@ class FailedChecksError(GeomkinError):
     ----------
     made : Made
         The files, and all checks.
+
+    See Also
+    --------
+    Check, make
     """
 
     def __init__(self, made: Made):
@@ -105,6 +109,10 @@ def load(source: Readable) -> AbstractRecipe:
         If a file cannot be read.
     RecipeError
         With every problem, key by key.
+
+    See Also
+    --------
+    make, edit, scaled, write
 
     Examples
     --------
@@ -158,6 +166,10 @@ def make(
         If a file cannot be written. After either error each file is the old one or the complete new one.
     FailedChecksError
         If `strict` and a check failed.
+
+    See Also
+    --------
+    load, verify, index, write, show
     """
     made, contents = computed(recipe, only)
     folder = Path(out) / made.name
@@ -249,6 +261,10 @@ def index(out: PathName = "out") -> dict[Path, int]:
     ------
     FileError
         If the folder has no recipes, has a foreign index.html, or cannot be written.
+
+    See Also
+    --------
+    make
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
@@ -297,6 +313,10 @@ def write(
         If the source has no such format.
     FileError
         If a file cannot be written. After either error each file is the old one or the complete new one.
+
+    See Also
+    --------
+    load, make
     """
     path = Path(path)
     files = source.files if isinstance(source, AbstractRecipe) else Files(labels=False)

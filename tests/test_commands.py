@@ -46,6 +46,8 @@ def lines_of(made, every=True):
     """The lines of a recipe: its checks, remarks and facts; of several recipes, without passed checks and facts."""
     passed = sum(check.passed for check in made.checks)
     checks = [f"  {'pass' if c.passed else 'FAIL'}  {c}" for c in made.checks if every or not c.passed]
+    if failed := [check.id for check in made.checks if not check.passed]:
+        checks.append(f"  more  geomkin explain {' '.join(failed[:6])}")
     remarks, facts = [f"  note  {remark}" for remark in made.remarks], [f"        {fact}" for fact in made.facts]
     return [f"{made.name}: {passed} of {len(made.checks)} checks passed", *checks, *remarks, *(facts if every else [])]
 

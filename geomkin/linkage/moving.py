@@ -443,6 +443,10 @@ def move(
     DesignError
         If an argument is not allowed, a branch names no joint or point, or the linkage is over- or under-constrained.
 
+    See Also
+    --------
+    forces, driver_limits, least_transmission_angle, CouplerCurve, Continuation
+
     Notes
     -----
     Dyads are solved in closed form, everything else by Newton's method on the loop equations. Rates follow by the chain

@@ -394,6 +394,10 @@ def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
     DesignError
         If no part has a material.
 
+    See Also
+    --------
+    Mass, forces, balance
+
     Examples
     --------
     >>> recipe = gk.load({

@@ -193,6 +193,10 @@ def verify(folder: PathName) -> list[Certificate]:
     FileError
         If there is no folder of a recipe.
 
+    See Also
+    --------
+    make
+
     Notes
     -----
     A file that is the same as the one made again, but for the last digits of its numbers, needs no other proof. The

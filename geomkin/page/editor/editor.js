@@ -472,7 +472,13 @@ class Editor {
     make(row, "th", { scope: "row" }, label);
     make(row, "td", id ? {} : { colspan: 2 }, value);
     if (id) make(row, "td", {}, check?.state ?? "");
-    if (check && check.state !== "pass") make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
+    if (!check || check.state === "pass") return;
+    const advice = make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
+    const about = Object.entries(check.about);
+    if (!about.length) return;
+    const opened = make(advice, "details", {});
+    make(opened, "summary", {}, "What it means");
+    for (const [word, text] of about) make(opened, "p", {}, `${word}: ${text}`);
   }
 
   showChecks({ checks, candidates, problems }) {

@@ -99,6 +99,10 @@ def function_generator(
     DesignError
         For a function with a pole or with equal values at both ends, or if no linkage keeps the limits.
 
+    See Also
+    --------
+    path_generator, body_guides, crank_rocker
+
     Notes
     -----
     Derived here: fits of Freudenstein's equation over a grid of start angles, and sizes spread over the allowed range,
