@@ -109,6 +109,8 @@ class Job:
         Version of the drawings to cut.
     layers : LayerStyles
         Names and colours of their layers.
+    certificate : tuple of tuple of str
+        Rows of the results of verifying the files, for the report; empty before they are verified.
     """
 
     name: str
@@ -129,6 +131,7 @@ class Job:
     tab_width: float = 0.0
     dxf_version: Literal["R2000", "R12"] = "R2000"
     layers: LayerStyles = field(default_factory=LayerStyles)
+    certificate: tuple[tuple[str, ...], ...] = ()
 
     @property
     def table(self) -> Table:
