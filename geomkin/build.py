@@ -206,9 +206,14 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
 
 
 def computed(
-    recipe: AbstractRecipe | Readable, only: Sequence[Format] | None = None
+    recipe: AbstractRecipe | Readable,
+    only: Sequence[Format] | None = None,
+    certificate: tuple[tuple[str, ...], ...] = (),
 ) -> tuple[Made, Mapping[str, bytes]]:
-    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names."""
+    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names.
+
+    certificate: rows of the results of verifying the files, for the report.
+    """
     file, recipe = _with_file(recipe)
     offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
     wanted = [name for name in offered if only is None or name in only]
@@ -219,7 +224,8 @@ def computed(
     name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
         results = ShownRecipe(recipe)
-        checks, job = results.checks, _job(name, recipe, recipe.files)
+        checks = results.checks
+        job = dataclasses.replace(_job(name, recipe, recipe.files), certificate=certificate)
         wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         contents = {file: content for files in written.values() for file, content in files.items()}
