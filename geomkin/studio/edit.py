@@ -40,6 +40,7 @@ from .building import (
     structure_data,
     unfinished,
 )
+from .strokes import drawn_recipe
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
 MOST_TRIALS = 40
@@ -306,7 +307,8 @@ def answer(
         Texts of the files that it names.
     request : mapping
         `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `build`, an
-        edit as `built` takes it; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
+        edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`; or `drag`, with
+        `handle`, `to`, `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -356,6 +358,8 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
                 draft.text = reply["text"] = built(draft, edit)
             except DesignError as error:
                 reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
+        if stroke := request.get("draw"):
+            draft.text = reply["text"] = _drawn(draft, stroke)
         if request.get("drag"):
             _drag(draft, request["drag"], request.get("locks") or (), reply)
             draft.text = reply["text"]
@@ -411,6 +415,17 @@ def _unfinished(draft: Draft, is_checks: bool, reply: Answer) -> None:
     else:
         reply["scene"] = scene_data(drawn(structure, scale), name, unit)
         reply["quantities"] = [{"id": "", "label": "degrees of freedom", "text": str(structure.freedom)}]
+
+
+def _drawn(draft: Draft, stroke: Mapping[str, Any]) -> str:
+    """The text of a recipe that follows a stroke."""
+    try:
+        table = draft.table()
+    except GeomkinError:
+        table = {}
+    kind, units = table.get("kind"), table.get("units")
+    known = units if isinstance(units, str) and units in UNITS else MM.name
+    return drawn_recipe(draft.text, str(kind), known, stroke.get("points"), stroke.get("bars", 6))
 
 
 def built(draft: Draft, edit: Mapping[str, Any]) -> str:

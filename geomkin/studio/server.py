@@ -38,6 +38,7 @@ from ..recipe.template import template
 from .building import EMPTY
 from .edit import Draft, answer
 from .form import recipe_form
+from .strokes import known_linkages
 from .workspace import BackgroundJob, ConflictError, Jobs, Workspace, join_all
 
 HOST = "127.0.0.1"
@@ -58,7 +59,15 @@ AT_ONCE = 0.4
 # Seconds for which a request for changes of a file waits, and between two looks at it.
 LONGEST_WAIT, LOOK = 25.0, 0.3
 # Types of the optional parts of a request for an answer.
-REQUEST: dict[str, type] = {"set": dict, "drag": dict, "build": dict, "add": str, "locks": list, "lane": str}
+REQUEST: dict[str, type] = {
+    "set": dict,
+    "drag": dict,
+    "build": dict,
+    "draw": dict,
+    "add": str,
+    "locks": list,
+    "lane": str,
+}
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors "
@@ -157,6 +166,8 @@ class Studio:
                 if body.get("kind") == "":
                     return {"text": EMPTY}
                 return {"text": self._known_kind(body, lambda kind: template(recipe_class(kind), options))}
+            case "nearest":
+                return {"known": known_linkages(body.get("points"))}
             case "make":
                 id, _ = self.jobs.start(partial(self._made, _text(body, "text"), _text(body, "recipe")))
                 return {"job": id}
@@ -182,7 +193,7 @@ class Studio:
         if not all(isinstance(key, str) for key in body.get("locks") or ()):
             raise _RefusedError(HTTPStatus.BAD_REQUEST, "locks has the wrong form", "give keys")
         work = partial(self._answered, text, self.workspace.files_of(text), dict(body), name)
-        if not _is_search(text):
+        if not (_is_search(text) or body.get("draw")):
             return work()
         is_check = body.get("lane") == "checks"
         with self._lock:

@@ -236,3 +236,58 @@ def test_a_klann_leg_is_built_from_an_empty_stage(empty_stage):
     # It steps: it lifts its foot, and for a third of a turn its height hardly changes.
     height = motion.point("foot").position.imag
     assert np.ptp(height) > 40 and (height < height.min() + 5).mean() > 1 / 3
+
+
+def heart(share):
+    turn = 2 * np.pi * share
+    place = 32 * np.sin(turn) ** 3 + 2j * sum(a * np.cos(k * turn) for k, a in enumerate((13, -5, -2, -1), 1))
+    return place.real, place.imag
+
+
+def test_a_drawn_heart_gets_a_linkage(empty_stage):
+    hand = empty_stage()
+    page = hand.page
+    hand.click('[data-tool="path"]')
+    hand.count()
+    page.mouse.move(*on_stage(page, *heart(0)))
+    page.mouse.down()
+    for k in range(1, 73):
+        page.mouse.move(*on_stage(page, *heart(k / 72)))
+    page.mouse.up()
+    # Known linkages appear before the search has ended; its result is then shown.
+    page.wait_for_selector("#known button", timeout=60_000)
+    page.wait_for_selector("body:not(.unchecked) #candidates button", timeout=200_000)
+    assert page.locator("#known button").count() >= 4 and page.locator("#tools [data-tool=bar]").is_hidden()
+    hand.click("#save")
+    page.keyboard.type("heart")
+    hand.click("#name-dialog button >> nth=0")
+    page.wait_for_selector("#dirty", state="hidden")
+    wanted = gk.load(hand.editor.file.with_name("heart.toml")).wanted
+    drawn = np.array([complex(*heart(k / 720)) for k in range(720)])
+    assert wanted.closed and np.abs(np.array(wanted.points)[:, None] - drawn).min(axis=1).max() < 2.5
+    # The best candidate is within 8 % of its size.
+    found = gk.load(hand.editor.file.with_name("heart.toml")).found
+    assert found.bars == 6 and found.largest_distance < 0.08 * np.hypot(np.ptp(drawn.real), np.ptp(drawn.imag))
+    # A known one takes its place.
+    hand.click("#known button >> nth=0")
+    page.wait_for_selector("#tools [data-tool=bar]")
+    assert page.is_enabled("#undo") and page.is_visible("#dirty")
+
+
+SQUARE = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H40V-30H0Z" fill="none"/></svg>'
+
+
+def test_a_dropped_drawing_is_the_wanted_path(empty_stage):
+    page = empty_stage().page
+    drop = """([text]) => {
+        const data = new DataTransfer();
+        data.items.add(new File([text], "square.svg", { type: "image/svg+xml" }));
+        document.querySelector("#player .stage").dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true }));
+    }"""
+    wanted = lambda request: "/answer" in request.url and '"draw"' in (request.post_data or "")  # noqa: E731
+    with page.expect_request(wanted, timeout=60_000) as sent:
+        page.evaluate(drop, [SQUARE])
+    assert page.locator("#known button").count() >= 4
+    xs, ys = zip(*sent.value.post_data_json["draw"]["points"])
+    assert (min(xs), max(xs), min(ys), max(ys)) == pytest.approx((0, 40, 0, 30), abs=0.2)
+    page.click("#stop")

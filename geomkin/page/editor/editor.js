@@ -155,7 +155,7 @@ class Editor {
     // A template is not worth keeping before it is changed.
     Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
     this.locks.clear();
-    for (const id of ["conflict", "candidates"]) at(id).hidden = true;
+    for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
     this.askAnew();
   }
 
@@ -191,6 +191,36 @@ class Editor {
       this.history.end(this.text);
       if (!this.player.drawings[0].isInside) this.player.fit(true);
     });
+  }
+
+  // Known linkages whose curves are similar to a stroke.
+  async known(points) { return (await post("nearest", { points })).known; }
+
+  // Follows a stroke: first by known linkages, of which a click takes one, then by a search.
+  async drawPath(points) {
+    this.close();
+    const turn = this.strokes = (this.strokes ?? 0) + 1;
+    this.announce("Looking for known linkages");
+    try {
+      const known = await this.known(points);
+      if (turn !== this.strokes) return;
+      this.showKnown(known);
+    } catch (error) { this.fail(error); return; }
+    this.replaceBy({ draw: { points } });
+    this.whenIdle(() => this.announce(""));
+  }
+
+  // Makes a change that may lead to another kind of recipe.
+  replaceBy(change, text) {
+    this.history.begin(this.text);
+    this.ask(change, text);
+    this.whenIdle(() => { this.history.end(this.text); this.player.fit(true); });
+  }
+
+  showKnown(known) {
+    at("known").hidden = !known.length;
+    this.showPictures(at("known"), known.map((linkage) => ({ ...linkage, name: linkage.label, act: () => this.replaceBy({}, linkage.text) })));
+    if (known.length) this.announce(`${known.length} known linkages are similar; the search begins`);
   }
 
   close() {
@@ -379,7 +409,8 @@ class Editor {
   showScene(reply) {
     const { scene, handles, preview, structure, unfinished } = reply, wasUnfinished = document.body.classList.contains("unfinished");
     document.body.classList.toggle("unfinished", unfinished !== "");
-    at("build").hidden = !structure;
+    const canBuild = structure || reply.kind === "path-generator";
+    at("build").hidden = !canBuild;
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
@@ -404,7 +435,7 @@ class Editor {
     this.ghost.load(this.isDirty ? this.savedScene : null);
     this.showChoice(scene.choice);
     this.tools.load(reply);
-    if (!structure && !at("tools").hidden) this.showTools(false);
+    if (!canBuild && !at("tools").hidden) this.showTools(false);
     if (wasUnfinished && structure && !unfinished && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(true);
   }
 
@@ -498,18 +529,25 @@ class Editor {
 
   // Shows the linkages that a synthesis found as small pictures. A click on a picture chooses the linkage.
   showCandidates(candidates) {
-    const [root] = at("candidates").getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
     at("candidates").hidden = candidates.length < 2;
+    this.showPictures(at("candidates"), candidates.map(({ key, value, ...other }) => ({
+      ...other, name: other.label, isChosen: this.values[key] === value, act: () => { this.set({ [key]: value }, key); this.close(); },
+    })));
+  }
+
+  // Fills a list of small pictures: their strokes `lines`, `name` below and longer `label`; a click calls `act`.
+  showPictures(section, pictures) {
+    const [root] = section.getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
     root.replaceChildren();
-    for (const { key, value, label, lines } of candidates) {
-      const chosen = this.values[key] === value, xs = lines.flatMap(([row]) => row), ys = lines.flatMap(([, row]) => row);
-      const button = make(root, "button", { type: "button", title: label, "aria-label": label, "aria-pressed": chosen });
+    for (const { label, name, lines, isChosen = false, act } of pictures) {
+      const xs = lines.flatMap(([row]) => row), ys = lines.flatMap(([, row]) => row);
+      const button = make(root, "button", { type: "button", title: label, "aria-label": label, "aria-pressed": isChosen });
       const [left, low] = [Math.min(...xs), Math.min(...ys)], size = Math.max(Math.max(...xs) - left, Math.max(...ys) - low) || 1;
       const svg = make(button, "svg", { viewBox: [-0.06, -0.06, 1.12, 1.12].join(" "), "aria-hidden": true });
       for (const [x, y] of lines) make(svg, "path", { d: `M${x.map((u, k) => `${(u - left) / size} ${1 - (y[k] - low) / size}`).join("L")}` });
-      make(button, "span", {}, value);
-      button.addEventListener("click", () => { this.set({ [key]: value }, key); this.close(); });
-      if (focus && chosen) button.focus();
+      make(button, "span", {}, name);
+      button.addEventListener("click", act);
+      if (focus && isChosen) button.focus();
     }
   }
 

@@ -8,6 +8,11 @@ const NEAR_POINT = matchMedia("(pointer: coarse)").matches ? 22 : 14, NEAR_BODY 
 const PRESSED = 12;
 const ANY = ["point", "body"];
 
+// Tools of recipes that are no linkages themselves.
+const ALWAYS = ["move", "path"];
+// Points that are taken of a dropped drawing.
+const SAMPLES = 400;
+
 // Each tool: its label, what it says, and of each click what it may mean besides a place. One without clicks is no edit.
 const TOOLS = {
   move: ["Move", "Drag a point or a handle; drag a link to turn the driver."],
@@ -22,11 +27,12 @@ const TOOLS = {
   force: ["Force", "Click a point or a body, and the direction of the force.", ANY, []],
   driver: ["Driver", "Click the body that is driven.", ["body"]],
   delete: ["Delete", "Click a point, a slide or a body.", ["point", "slide", "body"]],
+  path: ["Path", "Draw the path that a linkage is to follow, or drop an SVG drawing: known linkages appear, then the search begins."],
   rename: ["Name", "Click a point, a slide or a body, and type its name.", ["point", "slide", "body"]],
 };
 
 export class Tools {
-  // editor: player, handles, reply, build(edit), announce(text).
+  // editor: player, handles, build(edit), drawPath(points), known(points), announce(text).
   constructor(root, editor) {
     Object.assign(this, { root, editor, tool: "move", clicks: [], hover: null });
     const bar = make(root, "div", { class: "buttons", role: "toolbar", "aria-label": "Build" });
@@ -50,13 +56,16 @@ export class Tools {
     const act = { pointerdown: (event) => this.press(event), pointermove: (event) => this.move(event), pointerup: (event) => this.release(event), pointerleave: () => this.leave() };
     for (const [name, does] of Object.entries(act)) this.layer.addEventListener(name, does);
     drawing.overlays.push(this);
+    const stage = handles.parentNode;
+    stage.addEventListener("dragover", (event) => event.preventDefault());
+    stage.addEventListener("drop", (event) => this.drop(event));
     this.choose(this.tool);
   }
 
   // Shows the tools of a linkage, with what it still lacks; structure: the names of an answer.
   load({ structure, unfinished }) {
-    this.structure = structure;
-    this.clicks = [];
+    Object.assign(this, { structure, clicks: [], stroke: null });
+    for (const button of this.buttons) button.hidden = !structure && !ALWAYS.includes(button.dataset.tool);
     this.stated.textContent = unfinished || (structure ? "1 degree of freedom: it moves" : "");
     this.say();
     this.draw();
@@ -67,6 +76,8 @@ export class Tools {
     for (const button of this.buttons) button.setAttribute("aria-pressed", button.dataset.tool === tool);
     this.layer?.classList.toggle("active", this.isActive);
     if (this.isActive) this.editor.player?.play(false);
+    // Known linkages take a moment at first.
+    if (tool === "path") this.editor.known([[0, 0], [3, 1], [5, 4], [2, 6], [0, 0]]).catch(() => {});
     this.say();
     this.draw();
   }
@@ -134,25 +145,57 @@ export class Tools {
   // --- clicks ----------------------------------------------------------------------------------------------------------
 
   press(event) {
-    if (event.button || !this.structure) return;
+    const isPath = this.tool === "path";
+    if (event.button || !(this.structure || isPath)) return;
     event.preventDefault();
     this.layer.setPointerCapture(event.pointerId);
+    if (isPath) { this.stroke = []; this.isDrawing = true; this.extend(event); return; }
     this.pressed = [event.clientX, event.clientY];
     this.take(this.meant(event));
   }
 
   move(event) {
     this.editor.player.play(false);
-    if (!this.structure) return;
+    if (this.isDrawing) { this.extend(event); return; }
+    if (!this.structure || this.tool === "path") return;
     this.hover = this.meant(event);
     this.draw();
   }
 
   // One stroke is two clicks.
   release(event) {
-    const { pressed } = this;
+    const { pressed, stroke } = this;
+    if (this.isDrawing) {
+      this.isDrawing = false;
+      if (stroke.length < 3) { this.stroke = null; this.draw(); return; }
+      this.choose("move");
+      this.editor.drawPath(stroke);
+      return;
+    }
     this.pressed = null;
     if (pressed && this.clicks.length && hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > PRESSED) this.take(this.meant(event));
+  }
+
+  // Adds the place of an event to the stroke, mm.
+  extend(event) {
+    const events = event.getCoalescedEvents?.() ?? [];
+    for (const each of events.length ? events : [event]) this.stroke.push(this.drawing.plane(this.drawing.onStage(each)));
+    this.draw();
+  }
+
+  // Takes the first path of a dropped SVG drawing; one unit is 1 mm.
+  async drop(event) {
+    event.preventDefault();
+    const [file] = event.dataTransfer.files;
+    if (!file) return;
+    const svg = new DOMParser().parseFromString(await file.text(), "image/svg+xml"), path = svg.querySelector("path, polygon, polyline, ellipse, circle, rect");
+    const shape = path && make(make(this.layer, "g", { visibility: "hidden" }), path.localName);
+    for (const { name, value } of path?.attributes ?? []) if (/^(d|points|c[xy]|r[xy]?|x|y|width|height)$/.test(name)) shape.setAttribute(name, value);
+    const length = shape?.getTotalLength() ?? 0;
+    if (!length) { this.editor.announce("This file has no path"); shape?.parentNode.remove(); return; }
+    const points = Array.from({ length: SAMPLES }, (_, k) => shape.getPointAtLength(length * k / (SAMPLES - 1))).map(({ x, y }) => [x, -y]);
+    shape.parentNode.remove();
+    this.editor.drawPath(points);
   }
 
   leave() { this.hover = null; this.draw(); }
@@ -190,6 +233,7 @@ export class Tools {
   draw() {
     if (!this.shown) return;
     this.shown.replaceChildren();
+    if (this.stroke?.length > 1) make(this.shown, "path", { d: `M${this.stroke.map((at) => this.drawing.screen(...at).map(px)).join("L")}`, class: "stroke" });
     if (!this.isActive || !this.structure) return;
     const { clicks, hover, drawing, places } = this, all = hover ? [...clicks, hover] : clicks;
     const spot = ({ at, point, slide }) => places.get(point ?? slide) ?? drawing.screen(...at);
