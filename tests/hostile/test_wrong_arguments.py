@@ -144,6 +144,7 @@ GOOD = {
     "ScotchYoke": {"crank": 30, "guide": 100, "slot_deg": 90, "origin": 0j, "ground_angle_deg": 0},
     "Segment": {"start": 0j, "end": 1j},
     "Shaper": {"ground": 90, "crank": 30, "lever": 180, "link": 60, "ram_height": 85, "origin": 0j, "ground_angle_deg": -90},
+    "GearMesh": {"name": "a", "first": "b", "second": "c", "teeth": (20, 30), "angle_deg": 10.0},
     "PinInSlot": {"name": "a", "body": "b", "pin": "p", "along": "c", "through": 1j, "direction_deg": 10.0},
     "Slider": {"name": "a", "body": "b", "along": "c", "point": 0j, "through": 1j, "direction_deg": 10.0, "angle_deg": 5.0},
     "SliderCrank": {"crank": 30, "coupler": 90, "offset": 5, "coupler_point": 1j, "driver": "crank", "origin": 0j, "ground_angle_deg": 0},

@@ -11,6 +11,7 @@ from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
 from ...core.units import UNITS
+from ...gear.checks import mesh_checks
 from ...making.attachments import hub_thickness
 from ...making.materials import MATERIALS
 from ...making.motors import engagement_check
@@ -31,6 +32,7 @@ from ..measures import steady_bodies
 from ..motion import motion_table
 from ..parts.counterweight_plates import RoundEnd
 from ..parts.flywheel import Flywheel
+from ..parts.gears import gear_pair
 from ..parts.layers import passed_attachments
 from ..parts.stack import MOTOR_PLATE
 from ..parts.stock import LinkStock
@@ -172,7 +174,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         collisions = sum(len(stack.collisions) for stack in dict.fromkeys(self.made.stacks))
         advice = "summary.json names them under stack; give narrower bars or other lengths"
         hole = hole_check(self.stock.hole_diameter, self.stock.thickness)
-        checks = (*self.motion_checks, hole, collision_check(collisions, advice))
+        meshes = self.linkage.linkage.meshes
+        pairs = ((mesh.name, gear_pair(mesh, self.linkage.linkage, self.stock)) for mesh in meshes)
+        gears = (check for name, pair in pairs for check in mesh_checks(pair, name))
+        checks = (*self.motion_checks, hole, collision_check(collisions, advice), *gears)
         return (*checks, self._attachment_check()) if self.stock.attachments else checks
 
     @property
