@@ -58,6 +58,7 @@ from .moved import (
     components_entry,
 )
 from .stance import StandingAspect
+from .straight_lines import StraightLineAspect, StraightLineTable, straight_line_entry
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
 
 
@@ -101,6 +102,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     aspect_kinds: ClassVar[AspectKinds] = (
         ComponentsAspect,
         DwellAspect,
+        StraightLineAspect,
         LoadsAspect,
         TolerancesAspect,
         BothModesAspect,
@@ -263,6 +265,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
+    straight_line: StraightLineTable | None = straight_line_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     loads: LoadsTable | None = loads_entry()
     tolerances: TolerancesTable | None = tolerances_entry()
@@ -284,6 +287,7 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
+    straight_line: StraightLineTable | None = straight_line_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     loads: LoadsTable | None = loads_entry()

@@ -473,8 +473,8 @@ def _order(meetings: Meetings, carried: Carried, clean: bool = True) -> Order | 
         )
         for pin in pins
     ]
-    if pack := sum(bits[name] for name in meetings.assembly.pack):
-        passing.append(Passing(pack, bottom=False, top=False, hits=sum(bits.values()) & ~pack))
+    if pack := _bits(layered[name] for name in meetings.assembly.pack):
+        passing.append(Passing(pack, bottom=False, top=False, hits=_bits(layered.values()) & ~pack))
     return order(meets, passing, clean)
 
 
