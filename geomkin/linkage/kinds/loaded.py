@@ -231,6 +231,7 @@ class LoadsAspect(AbstractLinkageForces):
             Plot("pin forces", _pin_forces(linkage)),
             Plot("normal forces of slides", tuple(f"{slide.name}_normal_force" for slide in linkage.slides)),
             Plot("moments of slides", tuple(f"{slide.name}_moment" for slide in linkage.slides if slide.is_aligned)),
+            Plot("forces of teeth", tuple(f"{mesh.name}_tooth_force" for mesh in linkage.meshes)),
             Plot("shaking force", ("shaking_force",)),
             Plot("loads of the feet", self.walking.load_ids if self.walking else ()),
             Plot("speed of the walker", ("walking_speed",) if self.walking else ()),

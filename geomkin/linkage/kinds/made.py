@@ -13,6 +13,8 @@ from ...core.records import record
 from ...core.units import MM, LengthUnit
 from ...making.fasteners import gathered
 from ...making.motors import MOTORS
+from ...making.snap_pins import snap_checks
+from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import Motor
 from ...model.part import Bought, Part
@@ -246,6 +248,11 @@ class MadeLinkage(DrivenLinkage):
         """Screws, rods, tubes, glue and attachments."""
         attached = [(item.body, item.bill(self.stock.thickness)) for item in self.stock.attachments]
         return gathered([*joint_bills(self.stacks, self.shared, self.stock.thickness), *len(self.stacks) * attached])
+
+    @property
+    def snap_checks(self) -> tuple[Check, ...]:
+        """Checks of printed pins."""
+        return snap_checks(self.stack.snap_pins)
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:

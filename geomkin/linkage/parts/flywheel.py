@@ -64,4 +64,4 @@ def with_flywheel(assembly: LinkAssembly, linkage: Linkage, stock: LinkStock, wh
         names.append(unused(f"{FLYWHEEL}_{number + 1}" if wheel.sheets > 1 else FLYWHEEL, plates))
         plates[names[-1]] = LinkPlate(driver, dict(holes), crank.seat, rim, disc=disc)
     pins = (replace(pin, holes=(*pin.holes, *names)) if driver in pin.holes else pin for pin in assembly.pins)
-    return LinkAssembly(plates, tuple(pins), (driver, *names))
+    return replace(assembly, plates=plates, pins=tuple(pins), pack=(driver, *names))
