@@ -57,11 +57,8 @@ from ..train import (
     train_table,
     turn_columns,
 )
-from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
+from .helical import LEAST_EFFICIENCY, boss_checks, check_tooth_points, gear_notes, mesh_notes
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
-
-# Least efficiency of a mesh in a machine: with less, friction locks it.
-LEAST_EFFICIENCY = 1e-3
 
 
 @checked

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import WIDEST, entry, to_digits
+from ...core.fields import WIDEST, entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import Sentence, bare_mm, marked, mm, unit_name
 from ...making.assembly import BaseStock
@@ -50,6 +50,18 @@ def tips_entry() -> Any:
     """The field `tips`."""
     meaning = "tips as the addenda give them, or shortened to the full clearance of the tools"
     return entry(meaning, default="given")
+
+
+def friction_entry() -> Any:
+    """The field `friction`."""
+    meaning = (
+        "mean coefficient of friction of the flanks, for the efficiency, by which the torque in a machine is larger"
+    )
+    return quantity(meaning, default=0.0, at_least=0, at_most=1)
+
+
+# Least efficiency of gears in a machine: with less, friction locks them.
+LEAST_EFFICIENCY = 1e-3
 
 
 @record(checked=True, kw_only=True)
