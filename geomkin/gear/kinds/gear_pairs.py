@@ -113,7 +113,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = PairStrength(self.design, loads.torque_n_mm, self.face_width, (first, second), loads)
-        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, pair_strength_notes(strength))
+        summary = pair_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, summary, strength.torque)
 
     @property
     def face_width(self) -> float:
@@ -374,9 +375,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = RackStrength(self.design, loads, self.stock.thickness, (material, material))
-        return LoadedMeshes(
-            strength, {"": strength}, strength.force_limit, rack_strength_notes(strength), "loads.force_n"
-        )
+        limit, summary = strength.force_limit, rack_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, limit, summary, strength.torque, "loads.force_n")
 
     @cached_property
     def design(self) -> RackPair:

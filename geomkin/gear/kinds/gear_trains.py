@@ -303,7 +303,8 @@ class GearTrainRecipe(AbstractLoadedRecipe):
         strength = TrainStrength(self.design, loads, self.stock.thickness, materials)
         stages = {f"stage_{k}": stage for k, stage in enumerate(strength.stages, 1)}
         summary = train_strength_notes(strength)
-        return LoadedMeshes(strength, stages, strength.torque_limit, summary, "loads.output_torque_n_mm")
+        limit, torque = strength.torque_limit, strength.input_torque
+        return LoadedMeshes(strength, stages, limit, summary, torque, "loads.output_torque_n_mm")
 
     @cached_property
     def design(self) -> GearTrain:

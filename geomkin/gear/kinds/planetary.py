@@ -107,7 +107,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         widths = min(sun.thickness, planet.thickness), min(planet.thickness, ring.thickness)
         strength = PlanetaryStrength(self.design, loads, widths, materials, self.driver)
         meshes = {"sun": strength.inner, "ring": strength.outer}
-        return LoadedMeshes(strength, meshes, strength.torque_limit, planetary_strength_notes(strength))
+        summary = planetary_strength_notes(strength)
+        return LoadedMeshes(strength, meshes, strength.torque_limit, summary, loads.torque_n_mm)
 
     @property
     def output(self) -> Member:
