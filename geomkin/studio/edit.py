@@ -19,6 +19,7 @@ from ..export.still import kept_frames
 from ..export.summary import as_json
 from ..linkage.kinds.linkages import AbstractLinkageRecipe
 from ..model.check import Check
+from ..model.explanations import explained_check
 from ..model.scene import SceneHandle
 from ..page.page import scene_data
 from ..plane.vec import Array, Real
@@ -665,6 +666,7 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
             "text": harmless(check),
             "state": "pass" if check.passed else "expected" if check.expected else "fail",
             "column": check.column or None,
+            "about": explained_check(check.id),
         }
         for check in results.checks
     ]

@@ -116,7 +116,8 @@ class Studio:
         self._lock, self._closed = Lock(), Event()
         # The last recipe, whose checks are asked for after its scene, and the search that goes on.
         self._last: tuple[tuple[Any, ...], AbstractRecipe] | None = None
-        self._search: BackgroundJob | None = None
+        # The last search for checks, and the last one for a scene.
+        self._searches: dict[bool, BackgroundJob] = {}
         self._pictures: dict[str, bytes] = {}
 
     def get(self, name: str, query: Mapping[str, str]) -> Any:
@@ -181,7 +182,10 @@ class Studio:
         self.jobs.stop_all(LAST_WAIT)
 
     def _answer(self, body: Mapping[str, Any]) -> Any:
-        """An answer at once, or the job of a search that takes longer; a new request ends the search before it."""
+        """An answer at once, or the job of a search that takes longer; a new request ends the searches before it.
+
+        A request for checks ends no search for a scene: it may arrive late, and the scene is the answer to an edit.
+        """
         text, name = _text(body, "text"), _text({"recipe": "", **body}, "recipe")
         for key, form in REQUEST.items():
             if not isinstance(body.get(key) or form(), form):
@@ -193,11 +197,13 @@ class Studio:
         work = partial(self._answered, text, self.workspace.files_of(text, further), dict(body), name)
         if not (_is_search(text) or body.get("draw")):
             return work()
+        is_check = body.get("lane") == "checks"
         with self._lock:
-            if self._search is not None:
-                self._search.stop()
-            id, self._search = self.jobs.start(work)
-            job = self._search
+            for of_check, search in self._searches.items():
+                if of_check or not is_check:
+                    search.stop()
+            id, job = self.jobs.start(work)
+            self._searches[is_check] = job
         job.done.wait(AT_ONCE)
         return job.result if job.result is not None else {"job": id}
 

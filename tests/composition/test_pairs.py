@@ -28,6 +28,7 @@ ASPECTS = {
     "loads": None,
     "tolerances": None,
     "dwell": None,
+    "straight_line": None,
     "both_modes": True,
     "copies": None,
     "coefficients": True,

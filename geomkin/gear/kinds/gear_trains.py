@@ -223,7 +223,7 @@ class TrainSpecification:
         "direction from each arbor to the next one, deg; by default that of the arrangement", default=()
     )
     backlash: float = quantity(
-        "backlash of each mesh along the pitch circles", "modules", default=0.04, at_least=0, at_most=0.5
+        "backlash of each mesh along the pitch circles", "modules", default=0.04, at_least=0, at_most=0.5, printed=1.0
     )
     friction: float = quantity(
         "mean coefficient of friction of the flanks, for the efficiency", default=0.1, at_least=0, at_most=1

@@ -50,6 +50,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed."""
 
     additions: ClassVar[Additions] = Additions(("planet_stock.motor",))
+    prints_in_place: ClassVar[bool] = True
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
     tips: Tips = tips_entry()

@@ -342,6 +342,7 @@ class Editor {
       // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
       if (reply && texts === this.texts) await this.show(reply, change.set ?? {});
+      else if (!reply && !this.queued) this.announce("The search was stopped, and the recipe is as before");
     } catch (error) { if (texts === this.texts) this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
@@ -508,7 +509,13 @@ class Editor {
     make(row, "th", { scope: "row" }, label);
     make(row, "td", id ? {} : { colspan: 2 }, value);
     if (id) make(row, "td", {}, check?.state ?? "");
-    if (check && check.state !== "pass") make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
+    if (!check || check.state === "pass") return;
+    const advice = make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
+    const about = Object.entries(check.about);
+    if (!about.length) return;
+    const opened = make(advice, "details", {});
+    make(opened, "summary", {}, "What it means");
+    for (const [word, text] of about) make(opened, "p", {}, `${word}: ${text}`);
   }
 
   showChecks({ checks, candidates, problems }) {
