@@ -35,10 +35,12 @@ from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
     AbstractHelicalRecipe,
+    Measuring,
     Tips,
     boss_checks,
     check_tooth_points,
     gear_quantities,
+    measuring_entry,
     mesh_notes,
     tips_entry,
 )
@@ -66,6 +68,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     loads: GearLoads | None = entry(
         "torque on the driver, for forces and strength; all stocks then name their material", default=None
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
