@@ -251,7 +251,8 @@ def plain_table(recipe: AbstractRecipe) -> dict[str, Any]:
     table = _without_defaults(recipe, whole_table(recipe, has_inner_defaults=False))
     first = {key: table.pop(key) for key in ("kind", "units") if key in table}
     # The mechanism comes before how it is printed, and the task.
-    return first | table | {key: table.pop(key) for key in ("printing", "optimise") if key in table}
+    last = {key: table.pop(key) for key in ("printing", "optimise") if key in table}
+    return first | table | last
 
 
 def whole_table(recipe: AbstractRecipe, has_inner_defaults: bool = True) -> dict[str, Any]:

@@ -45,12 +45,14 @@ from ..train import loss_factor
 from .helical import (
     LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
+    Measuring,
     Tips,
     backlash_notes,
     boss_checks,
     check_tooth_points,
     friction_entry,
     gear_quantities,
+    measuring_entry,
     mesh_notes,
     overlap_notes,
     pair_quantities,
@@ -267,6 +269,7 @@ class GearPairRecipe(AbstractPairRecipe):
         "a base plate under both gears; if omitted, a bar that holds their shafts", default=None
     )
     loads: GearLoads | None = _loads("driving gear")
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     @property
@@ -332,6 +335,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
     pinion_stock: GearStock = entry("sheet and bore of the pinion", default=GearStock())
     ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
     loads: GearLoads | None = _loads("pinion")
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     base = None
@@ -374,6 +378,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     loads: RackLoads | None = entry(
         "force on the rack, for pinion torque and strength; the stock then names its material", default=None
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:

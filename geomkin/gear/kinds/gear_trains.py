@@ -57,7 +57,15 @@ from ..train import (
     train_table,
     turn_columns,
 )
-from .helical import LEAST_EFFICIENCY, boss_checks, check_tooth_points, gear_notes, mesh_notes
+from .helical import (
+    LEAST_EFFICIENCY,
+    Measuring,
+    boss_checks,
+    check_tooth_points,
+    gear_notes,
+    measuring_entry,
+    mesh_notes,
+)
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
 
 
@@ -286,6 +294,7 @@ class GearTrainRecipe(AbstractLoadedRecipe):
         "torque on the last gear, for the torque of the first and for strength; the stocks then name their material",
         default=None,
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -380,7 +389,7 @@ class GearTrainRecipe(AbstractLoadedRecipe):
                 f"stage_{k}": {**mesh_notes(pair), "efficiency": to_digits(efficiency)}
                 for k, (pair, efficiency) in enumerate(zip(train.pairs, train.efficiencies), start=1)
             },
-            "measures_mm": {g.name: gear_notes(g.gear) for g in self.stocks.gears(train)},
+            "measures_mm": {g.name: gear_notes(g.gear, measuring=self.measuring) for g in self.stocks.gears(train)},
         }
         return notes, assembly_summary(self)
 

@@ -36,11 +36,13 @@ from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
     LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
+    Measuring,
     Tips,
     boss_checks,
     check_tooth_points,
     friction_entry,
     gear_quantities,
+    measuring_entry,
     mesh_notes,
     tips_entry,
 )
@@ -69,6 +71,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     loads: GearLoads | None = entry(
         "torque on the driver, for forces and strength; all stocks then name their material", default=None
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
