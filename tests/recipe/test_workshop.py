@@ -63,7 +63,7 @@ KINDS = {
     ),
     "ring-gear": (
         {"gear": {"teeth": 48, "module": 2}, "stock": {"material": {"name": "red oak", "density": 700}}},
-        {"files": {"kerf": 0.25}},
+        {"files": {"kerf": 0.25}, "stock": {"clearance": 0.3}},
     ),
 }  # fmt: skip
 
