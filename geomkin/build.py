@@ -74,6 +74,10 @@ class FailedChecksError(GeomkinError):
     ----------
     made : Made
         The files, and all checks.
+
+    See Also
+    --------
+    Check, make
     """
 
     def __init__(self, made: Made):
@@ -105,6 +109,10 @@ def load(source: Readable) -> AbstractRecipe:
         If a file cannot be read.
     RecipeError
         With every problem, key by key.
+
+    See Also
+    --------
+    make, edit, scaled, write
 
     Examples
     --------
@@ -158,6 +166,10 @@ def make(
         If a file cannot be written. After either error each file is the old one or the complete new one.
     FailedChecksError
         If `strict` and a check failed.
+
+    See Also
+    --------
+    load, verify, index, write, show
     """
     made, contents = computed(recipe, only)
     folder = Path(out) / made.name
@@ -194,9 +206,14 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
 
 
 def computed(
-    recipe: AbstractRecipe | Readable, only: Sequence[Format] | None = None
+    recipe: AbstractRecipe | Readable,
+    only: Sequence[Format] | None = None,
+    certificate: tuple[tuple[str, ...], ...] = (),
 ) -> tuple[Made, Mapping[str, bytes]]:
-    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names."""
+    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names.
+
+    certificate: rows of the results of verifying the files, for the report.
+    """
     file, recipe = _with_file(recipe)
     offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
     wanted = [name for name in offered if only is None or name in only]
@@ -207,7 +224,8 @@ def computed(
     name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
         results = ShownRecipe(recipe)
-        checks, job = results.checks, _job(name, recipe, recipe.files)
+        checks = results.checks
+        job = dataclasses.replace(_job(name, recipe, recipe.files), certificate=certificate)
         wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         contents = {file: content for files in written.values() for file, content in files.items()}
@@ -249,6 +267,10 @@ def index(out: PathName = "out") -> dict[Path, int]:
     ------
     FileError
         If the folder has no recipes, has a foreign index.html, or cannot be written.
+
+    See Also
+    --------
+    make
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
@@ -297,6 +319,10 @@ def write(
         If the source has no such format.
     FileError
         If a file cannot be written. After either error each file is the old one or the complete new one.
+
+    See Also
+    --------
+    load, make
     """
     path = Path(path)
     files = source.files if isinstance(source, AbstractRecipe) else Files(labels=False)

@@ -111,6 +111,8 @@ class Job:
         Names and colours of their layers.
     growth, foot : float
         Growth of prints, and chamfer of their lower edges, mm.
+    certificate : tuple of tuple of str
+        Rows of the results of verifying the files, for the report; empty before they are verified.
     """
 
     name: str
@@ -133,6 +135,7 @@ class Job:
     layers: LayerStyles = field(default_factory=LayerStyles)
     growth: float = 0.0
     foot: float = 0.0
+    certificate: tuple[tuple[str, ...], ...] = ()
 
     @property
     def table(self) -> Table:

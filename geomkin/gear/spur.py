@@ -341,6 +341,10 @@ class SpurGear(AbstractInvoluteGear):
     DesignError
         If a size is out of range or the rack leaves no complete teeth; the remedy names the nearest valid size.
 
+    See Also
+    --------
+    RingGear, GearPair, GearTrain, conjugate
+
     Notes
     -----
     Flanks are involutes (ISO 21771); roots are the trochoids of the rack's rounded tips (Litvin and Fuentes, Gear

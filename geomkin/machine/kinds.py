@@ -24,6 +24,7 @@ from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
 from ..recipe.aspect import ALONE, Setting, ShaftPlacement
+from ..recipe.composed import AbstractComposedRecipe
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
@@ -59,6 +60,8 @@ class MachineDrive:
 # Keys of a mechanism that the machine decides for all, and those of one that another mechanism turns.
 OF_MACHINE = ("loads.run", "loads.motors", "loads.speed_fluctuation", "drive.acceleration_rad_per_s2")
 OF_DRIVER = ("loads.motor",)
+# Notes of mechanisms that state teeth; meshes, which have a centre distance, are others.
+TEETH = ("measures_mm", "helix", "wheels", "belt", "chain")
 
 
 class MachineAdditions(Additions):
@@ -289,9 +292,25 @@ class MachineRecipe(AbstractAssembledRecipe):
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
         return {
             "period_turns": {"driver": str(graph.period), **turns},
+            **self._gear_notes,
             **self.torques.summary,
             **assembly_summary(self),
         }
+
+    @property
+    def _gear_notes(self) -> Mapping[str, object]:
+        """Data of the teeth and meshes of each mechanism, as drawings state them."""
+
+        def is_geometry(key: str, note: object) -> bool:
+            return key in TEETH or (isinstance(note, Mapping) and "centre_distance_mm" in note)
+
+        found = {}
+        for name, recipe in self.recipes.items():
+            # Those of aspects, such as loads, are not needed.
+            notes = recipe.own_notes[0] if isinstance(recipe, AbstractComposedRecipe) else recipe.notes
+            if geometry := {key: note for key, note in notes.items() if is_geometry(key, note)}:
+                found[name] = geometry
+        return {"mechanisms": found} if found else {}
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -394,6 +394,10 @@ def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
     DesignError
         If no part has a material.
 
+    See Also
+    --------
+    Mass, forces, balance
+
     Examples
     --------
     >>> recipe = gk.load({
@@ -540,10 +544,12 @@ class AbstractAssembledRecipe(AbstractRecipe):
         """What is screwed to a gear: the plate, the attachment, the thickness of the sheet, mm, and the count."""
         for field in dataclasses.fields(self):
             stock = getattr(self, field.name)
-            for item in getattr(stock, "attachments", ()):
-                plate = field.name.removesuffix("stock").strip("_") or "gear"
-                count = next((part.count for part in self.parts if part.name == plate), 1)
-                yield plate, item, stock.thickness, count
+            own = field.name.removesuffix("stock").strip("_") or "gear"
+            for name, key in ((own, "attachments"), ("mate", "mate_attachments")):
+                for item in getattr(stock, key, ()):
+                    counts = {part.name: part.count for part in self.parts}
+                    plate = "ring" if name not in counts and "ring" in counts else name
+                    yield plate, item, stock.thickness, counts.get(plate, 1)
 
     @property
     def bought(self) -> tuple[Bought, ...]:

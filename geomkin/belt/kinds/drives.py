@@ -15,7 +15,7 @@ from ...core.arguments import between
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import UNITS, mm
 from ...making.assembly import BaseStock
 from ...making.motors import (
     MOTORS,
@@ -26,7 +26,7 @@ from ...making.motors import (
     nearest_motor,
     smallest_motor,
 )
-from ...model.check import Check
+from ...model.check import Check, WorkedFormula
 from ...model.motor import RPM, Motor, MotorDuty, RotatingBody
 from ...model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle
 from ...model.table import Table
@@ -39,6 +39,7 @@ from ..drive import LoopDrive, LoopTensions, Pulley, loop_drive
 from ..parts import LoopPlates, PulleyStock, SprocketStock
 from ..profiles import BELTS, CHAINS, PROFILES, AbstractProfile
 from ..scene import loop_scene, turned_loop_scene
+from ..worked_formulas import loop_formulas
 
 # Teeth of a belt in mesh: with fewer its teeth shear off before its cords tear (makers' handbooks).
 LEAST_IN_MESH = 6
@@ -155,7 +156,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
             aspect.check()
 
     @property
-    def _given(self) -> Any:
+    def _loop_table(self) -> Any:
         """The table of the belt or chain."""
         return getattr(self, self.loop_name)
 
@@ -167,7 +168,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     @property
     def profile(self) -> AbstractProfile:
         """Sizes of the belt or chain."""
-        return PROFILES[self._given.profile]
+        return PROFILES[self._loop_table.profile]
 
     @property
     @abstractmethod
@@ -178,7 +179,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     def design(self) -> LoopDrive:
         """The wheels in their places, and the loop that fits."""
         keys = self.wheels_key, f"{self.loop_name}.{self.count_word}"
-        count, flange = getattr(self._given, self.count_word), self.stock.flange_height
+        count, flange = getattr(self._loop_table, self.count_word), self.stock.flange_height
         return loop_drive(self.profile, self.given_wheels, count, self.count_step, flange, keys)
 
     @property
@@ -248,6 +249,11 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
             f"{last} at x {mm(axis.real + 0.0):.6g}, y {mm(axis.imag + 0.0):.6g}{moved}",
             *((f"torque on the driver {loads.tensions.driver_torque:.4g} N mm",) if loads else ()),
         )
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Ratios, and the length of the loop."""
+        return loop_formulas(self.design, UNITS[self.units])
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import combinations, product
+from itertools import combinations, permutations, product
 from string import ascii_uppercase
 
 import numpy as np
@@ -65,21 +65,21 @@ def split(assembly: LinkAssembly, ground: str, carried: Carried) -> tuple[LinkPl
     return plates
 
 
-def pile_places(motion: Motion, assembly: LinkAssembly, near: float) -> tuple[complex, complex]:
-    """Positions in the ground's frame on two sides of all that moves, at least `near` mm from every plate's centres.
+def pile_places(motion: Motion, assembly: LinkAssembly, width: float, play: float) -> tuple[complex, complex]:
+    """Positions in the ground's frame on two sides of all that moves, for discs as wide as bars, mm, with some play.
 
     The two sides are those between which the mechanism is narrowest.
     """
     ground = motion.linkage.ground
     fixed = assembly.plates[ground].centres
     moving = [
-        relative_paths(motion, ground, p.body, p.centres) for name, p in assembly.plates.items() if name != ground
+        relative_paths(motion, ground, p.body, p.hull(width)) for name, p in assembly.plates.items() if name != ground
     ]
     middle = complex(fixed.mean())
 
     def out(direction: Complex) -> float:
         extent = max(float(dot(direction, fixed).max()), *(path.extent(complex(direction)) for path in moving))
-        return extent - float(dot(direction, middle)) + near
+        return extent - float(dot(direction, middle)) + width + play
 
     directions = direction_deg(180 / DIRECTIONS * np.arange(DIRECTIONS))
     widths = [out(u) + out(-u) for u in directions]
@@ -217,7 +217,13 @@ class Stack:
         """How joints are closed; nothing for rods."""
         if self.fastener.form != "screw":
             return ()
-        return ("a joint is closed by its washer and nut, which stay so loose that the links turn",)
+        fixing = [
+            self.letters[pin.name]
+            for pin in self.pins
+            if pin.first and len({self.plates[name].body for name in pin.holes + pin.slots}) == 1
+        ]
+        tight = f"; only {' and '.join(fixing)}, which fixes a gear on its crank, is tight" if fixing else ""
+        return (f"a joint is closed by its washer and nut, which stay so loose that the links turn{tight}",)
 
     def steps_with(self, rods: Mapping[str, tuple[int, str]]) -> Iterator[str]:
         """The same if some pins are rods that another copy shares.
@@ -264,14 +270,14 @@ class Stack:
 
     def _on_motor(self, pin: PinSpan) -> str:
         """How the crank is fixed on a motor's shaft, the only support if layers below it are empty."""
-        low, crank = (next(name for name in pin.holes if self.layers[name] == layer) for layer in (pin.first, pin.last))
-        crossed = pin.last - pin.first - 1
-        height = f", {mm(crossed * pin.length / (crossed + 2)):.6g} above {low}" if crossed else ""
-        seat = self.plates[crank].seat
+        low, *turning = sorted(pin.holes, key=self.layers.__getitem__)
+        crossed, sheets = self.layers[turning[0]] - pin.first - 1, pin.last - pin.first + 1
+        height = f", {mm(crossed * pin.length / sheets):.6g} above {low}" if crossed else ""
+        seat = self.plates[turning[0]].seat
         fit = seat.fits[0] if seat else None
         fixed = ", flat on flat" if fit and fit.flat else ""
         fixed += "" if fit and (fit.is_press or fit.play < 0) else ", and glue it"
-        return f"{crank} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
+        return f"{', '.join(turning)} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
 
     def _uncovered_layers(self, pin: PinSpan) -> set[int]:
         """Layers that a pin crosses without a plate or spacer."""
@@ -336,10 +342,10 @@ def stack_links(motion: Motion, stock: LinkStock = LinkStock()) -> Stack:
 def stack_assembly(motion: Motion, stock: LinkStock, assembly: LinkAssembly) -> Stack:
     """Arrange given plates as `stack_links` does."""
     meetings = Meetings(motion, stock, assembly)
-    if len(meetings.moving) > LARGEST:
+    if (count := len({*meetings.layered.values()})) > LARGEST:
         raise DesignError(
             "bodies",
-            f"found {len(meetings.moving)} plates that move",
+            f"found {count} plates that move",
             f"give at most {LARGEST}, or make it in pieces",
             "too-much-work",
         )
@@ -453,25 +459,34 @@ def _fits(meetings: Meetings, carried: Carried) -> bool:
 def _order(meetings: Meetings, carried: Carried, clean: bool = True) -> Order | None:
     """The best order of the moving plates if the bridge carries the joints `carried`."""
     ground, pins = meetings.ground, meetings.assembly.pins
-    bits = {name: 1 << k for k, name in enumerate(meetings.moving)}
-    meets = [sum(b for other, b in bits.items() if frozenset((name, other)) in meetings.plates) for name in bits]
+    layered = meetings.layered
+    meets = [0] * len({*layered.values()})
+    for pair in meetings.plates:
+        for one, other in permutations(layered[name] for name in pair) if ground not in pair else ():
+            meets[one] |= (1 << other) * (one != other)
     passing = [
         Passing(
-            joins=sum(bits[name] for name in pin.plates if name != ground),
+            joins=_bits(layered[name] for name in pin.plates if name != ground),
             bottom=ground in pin.plates and pin.joint not in carried,
             top=ground in pin.plates and pin.joint in carried,
-            hits=sum(bit for name, bit in bits.items() if (pin.name, name) in meetings.pin_and_plate),
+            hits=_bits(k for name, k in layered.items() if (pin.name, name) in meetings.pin_and_plate),
         )
         for pin in pins
     ]
+    if pack := _bits(layered[name] for name in meetings.assembly.pack):
+        passing.append(Passing(pack, bottom=False, top=False, hits=_bits(layered.values()) & ~pack))
     return order(meets, passing, clean)
+
+
+def _bits(numbers: Iterable[int]) -> int:
+    return sum(1 << k for k in {*numbers})
 
 
 def _stack(meetings: Meetings, carried_joints: Carried, best: Order) -> Stack:
     ground, stock = meetings.ground, meetings.stock
     top = 1 + len(best.layers)
     plates, layers = dict(meetings.assembly.plates), {ground: 0}
-    for k, name in enumerate(meetings.moving):
+    for name, k in meetings.layered.items():
         layers[name] = next(1 + n for n, row in enumerate(best.layers) if row >> k & 1)
     bridge = unused("bridge", plates)
     on_bridge = {pin.name: pin.joint in carried_joints for pin in meetings.assembly.pins}
@@ -479,7 +494,7 @@ def _stack(meetings: Meetings, carried_joints: Carried, best: Order) -> Stack:
     if carried_joints:
         plates[ground], plates[bridge] = split(meetings.assembly, ground, carried_joints)
         layers[bridge] = top
-        for k, place in enumerate(pile_places(meetings.motion, meetings.assembly, stock.bar_width + meetings.play)):
+        for k, place in enumerate(pile_places(meetings.motion, meetings.assembly, stock.bar_width, meetings.play)):
             name = unused(f"spacer_{k + 1}", opened(plates))
             plates[ground].openings[name] = plates[bridge].openings[name] = (place,)
             pins.append(Pin(name, name, ground, place, (ground, bridge), ()))

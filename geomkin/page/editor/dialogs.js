@@ -34,14 +34,14 @@ export async function showGallery(editor) {
   const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
   const card = (list, picture, name, about, words, act) => {
     const button = make(make(list, "li"), "button", { type: "button", class: "card" });
-    load(make(button, "img", { alt: "", "data-address": picture }));
+    if (picture) load(make(button, "img", { alt: "", "data-address": picture }));
     make(button, "b", {}, name);
     if (about) make(button, "span", {}, about);
     button.dataset.words = `${name} ${words} ${about}`.toLowerCase();
     button.addEventListener("click", () => { dialog.close(); act().catch((error) => editor.announce(error.message)); });
   };
-  at("folder").replaceChildren();
-  at("kinds").replaceChildren();
+  for (const id of ["by-hand", "folder", "kinds"]) at(id).replaceChildren();
+  card(at("by-hand"), "", "empty linkage", "built by clicks: pivots, bars, plates, dyads, slides", "build draw empty new linkage", () => editor.startEmpty());
   const search = at("search");
   search.value = "";
   search.oninput = () => narrow(dialog, search.value);
