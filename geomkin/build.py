@@ -206,9 +206,14 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
 
 
 def computed(
-    recipe: AbstractRecipe | Readable, only: Sequence[Format] | None = None
+    recipe: AbstractRecipe | Readable,
+    only: Sequence[Format] | None = None,
+    certificate: tuple[tuple[str, ...], ...] = (),
 ) -> tuple[Made, Mapping[str, bytes]]:
-    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names."""
+    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names.
+
+    certificate: rows of the results of verifying the files, for the report.
+    """
     file, recipe = _with_file(recipe)
     offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
     wanted = [name for name in offered if only is None or name in only]
@@ -219,13 +224,14 @@ def computed(
     name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
         results = ShownRecipe(recipe)
-        checks, job = results.checks, _job(name, recipe, recipe.files)
+        checks = results.checks
+        job = dataclasses.replace(_job(name, recipe, recipe.files), certificate=certificate)
         wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         contents = {file: content for files in written.values() for file, content in files.items()}
         found_file = {}
         if isinstance(recipe, AbstractGoal):
-            found_recipe = dataclasses.replace(recipe.design, units=recipe.units)
+            found_recipe = dataclasses.replace(recipe.design, units=recipe.units, printing=recipe.printing)
             found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
         contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
         facts, remarks = _facts(results), results.remarks
@@ -384,6 +390,8 @@ def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
         return job
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     unit, about = UNITS[source.units], ShownRecipe(source).introduction
+    if (printing := source.printing) is not None:
+        job = dataclasses.replace(job, growth=printing.growth, foot=printing.foot)
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp, unit=unit)
 
 

@@ -20,7 +20,9 @@ ORDER = (
     ("model",),
     ("export",),
     ("page", "recipe", "making"),
-    ("linkage", "cam", "gear", "belt", "geneva", "cycloidal", "coupon"),
+    ("cam", "gear", "belt", "geneva", "cycloidal", "coupon"),
+    # A linkage has the gears of its meshes.
+    ("linkage",),
     ("synthesis",),
     ("machine",),
     ("build",),

@@ -15,7 +15,7 @@ from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
-from geomkin.recipe.messages import NOT_OFFERED, did_you_mean
+from geomkin.recipe.messages import NOT_OFFERED, did_you_mean, nearest_kind
 
 GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
@@ -161,6 +161,33 @@ def test_list_searches_names_and_descriptions_of_kinds_and_recipes_of_the_galler
 )
 def test_a_longer_name_of_a_kind_is_recognised_and_another_mechanism_is_not(name, kind):
     assert did_you_mean(name, kind_names()).rstrip("? ").removeprefix("did you mean ") == kind
+
+
+@pytest.mark.parametrize("name", ["klann", "peaucellier", "wiper-pair"])
+def test_new_prints_a_recipe_of_the_gallery_by_its_name(name):
+    result = CliRunner().invoke(commands.cli, ["new", name])
+    assert result.exit_code == 0 and gk.load(result.output).design == gk.load(GALLERY / f"{name}.toml").design
+
+
+@pytest.mark.parametrize(
+    "name, recipes",
+    [
+        ("klann-linkage", ["klann"]),
+        ("hoeken", ["hoecken"]),
+        ("straight line", ["hoecken", "peaucellier", "watt"]),
+        ("../recipes/klann", ["klann"]),
+        ("gripper", ["parallel-gripper"]),
+    ],
+)
+def test_a_name_that_is_no_kind_names_the_recipes_of_the_gallery_that_fit(name, recipes):
+    result = CliRunner().invoke(commands.cli, ["new", name])
+    assert result.exit_code == 2 and all(recipe in result.output for recipe in recipes)
+
+
+@pytest.mark.parametrize("name", ["hypoid", "lead screw", "universal joint", "strain-wave", "v-belt", "barrel-cam"])
+def test_mechanisms_that_are_not_planar_have_a_nearest_kind(name):
+    nearest = nearest_kind(name, kind_names())
+    assert any(kind in nearest for kind in kind_names())
 
 
 @pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear")])

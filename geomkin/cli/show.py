@@ -159,24 +159,27 @@ def list_command(words: tuple[str, ...]) -> None:
 
 
 @click.command()
-@click.argument("name", metavar="KIND")
+@click.argument("name", metavar="KIND_OR_RECIPE")
 @click.option(
     "--with", "options", multiple=True, metavar="TABLE[=KIND]",
     help="Show another kind of table (follower=oscillating-roller), or an optional table (web).",
 )  # fmt: skip
 def new(name: str, options: tuple[str, ...]) -> None:
-    """Print a recipe of a KIND with every key explained.
+    """Print a recipe of a KIND with every key explained, or a RECIPE of the gallery by its name, such as klann.
 
-    The recipe runs without changes.
+    The recipe runs without changes; files that it names are in the gallery.
     """
     from ..core.errors import printable
-    from ..recipe.kinds import kind_names, recipe_class
+    from ..recipe.kinds import gallery, kind_names, recipe_class
 
     try:
         recipe = recipe_class(name)
     except KeyError:
         from ..recipe.messages import nearest_kind
 
+        folder, recipes = gallery()
+        if f"{name}.toml" in recipes and not options:
+            return click.echo((folder / f"{name}.toml").read_text("utf-8"), nl=False)
         kinds = kind_names()
         remedy = f"{nearest_kind(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None

@@ -312,6 +312,7 @@ class RingGear(AbstractInvoluteGear):
         "mm",
         default=0.0,
         at_least=0,
+        printed=0.5,
     )
     diametral_pitch: float | None = diametral_pitch()
 

@@ -371,7 +371,11 @@ class SpurGear(AbstractInvoluteGear):
         at_most=5,
     )
     tooth_thickness_allowance: float = quantity(
-        "reduction of the thickness of each tooth along the pitch circle, for backlash", "mm", default=0.0, at_least=0
+        "reduction of the thickness of each tooth along the pitch circle, for backlash",
+        "mm",
+        default=0.0,
+        at_least=0,
+        printed=0.5,
     )
     tip_rounding: float = quantity("radius of the tip edges", "modules", default=0.0, at_least=0)
     tip_chamfer: float = quantity(

@@ -250,10 +250,10 @@ def _flat(entries: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]
 
 
 def _head(name: str) -> str:
-    return text(capital(_named(name)))
+    return text(capital(_with_unit(name)))
 
 
-def _named(name: str) -> str:
+def _with_unit(name: str) -> str:
     """A name of the summary, whose last words may be a unit."""
     for unit in ("kg_mm2", "N_mm", "deg", "mm", "mm2", "mm3", "in", "in2", "in3", "N", "kg", "rpm"):
         if name.endswith(f"_{unit}"):

@@ -37,11 +37,11 @@ path, circle { vector-effect: non-scaling-stroke; stroke-width: 1.5 }
 
 
 def certify(folder: Path) -> Certificate:
-    """Verify the folder of a recipe, and write verify.json and verify.html into it."""
+    """Verify the folder of a recipe, write verify.json and verify.html into it, and the results into its report."""
     (certificate,) = verify(folder)
     data = json.dumps(as_json(certificate.to_dict()), indent=1, ensure_ascii=False) + "\n"
     contents = (data.encode("utf-8", "replace"), certificate_page(certificate))
-    write_whole(folder, dict(zip(CERTIFICATE, contents, strict=True)))
+    write_whole(folder, dict(zip(CERTIFICATE, contents, strict=True)) | dict(certificate.reports))
     return certificate
 
 

@@ -14,9 +14,9 @@ from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.names import read_text_file
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import UNITS, mm
 from ...making.assembly import Assembly, BaseStock
-from ...model.check import Check
+from ...model.check import Check, WorkedFormula
 from ...model.material import Mass
 from ...model.motor import RotatingBody
 from ...model.part import Part
@@ -47,6 +47,7 @@ from ..program.segments import (
 )
 from ..scene import cam_handles, cam_scene, with_size_plot
 from .loads import CamLoadsAspect, CamLoadsTable, MadeCam
+from .worked_formulas import cam_formulas
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
@@ -84,6 +85,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
     can_be_scaled: ClassVar[bool] = True
     aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)
     additions: ClassVar[Additions] = CamAdditions()
+    takes_snap_pins: ClassVar[bool] = True
     kind: Literal["disk-cam"] = "disk-cam"
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
@@ -117,7 +119,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
     @cached_property
     def made(self) -> MadeCam:
         """The cam in its setting."""
-        return MadeCam(self.cam, self.drive, self.stock, self.base, self.setting)
+        return MadeCam(self.cam, self.drive, self.stock, self.base, self.setting, self.has_snap_pins)
 
     @property
     def own_table(self) -> Table:
@@ -193,6 +195,12 @@ class DiskCamRecipe(AbstractComposedRecipe):
         program = self.cam.program
         names = [segment.file for segment in program.segments if isinstance(segment, LiftTable) and segment.file]
         return {name: read_text_file(name, program.folder, "a CSV file") for name in names}
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Lift, velocity, acceleration and pressure angle in one frame, if a segment's law is a plain formula."""
+        rates, angles = (self.made.speed, self.made.acceleration), self.table.columns[0].values
+        return cam_formulas(self.cam, angles, rates, UNITS[self.units])
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
