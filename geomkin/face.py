@@ -43,6 +43,7 @@ KINDS_BY_GROUP.update({
     },
     "cams": {
         "disk-cam": "geomkin.cam.kinds.disk_cam:DiskCamRecipe",
+        "groove-cam": "geomkin.cam.kinds.groove_cam:GrooveCamRecipe",
     },
     "gears": {
         "spur-gear": "geomkin.gear.kinds.single_gears:SpurGearRecipe",

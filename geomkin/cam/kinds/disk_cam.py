@@ -46,7 +46,8 @@ from ..program.segments import (
     Segment,
 )
 from ..scene import cam_handles, cam_scene, with_size_plot
-from .loads import CamLoadsAspect, CamLoadsTable, MadeCam
+from .loads import CamLoadsAspect, CamLoadsTable
+from .made import MadeCam
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
@@ -67,7 +68,7 @@ LIFTS: dict[str, Segment] = {
 class CamAdditions(Additions):
     """A further segment of the programme."""
 
-    def changes(self, recipe: DiskCamRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+    def changes(self, recipe: AbstractCamRecipe, key: str) -> Iterator[Mapping[str, Any]]:
         segments = recipe.cam.program.segments
         if key == "cam.program" and (whole := getattr(segments[-1], "end_deg", None)) is not None:
             # The last segment gets shorter, and a dwell fills its end.
@@ -78,13 +79,13 @@ class CamAdditions(Additions):
 
 
 @record(kw_only=True)
-class DiskCamRecipe(AbstractComposedRecipe):
-    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+class AbstractCamRecipe(AbstractComposedRecipe):
+    """Base class of recipes of a cam and its follower."""
 
     can_be_scaled: ClassVar[bool] = True
     aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)
     additions: ClassVar[Additions] = CamAdditions()
-    kind: Literal["disk-cam"] = "disk-cam"
+    kind: str
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
     loads: CamLoadsTable | None = entry(
@@ -271,3 +272,10 @@ class DiskCamRecipe(AbstractComposedRecipe):
             "cam.follower": follower,
             "cam.program": Program((Dwell(end_deg=120), lift, Return("cycloidal", end_deg=360))),
         }
+
+
+@record(kw_only=True)
+class DiskCamRecipe(AbstractCamRecipe):
+    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+
+    kind: Literal["disk-cam"] = "disk-cam"
