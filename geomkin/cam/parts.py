@@ -71,7 +71,7 @@ def cam_base(
     openings = _openings(cam, pin_paths, shafts, motor)
     chords = CHORDS * cam.prime_radius
     bars = [origin + direction * flatten(p.outline, chords) for p in plates if p.name != "roller"]
-    if cam.follower.knife_edge is not None:
+    if cam.follower.knife_edge is not None and not any(plate.window for plate in plates):
         for bar in bars:
             _check_shaft(bar, shafts["bore"], collar)
     radius = np.abs(cut.outline.point(samples(cut.outline.breaks))).max() + chords
@@ -278,7 +278,7 @@ def follower_part(plate: FollowerPlate, stock: CamStock, letters: Mapping[str, s
     return Part(
         plate.name,
         plate.outline,
-        tuple(circles),
+        (*circles, *([plate.window] if plate.window else [])),
         stock.thickness,
         body=plate.name,
         hole_names=tuple(names),

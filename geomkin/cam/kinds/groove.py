@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, inside, last_fit, quantity, rounded_up
+from ...core.fields import FARTHEST, inside, last_fit, quantity
 from ...core.records import record
 from ...core.units import mm
 from ...making.assembly import (
@@ -22,28 +22,17 @@ from ...making.assembly import (
     tube_bill,
 )
 from ...making.bores import bore, fits_of, widened
-from ...model.material import Mass
 from ...model.part import Part
 from ...plane.curve import AbstractCurve, Offset
-from ...plane.flatten import flatten
 from ...plane.primitives import Circle, rounded_hull
-from ...plane.vec import Real
-from ...recipe.recipe import part_masses
 from ..checks import tightest_concave
 from ..followers.follower import FollowerPlate, Hole
-from ..followers.roller import AbstractRoller
-from ..parts import LETTERS, TIMING_STEP, cam_base, cam_plate, follower_part, pin_masses, unheld
-from ..play import Wall, play_angles, roller_play
+from ..parts import LETTERS, TIMING_STEP, cam_base, cam_plate, follower_part, unheld
 from ..program.extrema import samples
-from ..undercut import Undercut, undercut
-from .made import MadeCam
+from .positive import AbstractPositiveCam
 
 # Dowels that hold the core and the ring on the disc; two would do, and in a ring they would leave its far side loose.
 CORE_DOWELS, RING_DOWELS = 2, 4
-# Chord tolerance of the walls whose play is computed, as a share of the clearance, and its least value, mm.
-CHORDS, LEAST_CHORDS = 0.005, 1e-4
-# Free distance of guide pins from the turning disc, mm.
-FREE = 1.0
 
 
 @record(checked=True)
@@ -76,7 +65,7 @@ class Groove:
 
 
 @record(eq=False)
-class MadeGrooveCam(MadeCam):
+class MadeGrooveCam(AbstractPositiveCam):
     """A cam whose roller runs in a groove between a core and a ring, both on a disc.
 
     From below: base, disc, core and ring with the roller between them, stem or arm.
@@ -84,21 +73,16 @@ class MadeGrooveCam(MadeCam):
 
     groove: Groove
 
+    pin_layers = 4
+
+    @property
+    def clearance(self) -> float:
+        return self.groove.clearance
+
     def check(self) -> None:
-        """DesignError if no roller can run in such a groove."""
-        follower, jumps = self.cam.follower, self.cam.program.jumps.velocity
-        if not isinstance(follower, AbstractRoller) or not follower.roller_radius:
-            problem = f"found {follower.kind}, which runs in no groove"
-            remedy = 'give kind = "translating-roller" or "oscillating-roller" with a roller_radius above 0'
-            raise DesignError("cam.follower", problem, remedy, "conflict")
-        if jumps.any():
-            at = float(np.degrees(self.cam.program.breaks[:-1][np.abs(jumps).argmax()]))
-            problem = f"its velocity jumps at {at:.4g} deg, where the walls of a groove would not meet"
-            raise DesignError(
-                "cam.program", problem, "start and end the motion with a law that rests there", "conflict"
-            )
+        super().check()
         if self.concave_radius[0] <= self.half_width:
-            self._refuse_roller(follower)
+            self._refuse_roller()
         dowel, room = widened(self.groove.dowel, self.stock.clearance), self.groove.rim
         if dowel >= room:
             problem = f"found {mm(self.groove.dowel):g} in a rim {mm(room):g} wide"
@@ -106,24 +90,19 @@ class MadeGrooveCam(MadeCam):
         # Raises DesignError if a stem is too short.
         _ = self.bars
 
-    @property
-    def half_width(self) -> float:
-        """Distance of either wall from the pitch curve, mm."""
-        return self.cam.follower.roller_radius + self.groove.clearance / 2
-
     @cached_property
     def concave_radius(self) -> tuple[float, float]:
         """Least radius of curvature of the concave parts of the pitch curve, mm, inf if none, and its angle, rad."""
         return tightest_concave(self.cam)
 
-    def _refuse_roller(self, follower: AbstractRoller) -> None:
+    def _refuse_roller(self) -> None:
         """DesignError with the largest roller for which the ring is not cut away."""
 
         def fits(radius: float) -> bool:
-            smaller = replace(self.cam, follower=replace(follower, roller_radius=radius))
+            smaller = replace(self.cam, follower=replace(self.roller, roller_radius=radius))
             return tightest_concave(smaller)[0] > radius + self.groove.clearance / 2
 
-        found, least = follower.roller_radius, self.groove.clearance
+        found, least = self.roller.roller_radius, self.groove.clearance
         problem = f"found {mm(found):g}: the outer wall is undercut at {np.degrees(self.concave_radius[1]):.4g} deg"
         remedy, value = "give a larger base_radius or longer segments", None
         if fits(least):
@@ -133,14 +112,6 @@ class MadeGrooveCam(MadeCam):
                 inside(most, 1),
             )
         raise DesignError("cam.follower.roller_radius", problem, remedy, "out-of-range", value)
-
-    @cached_property
-    def cut(self) -> Undercut:
-        """The core as cut. A roller in a groove loses no lift by undercut: it gets play there."""
-        radius = self.cam.follower.roller_radius
-        wider = replace(self.cam.follower, roller_radius=self.half_width)  # type: ignore[type-var]
-        core = undercut(replace(self.cam, follower=wider, base_radius=self.cam.base_radius + radius - self.half_width))
-        return Undercut(self.cam, core.outline, np.empty((0, 2)), np.empty(0, complex))
 
     @cached_property
     def outer_wall(self) -> AbstractCurve:
@@ -153,29 +124,10 @@ class MadeGrooveCam(MadeCam):
         wall = np.abs(self.outer_wall.point(samples(self.cam.program.breaks).ravel()))
         return float(wall.max()) + self.groove.rim
 
-    @cached_property
-    def walls(self) -> tuple[Wall, Wall]:
-        """Core and ring as cut, with the roller between them."""
-        chords = max(CHORDS * self.groove.clearance, LEAST_CHORDS)
-        follower = self.cam.follower
-        assert isinstance(follower, AbstractRoller)
-        core, ring = (
-            Wall(flatten(curve, chords), follower.centre, follower.roller_radius)
-            for curve in (self.cut.outline, self.outer_wall)
-        )
-        return core, ring
-
-    def play(self, angle: Real) -> Real:
-        """Play of the roller along its path at given cam angles, mm."""
-        reach = abs(self.walls[0].centre) if self.cam.follower.oscillates else 1.0
-        low, high = roller_play(self.cam, self.walls, angle, 10 * self.groove.clearance / reach)
-        return (high - low) * reach
-
-    @cached_property
-    def play_range(self) -> tuple[float, float]:
-        """Least and largest play over a turn, mm."""
-        play = self.play(play_angles(self.cam))
-        return float(play.min()), float(play.max())
+    @property
+    def curves(self) -> tuple[tuple[AbstractCurve, complex], ...]:
+        """Core and ring, with the roller between them."""
+        return (self.cut.outline, self.roller.centre), (self.outer_wall, self.roller.centre)
 
     @cached_property
     def bars(self) -> tuple[FollowerPlate, ...]:
@@ -186,19 +138,9 @@ class MadeGrooveCam(MadeCam):
             return (arm,)
         if self.base is None:
             return ()
-        lifts = cam.program.motion(samples(cam.program.breaks).ravel()).lift
-        lowest = complex(np.asarray(cam.follower.pose(lifts.min(), cam.base_radius).origin))
-        clear = self.disc_radius + stock.pivot_bore / 2 + FREE
-        first = float(np.sqrt(max(clear**2 - lowest.real**2, 0.0))) - lowest.imag
-        least = first + 2 * stock.bar_width
-        if stock.stem_length < least:
-            problem = f"found {mm(stock.stem_length):g}, too short for two guide pins beyond the disc"
-            value = rounded_up(least)
-            raise DesignError("stock.stem_length", problem, f"give at least {mm(least):up}, or omit base", value=value)
         outline = rounded_hull([0j, 1j * stock.stem_length], stock.bar_width / 2)
-        pins = (Hole("pivot_bore", stock.pivot_bore, stock.bar_width, 1j * at) for at in (first, stock.stem_length))
         pin = Hole("roller_bore", stock.roller_bore, stock.bar_width)
-        return (FollowerPlate("follower", outline, (pin, *pins)),)
+        return (FollowerPlate("follower", outline, (pin, *self.guide_pins(self.disc_radius))),)
 
     def _dowels(self, count: int, at: float, room: float) -> tuple[AbstractCurve, ...]:
         """Holes for dowels on a circle, mm; room: width of the plate there."""
@@ -227,7 +169,7 @@ class MadeGrooveCam(MadeCam):
         core = replace(core, hole_names=lettered(len(core.holes)))
         ring = replace(core, name="ring", outline=edge, holes=(self.outer_wall, *outer), marks=(), hole_names=())
         ring = replace(ring, fits=(None, *(play * len(outer))))
-        disc_holes = (*stock.hole(1.0, 2 * self.disc_radius, "stock"), *inner, *outer)
+        disc_holes = (*bored, *inner, *outer)
         disc = replace(core, name="disc", outline=edge, holes=disc_holes, marks=())
         disc = replace(disc, hole_names=lettered(len(disc_holes)), fits=(*fits, *(play * len((*inner, *outer)))))
         roller, *_ = cam.follower.plates(stock.bars, cam.program, cam.base_radius, cam.sense)
@@ -240,13 +182,6 @@ class MadeGrooveCam(MadeCam):
         collar = collar_across(stock.bore) if stock.bore and not stock.motor else 0.0
         base = cam_base(cam, whole, self.bars, shafts, stock.thickness, self.base, stock.motor, collar)
         return (*plates, base)
-
-    @cached_property
-    def masses(self) -> Mapping[str, Mass]:
-        bodies = part_masses(self.parts)
-        for body, mass in pin_masses(self.bars, self.stock, self.base, 4).items() if bodies else ():
-            bodies[body] += mass
-        return bodies
 
     @cached_property
     def assembly(self) -> Assembly:
