@@ -167,6 +167,11 @@ def _involute_data(job: Job, part: Part, measures: Mapping[str, Any]) -> list[tu
     def size(value: float) -> str:
         return length_text(value * job.unit.mm, job.unit)
 
+    def toleranced(measure: Mapping[str, Any]) -> str:
+        low, high = sorted((0.0, measure.get("tolerance", 0.0)))
+        limits = _deviations((low * job.unit.mm, high * job.unit.mm), job.unit) if low or high else ""
+        return f"{size(measure['measure'])} {limits}".strip()
+
     name = job.unit.name
     rows = [
         ("teeth", str(measures["teeth"])),
@@ -182,15 +187,24 @@ def _involute_data(job: Job, part: Part, measures: Mapping[str, Any]) -> list[tu
             ("lead", size(helix[f"lead_{name}"])),
         ]
     rows.append(("profile shift coefficient", f"{measures['profile_shift']:.6g}"))
+    rows.append(("tooth thickness at the pitch circle", size(measures["tooth_thickness"])))
     for circle in ("tip", "pitch", "base", "root"):
         # The tip circle of an outline has its diameter in the view.
         if f"{circle}_radius" in measures and (circle != "tip" or isinstance(part.outline, Circle)):
             rows.append((f"{circle} dia", size(2 * measures[f"{circle}_radius"])))
     if span := measures.get("span"):
-        rows.append((f"span over {span['teeth']} teeth", size(span["measure"])))
+        rows.append((f"span over {span['teeth']} teeth", toleranced(span)))
     for key, words in (("over_pins", "over"), ("between_pins", "between")):
         if pins := measures.get(key):
-            rows.append((f"{words} pins of dia {size(pins['pin_diameter'])}", size(pins["measure"])))
+            rows.append((f"{words} pins of dia {size(pins['pin_diameter'])}", toleranced(pins)))
+    tool = "pinion cutter" if "tool_teeth" in measures else "rack cutter"
+    if "tool_teeth" in measures:
+        shift = f", profile shift {measures['tool_profile_shift']:.6g}" if measures["tool_profile_shift"] else ""
+        rows.append((f"teeth of the {tool}", f"{measures['tool_teeth']}{shift}"))
+    for key, words in (("tip", "tip radius"), ("fillet", "fillet at the root")):
+        if f"tool_{key}_radius" in measures:
+            rows.append((f"{words} of the {tool}", size(measures[f"tool_{key}_radius"])))
+    rows += [(key.replace("_", " "), size(measures[key])) for key in ("tip_rounding", "tip_chamfer") if key in measures]
     return [*rows, *_mates(job, part), ("accuracy", harmless(job.title.general_tolerance or "not stated"))]
 
 

@@ -40,6 +40,7 @@ from .building import (
     structure_data,
     unfinished,
 )
+from .joining import joined, shafts
 from .strokes import drawn_recipe
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
@@ -307,8 +308,8 @@ def answer(
         Texts of the files that it names.
     request : mapping
         `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `build`, an
-        edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`; or `drag`, with
-        `handle`, `to`, `frame`, `step` and `snap`;
+        edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`; or `join`, a mechanism
+        as `joined` takes it; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -320,6 +321,7 @@ def answer(
     dict
         The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `preview` (joints of a
         linkage), `structure` (names in a linkage), `unfinished` (what a linkage that is built still lacks),
+        `shafts` (that can turn another mechanism),
         `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
         `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
 
@@ -331,9 +333,10 @@ def answer(
     'rocker = 75  # output'
     """
     reply = _replied(Draft(text, files, name), request, opened)
-    if reply["problems"] and request.get("drag"):
-        # The plates, which a drag does not compute, are impossible there: it stops where it was.
-        before = _replied(Draft(text, files, name), {**request, "drag": None}, opened)
+    if reply["problems"] and (request.get("drag") or request.get("join")):
+        # The plates, which a drag does not compute, are impossible there, or the mechanism is on this shaft: it stops
+        # where it was.
+        before = _replied(Draft(text, files, name), {**request, "drag": None, "join": None}, opened)
         if not before["problems"]:
             problem = reply["problems"][0]
             reason = f"{problem['key']}: {problem['problem']}; {problem['remedy']}"
@@ -347,6 +350,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
         "parts": None, "preview": None, "structure": None, "unfinished": "",
+        "shafts": [],
     }  # fmt: skip
     try:
         if changes := request.get("set"):
@@ -360,6 +364,12 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
                 reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
         if stroke := request.get("draw"):
             draft.text = reply["text"] = _drawn(draft, stroke)
+        if wanted := request.get("join"):
+            try:
+                table = draft.table()
+                draft.text = reply["text"] = joined(text, table, name, draft.opened(table), wanted)
+            except DesignError as error:
+                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
         if request.get("drag"):
             _drag(draft, request["drag"], request.get("locks") or (), reply)
             draft.text = reply["text"]
@@ -375,6 +385,8 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
             (_scene if is_scene else _checks)(recipe, request.get("locks") or (), reply)
             # A drag does not change how sizes place the joints, which takes time for many bodies.
             reply["preview"] = recipe.preview(not request.get("drag")) if is_scene else None
+            if is_scene and not request.get("drag"):
+                reply["shafts"] = [{"body": body, "at": [at.real, at.imag]} for body, at in shafts(recipe)]
             if isinstance(recipe, AbstractLinkageRecipe) and is_scene:
                 reply["structure"] = structure_data(structure_at(recipe, 0))
     except RecipeError as error:

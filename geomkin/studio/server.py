@@ -192,7 +192,9 @@ class Studio:
                 raise _RefusedError(HTTPStatus.BAD_REQUEST, f"{key} has the wrong form", "give what the docs state")
         if not all(isinstance(key, str) for key in body.get("locks") or ()):
             raise _RefusedError(HTTPStatus.BAD_REQUEST, "locks has the wrong form", "give keys")
-        work = partial(self._answered, text, self.workspace.files_of(text), dict(body), name)
+        # The file of a mechanism that is joined.
+        further = [f"{(body.get('join') or {}).get('recipe')}.toml"]
+        work = partial(self._answered, text, self.workspace.files_of(text, further), dict(body), name)
         if not (_is_search(text) or body.get("draw")):
             return work()
         is_check = body.get("lane") == "checks"

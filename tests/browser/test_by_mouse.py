@@ -291,3 +291,31 @@ def test_a_dropped_drawing_is_the_wanted_path(empty_stage):
     xs, ys = zip(*sent.value.post_data_json["draw"]["points"])
     assert (min(xs), max(xs), min(ys), max(ys)) == pytest.approx((0, 40, 0, 30), abs=0.2)
     page.click("#stop")
+
+
+def test_a_gear_pair_and_a_leg_are_put_on_one_shaft(studio, tmp_path):  # noqa: F811
+    (tmp_path / "leg.toml").write_text((RECIPES / "walking-leg.toml").read_text())
+    hand = Builder(studio((RECIPES / "gear-pair.toml").read_text(), viewport={"width": 1440, "height": 900}))
+    page = hand.page
+    hand.click("#join")
+    hand.click('#folder .card:has-text("leg")')
+    axis = gk.load(hand.editor.file).rotating_bodies["second"].axis
+    hand.count()
+    x, y = on_stage(page, axis.real, axis.imag)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 50, y - 50, steps=3)
+    page.mouse.up()
+    settle(page)
+    machine = hand.saved()
+    leg = machine.mechanisms["leg"]
+    assert leg.turned_by == "it.second" and leg.phase_deg == 45 and leg.recipe.name == "leg"
+    assert {*machine.graph.speeds} == {"it", "leg"} and float(machine.graph.speeds["leg"]) == -0.5
+    # One more, of a kind.
+    hand.click("#join")
+    page.fill("#search", "disk-cam")
+    hand.click("#kinds .card:visible >> nth=0")
+    hand.count()
+    page.mouse.click(*on_stage(page, 0, 0))
+    settle(page)
+    assert hand.saved().mechanisms["disk-cam"].turned_by == "it.first"

@@ -131,6 +131,8 @@ class LoopAdditions(Additions):
 class AbstractLoopRecipe(AbstractPlatesRecipe):
     """Base class of recipes of a loop round toothed wheels."""
 
+    carries_torques: ClassVar[bool] = True
+
     without_loads: ClassVar[str] = (
         "Wheels are balanced about their axes; tensions and shaft loads are computed with the table loads."
     )
@@ -293,8 +295,9 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
     @cached_property
     def tensions(self) -> LoopTensions:
         """Tensions under the torques."""
-        drive, torques = self.mechanism.design, iter((0.0, *self.given.torques_n_mm))
-        each = tuple(float(next(torques)) if wheel.teeth else 0.0 for wheel in drive.wheels)
+        drive, torques, setting = self.mechanism.design, iter((0.0, *self.given.torques_n_mm)), self.mechanism.setting
+        taken = [0.0, *(setting.torque_on(wheel.name) for wheel in drive.wheels[1:])]
+        each = tuple(float(next(torques)) + more if wheel.teeth else 0.0 for wheel, more in zip(drive.wheels, taken))
         tensions = LoopTensions(drive, each, 0.0)
         slack = self.given.slack_tension_n
         return replace(tensions, slack=self.mechanism.slack_share * tensions.pull if slack is None else slack)

@@ -43,11 +43,13 @@ from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength
 from .helical import (
     AbstractHelicalRecipe,
+    Measuring,
     Tips,
     backlash_notes,
     boss_checks,
     check_tooth_points,
     gear_quantities,
+    measuring_entry,
     mesh_notes,
     overlap_notes,
     pair_quantities,
@@ -113,7 +115,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = PairStrength(self.design, loads.torque_n_mm, self.face_width, (first, second), loads)
-        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, pair_strength_notes(strength))
+        summary = pair_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, summary, strength.torque)
 
     @property
     def face_width(self) -> float:
@@ -255,6 +258,7 @@ class GearPairRecipe(AbstractPairRecipe):
         "a base plate under both gears; if omitted, a bar that holds their shafts", default=None
     )
     loads: GearLoads | None = _loads("driving gear")
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     @property
@@ -319,6 +323,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
     pinion_stock: GearStock = entry("sheet and bore of the pinion", default=GearStock())
     ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
     loads: GearLoads | None = _loads("pinion")
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     base = None
@@ -361,6 +366,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     loads: RackLoads | None = entry(
         "force on the rack, for pinion torque and strength; the stock then names its material", default=None
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -374,9 +380,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = RackStrength(self.design, loads, self.stock.thickness, (material, material))
-        return LoadedMeshes(
-            strength, {"": strength}, strength.force_limit, rack_strength_notes(strength), "loads.force_n"
-        )
+        limit, summary = strength.force_limit, rack_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, limit, summary, strength.torque, "loads.force_n")
 
     @cached_property
     def design(self) -> RackPair:

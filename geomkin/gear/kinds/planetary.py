@@ -35,10 +35,12 @@ from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
     AbstractHelicalRecipe,
+    Measuring,
     Tips,
     boss_checks,
     check_tooth_points,
     gear_quantities,
+    measuring_entry,
     mesh_notes,
     tips_entry,
 )
@@ -66,6 +68,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     loads: GearLoads | None = entry(
         "torque on the driver, for forces and strength; all stocks then name their material", default=None
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -107,7 +110,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         widths = min(sun.thickness, planet.thickness), min(planet.thickness, ring.thickness)
         strength = PlanetaryStrength(self.design, loads, widths, materials, self.driver)
         meshes = {"sun": strength.inner, "ring": strength.outer}
-        return LoadedMeshes(strength, meshes, strength.torque_limit, planetary_strength_notes(strength))
+        summary = planetary_strength_notes(strength)
+        return LoadedMeshes(strength, meshes, strength.torque_limit, summary, loads.torque_n_mm)
 
     @property
     def output(self) -> Member:

@@ -32,7 +32,7 @@ class Editor {
     this.form = new Form(at("form"), this);
     this.tools = new Tools(at("tools"), this);
     const acts = {
-      gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
+      gallery: () => showGallery(this), new: () => showGallery(this), join: () => showGallery(this, true), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
       "share-link": () => this.copy(linkOf(this.text), "The link is copied; it holds the whole recipe"),
       "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
@@ -208,6 +208,11 @@ class Editor {
     } catch (error) { this.fail(error); return; }
     this.replaceBy({ draw: { points } });
     this.whenIdle(() => this.announce(""));
+  }
+
+  // Puts a mechanism of the gallery, source, on the shaft that is clicked.
+  joinTo(source) {
+    this.tools.pick(this.reply.shafts, (body, phase) => this.replaceBy({ join: { ...source, turned_by: body, phase_deg: phase } }));
   }
 
   // Makes a change that may lead to another kind of recipe.
@@ -411,6 +416,7 @@ class Editor {
     document.body.classList.toggle("unfinished", unfinished !== "");
     const canBuild = structure || reply.kind === "path-generator";
     at("build").hidden = !canBuild;
+    if (reply.shafts.length || !this.handles?.held) at("join").hidden = !reply.shafts.length;
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);

@@ -65,14 +65,25 @@ export class Tools {
   // Shows the tools of a linkage, with what it still lacks; structure: the names of an answer.
   load({ structure, unfinished }) {
     Object.assign(this, { structure, clicks: [], stroke: null });
+    if (this.shafts) this.choose("move");
     for (const button of this.buttons) button.hidden = !structure && !ALWAYS.includes(button.dataset.tool);
     this.stated.textContent = unfinished || (structure ? "1 degree of freedom: it moves" : "");
     this.say();
     this.draw();
   }
 
+  // Asks for one of the shafts, each { body, at }, and calls act(body, phase): a press on it, drawn outwards, gives the phase.
+  pick(shafts, act) {
+    this.choose("move");
+    this.shafts = { all: shafts, act, held: null, phase: 0 };
+    this.layer.classList.add("active");
+    this.editor.player.play(false);
+    this.editor.announce("Click the shaft that turns it; draw outwards to turn its driver by a phase");
+    this.draw();
+  }
+
   choose(tool) {
-    Object.assign(this, { tool, clicks: [], hover: null });
+    Object.assign(this, { tool, clicks: [], hover: null, shafts: null });
     for (const button of this.buttons) button.setAttribute("aria-pressed", button.dataset.tool === tool);
     this.layer?.classList.toggle("active", this.isActive);
     if (this.isActive) this.editor.player?.play(false);
@@ -82,11 +93,12 @@ export class Tools {
     this.draw();
   }
 
-  get isActive() { return !this.root.hidden && this.tool !== "move"; }
+  get isActive() { return this.shafts || (!this.root.hidden && this.tool !== "move"); }
 
   // Gives up the clicks so far, or else the tool; returns whether there was one.
   cancel() {
     if (!this.isActive) return false;
+    if (this.shafts) { this.choose("move"); return true; }
     if (this.clicks.length) { this.clicks = []; this.draw(); } else this.choose("move");
     return true;
   }
@@ -146,9 +158,10 @@ export class Tools {
 
   press(event) {
     const isPath = this.tool === "path";
-    if (event.button || !(this.structure || isPath)) return;
+    if (event.button || !(this.structure || isPath || this.shafts)) return;
     event.preventDefault();
     this.layer.setPointerCapture(event.pointerId);
+    if (this.shafts) { this.shafts.held = this.shaftAt(event); this.draw(); return; }
     if (isPath) { this.stroke = []; this.isDrawing = true; this.extend(event); return; }
     this.pressed = [event.clientX, event.clientY];
     this.take(this.meant(event));
@@ -157,6 +170,7 @@ export class Tools {
   move(event) {
     this.editor.player.play(false);
     if (this.isDrawing) { this.extend(event); return; }
+    if (this.shafts) { this.turn(event); return; }
     if (!this.structure || this.tool === "path") return;
     this.hover = this.meant(event);
     this.draw();
@@ -165,6 +179,11 @@ export class Tools {
   // One stroke is two clicks.
   release(event) {
     const { pressed, stroke } = this;
+    if (this.shafts) {
+      const { held, phase, act } = this.shafts;
+      if (held) { this.choose("move"); this.editor.announce(""); act(held.body, phase); }
+      return;
+    }
     if (this.isDrawing) {
       this.isDrawing = false;
       if (stroke.length < 3) { this.stroke = null; this.draw(); return; }
@@ -174,6 +193,32 @@ export class Tools {
     }
     this.pressed = null;
     if (pressed && this.clicks.length && hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > PRESSED) this.take(this.meant(event));
+  }
+
+  // The nearest shaft; of several on one axis the first.
+  shaftAt(event) {
+    const [x, y] = this.drawing.onStage(event), off = ({ at }) => { const [u, v] = this.drawing.screen(...at); return hypot(u - x, v - y); };
+    return this.shafts.all.reduce((best, shaft) => (off(shaft) < (best ? off(best) - 1 : 2.5 * NEAR_POINT) ? shaft : best), null);
+  }
+
+  // The phase is the direction in which the pointer is from the shaft, in steps of 5 deg.
+  turn(event) {
+    const { shafts } = this, { held } = shafts;
+    if (held) {
+      const [x, y] = this.drawing.onStage(event), [u, v] = this.drawing.screen(...held.at), isFar = hypot(x - u, y - v) > 2 * NEAR_POINT;
+      shafts.phase = isFar ? 5 * Math.round(Math.atan2(v - y, x - u) * 36 / Math.PI) : 0;
+    } else shafts.hover = this.shaftAt(event);
+    this.draw();
+  }
+
+  drawShafts() {
+    const { all, held, hover, phase } = this.shafts, [cx0, cy0] = held ? this.drawing.screen(...held.at) : [];
+    for (const shaft of all) {
+      const [cx, cy] = this.drawing.screen(...shaft.at).map(px), isMeant = shaft === (held ?? hover);
+      make(this.shown, "circle", { cx, cy, r: isMeant ? 20 : 14, class: isMeant ? "shaft meant-shaft" : "shaft" });
+      if (isMeant) make(this.shown, "text", { x: cx, y: cy, dx: 24, dy: -16 }, `${shaft.body.replaceAll("_", " ")}${phase ? `, phase ${phase}°` : ""}`);
+    }
+    if (held && phase) make(this.shown, "path", { d: `M${px(cx0)} ${px(cy0)}l${px(70 * Math.cos(phase * Math.PI / 180))} ${px(-70 * Math.sin(phase * Math.PI / 180))}` });
   }
 
   // Adds the place of an event to the stroke, mm.
@@ -234,6 +279,7 @@ export class Tools {
     if (!this.shown) return;
     this.shown.replaceChildren();
     if (this.stroke?.length > 1) make(this.shown, "path", { d: `M${this.stroke.map((at) => this.drawing.screen(...at).map(px)).join("L")}`, class: "stroke" });
+    if (this.shafts) { this.drawShafts(); return; }
     if (!this.isActive || !this.structure) return;
     const { clicks, hover, drawing, places } = this, all = hover ? [...clicks, hover] : clicks;
     const spot = ({ at, point, slide }) => places.get(point ?? slide) ?? drawing.screen(...at);
