@@ -92,6 +92,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self._print_mechanisms()
         names = list(self.mechanisms)
         if not 1 < len(names) <= MOST_MECHANISMS:

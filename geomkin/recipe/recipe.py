@@ -68,17 +68,6 @@ class _Shared:
         "printed parts: the clearance of all that turns or meshes, and the shape of solids", default=None
     )
 
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        if own := vars(cls).get("__post_init__"):
-
-            def settled(recipe: _Shared) -> None:
-                # First, since the checks of the kind are those of the printed sizes.
-                apply_clearance(recipe)
-                own(recipe)
-
-            cls.__post_init__ = settled  # type: ignore[assignment, method-assign]
-
     def __post_init__(self) -> None:
         apply_clearance(self)
 

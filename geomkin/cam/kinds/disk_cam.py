@@ -101,6 +101,7 @@ class AbstractCamRecipe(AbstractComposedRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         speed = self.drive.speed_rpm
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"

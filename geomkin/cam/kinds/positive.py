@@ -179,8 +179,8 @@ class AbstractPositiveCamRecipe(AbstractCamRecipe):
     """Base class of recipes of cams that move their follower both ways."""
 
     def __post_init__(self) -> None:
-        self.made.check()
         super().__post_init__()
+        self.made.check()
 
     @property
     @abstractmethod
