@@ -71,6 +71,16 @@ class _Shared:
     def __post_init__(self) -> None:
         apply_clearance(self)
 
+    @property
+    def has_snap_pins(self) -> bool:
+        """Whether pins are printed."""
+        return self.printing is not None and self.printing.pins == "snap"
+
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the assembly is printed in one piece."""
+        return self.printing is not None and self.printing.in_place
+
 
 # Keys of every kind. Recipes list them after the mechanism's own keys; summaries omit them if they are empty.
 SHARED = tuple(field.name for field in dataclasses.fields(_Shared))
@@ -158,16 +168,6 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving_picture
-
-    @property
-    def has_snap_pins(self) -> bool:
-        """Whether pins are printed."""
-        return self.printing is not None and self.printing.pins == "snap"
-
-    @property
-    def is_in_place(self) -> bool:
-        """Whether the assembly is printed in one piece."""
-        return self.printing is not None and self.printing.in_place
 
     @property
     def is_in_own_file(self) -> bool:
