@@ -84,8 +84,8 @@ def checks_page() -> str:
     for id, entry in CHECKS.items():
         text += f"\n({id})=\n## {entry['name']}\n\n`{id}`: {entry['meaning']}\n\n"
         text += f"- Limit: {entry['limit']}\n- Remedy: {entry['remedy']}\n"
-    text += "\n# Refusals: why a recipe is not made\n\nThe id is in the JSON of `--json`, and in `error.problems` in Python.\n"
-    return text + "".join(f"\n## {id}\n\n{about}\n" for id, about in REFUSALS.items())
+    text += "\n## Refusals: why a recipe is not made\n\nThe id is in the JSON of `--json`, and in `error.problems` in Python.\n"
+    return text + "".join(f"\n### {id}\n\n{about}\n" for id, about in REFUSALS.items())
 
 
 def python_page() -> str:

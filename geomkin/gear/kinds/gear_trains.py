@@ -298,6 +298,7 @@ class GearTrainRecipe(AbstractLoadedRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.stocks.gears(self.design)
         for aspect in self.aspects:
             aspect.check()

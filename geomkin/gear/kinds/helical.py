@@ -87,6 +87,7 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
         measuring: Measuring | None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.helix  # noqa: B018  raises for a herringbone with straight teeth
 
     @property
