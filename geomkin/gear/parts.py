@@ -166,6 +166,11 @@ class RingStock:
     material: MaterialKey | None = material_entry("the ring")
     attachments: tuple[Attachment, ...] = attachments_entry("the ring")
 
+    @property
+    def has_fits(self) -> bool:
+        """Whether its clearance counts."""
+        return bool(self.attachments)
+
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material outside the teeth, mm."""
         return self.rim

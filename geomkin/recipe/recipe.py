@@ -268,7 +268,7 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
         values: dict[str, float] = {}
         for key in (field.name for field in dataclasses.fields(self)):
             table, stated = getattr(self, key), self.loaded_table.get(key, {})
-            if not isinstance(stated, Mapping):
+            if not isinstance(stated, Mapping) or not getattr(table, "has_fits", True):
                 continue
             is_pressed = "press" in (getattr(table, "fit", ""), getattr(table, "mate_fit", ""))
             has_class = any(getattr(table, name, "") for name in ("pin_fit", "iso_fit"))

@@ -147,6 +147,13 @@ def test_other_gears_have_attachments_too(kind, stock, keys, part, circle):
     assert caught.value.field == f"{key}.{keys[0]}"
 
 
+def test_the_clearance_of_a_ring_is_assumed_for_its_holes_only():
+    table = tomllib.loads(template_of("ring-gear"))
+    items = {"rim": 10, "attachments": [{**HUB_OF_GEAR, "bolt_circle": 136}]}
+    assert "stock.clearance" not in from_table(table).assumed_fits
+    assert "stock.clearance" in from_table({**table, "stock": items}).assumed_fits
+
+
 def test_holes_of_a_ring_with_a_helix_would_be_twisted():
     pair = {**tomllib.loads(template_of("internal-gear-pair")), "helix_angle_deg": 20}
     items = {"attachments": [{**HUB_OF_GEAR, "bolt_circle": 136}]}
