@@ -252,6 +252,8 @@ def _as_changes(groups: Sequence[Sequence[Number]], values: Array) -> dict[str, 
     }
 
 
+# Problems of a linkage as it is drawn.
+DRAWN = ("impossible-geometry", "does-not-assemble")
 # Digits of positions of handles: a millionth of their size is far below a pixel.
 DIGITS = 7
 # The key of an item of a list.
@@ -444,8 +446,7 @@ def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None
         return
     is_open = is_unfinished(structure)
     # Sizes that do not fit are shown by the gap, unless they were drawn.
-    drawn_ids = {"impossible-geometry", *(["does-not-assemble"] if request.get("build") else [])}
-    if not is_open and reply["problems"][0]["id"] not in drawn_ids:
+    if not (is_open or (request.get("build") and reply["problems"][0]["id"] in DRAWN)):
         return
     scale, unit = float(table.get("scale", 1.0)), UNITS[table.get("units", "mm")]
     name = reply["name"] = draft.name or "linkage"
