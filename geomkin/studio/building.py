@@ -110,10 +110,26 @@ class Structure:
 
     @property
     def drive(self) -> float:
-        """Angle of the driver from the ground in this position, rad; 0 if it is no body."""
+        """Angle of the driver from the ground in this position, rad, or its displacement, mm, if it slides."""
+        if self.stroke is not None:
+            return sum(self.stroke) / 2
         if self.driver not in self.bodies:
             return 0.0
         return float(np.angle(self.poses[self.driver][1] / self.poses[self.ground][1]))
+
+    @property
+    def stroke(self) -> tuple[float, float] | None:
+        """Displacements of a driven slide about the present one, a fifth of the size apart; None if an angle drives."""
+        ends = {self.driver, self.ground}
+        driven = (s for s in self.sliders if s["name"] == self.driver or {s["body"], s["along"]} == ends)
+        slide = next(driven, None)
+        if slide is None:
+            return None
+        direction = self.poses[slide["along"]][1] * np.exp(1j * np.radians(slide["direction_deg"]))
+        arm = self.position(slide["body"], slide["point"]) - self.position(slide["along"], slide["through"])
+        now = float((arm * np.conj(direction)).real)
+        reach = 0.1 * max(abs(z) for points in self.bodies.values() for z in points.values())
+        return now - reach, now + reach
 
     def position(self, body: str, place: complex) -> complex:
         """A point of a body as shown."""
@@ -562,6 +578,8 @@ class LinkageText:
         changes: dict[str, Any] = {}
         if after.driver != before.driver:
             changes["linkage.driver"] = after.driver or None
+            ends = self._pair(complex(*after.stroke), digits) if after.stroke else None
+            changes["stroke"] = {"start": ends[0], "end": ends[1]} if ends else None
         for body, points in after.bodies.items():
             old = before.bodies.get(body)
             if not old:
@@ -589,10 +607,11 @@ class LinkageText:
         places = structure.held
         estimate = {p: self._pair(z, digits) for p, z in places.items()}
         pinned = {p: z for p, z in estimate.items() if len(structure.bodies_at(p)) > 1}
-        start = plain(round(math.degrees(structure.drive), 6))
+        start = 0 if structure.stroke else plain(round(math.degrees(structure.drive), 6))
         turn = {"drive.start_deg": start, "drive.end_deg": plain(start + 360)} if start else {}
-        # A linkage that is no chain of dyads takes an estimate, of its first position.
-        for changes in ({"linkage.estimate": None}, {"linkage.estimate": pinned, **turn}):
+        # A linkage that is no chain of dyads takes an estimate of its first position; another driver makes other dyads.
+        guesses: list[dict[str, Any]] = [{"linkage.estimate": None}, {"linkage.estimate": pinned, **turn}]
+        for changes in (*guesses, *(guess | {"branches": None} for guess in guesses)):
             settled = edited_text(text, changes)
             try:
                 recipe = self.opened(settled)
@@ -709,8 +728,6 @@ def _without(table: Mapping[str, Any], gone: set[str], changes: Mapping[str, Any
 def _misplaced(recipe: AbstractLinkageRecipe, drive: float, places: Points) -> int:
     """The number of points that are not where they are drawn, with the driver where it is drawn."""
     general = recipe.linkage.linkage
-    if general.driven_slider is not None:
-        return 0
     motion: Motion = move(general, np.array([drive]), branch_of(recipe.branch, recipe.branches))
     if not motion.assembled[0]:
         return len(places) + 1

@@ -252,6 +252,8 @@ def _as_changes(groups: Sequence[Sequence[Number]], values: Array) -> dict[str, 
     }
 
 
+# Problems of a linkage as it is drawn.
+DRAWN = ("impossible-geometry", "does-not-assemble")
 # Digits of positions of handles: a millionth of their size is far below a pixel.
 DIGITS = 7
 # The key of an item of a list.
@@ -385,7 +387,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         reply["problems"] = [problem.to_dict()]
     if reply["problems"]:
         reply["scene"] = None
-        _unfinished(draft, request.get("lane") == "checks", reply)
+        _unfinished(draft, request, reply)
     return reply
 
 
@@ -433,7 +435,7 @@ def with_length(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str] 
     return edited_text(draft.text, _whole_lists(changes, table, _values(recipe)))
 
 
-def _unfinished(draft: Draft, is_checks: bool, reply: Answer) -> None:
+def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None:
     """Show a linkage that is still built as it is drawn; what it lacks is no problem."""
     try:
         table = draft.table()
@@ -443,7 +445,8 @@ def _unfinished(draft: Draft, is_checks: bool, reply: Answer) -> None:
     if structure is None:
         return
     is_open = is_unfinished(structure)
-    if not is_open and reply["problems"][0]["id"] != "impossible-geometry":
+    # Sizes that do not fit are shown by the gap, unless they were drawn.
+    if not (is_open or (request.get("build") and reply["problems"][0]["id"] in DRAWN)):
         return
     scale, unit = float(table.get("scale", 1.0)), UNITS[table.get("units", "mm")]
     name = reply["name"] = draft.name or "linkage"
@@ -451,7 +454,7 @@ def _unfinished(draft: Draft, is_checks: bool, reply: Answer) -> None:
     reply["handles"] = [_handle(handle, (), 1.0, 1.0) for handle in point_handles(structure, scale)]
     if is_open:
         reply["problems"], reply["unfinished"] = [], advice(structure)
-    if is_checks:
+    if request.get("lane") == "checks":
         reply["checks"], reply["candidates"], reply["parts"] = [], [], {"parts": [], "bought": [], "steps": []}
     else:
         reply["scene"] = scene_data(drawn(structure, scale), name, unit)

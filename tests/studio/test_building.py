@@ -114,16 +114,31 @@ def test_a_dyad_on_any_linkage_is_where_it_was_drawn(name):
     assert moved.point(joined).position[row] == pytest.approx(held, abs=1e-6 * size)
 
 
+SLIDER_CRANK = (
+    ("pivot", at(0, 0)),
+    ("bar", point("A"), at(30, 0)),
+    ("slide", point("B"), at(120, 10), at(160, 11)),
+)
+
+
 def test_a_bar_and_a_block_move_as_a_slider_crank():
-    text = built_by(
-        ("pivot", at(0, 0)),
-        ("bar", point("A"), at(30, 0)),
-        ("slide", point("B"), at(120, 10), at(160, 11)),
-    )
-    recipe = gk.load(text)
+    recipe = gk.load(built_by(*SLIDER_CRANK))
     turn = recipe.motion.drive
     expected = 30 * np.cos(turn) + np.sqrt(90**2 + 10**2 - (10 - 30 * np.sin(turn)) ** 2)
     assert np.allclose(recipe.motion.point("C").position, expected + 10j)
+
+
+def test_a_block_drives_about_its_present_place():
+    # With the crank at 60 and at 300 deg, which are different assembly modes.
+    for frame in (60, 300):
+        text = built_by(*SLIDER_CRANK)
+        text = built(Draft(text, {}), {"do": "driver", "on": [body("block_1")], "frame": frame, "step": 0.4})
+        recipe = gk.load(text)
+        middle = len(recipe.motion.drive) // 2
+        pin = recipe.motion.point("B").position
+        assert recipe.stroke and abs(pin[middle] - 30 * np.exp(1j * np.radians(frame))) < 2
+        assert np.allclose(np.diff(recipe.motion.point("C").position).imag, 0, atol=1e-9)
+    assert gk.load(built_by(("driver", body("crank")), text=text)).stroke is None
 
 
 def test_a_slotted_lever_points_at_its_pin():
