@@ -139,6 +139,12 @@ def tightest_convex(cam: Cam) -> tuple[float, float]:
     return (1 / curvature if curvature > 0 else np.inf), angle
 
 
+def tightest_concave(cam: Cam) -> tuple[float, float]:
+    """Least radius of curvature of the concave parts of the pitch curve, mm, inf if none, and its cam angle, rad."""
+    curvature, angle = largest(cam.program.breaks, lambda t: -convex_curvature(cam, t))
+    return (1 / curvature if curvature > 0 else np.inf), angle
+
+
 @checked
 def contact_travel(cam: Cam) -> tuple[float, float]:
     """Range of a flat face that the cam touches.

@@ -210,12 +210,12 @@ def loss_factor(pair: GearPair) -> float:
     Parameters
     ----------
     pair : GearPair
-        Two external gears in mesh.
+        Two gears in mesh.
 
     Returns
     -------
     float
-        H_V of `GearTrain.efficiencies`.
+        H_V of `GearTrain.efficiencies`; of a ring, 1/z2 is subtracted.
 
     Examples
     --------
@@ -226,7 +226,8 @@ def loss_factor(pair: GearPair) -> float:
     pitch_point = pair.first.base_radius * np.tan(pair.working_pressure_angle)
     before, after = (pitch_point - start) / pair.first.base_pitch, (end - pitch_point) / pair.first.base_pitch
     lengths = 1 - before - after + before**2 + after**2
-    return float(np.pi * (1 / pair.first.teeth + 1 / pair.second.teeth) * lengths)
+    side = -1 if pair.is_internal else 1
+    return float(np.pi * (1 / pair.first.teeth + side / pair.second.teeth) * lengths)
 
 
 # Rows of the table of a train: one rotation of the first gear in degrees.

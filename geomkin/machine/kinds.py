@@ -92,7 +92,8 @@ class MachineRecipe(AbstractAssembledRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
-        self._print_mechanisms()
+        super().__post_init__()
+        print_mechanisms(self)
         names = list(self.mechanisms)
         if not 1 < len(names) <= MOST_MECHANISMS:
             raise DesignError("mechanisms", f"found {len(names)}", f"give 2 to {MOST_MECHANISMS}", "out-of-range")
@@ -119,22 +120,6 @@ class MachineRecipe(AbstractAssembledRecipe):
         if not any(isinstance(recipe, AbstractGoal) for recipe in alone(self.mechanisms).values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
-
-    def _print_mechanisms(self) -> None:
-        """Print all mechanisms as the machine is printed."""
-        printed = {}
-        for name, mechanism in self.mechanisms.items():
-            if (inner := mechanism.recipe).printing == self.printing:
-                continue
-            if self.printing is None:
-                remedy = "give the table printing of the machine, which is that of all its mechanisms"
-                raise DesignError(f"mechanisms.{name}.recipe.printing", "is given", remedy, "conflict")
-            with errors_of(name):
-                recipe = replace(inner, printing=self.printing).with_name(inner.name)
-            object.__setattr__(recipe, "loaded_table", inner.loaded_table)
-            printed[name] = replace(mechanism, recipe=recipe)
-        if printed:
-            object.__setattr__(self, "mechanisms", {**self.mechanisms, **printed})
 
     @property
     def recipes(self) -> Mapping[str, AbstractRecipe]:
@@ -284,25 +269,10 @@ class MachineRecipe(AbstractAssembledRecipe):
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
         return {
             "period_turns": {"driver": str(graph.period), **turns},
-            **self._gear_notes,
+            **gear_notes(self.recipes),
             **self.torques.summary,
             **assembly_summary(self),
         }
-
-    @property
-    def _gear_notes(self) -> Mapping[str, object]:
-        """Data of the teeth and meshes of each mechanism, as drawings state them."""
-
-        def is_geometry(key: str, note: object) -> bool:
-            return key in TEETH or (isinstance(note, Mapping) and "centre_distance_mm" in note)
-
-        found = {}
-        for name, recipe in self.recipes.items():
-            # Those of aspects, such as loads, are not needed.
-            notes = recipe.own_notes[0] if isinstance(recipe, AbstractComposedRecipe) else recipe.notes
-            if geometry := {key: note for key, note in notes.items() if is_geometry(key, note)}:
-                found[name] = geometry
-        return {"mechanisms": found} if found else {}
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -344,6 +314,38 @@ def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:
         equal = (r for r in recipes if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
         recipes.append(next(equal, mechanism.recipe))
     return dict(zip(mechanisms, recipes))
+
+
+def print_mechanisms(machine: MachineRecipe) -> None:
+    """Print all mechanisms as the machine is printed."""
+    printed = {}
+    for name, mechanism in machine.mechanisms.items():
+        if (inner := mechanism.recipe).printing == machine.printing:
+            continue
+        if machine.printing is None:
+            remedy = "give the table printing of the machine, which is that of all its mechanisms"
+            raise DesignError(f"mechanisms.{name}.recipe.printing", "is given", remedy, "conflict")
+        with errors_of(name):
+            recipe = replace(inner, printing=machine.printing).with_name(inner.name)
+        object.__setattr__(recipe, "loaded_table", inner.loaded_table)
+        printed[name] = replace(mechanism, recipe=recipe)
+    if printed:
+        object.__setattr__(machine, "mechanisms", {**machine.mechanisms, **printed})
+
+
+def gear_notes(recipes: Mapping[str, AbstractRecipe]) -> Mapping[str, object]:
+    """Data of the teeth and meshes of each mechanism, as drawings state them."""
+
+    def is_geometry(key: str, note: object) -> bool:
+        return key in TEETH or (isinstance(note, Mapping) and "centre_distance_mm" in note)
+
+    found = {}
+    for name, recipe in recipes.items():
+        # Those of aspects, such as loads, are not needed.
+        notes = recipe.own_notes[0] if isinstance(recipe, AbstractComposedRecipe) else recipe.notes
+        if geometry := {key: note for key, note in notes.items() if is_geometry(key, note)}:
+            found[name] = geometry
+    return {"mechanisms": found} if found else {}
 
 
 def moving(machine: MachineRecipe) -> Mapping[str, AbstractRecipe]:

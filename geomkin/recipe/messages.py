@@ -42,7 +42,7 @@ NOT_OFFERED = {
     **dict.fromkeys(("screw", "leadscrew", "ballscrew", "nut"), "rack-and-pinion"),
     **dict.fromkeys(("v", "flat", "rope", "cable", "capstan", "ribbed"), "belt-drive"),
     **dict.fromkeys(("maltese", "ratchet", "pawl", "escapement", "indexing"), "geneva, or disk-cam with dwells"),
-    **dict.fromkeys(("barrel", "cylindrical", "globoid", "groove"), "disk-cam"),
+    **dict.fromkeys(("barrel", "cylindrical", "globoid"), "groove-cam"),
     **dict.fromkeys(("universal", "cardan", "hooke", "u", "cv"), "oldham-coupling"),
     **dict.fromkeys(("delta", "hexapod", "stewart", "scara", "robot", "spherical", "flexure", "compliant"), "linkage"),
 }  # fmt: skip

@@ -68,19 +68,18 @@ class _Shared:
         "printed parts: the clearance of all that turns or meshes, and the shape of solids", default=None
     )
 
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        if own := vars(cls).get("__post_init__"):
-
-            def settled(recipe: _Shared) -> None:
-                # First, since the checks of the kind are those of the printed sizes.
-                apply_clearance(recipe)
-                own(recipe)
-
-            cls.__post_init__ = settled  # type: ignore[assignment, method-assign]
-
     def __post_init__(self) -> None:
         apply_clearance(self)
+
+    @property
+    def has_snap_pins(self) -> bool:
+        """Whether pins are printed."""
+        return self.printing is not None and self.printing.pins == "snap"
+
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the assembly is printed in one piece."""
+        return self.printing is not None and self.printing.in_place
 
 
 # Keys of every kind. Recipes list them after the mechanism's own keys; summaries omit them if they are empty.
@@ -169,16 +168,6 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
     _repr_html_ = moving_picture
-
-    @property
-    def has_snap_pins(self) -> bool:
-        """Whether pins are printed."""
-        return self.printing is not None and self.printing.pins == "snap"
-
-    @property
-    def is_in_place(self) -> bool:
-        """Whether the assembly is printed in one piece."""
-        return self.printing is not None and self.printing.in_place
 
     @property
     def is_in_own_file(self) -> bool:

@@ -22,7 +22,7 @@ from ..model.check import Check
 from ..model.explanations import explained_check
 from ..model.scene import SceneHandle
 from ..page.page import scene_data
-from ..plane.vec import Array, Real
+from ..plane.vec import Array, Complex, Real
 from ..recipe.keys import edited_text, with_added, with_values
 from ..recipe.lengths import shown_numbers
 from ..recipe.load import from_table, whole_table
@@ -35,12 +35,14 @@ from .building import (
     advice,
     drawn,
     is_unfinished,
+    plain,
     point_handles,
     structure_at,
     structure_data,
     unfinished,
 )
 from .joining import joined, shafts
+from .lengths import dimensions, resized
 from .strokes import drawn_recipe
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
@@ -309,7 +311,8 @@ def answer(
     request : mapping
         `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `build`, an
         edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`; or `join`, a mechanism
-        as `joined` takes it; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
+        as `joined` takes it; or `length`, another length of one of `dimensions`; or `drag`, with `handle`, `to`,
+        `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -321,7 +324,7 @@ def answer(
     dict
         The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `preview` (joints of a
         linkage), `structure` (names in a linkage), `unfinished` (what a linkage that is built still lacks),
-        `shafts` (that can turn another mechanism),
+        `shafts` (that can turn another mechanism), `dimensions` (lengths on the drawing that can be set),
         `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
         `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
 
@@ -350,29 +353,10 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
         "parts": None, "preview": None, "structure": None, "unfinished": "",
-        "shafts": [],
+        "shafts": [], "dimensions": [],
     }  # fmt: skip
     try:
-        if changes := request.get("set"):
-            draft.text = reply["text"] = edited_text(text, _with_whole_lists(draft, changes))
-        if key := request.get("add"):
-            _add(draft, key, reply)
-        if edit := request.get("build"):
-            try:
-                draft.text = reply["text"] = built(draft, edit)
-            except DesignError as error:
-                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
-        if stroke := request.get("draw"):
-            draft.text = reply["text"] = _drawn(draft, stroke)
-        if wanted := request.get("join"):
-            try:
-                table = draft.table()
-                draft.text = reply["text"] = joined(text, table, name, draft.opened(table), wanted)
-            except DesignError as error:
-                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
-        if request.get("drag"):
-            _drag(draft, request["drag"], request.get("locks") or (), reply)
-            draft.text = reply["text"]
+        _edit(draft, request, reply)
         table = draft.table()
         kind = table.get("kind")
         reply["kind"] = kind if isinstance(kind, str) else ""
@@ -389,6 +373,7 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
                 reply["shafts"] = [{"body": body, "at": [at.real, at.imag]} for body, at in shafts(recipe)]
             if isinstance(recipe, AbstractLinkageRecipe) and is_scene:
                 reply["structure"] = structure_data(structure_at(recipe, 0))
+                reply["dimensions"] = dimensions(recipe.linkage.linkage)
     except RecipeError as error:
         reply["problems"] = [problem.to_dict() for problem in error.problems]
     except DesignError as error:
@@ -402,6 +387,50 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         reply["scene"] = None
         _unfinished(draft, request.get("lane") == "checks", reply)
     return reply
+
+
+def _edit(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None:
+    """Change the text as requested; of an edit by hand that is impossible report why."""
+    locks = request.get("locks") or ()
+    if changes := request.get("set"):
+        draft.text = edited_text(draft.text, _with_whole_lists(draft, changes))
+    if key := request.get("add"):
+        _add(draft, key, reply)
+    by_hand: Mapping[str, Callable[[Draft, Any], str]]
+    by_hand = {"build": built, "draw": _drawn, "join": _joined, "length": partial(with_length, locks=locks)}
+    for name, edited in by_hand.items():
+        if wanted := request.get(name):
+            try:
+                draft.text = edited(draft, wanted)
+            except DesignError as error:
+                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
+    reply["text"] = draft.text
+    if request.get("drag"):
+        _drag(draft, request["drag"], locks, reply)
+        draft.text = reply["text"]
+
+
+def _joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
+    """The text of a machine with another mechanism on a shaft."""
+    table = draft.table()
+    return joined(draft.text, table, draft.name, draft.opened(table), wanted)
+
+
+def with_length(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str] = ()) -> str:
+    """The text of a linkage with another distance of two joints of a body; raises DesignError if that is impossible.
+
+    wanted: `body`, `from` and `to`, as in `dimensions` of an answer, and `length` in the unit of the recipe.
+    """
+    table = draft.table()
+    recipe = draft.as_written(table, draft.opened(table))
+    unit, length = UNITS[recipe.units], wanted.get("length")
+    if not isinstance(recipe, AbstractLinkageRecipe):
+        raise DesignError("length", "this is no linkage", "give the sizes in the form", "conflict")
+    if isinstance(length, int | float) and not isinstance(length, bool):
+        length = unit.in_mm(length / table.get("scale", 1.0), "mm")
+    sizes = resized(recipe.linkage, wanted, length, lambda key: is_locked(f"linkage.{key}", locks))
+    changes = {f"linkage.{key}": plain(unit.in_digits(size, "mm")) for key, size in sizes.items()}
+    return edited_text(draft.text, _whole_lists(changes, table, _values(recipe)))
 
 
 def _unfinished(draft: Draft, is_checks: bool, reply: Answer) -> None:
@@ -637,13 +666,18 @@ def _stated(check: Check) -> str:
 
 
 def _handle(handle: SceneHandle, locks: Collection[str], x_factor: float, y_factor: float) -> dict[str, Any]:
-    at = handle.at[kept_frames(len(handle.at))]
-    is_fixed = bool(np.isfinite(at).all() and (at == at[0]).all())
-    x, y = (_row(part[:1] if is_fixed else part) for part in (at.real / x_factor, at.imag / y_factor))
+    def places(at: Complex) -> list[Any]:
+        """[x, y], each a row over the frames unless it stays."""
+        kept = at[kept_frames(len(at))]
+        is_fixed = bool(np.isfinite(kept).all() and (kept == kept[0]).all())
+        x, y = (_row(part[:1] if is_fixed else part) for part in (kept.real / x_factor, kept.imag / y_factor))
+        return [x[0], y[0]] if is_fixed else [x, y]
+
     return {
         "id": handle.id, "label": harmless(handle.label), "keys": list(handle.keys), "shape": handle.shape,
-        "at": [x[0], y[0]] if is_fixed else [x, y], "radius": handle.radius or None, "plot": handle.column or None,
+        "at": places(handle.at), "radius": handle.radius or None, "plot": handle.column or None,
         "arrow": [handle.arrow.real, handle.arrow.imag] if handle.arrow else None,
+        "anchor": None if handle.anchor is None else places(handle.anchor),
         "locked": all(is_locked(key, locks) for key in handle.keys),
     }  # fmt: skip
 

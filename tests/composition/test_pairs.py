@@ -127,7 +127,7 @@ def in_machine(table, tmp_path):
     x, y = table["loads"].get("gravity_m_per_s2", (0, -9.81))
     gravity = complex(x, y) * np.exp(-1j * np.radians(ANGLE_DEG))
     loads = {**table["loads"], "gravity_m_per_s2": [gravity.real, gravity.imag]}
-    if table["kind"] == "disk-cam":
+    if table["kind"] in ("disk-cam", "groove-cam", "conjugate-cams"):
         turned["drive"].pop("end_deg")
     apart = read({**turned, "loads": loads})
     frames = np.linspace(0, 2 * np.pi, len(apart.table.columns[0].values))

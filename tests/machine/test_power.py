@@ -102,6 +102,22 @@ def test_gears_lose_power_in_either_direction_by_the_efficiency_of_their_train(s
     assert real.torques.input == pytest.approx(np.where(forwards, ideal / efficiency, ideal * efficiency), rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("kind", "body"), [("gear-pair", "second"), ("internal-gear-pair", "ring"), ("planetary", "carrier")]
+)
+def test_friction_of_gears_raises_the_torque_of_the_driver_by_their_efficiency(kind, body):
+    def torque(friction):
+        table = {**tomllib.loads(template_of(kind)), "friction": friction}
+        pump = {"recipe": PUMP, "turned_by": f"gears.{body}"}
+        machine = gk.load({"kind": "machine", "mechanisms": {"gears": {"recipe": table}, "pump": pump}})
+        notes = str(machine.recipes["gears"].notes)
+        return machine.torques.input, machine.recipes["gears"].efficiency, "'efficiency'" in notes
+
+    (ideal, none, hidden), (real, efficiency, shown) = torque(0.0), torque(0.1)
+    assert 0.9 < efficiency < 1 == none and shown and not hidden
+    assert real == pytest.approx(np.where(ideal > 0, ideal / efficiency, ideal * efficiency), rel=1e-12)
+
+
 def test_summary_of_a_machine_has_its_loads():
     """10 N on a stroke of 40 mm, there and back: no work, 5/6 of the power by the force on the way against it."""
     pair = PAIR | {"first_stock": {"material": "steel-S235"}, "second_stock": {"material": "steel-S235"}}

@@ -153,6 +153,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
         files: Files
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.plates.check()
         for aspect in self.aspects:
             aspect.check()

@@ -46,7 +46,8 @@ from ..program.segments import (
     Segment,
 )
 from ..scene import cam_handles, cam_scene, with_size_plot
-from .loads import CamLoadsAspect, CamLoadsTable, MadeCam
+from .loads import CamLoadsAspect, CamLoadsTable
+from .made import MadeCam
 from .worked_formulas import cam_formulas
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
@@ -68,7 +69,7 @@ LIFTS: dict[str, Segment] = {
 class CamAdditions(Additions):
     """A further segment of the programme."""
 
-    def changes(self, recipe: DiskCamRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+    def changes(self, recipe: AbstractCamRecipe, key: str) -> Iterator[Mapping[str, Any]]:
         segments = recipe.cam.program.segments
         if key == "cam.program" and (whole := getattr(segments[-1], "end_deg", None)) is not None:
             # The last segment gets shorter, and a dwell fills its end.
@@ -79,14 +80,13 @@ class CamAdditions(Additions):
 
 
 @record(kw_only=True)
-class DiskCamRecipe(AbstractComposedRecipe):
-    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+class AbstractCamRecipe(AbstractComposedRecipe):
+    """Base class of recipes of a cam and its follower."""
 
     can_be_scaled: ClassVar[bool] = True
     aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)
     additions: ClassVar[Additions] = CamAdditions()
-    takes_snap_pins: ClassVar[bool] = True
-    kind: Literal["disk-cam"] = "disk-cam"
+    kind: str
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
     loads: CamLoadsTable | None = entry(
@@ -101,6 +101,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         speed = self.drive.speed_rpm
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
@@ -279,3 +280,11 @@ class DiskCamRecipe(AbstractComposedRecipe):
             "cam.follower": follower,
             "cam.program": Program((Dwell(end_deg=120), lift, Return("cycloidal", end_deg=360))),
         }
+
+
+@record(kw_only=True)
+class DiskCamRecipe(AbstractCamRecipe):
+    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+
+    takes_snap_pins: ClassVar[bool] = True
+    kind: Literal["disk-cam"] = "disk-cam"

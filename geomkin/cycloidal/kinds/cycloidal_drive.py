@@ -69,6 +69,7 @@ class CycloidalDriveRecipe(AbstractPlatesRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.drive.check_rows(self.cycloidal.lobes)
         for aspect in self.aspects:
             aspect.check()

@@ -41,13 +41,16 @@ from ..ring import RingGear
 from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength
+from ..train import loss_factor
 from .helical import (
+    LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
     Measuring,
     Tips,
     backlash_notes,
     boss_checks,
     check_tooth_points,
+    friction_entry,
     gear_quantities,
     measuring_entry,
     mesh_notes,
@@ -84,6 +87,7 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     if TYPE_CHECKING:
         # Declared for the type checker only, since the order of fields is that of their first declaration.
         centre_distance: float | None
+        friction: float
         tips: Tips
         base: BaseStock | None
         loads: GearLoads | None
@@ -174,11 +178,16 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         side = 1 if pair.is_internal else -1
         speeds = Fraction(1), Fraction(side * pair.first.teeth, pair.second.teeth)
         axes = 0j, complex(0, -side * pair.centre_distance)
-        rings = False, pair.is_internal
+        rings, shares = (False, pair.is_internal), (1.0, self.efficiency)
         return {
-            name: RotatingBody(axis, speed, is_wheel=True, is_ring=is_ring)
-            for name, axis, speed, is_ring in zip(pair.names, axes, speeds, rings)
+            name: RotatingBody(axis, speed, True, share, is_ring)
+            for name, axis, speed, share, is_ring in zip(pair.names, axes, speeds, shares, rings)
         }
+
+    @property
+    def efficiency(self) -> float:
+        """Share of the power that reaches the second gear."""
+        return max(1 - self.friction * loss_factor(self.design), LEAST_EFFICIENCY)
 
     def scene_at(self, turn: Real) -> Scene:
         return turned_pair_scene(self.design, self.parts, turn)
@@ -208,7 +217,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
         mesh = mesh_notes(self.design, self.helix, self.face_width)
-        return self.mesh_notes({"pair": mesh}, sizes), assembly_summary(self)
+        own = {"efficiency": to_digits(self.efficiency)} if self.friction else {}
+        return self.mesh_notes({"pair": {**mesh, **own}}, sizes), assembly_summary(self)
 
     @property
     def formulas(self) -> tuple[WorkedFormula, ...]:
@@ -252,6 +262,7 @@ class GearPairRecipe(AbstractPairRecipe):
     )
     tips: Tips = tips_entry()
     centre_distance: float | None = _centre_distance()
+    friction: float = friction_entry()
     first_stock: GearStock = entry("sheet and bore of the driving gear", default=GearStock())
     second_stock: GearStock = entry("sheet and bore of the driven gear", default=GearStock())
     base: BaseStock | None = entry(
@@ -320,6 +331,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
     ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))
     tips: Tips = tips_entry()
     centre_distance: float | None = _centre_distance()
+    friction: float = friction_entry()
     pinion_stock: GearStock = entry("sheet and bore of the pinion", default=GearStock())
     ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
     loads: GearLoads | None = _loads("pinion")

@@ -57,11 +57,16 @@ from ..train import (
     train_table,
     turn_columns,
 )
-from .helical import Measuring, boss_checks, check_tooth_points, gear_notes, measuring_entry, mesh_notes
+from .helical import (
+    LEAST_EFFICIENCY,
+    Measuring,
+    boss_checks,
+    check_tooth_points,
+    gear_notes,
+    measuring_entry,
+    mesh_notes,
+)
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
-
-# Least efficiency of a mesh in a machine: with less, friction locks it.
-LEAST_EFFICIENCY = 1e-3
 
 
 @checked
@@ -293,6 +298,7 @@ class GearTrainRecipe(AbstractLoadedRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.stocks.gears(self.design)
         for aspect in self.aspects:
             aspect.check()

@@ -53,6 +53,18 @@ def tips_entry() -> Any:
     return entry(meaning, default="given")
 
 
+def friction_entry() -> Any:
+    """The field `friction`."""
+    meaning = (
+        "mean coefficient of friction of the flanks, for the efficiency, by which the torque in a machine is larger"
+    )
+    return quantity(meaning, default=0.0, at_least=0, at_most=1)
+
+
+# Least efficiency of gears in a machine: with less, friction locks them.
+LEAST_EFFICIENCY = 1e-3
+
+
 @record(checked=True, kw_only=True)
 class AbstractHelicalRecipe(AbstractAssembledRecipe):
     """Base class of recipes of involute gears."""
@@ -75,6 +87,7 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
         measuring: Measuring | None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.helix  # noqa: B018  raises for a herringbone with straight teeth
 
     @property

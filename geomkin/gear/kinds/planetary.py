@@ -34,11 +34,13 @@ from ..planetary import MEMBERS, Member, PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
+    LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
     Measuring,
     Tips,
     boss_checks,
     check_tooth_points,
+    friction_entry,
     gear_quantities,
     measuring_entry,
     mesh_notes,
@@ -58,6 +60,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     tips: Tips = tips_entry()
     driver: Member = entry("member that drives", default="sun")
     fixed: Member = entry("member that is held", default="ring")
+    friction: float = friction_entry()
     drive: Drive = entry("how the driver turns", default=Drive())
     sun_stock: GearStock = entry("sheet and bore of the sun", default=GearStock())
     planet_stock: GearStock = entry("sheet and bore of the planets", default=GearStock())
@@ -223,10 +226,16 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
         """The driver and the output; the planets have no fixed axis."""
         members = (self.driver, self.output)
+        shares = {self.driver: 1.0, self.output: self.efficiency}
         return {
-            name: RotatingBody(0j, self.turns[name], is_wheel=name != "carrier", is_ring=name == "ring")
+            name: RotatingBody(0j, self.turns[name], name != "carrier", shares[name], name == "ring")
             for name in members
         }
+
+    @property
+    def efficiency(self) -> float:
+        """Share of the power that reaches the output."""
+        return max(self.design.efficiency(self.friction, self.driver, self.fixed), LEAST_EFFICIENCY)
 
     def scene_at(self, turn: Real) -> Scene:
         time = Column("time", "s", "time", np.zeros(turn.shape))
@@ -263,5 +272,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
             "ratios": {name: to_digits(ratio) for name, ratio in gears.ratios.items()},
             "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
+            **({"efficiency": to_digits(self.efficiency)} if self.friction else {}),
         }
         return self.mesh_notes(meshes, sizes), assembly_summary(self)

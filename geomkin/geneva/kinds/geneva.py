@@ -72,6 +72,7 @@ class GenevaRecipe(AbstractPlatesRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.drive.check_rows()
         self.plates.check()
         for aspect in self.aspects:

@@ -114,6 +114,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     stock: LinkStock
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.check_stroke()
         if self.has_snap_pins and any(getattr(self, key, None) for key in ("copies", "foot")):
             problem = "found snap, but copies share rods"

@@ -114,6 +114,7 @@ class AbstractMovedRecipe(AbstractRecipe):
     stroke: Stroke | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_sizes(self)
         self.check_stroke()
         self.input_range.check_rows()

@@ -15,7 +15,7 @@ from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import mm
 from ...model.check import Check
-from ...model.scene import Limit, Plot, Scene, SceneCurve
+from ...model.scene import Limit, Plot, Scene, SceneCurve, SceneHandle, point_handle
 from ...model.table import Column, Table
 from ...plane.primitives import Segment
 from ...plane.vec import dot
@@ -151,6 +151,16 @@ class StraightLineAspect(AbstractLinkageAspect[StraightLineTable]):
         segment, words = Segment(self.part.start, self.part.end), f"{mm(self.part.length):.4g} straight"
         line = SceneCurve(segment, "construction", words)
         return replace(scene, curves=(*scene.curves, line))
+
+    @property
+    def handles(self) -> Iterator[SceneHandle]:
+        """The least length, along the line from its start, and the largest deviation, beside its middle."""
+        part, given = self.part, self.given
+        aside = (part.start + part.end) / 2 + 1j * part.direction * given.most_deviation
+        yield point_handle("straight_line.most_deviation", at=aside, label="largest deviation")
+        if given.least_length is not None:
+            end = part.start + part.direction * given.least_length
+            yield point_handle("straight_line.least_length", at=end, label="least length")
 
     @property
     def checks(self) -> Iterator[Check]:

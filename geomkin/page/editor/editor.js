@@ -4,6 +4,7 @@ import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
 import { chooseName, draftsOf, forget, keep, linkOf, python, recipeIn, showGallery } from "./dialogs.js";
+import { Dimensions } from "./dimensions.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
 import { Handles } from "./handles.js";
@@ -191,6 +192,14 @@ class Editor {
       this.history.end(this.text);
       if (!this.player.drawings[0].isInside) this.player.fit(true);
     });
+  }
+
+  // Sets the length of a dimension of the drawing.
+  setLength(dimension, length) {
+    this.close();
+    this.history.begin(this.text);
+    this.ask({ length: { ...dimension, length } });
+    this.whenIdle(() => this.history.end(this.text));
   }
 
   // Known linkages whose curves are similar to a stroke.
@@ -425,6 +434,7 @@ class Editor {
       this.ghost = new Ghost(this.player.drawings[0]);
       this.preview = new Preview(this.player, this.handles);
       this.tools.mount();
+      this.dimensions = new Dimensions(this.player.drawings[0], this);
     } else {
       this.player.replace(scene);
       if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }

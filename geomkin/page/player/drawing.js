@@ -44,6 +44,7 @@ export class Drawing {
     for (const body of [...this.bodies].sort((a, b) => a.layer - b.layer)) this.drawBody(body);
     this.hasGround = this.bodies.some((body) => body.fixed && body.cut.length);
     this.marks = scene.marks.map((mark) => this.drawMark({ label: "", role: "construction", ...mark, ...this.rows(mark) }));
+    this.dimensions = 0;
     for (const curve of scene.curves) this.drawCurve(curve);
     this.bounds = this.extent();
     // Trails are in ten-thousandths of the drawing, so that few decimals suffice for any size.
@@ -103,7 +104,7 @@ export class Drawing {
 
   // A length on a body, or on the ground, is a mark from one of its ends to the other.
   drawDimension({ label, role }, body, ends) {
-    const mark = { sort: "dimension", role, label };
+    const mark = { sort: "dimension", role, label, number: this.dimensions++ };
     for (const name of ["x", "y", "u", "v"]) mark[name] = new Float64Array(this.frames);
     for (let k = 0; k < this.frames; k++) {
       const [[x, y], [u, v]] = ends.map((end) => (body ? this.place(body, ...end, k) : end));
@@ -263,7 +264,7 @@ export class Drawing {
         lines.add(label);
         const on = sort === "vector" ? [] : [0.5, 0.3, 0.7].map((share) => at(mark, share, 0));
         const off = [1, 0.7, 0.4, 0.1].flatMap((share) => [at(mark, share, 1), at(mark, share, -1)]);
-        this.named.add(text, `of-body ${role}`, role, [...on, ...off]);
+        this.named.add(text, `of-body ${role}`, role, [...on, ...off], mark.number);
       } else {
         const short = text.replace("instant centre of ", "").replace(" and ", ", ");
         this.named.add(short, role, role, [[1, -8], [1, 8], [-1, -8], [-1, 8], [0, -14], [0, 14], [1, 0], [-1, 0], [0, -28], [0, 28]]
