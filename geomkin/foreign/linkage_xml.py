@@ -32,7 +32,7 @@ def read(text: str, file: str) -> Drawn:
     for element in root:
         kind = {"element": "Link"}.get(element.tag, element.tag)
         if kind == "ratios" and len(element):
-            refuse(file, "ratios", "gears and chains turn links", "remove them; use a machine with a gear-train")
+            refuse(file, "ratios", "gears and chains turn links", "remove them; give [[linkage.meshes]] or a machine")
         if kind not in (*elements, "ratios"):
             refuse(file, printable(element.tag), "this element is not known", "save it as .linkage2")
         elements.setdefault(kind, []).append(element)

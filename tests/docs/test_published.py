@@ -27,6 +27,8 @@ def test_a_wrong_digit_and_a_misprint_that_is_none_are_noticed():
     assert value.printed == "114.62" and value.within == half_digit("114.62") == pytest.approx(0.005, rel=1e-3)
     assert value.agrees and not replace(value, printed="114.63").agrees
     assert not replace(value, right="114.62").agrees and replace(value, printed="114.36", right="114.62").agrees
+    record = replace(value, is_record=True, found=114.0)
+    assert record.agrees and not replace(record, found=114.63).agrees
     assert half_digit("41e2") == pytest.approx(50, rel=1e-3)
 
 

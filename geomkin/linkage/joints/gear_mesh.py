@@ -59,6 +59,10 @@ class GearMesh(AbstractJoint):
     angle_deg : float
         Angle of the second body from the ground's x axis while that of the first is 0, deg.
 
+    See Also
+    --------
+    Linkage, Slider, PinInSlot, GearPair
+
     Notes
     -----
     In equilibrium the teeth press at the pitch point along the pitch circles. The part of their force along the line of
