@@ -110,6 +110,7 @@ from .linkage.dynamics.loads import (
 from .linkage.dynamics.loads import (
     TorsionSpring as TorsionSpring,
 )
+from .linkage.joints.gear_mesh import GearMesh as GearMesh
 from .linkage.joints.pin_in_slot import PinInSlot as PinInSlot
 from .linkage.joints.slide import Slider as Slider
 from .linkage.linkage import Linkage as Linkage

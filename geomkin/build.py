@@ -74,6 +74,10 @@ class FailedChecksError(GeomkinError):
     ----------
     made : Made
         The files, and all checks.
+
+    See Also
+    --------
+    Check, make
     """
 
     def __init__(self, made: Made):
@@ -105,6 +109,10 @@ def load(source: Readable) -> AbstractRecipe:
         If a file cannot be read.
     RecipeError
         With every problem, key by key.
+
+    See Also
+    --------
+    make, edit, scaled, write
 
     Examples
     --------
@@ -158,6 +166,10 @@ def make(
         If a file cannot be written. After either error each file is the old one or the complete new one.
     FailedChecksError
         If `strict` and a check failed.
+
+    See Also
+    --------
+    load, verify, index, write, show
     """
     made, contents = computed(recipe, only)
     folder = Path(out) / made.name
@@ -219,7 +231,7 @@ def computed(
         contents = {file: content for files in written.values() for file, content in files.items()}
         found_file = {}
         if isinstance(recipe, AbstractGoal):
-            found_recipe = dataclasses.replace(recipe.design, units=recipe.units)
+            found_recipe = dataclasses.replace(recipe.design, units=recipe.units, printing=recipe.printing)
             found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
         contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
         facts, remarks = _facts(results), results.remarks
@@ -255,6 +267,10 @@ def index(out: PathName = "out") -> dict[Path, int]:
     ------
     FileError
         If the folder has no recipes, has a foreign index.html, or cannot be written.
+
+    See Also
+    --------
+    make
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
@@ -303,6 +319,10 @@ def write(
         If the source has no such format.
     FileError
         If a file cannot be written. After either error each file is the old one or the complete new one.
+
+    See Also
+    --------
+    load, make
     """
     path = Path(path)
     files = source.files if isinstance(source, AbstractRecipe) else Files(labels=False)
@@ -370,6 +390,8 @@ def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
         return job
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     unit, about = UNITS[source.units], ShownRecipe(source).introduction
+    if (printing := source.printing) is not None:
+        job = dataclasses.replace(job, growth=printing.growth, foot=printing.foot)
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp, unit=unit)
 
 

@@ -77,6 +77,10 @@ def pressure_angle(cam: Cam, angle: float | ArrayLike) -> Real:
         in which the cam's surface passes under the follower; for an oscillating one, if the force pulls the arm away
         from its pivot.
 
+    See Also
+    --------
+    Cam, undercut, curvature
+
     Notes
     -----
     Above about 30 deg (45 deg for an arm) the follower binds. Rothbart, Cams (1956), on pressure angle; the sign is a

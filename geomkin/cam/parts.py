@@ -20,7 +20,6 @@ from ..making.assembly import (
     collar_across,
     collar_width,
     pin_bill,
-    seated,
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of, shaft
@@ -355,14 +354,18 @@ def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = 
     return cam_assembly(cam, stock, base).bought
 
 
-def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
-    """Items to buy for a cam and its follower, and the steps of assembly."""
+def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None, snaps: bool = False) -> Assembly:
+    """Items to buy for a cam and its follower, and the steps of assembly. snaps: whether pins are printed."""
     follower, thick = cam.follower, stock.thickness
     plates = follower_plates(cam, stock, base)
     bars = [plate for plate in plates if plate.name != "roller"]
     # A roller runs in the plane of the cam, and its bar lies under both; a face lies in the plane of the cam.
     has_bar_below = bool(bars) and follower.knife_edge is not None
-    builder = AssemblyBuilder("" if base is None else "base", thick, base, base is not None, stock.motor)
+    if snaps and (base is None or has_bar_below or not follower.oscillates):
+        problem = "found snap, but only a flat face on an arm, over a base, turns on printed pins"
+        remedy = 'give follower.kind = "oscillating-flat" and a base, or "bought"'
+        raise DesignError("printing.pins", problem, remedy, "conflict")
+    builder = AssemblyBuilder("" if base is None else "base", thick, base, base is not None, stock.motor, snaps)
     layer = builder.lowest + has_bar_below
     gap = thick if base is not None and has_bar_below else 0.0
     builder.shaft("A", "cam", stock, (0.0 if base is None else thick) + gap + thick, layer, gap)
@@ -373,7 +376,7 @@ def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
         _add_roller(builder, plates, stock, layer)
     # A tube keeps the cam above the follower; on a motor the motor's shaft holds the cam.
     height = f", {mm(gap):g} above base" if gap and stock.motor else ""
-    builder.add_step(layer, seated("cam", "A" if builder.lettered else "", stock) + f"{height}, with the drawn side up")
+    builder.add_step(layer, builder.seated("cam", "A", stock) + f"{height}, with the drawn side up")
     if stock.timing_mark:
         builder.add_step(
             layer, "the timing line is under the follower at cam angle 0; the arrow shows the direction of rotation"
@@ -396,6 +399,10 @@ def _bar_steps(
     pivot_holes = [hole for hole in plate.holes if hole.key == "pivot_bore" and hole.diameter]
     count, swings = len(pivot_holes), plate.name == "arm"
     letter = LETTERS["pivot_bore"]
+    if builder.snaps:
+        builder.snap_pin(letter, stock, stock.pivot_bore, 2 * stock.thickness, builder.lowest)
+        yield f"lay {plate.name}"
+        return
     if pivot_holes and base is not None:
         pins = f"{count} pins {letter}" if count > 1 else f"pin {letter}"
         builder.pins(letter, plate.name, stock.pivot_bore, 2 * stock.thickness, count, under=True)

@@ -68,6 +68,10 @@ class GearTrain:
     DesignError
         If a number of teeth is out of range, or there are more or fewer directions than stages.
 
+    See Also
+    --------
+    gear_train, GearPair
+
     Examples
     --------
     >>> train = gk.GearTrain(((10, 30), (8, 32)), module=2, directions_deg=(0, 180))
@@ -324,6 +328,10 @@ def gear_train(
     ------
     DesignError
         If no train within the bounds has the ratio; the message names the nearest one.
+
+    See Also
+    --------
+    GearTrain, GearPair
 
     Notes
     -----

@@ -18,6 +18,7 @@ from ..core.records import record
 from ..core.reprs import LONGEST, moving_picture, one_line
 from ..core.units import mm
 from ..plane.vec import Array, Real, direction_deg
+from .joints.gear_mesh import GearMesh
 from .joints.joint import AbstractJoint
 from .joints.pin import PinJoint
 from .joints.pin_in_slot import PinInSlot
@@ -25,8 +26,9 @@ from .joints.slide import AbstractSlide, Slider
 from .solve.placement import Placement
 
 # The structure of a linkage, equal for linkages that differ only in sizes: each body with its points; each slide with
-# its name, body and guide, and its pin if it has one; the driver.
-Structure = tuple[tuple[tuple[str, ...], ...], tuple[tuple[str, ...], ...], str]
+# its name, body and guide, and its pin if it has one; the driver; each mesh with its name, bodies and teeth.
+Meshes = tuple[tuple[str, tuple[str, str], tuple[int, int]], ...]
+Structure = tuple[tuple[tuple[str, ...], ...], tuple[tuple[str, ...], ...], str, Meshes]
 # Attributes of `Motion`, which has its bodies as further attributes: no body may have one of these names.
 MOTION_ATTRIBUTES = {
     "assembled", "bodies", "branches", "drive", "error_amplification", "given", "linkage",
@@ -103,12 +105,18 @@ class Linkage(AbstractLinkage):
         Approximate positions of pins at the first frame, mm. Only needed if the linkage is not a chain of dyads.
     slots : tuple of PinInSlot
         The pins that run in slots.
+    meshes : tuple of GearMesh
+        The gears that couple bodies on the ground.
 
     Raises
     ------
     DesignError
         If a name is not allowed or used twice, a point is not finite, a slider or the driver names no body, or the
         driver could be meant as an angle and as a displacement.
+
+    See Also
+    --------
+    Slider, PinInSlot, FourBar, move
 
     Examples
     --------
@@ -134,6 +142,7 @@ class Linkage(AbstractLinkage):
     ground_angle_deg: float = 0.0
     estimate: Mapping[str, complex] = field(default_factory=dict)
     slots: tuple[PinInSlot, ...] = ()
+    meshes: tuple[GearMesh, ...] = ()
 
     def __post_init__(self) -> None:
         _check_structure(*self.structure)
@@ -155,9 +164,10 @@ class Linkage(AbstractLinkage):
 
     @cached_property
     def structure(self) -> Structure:
-        """Names of bodies and points, slides with their bodies, and the driver."""
+        """Names of bodies and points, slides with their bodies, the driver, and meshes with their teeth."""
         slides = tuple(slide.names for slide in (*self.sliders, *self.slots))
-        return tuple((body, *points) for body, points in self.bodies.items()), slides, self.driver
+        meshes = tuple((mesh.name, mesh.bodies, mesh.teeth) for mesh in self.meshes)
+        return tuple((body, *points) for body, points in self.bodies.items()), slides, self.driver, meshes
 
     @property
     def driver_pivot(self) -> str | None:
@@ -230,15 +240,20 @@ class Linkage(AbstractLinkage):
         """The joints in which a point of one body runs along a line of another: sliders, then pins in slots."""
         return *self.sliders, *(slot.of(self.bodies) for slot in self.slots)
 
-    def with_slides(self, changed: Callable[[Any], Any]) -> dict[str, Any]:
-        """The fields of the slides, with each of them changed."""
-        return {"sliders": tuple(map(changed, self.sliders)), "slots": tuple(map(changed, self.slots))}
+    @property
+    def sized_joints(self) -> tuple[AbstractJoint, ...]:
+        """The joints with sizes of their own: slides, then meshes."""
+        return *self.slides, *self.meshes
+
+    def with_joints(self, changed: Callable[[Any], Any]) -> dict[str, Any]:
+        """The fields of these joints, with each of them changed."""
+        return {field: tuple(map(changed, getattr(self, field))) for field in ("sliders", "slots", "meshes")}
 
     @cached_property
     def joints(self) -> tuple[AbstractJoint, ...]:
         """All joints, the pins first."""
         pins = (PinJoint(name, {b: self.bodies[b][name] for b in bodies}) for name, bodies in self.pins.items())
-        return *pins, *self.slides
+        return *pins, *self.sized_joints
 
     @cached_property
     def joint_points(self) -> Mapping[str, tuple[str, ...]]:
@@ -264,10 +279,13 @@ STRUCTURES = 256
 
 
 @lru_cache(STRUCTURES)
-def _check_structure(bodies: tuple[tuple[str, ...], ...], slides: tuple[tuple[str, ...], ...], driver: str) -> None:
+def _check_structure(
+    bodies: tuple[tuple[str, ...], ...], slides: tuple[tuple[str, ...], ...], driver: str, meshes: Meshes
+) -> None:
     """Raise DesignError for names, joints or a driver that make no linkage, whatever its sizes.
 
-    bodies: each a name and its points, the ground first; slides: each name, body, guide, and its pin if it has one.
+    bodies: each a name and its points, the ground first; slides: each name, body, guide, and its pin if it has one;
+    meshes: each name, bodies and teeth.
     """
     names = [body for body, *_ in bodies]
     if len(names) < 2:
@@ -298,6 +316,15 @@ def _check_structure(bodies: tuple[tuple[str, ...], ...], slides: tuple[tuple[st
         if pin and pin not in points[ends[0]]:
             problem = f"{name} names {shown(pin)}, which is not a point of {ends[0]}"
             raise DesignError(field, problem, f"give one of {', '.join(points[ends[0]]) or 'its points'}")
+    check_names("meshes", (name for name, *_ in meshes), "a gear mesh")
+    joined = [name for name, *_ in (*slides, *meshes)]
+    if len({*joined}) < len(joined):
+        raise DesignError("meshes", "two joints have the same name", "give each a different name")
+    on_ground = [body for body in names[1:] if {*points[body]} & {*points[names[0]]}]
+    for name, pair, _ in meshes:
+        if not {*pair} <= {*on_ground} or pair[0] == pair[1]:
+            problem = f"{name} joins {' and '.join(map(shown, pair))}"
+            raise DesignError("meshes", problem, f"give two that turn on the {names[0]}: {', '.join(on_ground)}")
     _check_driver(bodies, sliders, driver)
 
 

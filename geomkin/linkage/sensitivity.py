@@ -45,8 +45,8 @@ def linkage_data(linkage: Linkage) -> Complex:
     Shape (entries, *linkages).
     """
     entries: list[complex | Array] = [z for points in linkage.bodies.values() for z in points.values()]
-    for slide in linkage.slides:
-        entries += [value * RAD if name.endswith("_deg") else value for name, value in slide.sizes.items()]
+    for joint in linkage.sized_joints:
+        entries += [value * RAD if name.endswith("_deg") else value for name, value in joint.sizes.items()]
     entries += [linkage.origin, linkage.ground_angle_deg * RAD]
     shape = np.broadcast_shapes(*(np.shape(entry) for entry in entries))
     data: Complex = np.empty((len(entries), *shape), dtype=complex)
@@ -58,7 +58,7 @@ def linkage_data(linkage: Linkage) -> Complex:
 def entry_numbers(linkage: Linkage) -> dict[tuple[str, str], int]:
     """Number of each entry of the data: by body and point, or by slider and field; ("", field) for the rest."""
     names = [(body, point) for body, points in linkage.bodies.items() for point in points]
-    names += [(slide.name, field) for slide in linkage.slides for field in slide.sizes]
+    names += [(joint.name, field) for joint in linkage.sized_joints for field in joint.sizes]
     return {name: k for k, name in enumerate([*names, ("", "origin"), ("", "ground_angle_deg")])}
 
 
@@ -194,7 +194,7 @@ def quantities(linkage: Linkage) -> Mapping[str, Quantity]:
 
 @lru_cache(STRUCTURES)
 def _quantities(structure: Structure) -> Mapping[str, Quantity]:
-    bodies, slides, _ = structure
+    bodies, slides, *_ = structure
     ids = {"transmission_angle": Quantity("angle", "", 0)}
     for body, *_ in bodies:
         ids |= {f"{body}_{what}": Quantity("body", body, k) for k, what in enumerate(("angle", "omega", "alpha"))}
@@ -391,6 +391,12 @@ class SizeDerivatives:
             if order == 0:
                 turned = turned - sum(self._rate(slider.name, f"{w}_deg").real for w in ("direction", "angle"))
             rows.append(turned)
+        for mesh in self.linkage.meshes:
+            # Angles are those from +x, those of a mesh from the ground.
+            ground = self.angle[order].get(self.linkage.ground, 0.0)
+            first, second = (self.angle[order].get(body, 0.0) - ground for body in mesh.bodies)
+            turned = second - mesh.ratio_of(mesh.bodies[1]) * first
+            rows.append(turned if order else turned - self._rate(mesh.name, "angle_deg").real)
         errors = np.empty((len(rows), self.rates.shape[1], self.n))
         for error, row in zip(errors, rows):
             error[:] = row

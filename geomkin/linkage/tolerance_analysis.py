@@ -15,8 +15,7 @@ from ..core.errors import DesignError, shown
 from ..core.fields import FARTHEST, rounded_up
 from ..core.records import record
 from ..plane.vec import Array, Complex, Mask, Real, Whole, dot, first_largest
-from .joints.joint import Play
-from .joints.slide import Slide
+from .joints.joint import Joint, Play
 from .linkage import AbstractLinkage, Linkage
 from .motion import Motion, unwrapped_deg
 from .moving import move
@@ -393,11 +392,11 @@ class ToleranceAnalysis:
             for body, points in general.bodies.items()
         }
 
-        def varied(slide: Slide) -> Slide:
-            places = {place: numbers[slide.name, place] for place in slide.places}
-            return slide.with_sizes({place: moved[k] for place, k in places.items() if k in moved})
+        def varied(joint: Joint) -> Joint:
+            places = {name: numbers[joint.name, name] for name in joint.sizes if not name.endswith("_deg")}
+            return joint.with_sizes({place: moved[k] for place, k in places.items() if k in moved})
 
-        return replace(general, bodies=bodies, **general.with_slides(varied))
+        return replace(general, bodies=bodies, **general.with_joints(varied))
 
 
 def _plays(linkage: Linkage) -> dict[str, tuple[Play, ...]]:
@@ -500,6 +499,10 @@ def tolerances(motion: Motion, of: str, lengths: Amounts = 0.0, clearances: Amou
     ------
     DesignError
         If there is no such output, length or pin, or the motion is of arrays of linkages.
+
+    See Also
+    --------
+    move, sweep
 
     Notes
     -----

@@ -18,7 +18,6 @@ from ..core.records import record
 from ..core.units import marked, mm
 from ..model.check import Check
 from ..model.material import Mass
-from ..model.motor import RPM
 from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
@@ -93,6 +92,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        self._print_mechanisms()
         names = list(self.mechanisms)
         if not 1 < len(names) <= MOST_MECHANISMS:
             raise DesignError("mechanisms", f"found {len(names)}", f"give 2 to {MOST_MECHANISMS}", "out-of-range")
@@ -120,20 +120,29 @@ class MachineRecipe(AbstractAssembledRecipe):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
 
-    @cached_property
+    def _print_mechanisms(self) -> None:
+        """Print all mechanisms as the machine is printed."""
+        printed = {}
+        for name, mechanism in self.mechanisms.items():
+            if (inner := mechanism.recipe).printing == self.printing:
+                continue
+            if self.printing is None:
+                remedy = "give the table printing of the machine, which is that of all its mechanisms"
+                raise DesignError(f"mechanisms.{name}.recipe.printing", "is given", remedy, "conflict")
+            with errors_of(name):
+                recipe = replace(inner, printing=self.printing).with_name(inner.name)
+            object.__setattr__(recipe, "loaded_table", inner.loaded_table)
+            printed[name] = replace(mechanism, recipe=recipe)
+        if printed:
+            object.__setattr__(self, "mechanisms", {**self.mechanisms, **printed})
+
+    @property
     def recipes(self) -> Mapping[str, AbstractRecipe]:
-        """The recipe of each mechanism at its speed and in its position in this machine.
+        """The recipe of each mechanism at its speed, in its position and under its loads in this machine.
 
         Equal ones are the same object, so that their parts are computed once.
         """
-        placed: dict[tuple[int, Setting], AbstractRecipe] = {}
-        recipes = {}
-        for name, recipe in alone(self.mechanisms).items():
-            speed = float(self.graph.speeds[name]) * RPM * self.drive.speed_rpm
-            setting = ShaftPlacement(self.poses[name], self.mechanisms[name].mirrored).setting(speed)
-            key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
-            recipes[name] = placed.setdefault(key, recipe.in_setting(setting))
-        return recipes
+        return self.torques.loaded_recipes
 
     @cached_property
     def graph(self) -> ShaftGraph:
@@ -199,7 +208,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     @cached_property
     def torques(self) -> MachineTorques:
         """Torques on the drivers of all mechanisms under their loads."""
-        return MachineTorques(self.graph, self.mechanisms, self.recipes, self.turns, self.drive.speed_rpm)
+        return MachineTorques(self.graph, self.mechanisms, moving(self), self.turns, self.drive.speed_rpm)
 
     @cached_property
     def scene(self) -> Scene:
@@ -335,6 +344,19 @@ def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:
         equal = (r for r in recipes if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
         recipes.append(next(equal, mechanism.recipe))
     return dict(zip(mechanisms, recipes))
+
+
+def moving(machine: MachineRecipe) -> Mapping[str, AbstractRecipe]:
+    """The recipe of each mechanism at its speed and in its position, without the torques that others take from it."""
+    placed: dict[tuple[int, Setting], AbstractRecipe] = {}
+    recipes = {}
+    for name, recipe in alone(machine.mechanisms).items():
+        # In this order, by which a mechanism at the ratio 1 has the loads of its own recipe to the last digit.
+        speed = float(machine.graph.speeds[name]) * machine.drive.speed_rpm * np.pi / 30
+        setting = ShaftPlacement(machine.poses[name], machine.mechanisms[name].mirrored).setting(speed)
+        key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
+        recipes[name] = placed.setdefault(key, recipe.in_setting(setting))
+    return recipes
 
 
 def check_settings(key: str, mechanism: Mechanism) -> None:

@@ -67,6 +67,10 @@ class Check:
         The reason that the recipe gives for an intended failure; "" if there is none.
     suggestions : tuple of Suggestion
         Changes of the recipe's values, each of which lets the check pass; empty if none is known.
+
+    See Also
+    --------
+    FailedChecksError, make
     """
 
     id: str

@@ -17,7 +17,9 @@ from ..core.fields import FARTHEST
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames
 from ..export.summary import as_json
+from ..linkage.kinds.linkages import AbstractLinkageRecipe
 from ..model.check import Check
+from ..model.explanations import explained_check
 from ..model.scene import SceneHandle
 from ..page.page import scene_data
 from ..plane.vec import Array, Real
@@ -28,6 +30,18 @@ from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.toml import parsed
 from .additions import addition
+from .building import (
+    LinkageText,
+    advice,
+    drawn,
+    is_unfinished,
+    point_handles,
+    structure_at,
+    structure_data,
+    unfinished,
+)
+from .joining import joined, shafts
+from .strokes import drawn_recipe
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
 MOST_TRIALS = 40
@@ -293,8 +307,9 @@ def answer(
     files : mapping of str to str
         Texts of the files that it names.
     request : mapping
-        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `drag`, with
-        `handle`, `to`, `frame`, `step` and `snap`;
+        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `build`, an
+        edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`; or `join`, a mechanism
+        as `joined` takes it; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -305,7 +320,9 @@ def answer(
     -------
     dict
         The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `preview` (joints of a
-        linkage), `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
+        linkage), `structure` (names in a linkage), `unfinished` (what a linkage that is built still lacks),
+        `shafts` (that can turn another mechanism),
+        `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
         `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
 
     Examples
@@ -316,9 +333,10 @@ def answer(
     'rocker = 75  # output'
     """
     reply = _replied(Draft(text, files, name), request, opened)
-    if reply["problems"] and request.get("drag"):
-        # The plates, which a drag does not compute, are impossible there: it stops where it was.
-        before = _replied(Draft(text, files, name), {**request, "drag": None}, opened)
+    if reply["problems"] and (request.get("drag") or request.get("join")):
+        # The plates, which a drag does not compute, are impossible there, or the mechanism is on this shaft: it stops
+        # where it was.
+        before = _replied(Draft(text, files, name), {**request, "drag": None, "join": None}, opened)
         if not before["problems"]:
             problem = reply["problems"][0]
             reason = f"{problem['key']}: {problem['problem']}; {problem['remedy']}"
@@ -331,13 +349,27 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     reply: Answer = {
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
-        "parts": None, "preview": None,
+        "parts": None, "preview": None, "structure": None, "unfinished": "",
+        "shafts": [],
     }  # fmt: skip
     try:
         if changes := request.get("set"):
             draft.text = reply["text"] = edited_text(text, _with_whole_lists(draft, changes))
         if key := request.get("add"):
             _add(draft, key, reply)
+        if edit := request.get("build"):
+            try:
+                draft.text = reply["text"] = built(draft, edit)
+            except DesignError as error:
+                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
+        if stroke := request.get("draw"):
+            draft.text = reply["text"] = _drawn(draft, stroke)
+        if wanted := request.get("join"):
+            try:
+                table = draft.table()
+                draft.text = reply["text"] = joined(text, table, name, draft.opened(table), wanted)
+            except DesignError as error:
+                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
         if request.get("drag"):
             _drag(draft, request["drag"], request.get("locks") or (), reply)
             draft.text = reply["text"]
@@ -353,6 +385,10 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
             (_scene if is_scene else _checks)(recipe, request.get("locks") or (), reply)
             # A drag does not change how sizes place the joints, which takes time for many bodies.
             reply["preview"] = recipe.preview(not request.get("drag")) if is_scene else None
+            if is_scene and not request.get("drag"):
+                reply["shafts"] = [{"body": body, "at": [at.real, at.imag]} for body, at in shafts(recipe)]
+            if isinstance(recipe, AbstractLinkageRecipe) and is_scene:
+                reply["structure"] = structure_data(structure_at(recipe, 0))
     except RecipeError as error:
         reply["problems"] = [problem.to_dict() for problem in error.problems]
     except DesignError as error:
@@ -364,7 +400,94 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         reply["problems"] = [problem.to_dict()]
     if reply["problems"]:
         reply["scene"] = None
+        _unfinished(draft, request.get("lane") == "checks", reply)
     return reply
+
+
+def _unfinished(draft: Draft, is_checks: bool, reply: Answer) -> None:
+    """Show a linkage that is still built as it is drawn; what it lacks is no problem."""
+    try:
+        table = draft.table()
+    except GeomkinError:
+        return
+    structure = unfinished(table)
+    if structure is None:
+        return
+    is_open = is_unfinished(structure)
+    if not is_open and reply["problems"][0]["id"] != "impossible-geometry":
+        return
+    scale, unit = float(table.get("scale", 1.0)), UNITS[table.get("units", "mm")]
+    name = reply["name"] = draft.name or "linkage"
+    reply["structure"], reply["values"] = structure_data(structure), dict(_flat(table, ""))
+    reply["handles"] = [_handle(handle, (), 1.0, 1.0) for handle in point_handles(structure, scale)]
+    if is_open:
+        reply["problems"], reply["unfinished"] = [], advice(structure)
+    if is_checks:
+        reply["checks"], reply["candidates"], reply["parts"] = [], [], {"parts": [], "bought": [], "steps": []}
+    else:
+        reply["scene"] = scene_data(drawn(structure, scale), name, unit)
+        reply["quantities"] = [{"id": "", "label": "degrees of freedom", "text": str(structure.freedom)}]
+
+
+def _drawn(draft: Draft, stroke: Mapping[str, Any]) -> str:
+    """The text of a recipe that follows a stroke."""
+    try:
+        table = draft.table()
+    except GeomkinError:
+        table = {}
+    kind, units = table.get("kind"), table.get("units")
+    known = units if isinstance(units, str) and units in UNITS else MM.name
+    return drawn_recipe(draft.text, str(kind), known, stroke.get("points"), stroke.get("bars", 6))
+
+
+def built(draft: Draft, edit: Mapping[str, Any]) -> str:
+    """The text of a linkage after an edit by hand, such as a dyad on two of its points.
+
+    Parameters
+    ----------
+    draft : Draft
+        The recipe of any linkage, or a text with bodies that are no linkage yet.
+    edit : mapping
+        `do`, a name in `geomkin.studio.building.EDITS`, with `on`, its clicks: each a mapping with `at`, [x, y] in mm,
+        and `point`, `body` or `slide`, the name of what is there; `frame`, the position of the linkage in which they
+        are meant, and `step`, the size of a pixel in mm, to which new places are rounded. Or "rename", `old` and `new`.
+
+    Returns
+    -------
+    str
+        The new text, of kind "linkage". A mechanism that moves still passes through the position that was shown.
+
+    Raises
+    ------
+    DesignError
+        If the recipe is none of a linkage, or the clicks mean nothing.
+
+    Examples
+    --------
+    >>> from geomkin.studio.building import EMPTY
+    >>> from geomkin.studio.edit import Draft, built
+    >>> text = built(Draft(EMPTY, {}), {"do": "bar", "on": [{"at": [0, 0]}, {"at": [30, 40]}], "step": 0.5})
+    >>> text.splitlines()[-1]
+    'bar_1 = {A = [0, 0], B = [30, 40]}'
+    """
+    table = draft.table()
+
+    def written(text: str) -> AbstractRecipe:
+        other = Draft(text, draft.files, draft.name)
+        return other.as_written(other.table(), other.opened(other.table()))
+
+    return LinkageText(draft.text, table, written, _moving(written, draft.text)).edited(edit)
+
+
+def _moving(written: Callable[[str], AbstractRecipe], text: str) -> AbstractRecipe | None:
+    """The recipe of a text; None if it is none, or does not move."""
+    try:
+        recipe = written(text)
+        if isinstance(recipe, AbstractLinkageRecipe):
+            _ = recipe.motion
+    except GeomkinError:
+        return None
+    return recipe
 
 
 def _add(draft: Draft, key: Any, reply: Answer) -> None:
@@ -387,6 +510,12 @@ def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply
     """Change the text so that a handle follows the pointer."""
     to, frame, steps = _pointer(wanted)
     table = draft.table()
+    sort, _, point = str(wanted.get("handle")).partition(":")
+    if sort == "point" and (structure := unfinished(table)) and is_unfinished(structure):
+        if point in structure.places:
+            linkage = LinkageText(draft.text, table, lambda _: draft.opened(table), None)
+            reply["text"] = linkage.moved(point, to, min(steps))
+        return
     recipe = draft.opened(table)
     written = draft.as_written(table, recipe)
     with errors_named_by_key("recipe", recipe):
@@ -537,6 +666,7 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
             "text": harmless(check),
             "state": "pass" if check.passed else "expected" if check.expected else "fail",
             "column": check.column or None,
+            "about": explained_check(check.id),
         }
         for check in results.checks
     ]

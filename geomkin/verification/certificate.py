@@ -197,6 +197,10 @@ def verify(folder: PathName) -> list[Certificate]:
     FileError
         If there is no folder of a recipe.
 
+    See Also
+    --------
+    make
+
     Notes
     -----
     A file that is the same as the one made again, but for the last digits of its numbers, needs no other proof. The
@@ -330,9 +334,8 @@ class Expected:
         """The parts with their exact curves."""
         files, parts = self.recipe.files, self.recipe.parts
         numbers = range(1, len(parts) + 1) if files.labels else [0] * len(parts)
-        return tuple(
-            exact_part(part, files.kerf, files.tolerance, files.cutter, number) for part, number in zip(parts, numbers)
-        )
+        printing = self.recipe.printing
+        return tuple(exact_part(part, files, printing, number) for part, number in zip(parts, numbers))
 
     def named(self, name: str) -> ExactPart:
         """The part of this name."""

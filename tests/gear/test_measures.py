@@ -1,10 +1,9 @@
-"""What a workshop measures, against published numbers and against calipers laid on the finished outline."""
+"""What a workshop measures, against calipers laid on the finished outline."""
 
 import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.tables import gears as tables
 
 GEARS = [
     gk.SpurGear(20, 2),
@@ -17,19 +16,6 @@ RINGS = [gk.RingGear(60, 2), gk.RingGear(41, 2, 0.5), gk.RingGear(60, 2, tooth_t
 
 def ids(gear):
     return f"{type(gear).__name__} {gear.teeth}"
-
-
-def test_published_span():
-    assert gk.gear.span(gk.SpurGear(20, 2), 3).length == pytest.approx(tables.SPAN, abs=5.1e-4)
-
-
-def test_published_chordal_thickness():
-    t = tables.CHORDAL
-    gear = gk.SpurGear(12, 10, 0.3)
-    chord = gk.gear.chord(gear)
-    assert gear.tip_radius - gear.pitch_radius == pytest.approx(13)
-    assert (chord.arc, chord.chord, chord.height) == pytest.approx((t["arc"], t["chord"], t["height"]), abs=5.1e-5)
-    assert np.degrees(chord.half_angle) == pytest.approx(t["half_angle_deg"], abs=5.1e-5)
 
 
 @pytest.mark.parametrize("gear", GEARS, ids=ids)

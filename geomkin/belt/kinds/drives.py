@@ -131,6 +131,8 @@ class LoopAdditions(Additions):
 class AbstractLoopRecipe(AbstractPlatesRecipe):
     """Base class of recipes of a loop round toothed wheels."""
 
+    carries_torques: ClassVar[bool] = True
+
     without_loads: ClassVar[str] = (
         "Wheels are balanced about their axes; tensions and shaft loads are computed with the table loads."
     )
@@ -156,7 +158,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
             aspect.check()
 
     @property
-    def _given(self) -> Any:
+    def _loop_table(self) -> Any:
         """The table of the belt or chain."""
         return getattr(self, self.loop_name)
 
@@ -168,7 +170,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     @property
     def profile(self) -> AbstractProfile:
         """Sizes of the belt or chain."""
-        return PROFILES[self._given.profile]
+        return PROFILES[self._loop_table.profile]
 
     @property
     @abstractmethod
@@ -179,7 +181,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     def design(self) -> LoopDrive:
         """The wheels in their places, and the loop that fits."""
         keys = self.wheels_key, f"{self.loop_name}.{self.count_word}"
-        count, flange = getattr(self._given, self.count_word), self.stock.flange_height
+        count, flange = getattr(self._loop_table, self.count_word), self.stock.flange_height
         return loop_drive(self.profile, self.given_wheels, count, self.count_step, flange, keys)
 
     @property
@@ -293,8 +295,9 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
     @cached_property
     def tensions(self) -> LoopTensions:
         """Tensions under the torques."""
-        drive, torques = self.mechanism.design, iter((0.0, *self.given.torques_n_mm))
-        each = tuple(float(next(torques)) if wheel.teeth else 0.0 for wheel in drive.wheels)
+        drive, torques, setting = self.mechanism.design, iter((0.0, *self.given.torques_n_mm)), self.mechanism.setting
+        taken = [0.0, *(setting.torque_on(wheel.name) for wheel in drive.wheels[1:])]
+        each = tuple(float(next(torques)) + more if wheel.teeth else 0.0 for wheel, more in zip(drive.wheels, taken))
         tensions = LoopTensions(drive, each, 0.0)
         slack = self.given.slack_tension_n
         return replace(tensions, slack=self.mechanism.slack_share * tensions.pull if slack is None else slack)

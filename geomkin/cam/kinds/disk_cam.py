@@ -85,6 +85,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
     can_be_scaled: ClassVar[bool] = True
     aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)
     additions: ClassVar[Additions] = CamAdditions()
+    takes_snap_pins: ClassVar[bool] = True
     kind: Literal["disk-cam"] = "disk-cam"
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
@@ -118,7 +119,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
     @cached_property
     def made(self) -> MadeCam:
         """The cam in its setting."""
-        return MadeCam(self.cam, self.drive, self.stock, self.base, self.setting)
+        return MadeCam(self.cam, self.drive, self.stock, self.base, self.setting, self.has_snap_pins)
 
     @property
     def own_table(self) -> Table:

@@ -13,6 +13,7 @@ from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_d
 from ...core.records import record
 from ...making.assembly import Assembly, BaseStock
 from ...making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
+from ...making.snap_pins import pin_parts
 from ...model.check import Check, Suggestion
 from ...model.material import Mass, Material
 from ...model.motor import Motor, MotorDuty, effective_value
@@ -49,6 +50,7 @@ class MadeCam:
     stock: CamStock
     base: BaseStock | None
     setting: Setting
+    has_snap_pins: bool = False
 
     @property
     def speed(self) -> float:
@@ -69,21 +71,22 @@ class MadeCam:
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The plates of cam, follower and base."""
-        return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
+        return (*cam_parts(self.cam, self.stock, self.cut, self.base), *pin_parts(self.assembly.snap_pins))
 
     @cached_property
     def masses(self) -> Mapping[str, Mass]:
         """Mass of cam, roller and follower; that of the follower with the pins that are glued into it."""
         bodies = part_masses(self.parts)
         if bodies:
-            for body, mass in pin_masses(self.cam, self.stock, self.base).items():
+            pins = {} if self.has_snap_pins else pin_masses(self.cam, self.stock, self.base)
+            for body, mass in pins.items():
                 bodies[body] += mass
         return bodies
 
     @cached_property
     def assembly(self) -> Assembly:
         """Shafts, pins and collars of cam and follower, and the assembly steps."""
-        return cam_assembly(self.cam, self.stock, self.base)
+        return cam_assembly(self.cam, self.stock, self.base, self.has_snap_pins)
 
     @property
     def mounted_motor(self) -> Motor | None:

@@ -17,6 +17,7 @@ from ...core.records import record
 from ...core.units import UNITS, mm
 from ...making.assembly import Assembly, BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
+from ...making.snap_pins import pin_parts
 from ...model.check import Check, WorkedFormula, WorkedFormulas
 from ...model.motor import RotatingBody
 from ...model.part import Part
@@ -114,7 +115,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = PairStrength(self.design, loads.torque_n_mm, self.face_width, (first, second), loads)
-        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, pair_strength_notes(strength))
+        summary = pair_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, summary, strength.torque)
 
     @property
     def face_width(self) -> float:
@@ -246,6 +248,7 @@ class GearPairRecipe(AbstractPairRecipe):
     """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
 
     additions: ClassVar[Additions] = Additions(("second_stock.motor",))
+    takes_snap_pins: ClassVar[bool] = True
     kind: Literal["gear-pair"] = "gear-pair"
     first: SpurGear = entry("the driving gear", example=SpurGear(12, 3, 0.6))
     second: SpurGear = entry("the driven gear", example=SpurGear(24, 3, 0.36))
@@ -289,7 +292,8 @@ class GearPairRecipe(AbstractPairRecipe):
         if self.base is not None:
             reaches, shafts = (pair.first.tip_radius, pair.second.tip_radius), (first.bore, self.second_stock.bore)
             plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
-            return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
+            gears = (replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB"))
+            return *gears, plate, *pin_parts(self.assembly.snap_pins)
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
             # The width of the plate round a hole equals the widest hole.
@@ -299,14 +303,15 @@ class GearPairRecipe(AbstractPairRecipe):
             fits = (*self.first_stock.running_fits, *self.second_stock.running_fits)
             bar = replace(bar, fits=fits, material=self.first_stock.material)
             parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
-        return *parts, *self.first_stock.motor_parts
+        return *parts, *self.first_stock.motor_parts, *pin_parts(self.assembly.snap_pins)
 
     @cached_property
     def assembly(self) -> Assembly:
         """Shafts, keys, collars and screws, and the steps of assembly."""
         first, second = (Wheel(name, letter, stock) for name, letter, stock in zip(self.pair.names, "AB", self.stocks))
         plate = self.first_stock.thickness if self.first_stock.bore and self.second_stock.bore else None
-        return pair_assembly(first, second, self.design.centre_distance, plate, self.base, self.helix)
+        distance = self.design.centre_distance
+        return pair_assembly(first, second, distance, plate, self.base, self.helix, self.has_snap_pins)
 
 
 @record(kw_only=True)
@@ -315,6 +320,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
 
     pair = InternalGearPair
 
+    prints_in_place: ClassVar[bool] = True
     kind: Literal["internal-gear-pair"] = "internal-gear-pair"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(18, 2))
     ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))
@@ -380,9 +386,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = RackStrength(self.design, loads, self.stock.thickness, (material, material))
-        return LoadedMeshes(
-            strength, {"": strength}, strength.force_limit, rack_strength_notes(strength), "loads.force_n"
-        )
+        limit, summary = strength.force_limit, rack_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, limit, summary, strength.torque, "loads.force_n")
 
     @cached_property
     def design(self) -> RackPair:

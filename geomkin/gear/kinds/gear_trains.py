@@ -223,7 +223,7 @@ class TrainSpecification:
         "direction from each arbor to the next one, deg; by default that of the arrangement", default=()
     )
     backlash: float = quantity(
-        "backlash of each mesh along the pitch circles", "modules", default=0.04, at_least=0, at_most=0.5
+        "backlash of each mesh along the pitch circles", "modules", default=0.04, at_least=0, at_most=0.5, printed=1.0
     )
     friction: float = quantity(
         "mean coefficient of friction of the flanks, for the efficiency", default=0.1, at_least=0, at_most=1
@@ -304,7 +304,8 @@ class GearTrainRecipe(AbstractLoadedRecipe):
         strength = TrainStrength(self.design, loads, self.stock.thickness, materials)
         stages = {f"stage_{k}": stage for k, stage in enumerate(strength.stages, 1)}
         summary = train_strength_notes(strength)
-        return LoadedMeshes(strength, stages, strength.torque_limit, summary, "loads.output_torque_n_mm")
+        limit, torque = strength.torque_limit, strength.input_torque
+        return LoadedMeshes(strength, stages, limit, summary, torque, "loads.output_torque_n_mm")
 
     @cached_property
     def design(self) -> GearTrain:

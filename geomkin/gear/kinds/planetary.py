@@ -52,6 +52,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed."""
 
     additions: ClassVar[Additions] = Additions(("planet_stock.motor",))
+    prints_in_place: ClassVar[bool] = True
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
     tips: Tips = tips_entry()
@@ -109,7 +110,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         widths = min(sun.thickness, planet.thickness), min(planet.thickness, ring.thickness)
         strength = PlanetaryStrength(self.design, loads, widths, materials, self.driver)
         meshes = {"sun": strength.inner, "ring": strength.outer}
-        return LoadedMeshes(strength, meshes, strength.torque_limit, planetary_strength_notes(strength))
+        summary = planetary_strength_notes(strength)
+        return LoadedMeshes(strength, meshes, strength.torque_limit, summary, loads.torque_n_mm)
 
     @property
     def output(self) -> Member:

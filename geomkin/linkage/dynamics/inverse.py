@@ -147,6 +147,31 @@ class ForceAnalysis:
         moment = self._equilibrium.size * self._unknown(column + 1) if is_aligned else 0 * normal
         return SlideForces(normal, moment)
 
+    def mesh(self, name: str) -> Real:
+        """Force of the teeth of a gear mesh on its second body, counterclockwise about the first, at the pitch point.
+
+        Parameters
+        ----------
+        name : str
+            Name of the mesh.
+
+        Returns
+        -------
+        array
+            N, along the pitch circles.
+
+        Raises
+        ------
+        DesignError
+            If the linkage has no such mesh.
+        """
+        mesh = next((mesh for mesh in self.motion.linkage.meshes if mesh.name == name), None)
+        if mesh is None:
+            names = ", ".join(mesh.name for mesh in self.motion.linkage.meshes)
+            problem = f"found {shown(name)}, which is not a gear mesh"
+            raise DesignError("name", problem, f"give one of {names or 'none'}", "unknown-key")
+        return self._unknown(self._equilibrium.joints[mesh])
+
     @property
     def undetermined(self) -> tuple[str, ...]:
         """Names of the joints of which equilibrium leaves a force open, since they hold the same direction."""
@@ -317,6 +342,10 @@ def forces(motion: Motion, loads: Loads, about: AboutPoint = None) -> ForceAnaly
     ------
     DesignError
         If a load names a body, point or joint that the linkage does not have, or has another number of frames.
+
+    See Also
+    --------
+    Loads, forward_dynamics, balance, masses, move
 
     Notes
     -----

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from ...model.scene import SceneMark
 from ...model.table import Column
@@ -17,6 +17,7 @@ Play = tuple[str, str, complex | None]
 Effect = list[tuple[int, "Real | float"]]
 # A force on a body at a place, mm in its frame, N on the ground, and a couple there, N mm.
 JointForce = tuple[str, complex | Complex, Complex, Real]
+Joint = TypeVar("Joint", bound="AbstractJoint")
 
 
 # --- What joints see of the classes that ask them. Joints are below these, so they import none.
@@ -53,6 +54,9 @@ class MotionOfJoint(Protocol):
 class WrenchesOfJoint(Protocol):
     """Arms and positions of points of moving bodies."""
 
+    @property
+    def motion(self) -> Any: ...
+
     def arm(self, body: str, place: complex | Complex) -> Complex: ...
     def position(self, body: str, place: complex | Complex) -> Complex: ...
 
@@ -76,6 +80,7 @@ class ForcesOfJoint(Protocol):
     def driver(self) -> Real: ...
     def pin(self, name: str, on: str) -> Complex: ...
     def slide(self, name: str) -> Any: ...
+    def mesh(self, name: str) -> Real: ...
 
 
 class AbstractJoint(ABC):
@@ -112,6 +117,17 @@ class AbstractJoint(ABC):
     def sizes(self) -> Mapping[str, complex | Array]:
         """Its own sizes by field: places, mm, and angles, deg, whose names end in _deg."""
         return {}
+
+    @property
+    def program_sizes(self) -> tuple[str, ...]:
+        """Attributes that the placements read, as inputs of a program."""
+        return ()
+
+    def with_sizes(self, sizes: Mapping[str, object]) -> Self:
+        """A copy with other values of some attributes, which are not checked again."""
+        copy = object.__new__(type(self))
+        copy.__dict__.update({**self.__dict__, **sizes})
+        return copy
 
     @property
     def plays(self) -> tuple[Play, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from typing import ClassVar, Self, TypeVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -27,7 +27,6 @@ from .joint import (
 
 # Ratio of accelerations below which the Coriolis acceleration is rounding.
 ROUNDING = 1e-12
-Slide = TypeVar("Slide", bound="AbstractSlide")
 # Points that differ by no more than this share of their coordinates coincide.
 EQUAL = 8 * np.finfo(float).eps
 
@@ -56,19 +55,9 @@ class AbstractSlide(AbstractJoint):
         return self.name, self.body, self.along, *self.points
 
     @property
-    def places(self) -> tuple[str, ...]:
-        """Those of its sizes that are places."""
-        return tuple(name for name in self.sizes if not name.endswith("_deg"))
-
-    @property
     @abstractmethod
     def point_entry(self) -> tuple[str, str]:
         """Owner and name of the point among the sizes of the linkage."""
-
-    @property
-    @abstractmethod
-    def program_sizes(self) -> tuple[str, ...]:
-        """Attributes that the placements read, as inputs of a program."""
 
     @abstractmethod
     def line_on(self, body: str) -> complex:
@@ -77,12 +66,6 @@ class AbstractSlide(AbstractJoint):
     @abstractmethod
     def runs_in(self, linkage: LinkageOfJoint) -> tuple[str, complex, str] | None:
         """A body, its pin, mm, and the body with the slot for that pin; None if plates slide on each other."""
-
-    def with_sizes(self, sizes: Mapping[str, object]) -> Self:
-        """A copy with other values of some attributes, which are not checked again."""
-        copy = object.__new__(type(self))
-        copy.__dict__.update({**self.__dict__, **sizes})
-        return copy
 
     @cached_property
     def direction(self) -> Complex:
@@ -168,6 +151,10 @@ class Slider(AbstractSlide):
         Direction of the line in the frame of `along`, deg.
     angle_deg : float
         Angle of the x axis of `body` from the line's direction, deg.
+
+    See Also
+    --------
+    Linkage, PinInSlot
     """
 
     name: str

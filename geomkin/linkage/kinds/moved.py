@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
@@ -20,6 +20,7 @@ from ...model.scene import SceneHandle
 from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe, Additions
 from ...recipe.settings import Stroke, Turn
+from ..joints.gear_mesh import GearMesh
 from ..joints.pin_in_slot import PinInSlot
 from ..joints.slide import Slider
 from ..linkage import AbstractLinkage, Linkage
@@ -87,7 +88,7 @@ class JointAdditions(Additions):
             yield "stroke"
 
     def changes(self, recipe: Any, key: str) -> Iterator[Mapping[str, Any]]:
-        joints = {"linkage.sliders": added_slides, "linkage.slots": added_slots}
+        joints = {"linkage.sliders": added_slides, "linkage.slots": added_slots, "linkage.meshes": added_meshes}
         linkage = recipe.linkage.linkage
         if key in joints:
             yield from joints[key](linkage)
@@ -248,6 +249,7 @@ class BodyList(AbstractLinkage):
     )
     sliders: tuple[SliderTable, ...] = entry("sliding joints", default=())
     slots: tuple[PinInSlot, ...] = entry("pins that run in slots", default=())
+    meshes: tuple[GearMesh, ...] = entry("gears that couple bodies on the ground", default=())
     estimate: dict[str, ComplexPoint] = field(
         default_factory=dict,
         metadata={
@@ -266,25 +268,34 @@ class BodyList(AbstractLinkage):
     @cached_property
     def linkage(self) -> Linkage:
         """The general linkage."""
-        bodies = {name: dict(points) for name, points in self.bodies.items()}
-        for k, corner in enumerate(self.corners):
-            check_names(f"corners[{k}].body", [corner.body], "a body")
-            check_names(f"corners[{k}].point", [corner.point], "a point")
-            check_names(f"corners[{k}].base", corner.base, "a point")
-            bodies.setdefault(corner.body, {})
-            missing = [p for p in corner.base if p not in bodies[corner.body]]
-            if missing:
-                raise DesignError(
-                    f"corners[{k}]",
-                    f"{corner.body} has no point {missing[0]}",
-                    f"give it under bodies.{corner.body}",
-                    "unknown-key",
-                )
-            bodies[corner.body][corner.point] = _corner(k, corner, *(bodies[corner.body][p] for p in corner.base))
+        bodies = with_corners(self.bodies, self.corners)
         sliders = tuple(
             Slider(s.name, s.body, s.along, s.point, s.through, s.direction_deg, s.angle_deg) for s in self.sliders
         )
-        return Linkage(bodies, self.driver, sliders, self.origin, self.ground_angle_deg, self.estimate, self.slots)
+        place = self.origin, self.ground_angle_deg
+        return Linkage(bodies, self.driver, sliders, *place, self.estimate, self.slots, self.meshes)
+
+
+def with_corners(
+    bodies: Mapping[str, Mapping[str, complex]], corners: Iterable[TriangleCorner]
+) -> dict[str, dict[str, complex]]:
+    """The points of bodies with those that are given by two distances."""
+    whole = {name: dict(points) for name, points in bodies.items()}
+    for k, corner in enumerate(corners):
+        check_names(f"corners[{k}].body", [corner.body], "a body")
+        check_names(f"corners[{k}].point", [corner.point], "a point")
+        check_names(f"corners[{k}].base", corner.base, "a point")
+        whole.setdefault(corner.body, {})
+        missing = [p for p in corner.base if p not in whole[corner.body]]
+        if missing:
+            raise DesignError(
+                f"corners[{k}]",
+                f"{corner.body} has no point {missing[0]}",
+                f"give it under bodies.{corner.body}",
+                "unknown-key",
+            )
+        whole[corner.body][corner.point] = _corner(k, corner, *(whole[corner.body][p] for p in corner.base))
+    return whole
 
 
 def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> complex:
@@ -335,6 +346,20 @@ def added_slots(linkage: Linkage) -> Iterator[Mapping[str, Any]]:
         }
 
 
+def added_meshes(linkage: Linkage) -> Iterator[Mapping[str, Any]]:
+    """Values that add a body on the ground, beyond all that moves, which gears turn with the driver."""
+    ground, driver, count = linkage.ground, linkage.driver, len(linkage.meshes) + 1
+    body, pivot = f"gear_{count}", f"gear_pivot_{count}"
+    if linkage.driver_pivot is None or any(driver in mesh.bodies for mesh in linkage.meshes):
+        return
+    place = complex(linkage.bodies[ground][linkage.driver_pivot]) - 3j * float(f"{float(linkage.size):.2g}")
+    yield {
+        f"linkage.bodies.{ground}.{pivot}": [place.real, place.imag],
+        f"linkage.bodies.{body}": {pivot: [0, 0]},
+        f"linkage.meshes[{count - 1}]": {"name": f"mesh_{count}", "first": driver, "second": body, "teeth": [24, 24]},
+    }
+
+
 WITH_SLIDER = BodyList(
     bodies={"ground": {"O": 0j}, "crank": {"O": 0j, "A": 30 + 0j}, "rod": {"A": 0j, "B": 90 + 0j}, "block": {"B": 0j}},
     driver="crank",
@@ -352,6 +377,19 @@ WITH_SLOT = BodyList(
 )
 
 
+WITH_MESH = BodyList(
+    bodies={
+        "ground": {"O": 0j, "C": 80 + 0j},
+        "crank": {"O": 0j, "A": 15 + 0j},
+        "other_crank": {"C": 0j, "D": 15 + 0j},
+        "rod": {"A": 0j, "B": 70 + 0j},
+        "other_rod": {"D": 0j, "B": 70 + 0j},
+    },
+    driver="crank",
+    meshes=(GearMesh("gears", "crank", "other_crank", (24, 24), 180.0),),
+)
+
+
 def shown_joints(tables: Collection[str]) -> BodyList:
     """Linkage of a template that shows these tables."""
-    return WITH_SLOT if "linkage.slots" in tables else WITH_SLIDER
+    return WITH_SLOT if "linkage.slots" in tables else WITH_MESH if "linkage.meshes" in tables else WITH_SLIDER

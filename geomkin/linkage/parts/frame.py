@@ -37,7 +37,7 @@ def frame_places(motion: Motion, stock: LinkStock, plates: Mapping[str, LinkPlat
     width = max(stock.bar_width, stock.fastener_used.across)
     near = width + PLAY * stock.clearance
     moving = [plate for plate in plates.values() if plate.body != linkage.ground]
-    paths = [relative_paths(motion, linkage.ground, plate.body, plate.centres) for plate in moving]
+    paths = [relative_paths(motion, linkage.ground, plate.body, plate.hull(stock.bar_width)) for plate in moving]
     # Beyond this distance from the shaft nothing moves.
     corners = [path.extent(complex(u)) - (u.conjugate() * shaft).real for path in paths for u in (1, 1j, -1, -1j)]
     free = float(np.hypot(1, 1) * max(corners) + near)
@@ -54,7 +54,9 @@ def frame_places(motion: Motion, stock: LinkStock, plates: Mapping[str, LinkPlat
             open_ = np.ones(len(both), dtype=bool)
             for z in taken:
                 open_ &= separation(both[:, None], np.broadcast_to(z, (len(both), len(z)))) >= near
-            tests = [Pair(p.body, p.hull, linkage.ground, np.array([z]), near) for z in both for p in moving]
+            tests = [
+                Pair(p.body, p.hull(stock.bar_width), linkage.ground, np.array([z]), near) for z in both for p in moving
+            ]
             open_ &= ~meeting(motion, tests).reshape(len(both), -1).any(axis=1)
             yield from some[open_[: len(some)] & open_[len(some) :]].tolist()
 

@@ -53,6 +53,13 @@ class Meetings:
         return [name for name in self.assembly.plates if name != self.ground]
 
     @cached_property
+    def layered(self) -> dict[str, int]:
+        """Number of each moving plate in the search of layers; gears in mesh have one, since they share a layer."""
+        first = {name: train[0] for train in self.assembly.gears for name in train}
+        numbers = {name: k for k, name in enumerate(dict.fromkeys(first.get(name, name) for name in self.moving))}
+        return {name: numbers[first.get(name, name)] for name in self.moving}
+
+    @cached_property
     def plates(self) -> set[frozenset[str]]:
         """Pairs of moving plates that meet, including those joined by a pin."""
         return self._joined | self._met[0]
@@ -72,7 +79,7 @@ class Meetings:
         all_plates, stock, hulls = (
             self.assembly.plates,
             self.stock,
-            {name: self.assembly.plates[name].hull for name in self.moving},
+            {name: self.assembly.plates[name].hull(self.stock.bar_width) for name in self.moving},
         )
         plates = {
             pair: Pair(all_plates[one].body, hulls[one], all_plates[two].body, hulls[two], stock.bar_width + self.play)
@@ -288,7 +295,7 @@ class Heads:
 
     @cached_property
     def _hulls(self) -> dict[str, Complex]:
-        return {name: plate.hull for name, plate in self.plates.items()}
+        return {name: plate.hull(self.meetings.stock.bar_width) for name, plate in self.plates.items()}
 
     def _test(self, keys: Iterable[Key]) -> None:
         """Determine for pairs whether they would meet in one layer."""
@@ -417,8 +424,8 @@ def passed_attachments(
             near += max([size.across / 2 if size else 0.0, *(hole.radius for hole in holes)])
             for other, layer in layers.items():
                 gap, body = (abs(layer - layers[name]) - 1) * stock.thickness, plates[other].body
-                if 0 <= gap < max(item.projections(stock.thickness)) and body != plate.body:
-                    hull = plates[other].hull
+                if 0 <= gap < max(item.projections(stock.thickness)) and other != name:
+                    hull = plates[other].hull(stock.bar_width)
                     pairs = [Pair(body, hull, plate.body, np.array([hole.centre]), near) for hole in holes]
                     if meeting(motion, pairs).any():
                         yield item.name, other

@@ -26,11 +26,14 @@ from ..joints.slide import Slider, are_equal
 from ..linkage import Linkage
 from ..motion import Motion
 from .collisions import PointPaths, relative_paths
+from .gears import MeshGear, trains
 from .stock import LinkAttachment, LinkStock
 
 # Smallest distance of the two guide pins in widths of the bar. With a smaller one the play of the pins in their slot
 # lets the plate tilt and jam.
 APART = 2.0
+# Distance of the pin that fixes a gear from its pivot, in widths of the bar: their rings do not touch.
+FIXED_AT = 1.1
 # Directions of the corners by which an outline goes round a wide hole; each is rounded with half of the bar's width.
 CIRCLE = spaced_directions(16)
 
@@ -175,7 +178,8 @@ class LinkPlate:
 
     openings: by pin or point, one point, mm, for a hole, two for a slot's ends. seat: a motor's holes in it. rim:
     points of a counterweight that the outline encloses, complex mm. attached: what is screwed to it, with its middle.
-    attached_rim: points that the outline encloses round the holes of these.
+    attached_rim: points that the outline encloses round the holes of these. disc: that it is, if it is of a flywheel.
+    wheel: the gear that it is.
     """
 
     body: str
@@ -184,6 +188,8 @@ class LinkPlate:
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
     attached: tuple[tuple[LinkAttachment, complex], ...] = ()
     attached_rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
+    disc: Circle | None = None
+    wheel: MeshGear | None = None
 
     @property
     def centres(self) -> Complex:
@@ -195,12 +201,22 @@ class LinkPlate:
     def section_points(self) -> Complex:
         """Points between which the plate is loaded, complex mm: the same, with the middle of a counterweight."""
         holes = self.centres[: len(self.centres) - len(self.rim)]
-        return np.unique(np.append(holes, self.rim.mean()) if self.rim.size else holes)
+        return np.unique(np.append(holes, self.rim.mean()) if self.rim.size and not self.disc else holes)
 
-    @property
-    def hull(self) -> Complex:
-        """Their convex hull, counterclockwise."""
-        return np.array(convex_hull(self.centres))
+    def hull(self, width: float) -> Complex:
+        """Convex hull, counterclockwise, from which the plate extends by half the width of a bar, mm."""
+        centres = self.centres if self.wheel is None else self.wheel.corners(width / 2)
+        return np.array(convex_hull(centres))
+
+    def outline(self, half: float) -> AbstractCurve:
+        """The outline: of a gear or disc, or at half of a bar's width, mm, round all centres."""
+        if self.wheel:
+            return self.wheel.outline
+        holes = [place for places in self.openings.values() for place in places]
+        disc = self.disc
+        if disc and all(abs(place - disc.centre) + half <= disc.radius for place in holes):
+            return disc
+        return rounded_hull(self.centres, half)
 
     @property
     def taken(self) -> list[list[complex]]:
@@ -272,13 +288,10 @@ class LinkPlate:
         holes += attached_holes(self.attached, stock.clearance)
         fits += (fit for item, middle in self.attached for _, fit in item.openings(middle, stock.clearance))
         hole_letters += [""] * (len(holes) - len(hole_letters))
-        outline, hole_names = (
-            rounded_hull(self.centres, stock.bar_width / 2),
-            tuple(hole_letters) if any(hole_letters) else (),
-        )
+        hole_names = tuple(hole_letters) if any(hole_letters) else ()
         return Part(
             name,
-            outline,
+            self.outline(stock.bar_width / 2),
             tuple(holes),
             stock.thickness,
             marks=self.seat.marks if self.seat else (),
@@ -313,10 +326,15 @@ class Pin:
 
 @record(eq=False)
 class LinkAssembly:
-    """Plates by name, in the order of the linkage's bodies, and the pins that join them."""
+    """Plates by name, in the order of the linkage's bodies, and the pins that join them.
+
+    gears: trains that share a layer. pack: plates that lie on one another, without others between them.
+    """
 
     plates: Mapping[str, LinkPlate]
     pins: tuple[Pin, ...]
+    gears: tuple[tuple[str, ...], ...] = ()
+    pack: tuple[str, ...] = ()
 
 
 def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
@@ -325,7 +343,8 @@ def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
     Each body is a plate with a hole for each of its points. A block, which is a sliding body with one pin on the slide
     line and nothing else, is not a plate but that pin, in a slot of the body on which it slides. Any other sliding body
     is kept from turning by two guide pins in slots of its guide, and so is a body that slides on a hub: a body on a
-    fixed shaft that only the slide turns. Slots are as long as the travel over the motion's frames. DesignError if no
+    fixed shaft that only the slide turns. Slots are as long as the travel over the motion's frames. A body with a gear
+    is that gear if its holes have room in it; otherwise two pins fix the gear on it. DesignError if no
     frame is closed, guide pins have no room, the stock's motor has no crank to turn, or the motion is of arrays of
     linkages.
     """
@@ -368,7 +387,33 @@ def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:
     for slider in linkage.sliders:
         if slider.name not in running:
             pins += _guide_pins(motion, slider, plates, stock)
-    return LinkAssembly(plates, tuple(pins))
+    gears = [[_geared(b, w, plates, pins, stock) for b, w in train.items()] for train in trains(linkage, stock)]
+    return LinkAssembly(plates, tuple(pins), tuple(map(tuple, gears)))
+
+
+def _geared(body: str, wheel: MeshGear, plates: dict[str, LinkPlate], pins: list[Pin], stock: LinkStock) -> str:
+    """Add the gear of a body to its plate, or as another plate with a pin; the name of the plate with the gear."""
+    plate, hole = plates[body], stock.hole_diameter / 2
+    away = plate.centres - wheel.pivot
+    if np.abs(away).max() + hole <= wheel.room:
+        plates[body] = replace(plate, wheel=wheel)
+        return body
+    # The second pin is opposite to the farthest hole, so that it is near no other one.
+    farthest = complex(away[np.argmax(np.abs(away))])
+    place = wheel.pivot - FIXED_AT * stock.bar_width * farthest / abs(farthest)
+    if abs(place - wheel.pivot) + hole > wheel.room:
+        problem = f"the gear of {body} with {wheel.gear.teeth} teeth has no room for the pin that fixes it"
+        raise DesignError("meshes", problem, "give it more teeth, narrower bars, or put the pivots farther apart")
+    name = unused(f"{body}_gear", plates)
+    fixing = unused(f"{name}_pin", opened(plates))
+    own = (k for k, pin in enumerate(pins) if body in pin.holes)
+    at = next(k for k in own if are_equal(plate.openings[pins[k].name][0], wheel.pivot))
+    pivot, plate.openings[fixing] = pins[at].name, (place,)
+    seat = plate.seat if plate.seat and plate.seat.pin == pivot else None
+    plates[name] = LinkPlate(body, {pivot: (wheel.pivot,), fixing: (place,)}, seat, wheel=wheel)
+    pins[at] = replace(pins[at], holes=(*pins[at].holes, name))
+    pins.append(Pin(fixing, fixing, body, place, (body, name), ()))
+    return name
 
 
 def _attached(linkage: Linkage, stock: LinkStock, body: str) -> dict[str, Any]:

@@ -211,6 +211,25 @@ class AlignedBody(Placement):
 
 
 @record(eq=False)
+class GearedBody(Placement):
+    """A body that gears turn `ratio` times as fast as the driver; its angle, rad, is `start` where the drive is 0."""
+
+    body: str
+    ratio: float
+    start: Real | float
+
+    def place(self, p0: Poses, branch: Whole | int) -> None:
+        angle = self.ratio * p0.drive + self.start
+        p0.direction[self.body] = paired(np.cos(angle), np.sin(angle))
+
+    def first(self, p0: Poses, p1: Coefficients) -> None:
+        p1.theta_prime[self.body] = np.asarray(self.ratio)
+
+    def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
+        p2.theta_prime[self.body] = np.zeros(())
+
+
+@record(eq=False)
 class PinnedBody(Placement):
     """A body of known direction whose point `local` is pinned at a known point `pin`."""
 

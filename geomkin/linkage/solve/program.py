@@ -16,7 +16,7 @@ import numpy as np
 
 from ...core.records import record
 from ...plane.vec import Array, Complex, Real
-from ..joints.slide import Slide
+from ..joints.joint import Joint
 from ..linkage import Linkage
 from ..timing import Timing
 from .branch import BranchSpec
@@ -255,7 +255,7 @@ def _program_of(
 def _inputs(linkage: Linkage) -> list[tuple[Any, str]]:
     """Sizes as numbers, each with its type if it is an input, or "" if it is a constant."""
     sizes = [z for points in linkage.bodies.values() for z in points.values()]
-    sizes += [getattr(slide, name) for slide in linkage.slides for name in slide.program_sizes]
+    sizes += [getattr(joint, name) for joint in linkage.sized_joints for name in joint.program_sizes]
     return [_input(z) for z in (*sizes, linkage.origin, linkage.ground_direction)]
 
 
@@ -302,12 +302,12 @@ def _symbolic(linkage: Linkage, symbols: Iterator[Any]) -> Linkage:
     """The linkage with symbols for its sizes; they are not checked again."""
     bodies = {body: {point: next(symbols) for point in points} for body, points in linkage.bodies.items()}
 
-    def symbolised(slide: Slide) -> Slide:
-        return slide.with_sizes({name: next(symbols) for name in slide.program_sizes})
+    def symbolised(joint: Joint) -> Joint:
+        return joint.with_sizes({name: next(symbols) for name in joint.program_sizes})
 
-    slides = linkage.with_slides(symbolised)
+    joints = linkage.with_joints(symbolised)
     symbolic = object.__new__(Linkage)
-    symbolic.__dict__.update(bodies=bodies, driver=linkage.driver, estimate={}, **slides)
+    symbolic.__dict__.update(bodies=bodies, driver=linkage.driver, estimate={}, **joints)
     symbolic.__dict__.update(shape=linkage.shape, origin=next(symbols), ground_direction=next(symbols))
     return symbolic
 

@@ -275,9 +275,9 @@ export class Drawing {
     this.named.all.sort((a, b) => off.includes(b.role) - off.includes(a.role));
   }
 
-  // Width and height, mm, of the visible elements.
+  // Width and height, mm, of the visible elements, and of `room`, ends as those of `bounds`, if an editor needs that.
   size() {
-    const boxes = [this.bounds, ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
+    const boxes = [this.bounds, ...(this.room ? [this.room] : []), ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
     this.box = this.bounds.map((_, k) => (k < 2 ? min : max)(...boxes.map((box) => box[k])));
     const [left, low, right, high] = this.box;
     return [max(right - left, 1e-9), max(high - low, 1e-9)];
@@ -317,8 +317,13 @@ export class Drawing {
   // Whether the whole mechanism is in view and not tiny, or the user has zoomed in.
   get isFitting() {
     const [left, low, right, high] = this.bounds, [x, y] = this.screen(left, high), [u, v] = this.screen(right, low);
-    const inside = min(x, y, this.wide - u, this.tall - FOOT - v) > 0;
-    return this.by > 1 || (inside && max((u - x) / this.wide, (v - y) / this.tall) > SMALL);
+    return this.isInside && (this.by > 1 || max((u - x) / this.wide, (v - y) / this.tall) > SMALL);
+  }
+
+  // Whether the whole mechanism is in view, or the user has zoomed in.
+  get isInside() {
+    const [left, low, right, high] = this.bounds, [x, y] = this.screen(left, high), [u, v] = this.screen(right, low);
+    return this.by > 1 || min(x, y, this.wide - u, this.tall - FOOT - v) > 0;
   }
 
   // Zooms in `times` about a position on the stage, px.
