@@ -239,11 +239,11 @@ def _wheel_data(job: Job, part: Part, wheel: Mapping[str, Any]) -> Iterator[tupl
 
 def _notes(job: Job, part: Part) -> tuple[Mapping[str, Any], str]:
     """The notes with data of a part, and its name in them: of a machine those of the part's mechanism."""
-    mechanisms: Any = job.source.notes.get("mechanisms", {})
+    mechanisms: Any = job.notes.get("mechanisms", {})
     for name, notes in mechanisms.items():
         if part.name.startswith(f"{name}_"):
             return notes, part.name.removeprefix(f"{name}_")
-    return job.source.notes, part.name
+    return job.notes, part.name
 
 
 def _notes_of(job: Job, part: Part, key: str) -> Mapping[str, Any]:

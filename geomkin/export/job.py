@@ -152,6 +152,11 @@ class Job:
         return scene
 
     @cached_property
+    def notes(self) -> Mapping[str, object]:
+        """Further entries of the summary."""
+        return self.source.notes
+
+    @cached_property
     def flats(self) -> Sequence[Cut]:
         """The parts along the path of the beam, half a kerf off them, with relief for the cutter."""
         cuts = [

@@ -33,9 +33,10 @@ class Heading:
 
 @record(eq=False)
 class Paragraph:
-    """A line or a text of the report."""
+    """A line or a text of the report; one that is kept is on the page of what follows."""
 
     words: str
+    is_kept: bool = False
 
 
 @record(eq=False)
@@ -125,13 +126,20 @@ def _blocks(job: Job) -> Iterator[Block]:
     yield Listing(job.recipe())
     if source.formulas:
         yield Heading("Formulas with the numbers put in")
-        for k, formula in enumerate(source.formulas, 1):
-            yield Paragraph(f"({k}) {capital(formula.name)}, by {formula.source}:")
+        given = [formula for formula in source.formulas if not formula.expression]
+        rows = ((f.symbol, f.name, f"{f.value:.{DIGITS + 1}g}", f.unit) for f in given)
+        yield ReportTable((("symbol", "given", "value", "unit"), *rows))
+        yield Paragraph("Powers are written ^; atan2(y, x) is the direction of the point (x, y). Angles are in deg.")
+        for k, formula in enumerate((f for f in source.formulas if f.expression), 1):
+            yield Paragraph(f"({k}) {formula.name[:1].upper()}{formula.name[1:]}, by {formula.source}:", is_kept=True)
             value = f"{formula.value:.{DIGITS}g} {formula.unit}".strip()
             yield Listing(f"{formula.symbol} = {formula.expression}\n  = {formula.substituted}\n  = {value}")
     if source.table is not None:
         yield Heading("Results")
-        yield Paragraph("The least and the largest value of each quantity over the motion; the table of files has all.")
+        yield Paragraph(
+            "The least and the largest value of each quantity over the motion; the table of files has all.",
+            is_kept=True,
+        )
         yield ReportTable((("quantity", "unit", "least", "largest"), *_extremes(job)))
     if source.checks:
         yield Heading("Checks")
@@ -152,7 +160,9 @@ def _blocks(job: Job) -> Iterator[Block]:
     yield Heading("Certificate")
     yield Paragraph(harmless(job.stamp))
     if job.certificate:
-        yield Paragraph("The files of the recipe, made again and compared, or measured against its exact curves:")
+        yield Paragraph(
+            "The files of the recipe, made again and compared, or measured against its exact curves:", is_kept=True
+        )
         yield ReportTable((("file", "proved by", f"largest deviation, {unit.name}", "verdict"), *job.certificate))
     else:
         yield Paragraph("The files are not verified yet: geomkin run --verify measures them and puts the result here.")
@@ -210,7 +220,8 @@ def _in_typst(block: Block) -> str:
         case ReportTable():
             heads, cells = (", ".join(map(_quoted, row)) for row in (block.rows[0], sum(block.rows[1:], ())))
             return f"#table(columns: {len(block.rows[0])}, stroke: 0.4pt, table.header({heads}), {cells})"
-    return f"#par({_quoted(block.words)})"
+    kept = "true" if block.is_kept else "false"
+    return f"#block(sticky: {kept}, {_quoted(block.words)})"
 
 
 def _quoted(words: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isnan
+from math import isnan, pi
 from typing import Annotated, Literal
 
 from ..core.arguments import LARGEST, REAL, ArgumentType
@@ -147,7 +147,7 @@ class WorkedFormula:
     name, symbol : str
         The result and its symbol.
     expression : str
-        The formula in symbols.
+        The formula in symbols; empty for a given number.
     substituted : str
         The same with the numbers put in.
     value : float
@@ -174,13 +174,19 @@ class WorkedFormulas:
     ----------
     source : str
         Where the formulas are from.
-    numbers : mapping of str to float
-        Given numbers by symbol.
+    numbers : mapping of str to float, optional
+        Numbers by symbol that are known already.
     """
 
-    def __init__(self, source: str, numbers: Mapping[str, float]) -> None:
-        self.source, self.numbers = source, dict(numbers)
+    def __init__(self, source: str, numbers: Mapping[str, float] | None = None) -> None:
+        self.source, self.numbers = source, {"pi": pi, **(numbers or {})}
         self.formulas: list[WorkedFormula] = []
+
+    def give(self, symbol: str, name: str, value: float, unit: str = "") -> float:
+        """A given number, by its symbol and meaning; returns it."""
+        self.formulas.append(WorkedFormula(name, symbol, "", "", float(value), unit, ""))
+        self.numbers[symbol] = float(value)
+        return float(value)
 
     def add(self, name: str, symbol: str, template: str, value: float, unit: str = "") -> float:
         """A formula as a template with `{symbol}` for each number and spaces for products; returns its value."""

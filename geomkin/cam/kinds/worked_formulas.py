@@ -55,20 +55,22 @@ def cam_formulas(cam: Cam, angles: Real, rates: tuple[float, float], unit: Lengt
     x = float((angles[row] - found.start) % 360) / (found.end - found.start)
     if not 0 < x < 0.5:
         return ()
-    rate, alpha = rates
     range_deg, *forms = FORMS[law]
-    numbers = {
-        "theta": float(angles[row]), "theta_0": found.start % 360, "beta": found.end - found.start,
-        "s_0": found.lift * size, "h": (found.end_lift - found.lift) * size, "omega": rate, "alpha": alpha, "pi": np.pi,
-    }  # fmt: skip
-    worked = WorkedFormulas(f"VDI 2143 Blatt 1, the law {law}", numbers)
+    worked = WorkedFormulas(f"VDI 2143 Blatt 1, the law {law}")
+    worked.give("theta", "cam angle in this frame", angles[row], "deg")
+    worked.give("theta_0", "cam angle at the start of the segment", found.start % 360, "deg")
+    worked.give("beta", "range of the segment", found.end - found.start, "deg")
+    start = worked.give("s_0", "lift at the start of the segment", found.lift * size, length)
+    rise = worked.give("h", "change of the lift in the segment", (found.end_lift - found.lift) * size, length)
+    rate = worked.give("omega", "angular velocity of the cam", rates[0], "rad/s")
+    alpha = worked.give("alpha", "angular acceleration of the cam", rates[1], "rad/s2")
     worked.add("place in the segment, from 0 to 1", "x", "({theta} - {theta_0}) / {beta}", x)
     width = worked.add("range of the segment", "B", "{beta} {pi} / 180", found.radians, "rad")
     if range_deg:
         worked.add("angle of the law", "phi", f"{range_deg:g} {{x}}", range_deg * x, "deg")
-    values = np.asarray(LAWS[law](np.array([x])))[:, 0] * numbers["h"]
+    values = np.asarray(LAWS[law](np.array([x])))[:, 0] * rise
     words = "angle of the arm from its start" if is_arm else "lift"
-    lift = worked.add(words, "s", f"{{s_0}} + {{h}} {forms[0]}", numbers["s_0"] + values[0], length)
+    lift = worked.add(words, "s", f"{{s_0}} + {{h}} {forms[0]}", start + values[0], length)
     first = worked.add(
         "its derivative by the cam angle", "s_1", f"{{h}} {forms[1]} / {{B}}", values[1] / width, f"{length}/rad"
     )
@@ -85,30 +87,31 @@ def _pressure(
     cam: Cam, unit: LengthUnit, numbers: dict[str, float], lift: float, first: float, second: float
 ) -> tuple[WorkedFormula, ...]:
     """The pressure angle of a roller, or the radius of curvature under a flat face that moves straight."""
-    worked = WorkedFormulas(
-        "Norton, Design of Machinery, chapter 8",
-        {**numbers, "R_b": float(unit.of(cam.base_radius)), "R_r": float(unit.of(cam.follower.roller_radius))},
-    )
+    worked = WorkedFormulas("Norton, Design of Machinery, chapter 8", numbers)
+    base = worked.give("R_b", "radius of the base circle", unit.of(cam.base_radius), unit.name)
+    if roller := cam.follower.roller_radius:
+        worked.give("R_r", "radius of the roller", unit.of(roller), unit.name)
+    else:
+        worked.numbers["R_r"] = 0.0
     prime = float(unit.of(cam.prime_radius))
     match cam.follower:
         case TranslatingRoller(offset=offset):
-            e = cam.sense * float(unit.of(offset))
-            worked.numbers["e"] = e
+            e = worked.give("e", "offset, positive where it helps the rise", cam.sense * unit.of(offset), unit.name)
             template, value = "sqrt(({R_b} + {R_r})^2 - {e}^2) + {s}", np.sqrt(prime**2 - e * e) + lift
             height = worked.add("height of the roller's centre above the cam's axis", "H", template, value, unit.name)
             template, value = "atan2({s_1} - {e}, {H})", np.degrees(np.arctan2(first - e, height))
-            worked.add("pressure angle; e is positive where it helps the rise", "mu", template, value, "deg")
+            worked.add("pressure angle", "mu", template, value, "deg")
         case OscillatingRoller(pivot_distance=distance, arm_length=arm, side=side):
-            c, reach = float(unit.of(distance)), float(unit.of(arm))
-            tau = cam.sense * side_sign(side)
-            worked.numbers |= {"c": c, "L": reach, "tau": tau}
+            c = worked.give("c", "distance of the pivot from the cam's axis", unit.of(distance), unit.name)
+            reach = worked.give("L", "length of the arm", unit.of(arm), unit.name)
+            tau = worked.give("tau", "1 or -1, by the direction of the cam and the side", cam.sense * side_sign(side))
             template = "arccos(({c}^2 + {L}^2 - ({R_b} + {R_r})^2) / (2 {c} {L})) + {s} 180 / {pi}"
             value = np.degrees(np.arccos((c * c + reach**2 - prime**2) / (2 * c * reach)) + lift)
             psi = np.radians(worked.add("angle of the arm at its pivot", "psi", template, value, "deg"))
             template = "atan2({L} (1 + {tau} {s_1}) - {c} cos({psi} deg), {c} sin({psi} deg))"
             value = np.degrees(np.arctan2(reach * (1 + tau * first) - c * np.cos(psi), c * np.sin(psi)))
-            worked.add("pressure angle; tau is 1 where the cam runs away from the pivot", "mu", template, value, "deg")
+            worked.add("pressure angle", "mu", template, value, "deg")
         case TranslatingFlat():
-            template, value = "{R_b} + {s} + {s_2}", float(unit.of(cam.base_radius)) + lift + second
+            template, value = "{R_b} + {s} + {s_2}", base + lift + second
             worked.add("radius of curvature of the profile", "rho", template, value, unit.name)
     return tuple(worked.formulas)

@@ -225,10 +225,16 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         """The circles of both gears, and the working pressure angle and contact ratio of external ones."""
         pair, unit = self.design, UNITS[self.units]
         gears, alpha = (pair.first, pair.second), float(np.degrees(pair.first.pressure_angle))
-        m, a = float(unit.of(pair.module)), float(unit.of(pair.centre_distance))
-        r_a = [float(unit.of(gear.tip_radius)) for gear in gears]
-        given = {"m": m, "alpha": alpha, "a": a, "r_a1": r_a[0], "r_a2": r_a[1], "pi": np.pi}
-        worked = WorkedFormulas("ISO 21771", given | {"z_1": gears[0].teeth, "z_2": gears[1].teeth})
+        worked = WorkedFormulas("ISO 21771")
+        m = worked.give("m", "module", unit.of(pair.module), unit.name)
+        worked.give("alpha", "pressure angle", alpha, "deg")
+        a = worked.give("a", "centre distance", unit.of(pair.centre_distance), unit.name)
+        for k, gear in enumerate(gears, 1):
+            worked.give(f"z_{k}", f"teeth of gear {k}", gear.teeth)
+        r_a = [
+            worked.give(f"r_a{k}", f"tip radius of gear {k}", unit.of(gear.tip_radius), unit.name)
+            for k, gear in enumerate(gears, 1)
+        ]
         cos, r_b = np.cos(np.radians(alpha)), []
         for k, gear in enumerate(gears, 1):
             worked.add(f"pitch diameter of gear {k}", f"d_{k}", f"{{m}} {{z_{k}}}", m * gear.teeth, unit.name)

@@ -208,10 +208,15 @@ class GenevaRecipe(AbstractPlatesRecipe):
         """Sizes, and the motion of the wheel as a pin is halfway from its entry to the line of centres."""
         wheel, unit, (speed, acceleration) = self.geneva, UNITS[self.units], self.rates
         (n, k), p = wheel.numbers, -wheel.half_motion / 2
-        given = {"n": n, "k": k, "c": float(unit.of(wheel.distance)), "p": float(np.degrees(p)), "omega": speed}
-        worked = WorkedFormulas("Bickford, Mechanisms for Intermittent Motion", given | {"alpha": acceleration})
+        worked = WorkedFormulas("Bickford, Mechanisms for Intermittent Motion")
+        worked.give("n", "slots", n)
+        worked.give("k", "pins", k)
+        distance = worked.give("c", "distance of the axes", unit.of(wheel.distance), unit.name)
+        worked.give("p", "angle of the pin in this frame, from the line of the axes", np.degrees(p), "deg")
+        worked.give("omega", "angular velocity of the crank", speed, "rad/s")
+        worked.give("alpha", "angular acceleration of the crank", acceleration, "rad/s2")
         m = worked.add("crank radius over distance of the axes", "m", "sin(180 deg / {n})", wheel.ratio)
-        worked.add("crank radius", "r", "{c} {m}", given["c"] * m, unit.name)
+        worked.add("crank radius", "r", "{c} {m}", distance * m, unit.name)
         worked.add("share of a turn in which the wheel rests", "d", "1 - {k} ({n} - 2) / (2 {n})", wheel.dwell)
         worked.add("largest velocity of the wheel over that of the crank", "u", "{m} / (1 - {m})", m / (1 - m))
         q = 1 - 2 * m * np.cos(p) + m * m

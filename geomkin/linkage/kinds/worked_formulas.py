@@ -14,15 +14,22 @@ from ..named_linkages import FourBar, SliderCrank
 def four_bar_formulas(linkage: FourBar, table: Table, drive: Turn, unit: LengthUnit) -> tuple[WorkedFormula, ...]:
     """The formulas of a four-bar in one frame of its table; empty if it cannot be assembled there."""
     row, mm = len(table.columns[0].values) // 6, unit.name
-    g, a, b, c = (float(unit.of(v)) for v in (linkage.ground, linkage.crank, linkage.coupler, linkage.rocker))
-    p, q = float(unit.of(linkage.coupler_point.real)), float(unit.of(linkage.coupler_point.imag))
-    theta_deg, omega = float(table.columns[0].values[row]), drive.speed_rpm * np.pi / 30
-    theta, sign = np.radians(theta_deg), float(table["rocker_pin_branch"][row])
-    numbers = {"g": g, "a": a, "b": b, "c": c, "x_B": p, "y_B": q, "theta": theta_deg, "omega": omega}
+    worked = WorkedFormulas("Norton, Design of Machinery, chapters 4 and 6")
+    sizes = {"g": linkage.ground, "a": linkage.crank, "b": linkage.coupler, "c": linkage.rocker}
+    names = "ground", "crank", "coupler", "rocker"
+    g, a, b, c = (worked.give(key, name, unit.of(sizes[key]), mm) for key, name in zip(sizes, names))
     s, k, m, longest = sorted((g, a, b, c))
-    worked = WorkedFormulas(
-        "Norton, Design of Machinery, chapters 4 and 6", {**numbers, "s": s, "l": longest, "k": k, "m": m}
+    for symbol, name, length in zip("slkm", ("shortest", "longest", "third", "second"), (s, longest, k, m)):
+        worked.give(symbol, f"{name} length", length, mm)
+    p = worked.give(
+        "x_B", "coupler point from the crank pin, along the coupler", unit.of(linkage.coupler_point.real), mm
     )
+    q = worked.give("y_B", "coupler point across the coupler, to its left", unit.of(linkage.coupler_point.imag), mm)
+    theta = np.radians(
+        worked.give("theta", "crank angle in this frame, from the ground", table.columns[0].values[row], "deg")
+    )
+    omega = worked.give("omega", "angular velocity of the crank", drive.speed_rpm * np.pi / 30, "rad/s")
+    sign = float(table["rocker_pin_branch"][row])
     worked.add(
         "Grashof: a link turns fully if this is at most 0", "G", "{s} + {l} - {k} - {m}", s + longest - k - m, mm
     )
@@ -64,12 +71,15 @@ def slider_crank_formulas(
 ) -> tuple[WorkedFormula, ...]:
     """The formulas of a slider-crank in one frame of its table; empty if it cannot be assembled there."""
     row, mm = len(table.columns[0].values) // 6, unit.name
-    a, b, e = (float(unit.of(value)) for value in (linkage.crank, linkage.coupler, linkage.offset))
-    theta_deg, omega = float(table.columns[0].values[row]), drive.speed_rpm * np.pi / 30
-    alpha, sign = drive.acceleration_rad_per_s2, float(table["slider_pin_branch"][row])
-    theta = np.radians(theta_deg)
-    numbers = {"a": a, "b": b, "e": e, "theta": theta_deg, "omega": omega, "alpha": alpha}
-    worked = WorkedFormulas("Norton, Design of Machinery, chapters 4, 6 and 7", numbers)
+    worked = WorkedFormulas("Norton, Design of Machinery, chapters 4, 6 and 7")
+    a = worked.give("a", "crank", unit.of(linkage.crank), mm)
+    b = worked.give("b", "rod", unit.of(linkage.coupler), mm)
+    e = worked.give("e", "height of the line of the slider's pin above the crank's pivot", unit.of(linkage.offset), mm)
+    angle = table.columns[0].values[row]
+    theta = np.radians(worked.give("theta", "crank angle in this frame, from the direction of the slide", angle, "deg"))
+    omega = worked.give("omega", "angular velocity of the crank", drive.speed_rpm * np.pi / 30, "rad/s")
+    alpha = worked.give("alpha", "angular acceleration of the crank", drive.acceleration_rad_per_s2, "rad/s2")
+    sign = float(table["slider_pin_branch"][row])
     sine = (e - a * np.sin(theta)) / b
     if not np.isfinite(sign) or abs(sine) >= 1:
         return ()
